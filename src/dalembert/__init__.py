@@ -1,0 +1,161 @@
+"""dalembert: analysis and design optimisation of constrained mechanical systems.
+
+>>> import dalembert as da
+>>> from dalembert import planar
+"""
+
+from dalembert.analysis import (
+    Dynamics,
+    Equilibrium,
+    Event,
+    InverseDynamics,
+    Kinematics,
+    Linearization,
+    linearize,
+    solve_assembly,
+    solve_dynamics,
+    solve_equilibrium,
+    solve_inverse_dynamics,
+    solve_kinematics,
+)
+from dalembert.design import Limit, Optimum, optimize
+from dalembert.elements import laws, planar
+from dalembert.elements.curves import FormulaCurve, SplineCurve, u
+from dalembert.errors import (
+    AnalysisError,
+    AssemblyError,
+    DalembertError,
+    ExpressionError,
+    FileError,
+    ModelError,
+    SingularityError,
+    UnsupportedError,
+)
+from dalembert.formulations import Baumgarte, Kkt, Projection, RangeSpace, Stabilization
+from dalembert.integrators import RK4, DormandPrince, RKGill
+from dalembert.model.model import Model
+from dalembert.model.system import System
+from dalembert.responses import (
+    At,
+    Final,
+    Integral,
+    Maximum,
+    Mean,
+    Minimum,
+    Response,
+    Rms,
+    at,
+    evaluate,
+    final,
+    integral,
+    maximum,
+    mean,
+    minimum,
+    rms,
+)
+from dalembert.results.motion import Motion
+from dalembert.results.status import Outcome, Status
+from dalembert.sensitivity import Adjoint, Direct, FiniteDifference, sensitivity
+from dalembert.symbolic.expression import Expression, t
+from dalembert.symbolic.functions import (
+    absolute,
+    acos,
+    asin,
+    atan,
+    atan2,
+    cos,
+    exp,
+    hypot,
+    log,
+    sign,
+    sin,
+    sqrt,
+    tan,
+    tanh,
+    where,
+)
+from dalembert.symbolic.parameter import Parameter
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Adjoint",
+    "AnalysisError",
+    "AssemblyError",
+    "At",
+    "Baumgarte",
+    "DalembertError",
+    "Direct",
+    "DormandPrince",
+    "Dynamics",
+    "Equilibrium",
+    "Event",
+    "Expression",
+    "ExpressionError",
+    "FileError",
+    "Final",
+    "FiniteDifference",
+    "FormulaCurve",
+    "Integral",
+    "InverseDynamics",
+    "Kinematics",
+    "Kkt",
+    "Limit",
+    "Linearization",
+    "Maximum",
+    "Mean",
+    "Minimum",
+    "Model",
+    "ModelError",
+    "Motion",
+    "Optimum",
+    "Outcome",
+    "Parameter",
+    "Projection",
+    "RK4",
+    "RKGill",
+    "RangeSpace",
+    "Response",
+    "Rms",
+    "SingularityError",
+    "SplineCurve",
+    "Stabilization",
+    "Status",
+    "System",
+    "UnsupportedError",
+    "absolute",
+    "acos",
+    "asin",
+    "at",
+    "atan",
+    "atan2",
+    "cos",
+    "evaluate",
+    "exp",
+    "final",
+    "hypot",
+    "integral",
+    "laws",
+    "linearize",
+    "log",
+    "maximum",
+    "mean",
+    "minimum",
+    "optimize",
+    "planar",
+    "rms",
+    "sensitivity",
+    "sign",
+    "sin",
+    "solve_assembly",
+    "solve_dynamics",
+    "solve_equilibrium",
+    "solve_inverse_dynamics",
+    "solve_kinematics",
+    "sqrt",
+    "t",
+    "tan",
+    "tanh",
+    "u",
+    "where",
+]

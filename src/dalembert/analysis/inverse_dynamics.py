@@ -1,0 +1,48 @@
+"""Inverse dynamics: the efforts of the drivers and all reactions of a driven mechanism.
+
+With the motion known from kinematics, ``Cᵀ λ = f − d − M v̇`` gives every multiplier (1.49).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from dalembert.analysis.kinematics import Kinematics
+from dalembert.errors import AnalysisError
+from dalembert.model.model import Model
+from dalembert.results.motion import Motion
+
+
+@dataclass(frozen=True)
+class InverseDynamics(Kinematics):
+    """Kinematic simulation followed by the forces it needs, as a strategy object."""
+
+    @property
+    def efforts(self) -> bool:
+        return True
+
+
+def solve_inverse_dynamics(
+    model: Model,
+    duration: float | None = None,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    progress: bool | Callable[[float], None] = False,
+    **options: Any,
+) -> Motion:
+    """Motion, driver efforts and reactions of a fully driven mechanism.
+
+    Parameters
+    ----------
+    model : fully driven Model with masses
+    duration : [s]
+    parameters : new values of parameters, without rebuilding
+    **options : fields of ``InverseDynamics``: step, outputs, t_span
+    """
+    try:
+        analysis = InverseDynamics(duration=duration, **options)
+    except TypeError as error:
+        raise AnalysisError(f"solve_inverse_dynamics: {error}") from None
+    return analysis.run(model, parameters, progress)

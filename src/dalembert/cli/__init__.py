@@ -1,0 +1,5 @@
+"""Command line: ``dalembert check | run | sensitivity | optimize | report | schema | examples``."""
+
+from dalembert.cli.app import main
+
+__all__ = ["main"]

@@ -1,0 +1,80 @@
+"""The ``dalembert`` command: reads the arguments, calls one command, turns errors into exit codes.
+
+Exit codes: 0 done, 1 the analysis failed, 2 wrong input, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from cyclopts import App, CycloptsError
+
+from dalembert.cli.console import DONE, FAILED, INTERRUPTED, WRONG_INPUT, WrongInput, fail
+from dalembert.errors import AnalysisError, DalembertError
+
+COMMANDS = {
+    "examples": "List the example models, or copy one here.",
+    "check": "Explain a model: its freedom, parts, parameters, and what is doubtful about it.",
+    "run": "Run the analysis of a model file; writes results and an interactive report.",
+    "sensitivity": "Derivatives of the responses of a model file by its parameters.",
+    "optimize": "Find the parameter values that make a response of a model file best.",
+    "report": "Write the interactive report of a result file.",
+    "schema": "Print the JSON Schema of model files, for editors.",
+}
+
+HELP = """Analysis and design optimisation of constrained mechanical systems.
+
+A mechanism is described in a model file (TOML or JSON). Begin with
+
+    dalembert examples four_bar     (copies an example here)
+    dalembert check four_bar.toml   (explains it)
+    dalembert run four_bar.toml     (computes, writes results and a report)
+
+Exit codes: 0 done, 1 the analysis failed, 2 wrong input, 130 interrupted.
+"""
+
+
+def make_app() -> App:
+    """The application; each command's module is imported when it is called."""
+    app = App(name="dalembert", help=HELP, version=_version, help_format="markdown")
+    for name, summary in COMMANDS.items():
+        app.command(f"dalembert.cli.{name}:{name}", name=name, help=summary)
+    return app
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; never a traceback for wrong input."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    as_json = "--json" in given
+    app = make_app()
+    app.suppress_keyboard_interrupt = False
+    try:
+        code = app(
+            given, exit_on_error=False, print_error=False, help_on_error=False,
+            result_action="return_value",
+        )
+        return code if isinstance(code, int) else DONE
+    except WrongInput as error:
+        return fail(error.cause, WRONG_INPUT, as_json)
+    except AnalysisError as error:
+        return fail(error, FAILED, as_json)
+    except DalembertError as error:
+        return fail(error, WRONG_INPUT, as_json)
+    except CycloptsError as error:
+        text = f"{error}\n'dalembert --help' lists the commands, 'dalembert COMMAND --help' its options"
+        return fail(DalembertError(text), WRONG_INPUT, as_json)
+    except KeyboardInterrupt:
+        return fail(DalembertError("interrupted"), INTERRUPTED, as_json)
+    except BrokenPipeError:  # the reader of our output, such as ``head``, has gone
+        sys.stderr.close()
+        return DONE
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("dalembert")
+    except PackageNotFoundError:
+        return "unknown (not installed)"

@@ -1,0 +1,80 @@
+"""What all commands share: exit codes, plain or JSON output."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from dalembert.errors import DalembertError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+AsJson = Annotated[bool, Parameter(name="--json", negative=())]
+Settings = Annotated[
+    list[str], Parameter(name="--set", negative=(), help="New value of a parameter: l1=0.25; repeatable.")
+]
+Quiet = Annotated[bool, Parameter(name=["--quiet", "-q"], negative=())]
+
+
+class WrongInput(Exception):
+    """An error met before anything was computed: the input is at fault, not the analysis."""
+
+    def __init__(self, cause: DalembertError):
+        self.cause = cause
+        super().__init__(str(cause))
+
+
+@contextmanager
+def wrong_input() -> Iterator[None]:
+    """Errors inside are due to what the user gave."""
+    try:
+        yield
+    except DalembertError as error:
+        raise WrongInput(error) from None
+
+
+def console() -> Console:
+    """Terminal output; without colours where it is not a terminal."""
+    from rich.console import Console
+
+    return Console(highlight=False, soft_wrap=True)
+
+
+def emit(data: Any) -> None:
+    """One JSON document on standard output; null where a number is not finite."""
+    print(json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def plain(data: Any) -> Any:
+    """Built-in types only."""
+    if isinstance(data, dict):
+        return {str(key): plain(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [plain(item) for item in data]
+    if hasattr(data, "tolist"):
+        return plain(data.tolist())
+    if isinstance(data, float):
+        return data if math.isfinite(data) else None
+    return data if data is None or isinstance(data, (bool, int, str)) else str(data)
+
+
+def fail(error: Exception, code: int, as_json: bool) -> int:
+    """Tell an error on standard error, or as JSON on standard output; returns the exit code."""
+    if as_json:
+        emit({"ok": False, "exit_code": code, "error": {"kind": type(error).__name__, "message": str(error)}})
+    else:
+        text = str(error).encode("utf-8", "replace").decode("utf-8")
+        try:
+            print(f"Error: {text}", file=sys.stderr)
+        except UnicodeEncodeError:
+            print("Error: " + text.encode("ascii", "backslashreplace").decode(), file=sys.stderr)
+    return code

@@ -1,0 +1,84 @@
+"""``dalembert examples``: model files to begin with."""
+
+from __future__ import annotations
+
+import shutil
+from importlib import resources
+from pathlib import Path
+
+from dalembert.cli.console import DONE, AsJson, console, emit, wrong_input
+from dalembert.errors import FileError
+
+
+def examples(
+    name: str | None = None,
+    /,
+    *,
+    output: Path | None = None,
+    force: bool = False,
+    as_json: AsJson = False,
+) -> int:
+    """List the example models, or copy one here.
+
+    Parameters
+    ----------
+    name
+        Example to copy, e.g. four_bar.
+    output
+        Folder to copy to; this one by default.
+    force
+        Replace a file that is there already.
+    as_json
+        Print one JSON document instead of text.
+    """
+    known = {path.stem: path for path in sorted(example_folder().glob("*.toml"))}
+    if name is None:
+        if as_json:
+            emit({"ok": True, "examples": {n: _about(p) for n, p in known.items()}})
+        else:
+            for n, path in known.items():
+                console().print(f"{n:<24} {_about(path)}", markup=False)
+            console().print("\n'dalembert examples NAME' copies one here", markup=False)
+        return DONE
+    with wrong_input():
+        target = _copied(known, name.removesuffix(".toml"), output or Path(), force)
+    if as_json:
+        emit({"ok": True, "files": [str(target)]})
+    else:
+        console().print(f"written {target}\nnow try: dalembert check {target}", markup=False)
+    return DONE
+
+
+def example_folder() -> Path:
+    """Where the examples lie: in the installed package, or beside ``src`` in a checkout.
+
+    Raises
+    ------
+    FileError
+        They were not installed.
+    """
+    package = Path(str(resources.files("dalembert")))
+    for folder in (package / "examples", package.parents[1] / "examples"):
+        if folder.is_dir():
+            return folder
+    raise FileError("the example files are missing from this installation; reinstall dalembert")
+
+
+def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> Path:
+    from dalembert.io.messages import nearest
+    from dalembert.results.atomic import atomic_path
+
+    if name not in known:
+        raise FileError(f"no example {name!r}{nearest(name, known)}; known: {', '.join(known)}")
+    target = folder / known[name].name
+    if target.exists() and not force:
+        raise FileError(f"{target}: exists already; use --force to replace it")
+    with atomic_path(target) as temporary:
+        shutil.copyfile(known[name], temporary)
+    return target
+
+
+def _about(path: Path) -> str:
+    """The first comment line of the file."""
+    first = path.read_text(encoding="utf-8").partition("\n")[0]
+    return first.lstrip("# ").rstrip() if first.startswith("#") else ""

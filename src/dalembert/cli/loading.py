@@ -1,0 +1,61 @@
+"""From the arguments of a command to a model."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dalembert.cli.console import wrong_input
+from dalembert.errors import FileError, ModelError
+
+if TYPE_CHECKING:
+    from dalembert.io.model_file import ModelFile
+    from dalembert.model.model import Model
+
+
+def loaded(path: Path, settings: list[str] | None) -> tuple[ModelFile, Model]:
+    """The file, with the values of ``--set``, and its assembled model.
+
+    Raises
+    ------
+    WrongInput
+        Anything wrong with the file, the mechanism or the settings.
+    """
+    from dalembert.io.model_file import load_model_file
+
+    with wrong_input():
+        file = load_model_file(path).with_parameters(_pairs(settings))
+        return file, file.model()
+
+
+def _pairs(settings: list[str] | None) -> dict[str, str]:
+    made = {}
+    for setting in settings or []:
+        name, equals, value = setting.partition("=")
+        if not (equals and name.strip() and value.strip()):
+            raise ModelError("write --set name=value, e.g. --set l1=0.25", f"--set {setting[:60]}")
+        made[name.strip()] = value.strip()
+    return made
+
+
+def output_folder(folder: Path | None) -> Path:
+    """The folder for results; made if missing, tried before anything is computed.
+
+    Raises
+    ------
+    WrongInput
+        It cannot be written.
+    """
+    folder = folder or Path()
+    with wrong_input():
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise FileError(
+                f"{folder}: results cannot be written there ({reason}); choose another folder with --output"
+            ) from None
+    return folder

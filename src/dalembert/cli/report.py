@@ -1,0 +1,36 @@
+"""``dalembert report``: the interactive page of a result file, drawn again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dalembert.cli.console import DONE, AsJson, console, emit, wrong_input
+
+def report(results: Path, /, *, output: Path | None = None, as_json: AsJson = False) -> int:
+    """Write the interactive report of a result file (.nc).
+
+    Parameters
+    ----------
+    results
+        Result file written by 'dalembert run'.
+    output
+        Name of the page; by default beside the results.
+    as_json
+        Print one JSON document instead of text.
+    """
+    from dalembert.io.reading import refuse_missing
+    from dalembert.report.page import write_page
+    from dalembert.results.atomic import atomic_path
+    from dalembert.results.store import load_dataset, report_of
+
+    with wrong_input():
+        refuse_missing(results)
+        payload = report_of(load_dataset(results))
+        page = output or results.with_suffix(".report.html")
+        with atomic_path(page) as temporary:
+            write_page(payload, temporary)
+    if as_json:
+        emit({"ok": True, "files": [str(page)]})
+    else:
+        console().print(f"written {page}", markup=False)
+    return DONE

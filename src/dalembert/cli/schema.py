@@ -1,0 +1,34 @@
+"""``dalembert schema``: the JSON Schema of model files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from dalembert.cli.console import DONE, AsJson, console, emit, wrong_input
+
+
+def schema(*, output: Path | None = None, as_json: AsJson = False) -> int:
+    """Print the JSON Schema of model files, for editors that complete and check them.
+
+    Parameters
+    ----------
+    output
+        Write it to this file instead.
+    as_json
+        Changes nothing without --output: a schema is JSON. With it, report what was written as JSON.
+    """
+    from dalembert.io.schema import json_schema
+    from dalembert.results.atomic import atomic_path
+
+    made = json_schema()
+    if output is None:
+        emit(made)
+        return DONE
+    with wrong_input(), atomic_path(output) as temporary:
+        temporary.write_text(json.dumps(made, indent=2) + "\n", encoding="utf-8")
+    if as_json:
+        emit({"ok": True, "files": [str(output)]})
+    else:
+        console().print(f"written {output}", markup=False)
+    return DONE

@@ -1,0 +1,303 @@
+"""Optimisation: ``min f, g ≤ 0, bounds`` (8.41) with exact gradients, by SLSQP."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from dalembert.design.problem import DesignProblem
+from dalembert.errors import AnalysisError, ModelError
+from dalembert.model.model import Model
+from dalembert.responses.base import Response, as_responses
+from dalembert.results.motion import Motion
+
+
+@dataclass(frozen=True)
+class Limit:
+    """``lower ≤ response ≤ upper``; equal limits make an equation.
+
+    Parameters
+    ----------
+    response : Response
+    lower, upper : None leaves a side open
+    """
+
+    response: Response
+    lower: float | None = None
+    upper: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.lower is None and self.upper is None:
+            raise AnalysisError(f"limit on {self.response.label}: give lower or upper")
+        if self.lower is not None and self.upper is not None and self.lower > self.upper:
+            raise AnalysisError(
+                f"limit on {self.response.label}: lower {self.lower} is above upper {self.upper}"
+            )
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """One accepted design."""
+
+    parameters: dict[str, float]
+    objective: float
+    violation: float
+
+
+@dataclass(eq=False)
+class Optimum:
+    """Result of an optimisation.
+
+    Attributes
+    ----------
+    x : parameter → value
+    fun : objective there
+    success, message : how the optimiser ended
+    gradient : of the objective
+    history : accepted designs, the start first
+    initial, motion : runs of the first and the best design
+    at_bounds : parameters that ended at a bound
+    active : limits that hold with equality
+    """
+
+    x: dict[str, float]
+    fun: float
+    success: bool
+    message: str
+    gradient: dict[str, float]
+    history: list[Iterate]
+    initial: Motion
+    motion: Motion
+    at_bounds: list[str] = field(default_factory=list)
+    active: list[str] = field(default_factory=list)
+    runs: int = 0
+    failed_runs: int = 0
+    violation: float = 0.0
+
+    def plot(self, ax=None):
+        """Objective over the iterations; returns the axes."""
+        import matplotlib.pyplot as plt
+
+        if ax is None:
+            _, ax = plt.subplots(figsize=(6, 3.4), layout="constrained")
+        ax.plot([i.objective for i in self.history], marker="o", ms=4)
+        ax.set(xlabel="iteration", ylabel="objective")
+        ax.grid(alpha=0.25)
+        ax.spines[["top", "right"]].set_visible(False)
+        return ax
+
+    def __repr__(self) -> str:
+        listed = ", ".join(f"{n} = {v:.6g}" for n, v in self.x.items())
+        return f"<Optimum {self.fun:.6g} at {listed}: {self.message}>"
+
+
+def optimize(
+    model: Model,
+    minimize: Response | None = None,
+    *,
+    maximize: Response | None = None,
+    subject_to: Sequence[Limit] = (),
+    vary: Sequence[str] | None = None,
+    analysis: Any,
+    start: Mapping[str, float] | None = None,
+    method: Any = "auto",
+    max_iterations: int = 100,
+    tolerance: float = 1e-8,
+    progress: bool | Callable[[int, float], None] = False,
+) -> Optimum:
+    """Best parameters for a response of an analysis.
+
+    Parameters
+    ----------
+    model : Model
+    minimize, maximize : the objective, one of them
+    subject_to : limits on other responses
+    vary : names of the parameters to vary; default all with a bound; bounds are respected
+    analysis : ``Dynamics(...)``, ``Kinematics(...)`` or ``InverseDynamics(...)``
+    start : initial values; default the nominal ones
+    method : of ``sensitivity``
+    tolerance : on the relative change of the scaled objective
+    progress : True prints each iteration, or a function of its number and objective
+
+    Raises
+    ------
+    AnalysisError
+        The run fails at the starting design, or a name is unknown.
+    """
+    if (minimize is None) == (maximize is None):
+        raise AnalysisError("give one objective: minimize=... or maximize=...")
+    return _Slsqp(model, minimize, maximize, list(subject_to), vary, analysis, start, method).solve(
+        max_iterations, tolerance, progress
+    )
+
+
+class _Slsqp:
+    """SLSQP on variables scaled to their bounds and an objective scaled to its start."""
+
+    def __init__(self, model, minimize, maximize, limits, vary, analysis, start, method):
+        self.model, self.limits = model, limits
+        self.sign = 1.0 if minimize is not None else -1.0
+        self.names = self._names(vary)
+        objective = minimize if minimize is not None else maximize
+        unique = {id(r): r for r in (objective, *(limit.response for limit in limits))}
+        self.responses = as_responses(list(unique.values()))
+        self.rows = [list(unique).index(id(limit.response)) for limit in limits]
+        self.problem = DesignProblem(model, analysis, self.responses, self.names, method)
+        bounds = np.array([model.parameters[n].bounds for n in self.names])
+        self.lower, self.upper = bounds[:, 0], bounds[:, 1]
+        nominal = model.nominal[[list(model.parameters).index(n) for n in self.names]]
+        given = dict(start or {})
+        model.values(given)
+        self.x0 = np.array([given.get(n, v) for n, v in zip(self.names, nominal, strict=True)])
+        self.x0 = np.clip(self.x0, self.lower, self.upper)
+        width = self.upper - self.lower
+        self.width = np.where(
+            np.isfinite(width) & (width > 0), width, np.maximum(abs(self.x0), 1.0)
+        )
+
+    def _names(self, vary: Sequence[str] | None) -> list[str]:
+        parameters = self.model.parameters
+        if vary is None:
+            vary = [n for n, p in parameters.items() if np.all(np.isfinite(p.bounds))]
+        for name in vary:
+            if name not in parameters:
+                known = ", ".join(parameters) or "none"
+                raise ModelError(f"unknown parameter {name!r} to vary (known: {known})")
+        if not vary:
+            raise AnalysisError("nothing to vary: name parameters, or give some of them bounds")
+        return list(vary)
+
+    # scaled functions ----------------------------------------------------------------
+    def unscale(self, z: np.ndarray) -> np.ndarray:
+        return np.clip(self.x0 + self.width * z, self.lower, self.upper)
+
+    def objective(self, z: np.ndarray) -> float:
+        found = self.problem.evaluate(self.unscale(z), gradient=False)
+        if found is None:  # let the line search come back
+            return self.last + 10.0 * (1.0 + abs(self.last))
+        self.last = self.sign * found.values[0] / self.scale
+        return self.last
+
+    def slope(self, z: np.ndarray) -> np.ndarray:
+        found = self.problem.evaluate(self.unscale(z)) or self.best
+        return self.sign * found.gradient[0] * self.width / self.scale
+
+    def constraint(self, k: int, bound: float, sense: float) -> dict:
+        """SciPy's form ``c(z) ≥ 0`` of one side of a limit, scaled."""
+        row, size = self.rows[k], max(abs(bound), abs(self.first.values[self.rows[k]]), 1e-12)
+
+        def value(z: np.ndarray) -> float:
+            found = self.problem.evaluate(self.unscale(z), gradient=False) or self.best
+            return sense * (found.values[row] - bound) / size
+
+        def slope(z: np.ndarray) -> np.ndarray:
+            found = self.problem.evaluate(self.unscale(z)) or self.best
+            return sense * found.gradient[row] * self.width / size
+
+        limit = self.limits[k]
+        kind = "eq" if limit.lower == limit.upper else "ineq"
+        return {"type": kind, "fun": value, "jac": slope}
+
+    def constraints(self) -> list[dict]:
+        made = []
+        for k, limit in enumerate(self.limits):
+            if limit.lower is not None:
+                made.append(self.constraint(k, limit.lower, 1.0))
+            if limit.upper is not None and limit.upper != limit.lower:
+                made.append(self.constraint(k, limit.upper, -1.0))
+        return made
+
+    # solving -------------------------------------------------------------------------
+    def solve(self, max_iterations: int, tolerance: float, progress) -> Optimum:
+        from scipy.optimize import minimize as scipy_minimize
+
+        first = self.problem.evaluate(self.x0)
+        if first is None:
+            raise AnalysisError(f"the starting design fails: {self.problem.failures[-1]}")
+        self.first = self.best = first
+        self.scale = max(abs(first.values[0]), 1e-12)
+        self.last = self.sign * first.values[0] / self.scale
+        history = [self.iterate(self.x0, first)]
+
+        def after(z: np.ndarray) -> None:
+            found = self.problem.evaluate(self.unscale(z))
+            if found is None:
+                return
+            self.best = found
+            history.append(self.iterate(self.unscale(z), found))
+            self.tell(progress, history)
+
+        low = (self.lower - self.x0) / self.width
+        high = (self.upper - self.x0) / self.width
+        outcome = scipy_minimize(
+            self.objective,
+            np.zeros(len(self.names)),
+            jac=self.slope,
+            method="SLSQP",
+            bounds=list(zip(low, high, strict=True)),
+            constraints=self.constraints(),
+            callback=after,
+            options={"maxiter": max_iterations, "ftol": tolerance},
+        )
+        return self.optimum(outcome, history)
+
+    @staticmethod
+    def tell(progress, history: list[Iterate]) -> None:
+        if callable(progress):
+            progress(len(history) - 1, history[-1].objective)
+        elif progress:
+            print(f"iteration {len(history) - 1}: {history[-1].objective:.8g}")
+
+    def iterate(self, x: np.ndarray, found) -> Iterate:
+        return Iterate(self.problem.parameters(x), float(found.values[0]), self.violation(found))
+
+    def violation(self, found) -> float:
+        worst = 0.0
+        for row, limit in zip(self.rows, self.limits, strict=True):
+            value = found.values[row]
+            if limit.lower is not None:
+                worst = max(worst, limit.lower - value)
+            if limit.upper is not None:
+                worst = max(worst, value - limit.upper)
+        return float(worst)
+
+    def optimum(self, outcome, history: list[Iterate]) -> Optimum:
+        x = self.unscale(outcome.x)
+        found = self.problem.evaluate(x)
+        message = str(outcome.message)
+        if found is None:
+            kept = history[-1]
+            x = np.array([kept.parameters[n] for n in self.names])
+            found, message = self.best, f"ended at a design that fails: {self.problem.failures[-1]}"
+        near = 1e-6 * self.width
+        at_bounds = [
+            n
+            for n, v, lo, hi, e in zip(self.names, x, self.lower, self.upper, near, strict=True)
+            if v - lo <= e or hi - v <= e
+        ]
+        active = [
+            limit.response.label
+            for row, limit in zip(self.rows, self.limits, strict=True)
+            if any(
+                b is not None and abs(found.values[row] - b) <= 1e-6 * max(abs(b), 1.0)
+                for b in (limit.lower, limit.upper)
+            )
+        ]
+        return Optimum(
+            x=self.problem.parameters(x),
+            fun=float(found.values[0]),
+            success=bool(outcome.success) and found is not None,
+            message=message,
+            gradient=dict(zip(self.names, found.gradient[0], strict=True)),
+            history=history,
+            initial=self.first.motion,
+            motion=found.motion,
+            at_bounds=at_bounds,
+            active=active,
+            runs=self.problem.runs,
+            failed_runs=len(self.problem.failures),
+            violation=self.violation(found),
+        )

@@ -1,0 +1,81 @@
+"""The design problem (8.41): responses of an analysis as functions of scaled parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.model.model import Model
+from dalembert.responses.base import Response, evaluate
+from dalembert.results.motion import Motion
+from dalembert.sensitivity.gradient import sensitivity
+
+
+@dataclass
+class Evaluation:
+    """Responses and their gradients at one design."""
+
+    values: np.ndarray
+    gradient: np.ndarray | None
+    motion: Motion
+
+
+@dataclass
+class DesignProblem:
+    """``p ↦ responses, gradient``: what every optimiser needs to know.
+
+    Parameters
+    ----------
+    model, analysis : what is run for every design
+    responses : all responses needed, objective first
+    vary : names of the parameters that vary
+    method : of ``sensitivity``
+    """
+
+    model: Model
+    analysis: Any
+    responses: Sequence[Response]
+    vary: Sequence[str]
+    method: Any = "auto"
+    on_run: Callable[[], None] = lambda: None
+    runs: int = 0
+    failures: list[str] = field(default_factory=list)
+    _cache: dict[bytes, Evaluation | None] = field(default_factory=dict)
+
+    def parameters(self, x: np.ndarray) -> dict[str, float]:
+        """Parameter values of a design."""
+        return dict(zip(self.vary, (float(v) for v in x), strict=True))
+
+    def evaluate(self, x: np.ndarray, gradient: bool = True) -> Evaluation | None:
+        """Responses (and gradient) at ``x``; None where the run fails, with the reason kept."""
+        key = np.asarray(x, dtype=float).tobytes()
+        if key not in self._cache:
+            self._cache[key] = self._run(x)
+            if len(self._cache) > 64:
+                self._cache.pop(next(iter(self._cache)))
+        found = self._cache[key]
+        if found is not None and gradient and found.gradient is None:
+            table = sensitivity(found.motion, self.responses, self.vary, self.method)
+            found.gradient = table.values
+        return found
+
+    def _run(self, x: np.ndarray) -> Evaluation | None:
+        self.runs += 1
+        self.on_run()
+        try:
+            motion = self.analysis.run(self.model, self.parameters(x))
+        except AnalysisError as error:
+            self.failures.append(str(error))
+            return None
+        if not motion.status.success:
+            self.failures.append(str(motion.status))
+            return None
+        values = np.array([evaluate(motion, r) for r in self.responses])
+        if not np.all(np.isfinite(values)):
+            self.failures.append("a response is not finite")
+            return None
+        return Evaluation(values, None, motion)

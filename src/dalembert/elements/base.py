@@ -1,0 +1,208 @@
+"""What every element is made of.
+
+How to write a new one:
+
+1. An element is a dataclass with ``name`` first, then what it ties, then its quantities.
+2. A **constraint** states ``residual()``, its position-level equations in the symbols of its bodies.
+   Jacobian, velocity and acceleration equations, reactions and design derivatives follow by
+   differentiation; nobody types them. Equations are physical: metres and radians, so that
+   multipliers are newtons and newton metres.
+3. A **force** states ``works(rate)``: pairs of a coordinate ``s`` and the generalised force ``Q``
+   that does work ``Q δs`` on it. Optionally its ``potential()``.
+4. Elements see poses and twists only. They do not know which coordinates the model chooses.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression, as_expression, stack
+
+Scalar = Any  # number or Expression
+Vector = Any  # two numbers or Expressions
+Rate = Callable[[ca.SX], ca.SX]
+
+
+def quantity(
+    unit: str,
+    description: str,
+    *,
+    default: Any = dataclasses.MISSING,
+    size: int = 1,
+    minimum: float = -math.inf,
+    above: float = -math.inf,
+) -> Any:
+    """Field that holds a number (or ``size`` numbers) or a formula.
+
+    ``minimum`` is allowed itself, ``above`` is not; both are checked at the parameters' values.
+    """
+    metadata = {
+        "kind": "quantity",
+        "unit": unit,
+        "description": description,
+        "size": size,
+        "minimum": minimum,
+        "above": above,
+    }
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def option(description: str, *, default: Any = dataclasses.MISSING, kind: str = "option") -> Any:
+    """Field that is not a number: a switch, a law, a curve, a formula with own variables."""
+    return dataclasses.field(default=default, metadata={"kind": kind, "description": description})
+
+
+class Coordinates:
+    """A group of coordinates with their speeds: a body, or the parameter of a curve.
+
+    Attributes
+    ----------
+    pose, twist, acceleration : SX symbol columns ``y_i, v_i, v̇_i``
+    pose_rate : SX, ``ẏ_i = A_i v_i``
+    """
+
+    name: str
+    pose: ca.SX
+    twist: ca.SX
+    acceleration_symbols: ca.SX
+    pose_rate: ca.SX
+    coordinate_names: tuple[str, ...]
+    coordinate_units: tuple[str, ...]
+
+    def make_symbols(self, names: tuple[str, ...], units: tuple[str, ...]) -> None:
+        self.coordinate_names, self.coordinate_units = names, units
+        self.pose = stack(ca.SX.sym(f"{self.name}.{n}") for n in names)
+        self.twist = stack(ca.SX.sym(f"{self.name}.d{n}") for n in names)
+        self.acceleration_symbols = stack(ca.SX.sym(f"{self.name}.dd{n}") for n in names)
+        self.pose_rate = self.twist
+
+    def mass_matrix(self) -> ca.SX:
+        """Mass matrix by speeds; zero where the coordinates carry no mass."""
+        n = self.twist.numel()
+        return ca.SX(n, n)
+
+    def guesses(self) -> tuple[list, list]:
+        """Initial values of pose and twist, None where nothing was given."""
+        n = self.pose.numel()
+        return [None] * n, [None] * n
+
+
+def rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
+    """Total time derivative of a position-level expression."""
+    pose = ca.vertcat(time, *(o.pose for o in owners))
+    speed = ca.vertcat(1, *(o.pose_rate for o in owners))
+    return ca.jtimes(expression, pose, speed)
+
+
+def second_rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
+    """Second total time derivative of a position-level expression."""
+    first = rate_of(expression, owners, time)
+    state = ca.vertcat(time, *(ca.vertcat(o.pose, o.twist) for o in owners))
+    speed = ca.vertcat(1, *(ca.vertcat(o.pose_rate, o.acceleration_symbols) for o in owners))
+    return ca.jtimes(first, state, speed)
+
+
+@dataclass(eq=False)
+class Element:
+    """Anything with a name that can be added to a system."""
+
+    name: str
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise ModelError(f"the first argument is the name, a text; got {self.name!r}")
+        if not all(part.isidentifier() for part in self.name.split("-")) or self.name[0] == "-":
+            raise ModelError(
+                "a name is made of letters, digits, '_' and '-', and starts with a letter; "
+                f"got {self.name!r}"
+            )
+        for field, meta in self.quantities():
+            value = getattr(self, field)
+            if value is not None:
+                value = as_expression(value, f"{self.name}.{field}", meta["unit"], meta["size"])
+                setattr(self, field, value)
+
+    @classmethod
+    def quantity_fields(cls) -> list[dataclasses.Field]:
+        return [f for f in dataclasses.fields(cls) if f.metadata.get("kind") == "quantity"]
+
+    def quantities(self):
+        """(field name, metadata) of every number this element is made of."""
+        for field in self.quantity_fields():
+            yield field.name, field.metadata
+
+    def checked_quantities(self) -> list[tuple[str, Expression, dict]]:
+        """(``element.field``, formula, metadata) of the numbers given, to be checked at build."""
+        return [
+            (f"{self.name}.{field}", getattr(self, field), meta)
+            for field, meta in self.quantities()
+            if isinstance(getattr(self, field), Expression)
+        ]
+
+    def parts(self) -> list[Coordinates]:
+        """The bodies (and own coordinates) this element ties together."""
+        return []
+
+
+@dataclass(eq=False)
+class Constraint(Element):
+    """Position-level equations ``Φ(poses, t) = 0``, physical: metres or radians.
+
+    The multiplier follows (4.22), ``M v̇ + d = f − Cᵀλ``.
+    """
+
+    kind = "constraint"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.equations = ca.densify(self.residual())
+        self.multiplier = stack(
+            ca.SX.sym(f"{self.name}.lambda{k}") for k in range(self.equations.numel())
+        )
+
+    def residual(self) -> ca.SX:
+        """Equations ``Φ`` in the pose symbols of the parts and time."""
+        raise NotImplementedError
+
+    def units(self) -> list[str]:
+        """Unit of each equation: ``m`` or ``rad``."""
+        return ["m"] * self.equations.numel()
+
+    def own_coordinates(self) -> list[Coordinates]:
+        """Coordinates this constraint brings along (the parameter of a curve)."""
+        return []
+
+    def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
+        """Relative motions the joint leaves free: name → (coordinate, unit)."""
+        return {}
+
+
+@dataclass(eq=False)
+class ForceElement(Element):
+    """Applied force, stated through virtual work."""
+
+    conservative = False
+    dissipative = False
+
+    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        """Pairs (coordinate ``s``, generalised force ``Q``) with virtual work ``Q δs``."""
+        raise NotImplementedError
+
+    def potential(self) -> ca.SX | None:
+        """Potential energy of the conservative part, None if there is none."""
+        return None
+
+    def dissipation(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        """The part of ``works`` that dissipates (dampers, friction)."""
+        return []
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        """Named quantities of this element: name → (expression, unit)."""
+        return {}

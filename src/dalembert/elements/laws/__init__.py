@@ -1,0 +1,24 @@
+"""Motion laws ``f(t)`` for drivers."""
+
+from dalembert.elements.laws.base import Formula, Law
+from dalembert.elements.laws.harmonic import Harmonic
+from dalembert.elements.laws.polynomial import Polynomial
+from dalembert.elements.laws.rise import (
+    CycloidalRise,
+    HarmonicRise,
+    Polynomial345Rise,
+    Polynomial4567Rise,
+)
+from dalembert.elements.laws.table import Table
+
+__all__ = [
+    "CycloidalRise",
+    "Formula",
+    "Harmonic",
+    "HarmonicRise",
+    "Law",
+    "Polynomial",
+    "Polynomial345Rise",
+    "Polynomial4567Rise",
+    "Table",
+]

@@ -1,0 +1,78 @@
+"""Rises with dwell: the standard cam laws, single or repeated rise–dwell–return–dwell.
+
+The profile ``s(x)`` goes from 0 at ``x = 0`` to 1 at ``x = 1``; outside it dwells. With ``fall``
+the motion returns after ``dwell``; with ``period`` the whole repeats.
+Source: R. L. Norton, *Cam Design and Manufacturing Handbook*, ch. 2-3.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.laws.base import Law
+
+
+@dataclass(eq=False)
+class Rise(Law):
+    """``f = start + height · s((t − begin)/duration)``; profile ``s`` by the subclass."""
+
+    height: Scalar = quantity("", "rise from start to dwell")
+    duration: Scalar = quantity("s", "time of the rise", above=0.0)
+    start: Scalar = quantity("", "value before the rise", default=0.0)
+    begin: Scalar = quantity("s", "time at which the rise begins", default=0.0)
+    dwell: Scalar = quantity("s", "time at the top before the return", default=0.0, minimum=0.0)
+    fall: Scalar = quantity("s", "time of the return; none: stay on top", default=None, above=0.0)
+    period: Scalar = quantity("s", "repeat after this time; none: once", default=None, above=0.0)
+
+    def profile(self, x: ca.SX) -> ca.SX:
+        raise NotImplementedError
+
+    def value(self, time: ca.SX) -> ca.SX:
+        local = time - self.begin.sx
+        if self.period is not None:
+            local = local - self.period.sx * ca.floor(local / self.period.sx)
+        height = self._clipped(local / self.duration.sx)
+        if self.fall is not None:
+            after = local - self.duration.sx - self.dwell.sx
+            height = height - self._clipped(after / self.fall.sx)
+        return self.start.sx + self.height.sx * height
+
+    def _clipped(self, x: ca.SX) -> ca.SX:
+        inside = self.profile(x)
+        return ca.if_else(x <= 0, 0, ca.if_else(x >= 1, 1, inside))
+
+
+@dataclass(eq=False)
+class HarmonicRise(Rise):
+    """``s = (1 − cos πx)/2``: acceleration jumps at both ends."""
+
+    def profile(self, x: ca.SX) -> ca.SX:
+        return (1 - ca.cos(math.pi * x)) / 2
+
+
+@dataclass(eq=False)
+class CycloidalRise(Rise):
+    """``s = x − sin(2πx)/2π``: acceleration zero at both ends."""
+
+    def profile(self, x: ca.SX) -> ca.SX:
+        return x - ca.sin(2 * math.pi * x) / (2 * math.pi)
+
+
+@dataclass(eq=False)
+class Polynomial345Rise(Rise):
+    """``s = 10x³ − 15x⁴ + 6x⁵``: acceleration zero at both ends."""
+
+    def profile(self, x: ca.SX) -> ca.SX:
+        return x**3 * (10 + x * (-15 + 6 * x))
+
+
+@dataclass(eq=False)
+class Polynomial4567Rise(Rise):
+    """``s = 35x⁴ − 84x⁵ + 70x⁶ − 20x⁷``: acceleration and jerk zero at both ends."""
+
+    def profile(self, x: ca.SX) -> ca.SX:
+        return x**4 * (35 + x * (-84 + x * (70 - 20 * x)))

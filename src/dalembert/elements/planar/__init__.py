@@ -1,0 +1,50 @@
+"""Planar elements: one file per concept, listed once in ``registry``."""
+
+from dalembert.elements.planar.body import Bar, Body, Ground, Particle, Point
+from dalembert.elements.planar.drivers import (
+    CoordinateDriver,
+    DistanceDriver,
+    RotationalDriver,
+    TranslationalDriver,
+)
+from dalembert.elements.planar.friction import JointFriction, Stop
+from dalembert.elements.planar.gear import Coupling, GearPair, RackAndPinion, RollingDisc
+from dalembert.elements.planar.loads import Force, Moment
+from dalembert.elements.planar.point_on_curve import PointOnCurve
+from dalembert.elements.planar.revolute import Revolute
+from dalembert.elements.planar.rigid_link import RigidLink
+from dalembert.elements.planar.springs import Actuator, Bushing, RotationalSpring, Spring
+from dalembert.elements.planar.translational import PinInSlot, Translational
+from dalembert.elements.planar.user_constraint import UserConstraint
+from dalembert.elements.planar.weld import Weld
+
+__all__ = [
+    "Actuator",
+    "Bar",
+    "Body",
+    "Bushing",
+    "CoordinateDriver",
+    "Coupling",
+    "DistanceDriver",
+    "Force",
+    "GearPair",
+    "Ground",
+    "JointFriction",
+    "Moment",
+    "Particle",
+    "PinInSlot",
+    "Point",
+    "PointOnCurve",
+    "RackAndPinion",
+    "Revolute",
+    "RigidLink",
+    "RollingDisc",
+    "RotationalDriver",
+    "RotationalSpring",
+    "Spring",
+    "Stop",
+    "Translational",
+    "TranslationalDriver",
+    "UserConstraint",
+    "Weld",
+]

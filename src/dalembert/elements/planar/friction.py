@@ -1,0 +1,147 @@
+"""Joint friction and one-sided stops."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import (
+    Constraint,
+    Coordinates,
+    ForceElement,
+    Rate,
+    Scalar,
+    option,
+    quantity,
+)
+from dalembert.errors import ModelError
+
+
+@dataclass(eq=False)
+class JointFriction(ForceElement):
+    """Friction in the motion a joint leaves free: smoothed Coulomb plus viscous.
+
+    ``Q = −(coulomb · tanh(ṡ/transition) + viscous · ṡ)`` along the free coordinate ``s``.
+
+    Parameters
+    ----------
+    joint : revolute, translational or pin-in-slot joint
+    coulomb : sliding friction force [N] or moment [N m]; a formula may make it depend on the load
+    viscous : [N s/m] or [N m s/rad]
+    transition : speed at which 76 % of the Coulomb value is reached [m/s] or [rad/s]
+    motion : which free motion, where the joint has two (``displacement`` or ``angle``)
+    """
+
+    joint: Constraint
+    coulomb: Scalar = quantity("N | N m", "sliding friction", default=0.0, minimum=0.0)
+    viscous: Scalar = quantity("N s/m | N m s/rad", "viscous friction", default=0.0, minimum=0.0)
+    transition: Scalar = quantity("m/s | rad/s", "smoothing speed", default=1e-3, above=0.0)
+    motion: str = option("displacement or angle", default=None)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        free = self.joint.freedoms() if isinstance(self.joint, Constraint) else {}
+        if not free:
+            raise ModelError(
+                "joint must leave a motion free (Revolute, Translational or PinInSlot)", self.name
+            )
+        if self.motion is None:
+            self.motion = next(iter(free))
+        if self.motion not in free:
+            raise ModelError(
+                f"{self.joint.name} has no motion {self.motion!r}; it has {', '.join(free)}",
+                self.name,
+            )
+        self.coordinate, self.coordinate_unit = free[self.motion]
+
+    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        speed = rate(self.coordinate)
+        friction = self.coulomb.sx * ca.tanh(speed / self.transition.sx) + self.viscous.sx * speed
+        return [(self.coordinate, -friction)]
+
+    def dissipation(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        return self.works(rate)
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        unit = "N m" if self.coordinate_unit == "rad" else "N"
+        name = "moment" if self.coordinate_unit == "rad" else "force"
+        return {
+            name: (self.works(rate)[0][1], unit),
+            "rate": (rate(self.coordinate), f"{self.coordinate_unit}/s"),
+        }
+
+    def parts(self) -> list[Coordinates]:
+        return self.joint.parts()
+
+
+@dataclass(eq=False)
+class Stop(ForceElement):
+    """One-sided spring stops at the ends of a coordinate's range.
+
+    Beyond a limit by ``δ``: ``F = k δ^exponent (1 + c δ̇)``, never pulling (Hunt–Crossley damping,
+    which lets the force vanish with the penetration).
+
+    Parameters
+    ----------
+    coordinate : formula of positions, e.g. ``slider.x``
+    lower, upper : limits; at least one
+    stiffness : [N/m] or [N m/rad]
+    damping : [s/m] or [s/rad]
+    exponent : 1 linear, 1.5 Hertz
+    """
+
+    coordinate: Scalar = quantity("m | rad", "formula of positions that is limited")
+    lower: Scalar = quantity("m | rad", "lower limit", default=None)
+    upper: Scalar = quantity("m | rad", "upper limit", default=None)
+    stiffness: Scalar = quantity("N/m | N m/rad", "stiffness", default=None, above=0.0)
+    damping: Scalar = quantity("s/m | s/rad", "Hunt-Crossley damping", default=0.0, minimum=0.0)
+    exponent: Scalar = quantity("", "exponent of the penetration", default=1.0, minimum=1.0)
+    conservative = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.lower is None and self.upper is None:
+            raise ModelError("give a lower or an upper limit", self.name)
+        if self.stiffness is None:
+            raise ModelError("stiffness is missing; give stiffness=", self.name)
+
+    def penetrations(self) -> list[tuple[ca.SX, int]]:
+        """(penetration, sense of its growth along the coordinate) of each limit given."""
+        s = self.coordinate.sx
+        found = []
+        if self.lower is not None:
+            found.append((self.lower.sx - s, -1))
+        if self.upper is not None:
+            found.append((s - self.upper.sx, 1))
+        return found
+
+    def force(self, rate: Rate) -> ca.SX:
+        """Generalised force along the coordinate."""
+        total = ca.SX(0)
+        for depth, sense in self.penetrations():
+            press = self._elastic(depth) * ca.fmax(0, 1 + self.damping.sx * rate(depth))
+            total -= sense * press
+        return total
+
+    def _elastic(self, depth: ca.SX) -> ca.SX:
+        inside = ca.if_else(depth > 0, depth, 1)  # keeps 0^(e−1) out of the derivative
+        return ca.if_else(depth > 0, self.stiffness.sx * inside**self.exponent.sx, 0)
+
+    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        return [(self.coordinate.sx, self.force(rate))]
+
+    def potential(self) -> ca.SX:
+        e = self.exponent.sx + 1
+        total = ca.SX(0)
+        for depth, _ in self.penetrations():
+            inside = ca.if_else(depth > 0, depth, 1)
+            total += ca.if_else(depth > 0, self.stiffness.sx * inside**e / e, 0)
+        return total
+
+    def dissipation(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        elastic = sum((-sense * self._elastic(d) for d, sense in self.penetrations()), ca.SX(0))
+        return [(self.coordinate.sx, self.force(rate) - elastic)]
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        return {"coordinate": (self.coordinate.sx, "m"), "force": (self.force(rate), "N")}

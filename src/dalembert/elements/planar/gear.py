@@ -1,0 +1,145 @@
+"""Gears, racks, rolling discs and belts: motion without slip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Coordinates, Scalar, option, quantity
+from dalembert.elements.planar.body import Body, cross, rotation
+from dalembert.elements.planar.joint import BodyJoint, PointJoint, initial_value, need_body
+from dalembert.elements.planar.translational import SlidingJoint
+from dalembert.errors import ModelError
+
+
+@dataclass(eq=False)
+class GearPair(PointJoint):
+    """Two gears in mesh: their pitch circles roll without slip.
+
+    ``Φ = r_i (φ_i − θ) ± r_j (φ_j − θ) − const = 0``, + external, − internal (gear j is the
+    ring); θ is the direction of the line of centres, so that the tooth force loads the
+    bearings. The constant is taken from the initial poses. The multiplier is the tooth force.
+
+    Parameters
+    ----------
+    point_i, point_j : centres of the gears, points of the two gear bodies
+    radius_i, radius_j : pitch radii [m]
+    internal : gear j is a ring with inner teeth
+    carrier : body that carries both centres; the ground if none is given
+    """
+
+    radius_i: Scalar = quantity("m", "pitch radius of the first gear", default=None, above=0.0)
+    radius_j: Scalar = quantity("m", "pitch radius of the second gear", default=None, above=0.0)
+    internal: bool = option("the second gear is a ring with inner teeth", default=False)
+    carrier: Body = option("body that carries both centres", default=None, kind="body")
+    kind = "gear"
+
+    def __post_init__(self) -> None:
+        if self.radius_i is None or self.radius_j is None:
+            raise ModelError("radius_i and radius_j are both needed", self.name)
+        if self.carrier is not None:
+            self.carrier = need_body(self.carrier, self.name, "carrier")
+        super().__post_init__()
+
+    def parts(self) -> list[Coordinates]:
+        return [*super().parts(), *([self.carrier] if self.carrier is not None else [])]
+
+    def residual(self) -> ca.SX:
+        bodies = [b for b in (*self.ends(), self.carrier) if b is not None]
+        carried = self.carrier.pose_angle if self.carrier is not None else ca.SX(0)
+        local = ca.mtimes(rotation(carried).T, self.between)
+        start = initial_value(local, bodies).sx
+        degenerate = start.is_constant() and float(ca.norm_2(start)) < 1e-12
+        reference = ca.SX([1, 0]) if degenerate else start
+        # measured from its initial direction in the carrier, the angle stays far from its branch cut
+        line = carried + ca.atan2(cross(reference, local), ca.dot(reference, local))
+        sense = -1 if self.internal else 1
+        rolled = self.radius_i.sx * (self.point_i.body.pose_angle - line)
+        rolled += sense * self.radius_j.sx * (self.point_j.body.pose_angle - line)
+        return rolled - initial_value(rolled, bodies).sx
+
+
+@dataclass(eq=False)
+class RackAndPinion(SlidingJoint):
+    """Pinion (body j, centre point_j) rolls on a pitch line of body i without slip.
+
+    ``Φ = s + side · r (φ_j − φ_i) − const = 0``, s the travel of the centre along the axis. On
+    the left of the axis (``side = 1``) rolling forward turns the pinion clockwise. The constant is
+    taken from the initial poses. The multiplier is the force along the pitch line.
+
+    Parameters
+    ----------
+    radius : pitch radius of the pinion [m]
+    side : +1 pinion on the left of the axis, −1 on its right
+    """
+
+    radius: Scalar = quantity("m", "pitch radius", default=None, above=0.0)
+    side: int = option("+1: left of the axis, -1: right of it", default=1)
+    kind = "rack"
+
+    def __post_init__(self) -> None:
+        if self.radius is None:
+            raise ModelError("radius is missing; give radius=", self.name)
+        if self.side not in (1, -1):
+            raise ModelError(f"side must be 1 or -1, got {self.side!r}", self.name)
+        super().__post_init__()
+
+    @property
+    def no_slip(self) -> ca.SX:
+        rolled = self.displacement + self.side * self.radius.sx * self.turn
+        return rolled - initial_value(rolled, list(self.ends())).sx
+
+    def residual(self) -> ca.SX:
+        return self.no_slip
+
+    def place(self) -> ca.SX:
+        """The pitch point."""
+        normal = ca.vertcat(-self.direction[1], self.direction[0])
+        return self.point_j.position.sx - self.side * self.radius.sx * normal
+
+
+@dataclass(eq=False)
+class RollingDisc(RackAndPinion):
+    """Disc (body j, centre point_j) rolls without slip on a line of body i.
+
+    ``Φ = [n_iᵀ (r_jP − r_iP) − side · r; no slip] = 0``: contact and rolling
+    ``x − x0 = −r (φ − φ0)``. The multipliers are the normal and the friction force.
+    """
+
+    kind = "rolling"
+
+    def residual(self) -> ca.SX:
+        return ca.vertcat(self.offset - self.side * self.radius.sx, self.no_slip)
+
+
+@dataclass(eq=False)
+class Coupling(BodyJoint):
+    """Fixed ratio between two rotations (belt, chain, gearbox).
+
+    ``Φ = (φ_j − φ_c) − ratio (φ_i − φ_c) − const = 0``; the constant is taken from the initial
+    poses. A belt has ``ratio = r_i/r_j``; crossed, ``−r_i/r_j``. The multiplier is a torque.
+
+    Parameters
+    ----------
+    ratio : turns of body j per turn of body i
+    carrier : body that carries both axes; the ground if none is given
+    """
+
+    ratio: Scalar = quantity("", "turns of the second body per turn of the first", default=1.0)
+    carrier: Body = option("body that carries both axes", default=None, kind="body")
+    kind = "coupling"
+
+    def __post_init__(self) -> None:
+        if self.carrier is not None:
+            self.carrier = need_body(self.carrier, self.name, "carrier")
+        super().__post_init__()
+
+    def parts(self) -> list[Coordinates]:
+        return [*super().parts(), *([self.carrier] if self.carrier is not None else [])]
+
+    def residual(self) -> ca.SX:
+        base = self.carrier.pose_angle if self.carrier is not None else ca.SX(0)
+        turned = (self.body_j.pose_angle - base) - self.ratio.sx * (self.body_i.pose_angle - base)
+        bodies = [b for b in (*self.ends(), self.carrier) if b is not None]
+        return turned - initial_value(turned, bodies).sx

@@ -1,0 +1,120 @@
+"""Applied loads: point force, moment, gravity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import (
+    Coordinates,
+    ForceElement,
+    Rate,
+    Scalar,
+    Vector,
+    option,
+    quantity,
+)
+from dalembert.elements.planar.body import Body, Point, rotation
+from dalembert.elements.planar.joint import need_body, need_point, refuse_same_body
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression
+
+
+@dataclass(eq=False)
+class Force(ForceElement):
+    """Force at a point of a body (1.53).
+
+    Parameters
+    ----------
+    point : where it acts
+    vector : (2,) components [N]; formulas of t, parameters and measures are allowed
+    following : the components are in the body frame and turn with it; otherwise inertial
+    """
+
+    point: Point
+    vector: Vector = quantity("N", "components", size=2)
+    following: bool = option("components turn with the body", default=False)
+
+    def __post_init__(self) -> None:
+        self.point = need_point(self.point, self.name, "point")
+        super().__post_init__()
+
+    def components(self) -> ca.SX:
+        if not self.following:
+            return self.vector.sx
+        return ca.mtimes(rotation(self.point.body.pose_angle), self.vector.sx)
+
+    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        force, position = self.components(), self.point.position.sx
+        return [(position[0], force[0]), (position[1], force[1])]
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        return {"force": (self.components(), "N")}
+
+    def parts(self) -> list[Coordinates]:
+        return [self.point.body]
+
+
+@dataclass(eq=False)
+class Moment(ForceElement):
+    """Moment on a body (1.55), with its reaction on a second one if given: a rotary actuator.
+
+    Parameters
+    ----------
+    body : body it acts on
+    value : [N m]; formulas of t, parameters and measures are allowed
+    reaction_on : body that carries the reaction; the ground if none is given
+    """
+
+    body: Body
+    value: Scalar = quantity("N m", "moment")
+    reaction_on: Body = option("body that carries the reaction", default=None, kind="body")
+
+    def __post_init__(self) -> None:
+        self.body = need_body(self.body, self.name, "body")
+        if self.reaction_on is not None:
+            self.reaction_on = need_body(self.reaction_on, self.name, "reaction_on")
+            refuse_same_body(self.body, self.reaction_on, self.name)
+        for body in (self.body, self.reaction_on):
+            if body is not None and not body.rotates:
+                raise ModelError(f"{body.name} is a particle; a moment cannot act on it", self.name)
+        super().__post_init__()
+
+    def coordinate(self) -> ca.SX:
+        base = self.reaction_on.pose_angle if self.reaction_on is not None else 0
+        return self.body.pose_angle - base
+
+    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        return [(self.coordinate(), self.value.sx)]
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        return {
+            "moment": (self.value.sx, "N m"),
+            "power": (self.value.sx * rate(self.coordinate()), "W"),
+        }
+
+    def parts(self) -> list[Coordinates]:
+        return [self.body] + ([self.reaction_on] if self.reaction_on is not None else [])
+
+
+class Gravity(ForceElement):
+    """Uniform field on every body; the system adds it for its ``gravity``."""
+
+    conservative = True
+
+    def __init__(self, vector: Expression, bodies: list[Body]):
+        self.name = "gravity"
+        self.vector, self.bodies = vector, bodies
+
+    def potential(self) -> ca.SX:
+        return -sum(
+            (b.mass.sx * ca.dot(self.vector.sx, b.pose_position) for b in self.bodies), ca.SX(0)
+        )
+
+    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        pairs = []
+        for body in self.bodies:
+            weight = body.mass.sx * self.vector.sx
+            pairs += [(body.pose_position[k], weight[k]) for k in (0, 1)]
+        return pairs

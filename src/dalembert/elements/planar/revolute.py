@@ -1,0 +1,22 @@
+"""Revolute joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.planar.joint import PointJoint
+
+
+@dataclass(eq=False)
+class Revolute(PointJoint):
+    """Pin: two points coincide, ``Φ = r_j + A_j s_j' − r_i − A_i s_i' = 0`` (1.18)."""
+
+    kind = "revolute"
+
+    def residual(self) -> ca.SX:
+        return self.between
+
+    def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
+        return {"angle": (self.turn, "rad")}

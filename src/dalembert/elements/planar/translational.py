@@ -1,0 +1,81 @@
+"""Translational (prismatic) joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Scalar, Vector, quantity
+from dalembert.elements.planar.body import perpendicular, rotation, unit_vector
+from dalembert.elements.planar.joint import PointJoint
+
+
+@dataclass(eq=False)
+class SlidingJoint(PointJoint):
+    """A point of the second body moves on a line of the first.
+
+    Parameters
+    ----------
+    axis : (2,) direction of the line in the frame of the first body
+    """
+
+    axis: Vector = quantity(
+        "", "direction of the line in the first body's frame", default=(1.0, 0.0), size=2
+    )
+
+    @property
+    def direction(self) -> ca.SX:
+        """Unit vector along the line, inertial axes."""
+        local = unit_vector(self.axis.sx, f"{self.name}.axis")
+        return ca.mtimes(rotation(self.point_i.body.pose_angle), local)
+
+    @property
+    def displacement(self) -> ca.SX:
+        """Distance travelled along the line from point_i to point_j."""
+        return ca.dot(self.direction, self.between)
+
+    @property
+    def offset(self) -> ca.SX:
+        """Distance of point_j from the line, positive to its left."""
+        return ca.dot(perpendicular(self.direction), self.between)
+
+
+@dataclass(eq=False)
+class Translational(SlidingJoint):
+    """Slider: point_j on a line of body i, no relative rotation (1.26).
+
+    ``Φ = [n_iᵀ (r_jP − r_iP); φ_j − φ_i − angle] = 0``, n_i the unit normal of the line.
+
+    Parameters
+    ----------
+    angle : constant angle of the second body relative to the first [rad]
+    """
+
+    angle: Scalar = quantity("rad", "angle of the second body relative to the first", default=0.0)
+    kind = "translational"
+
+    def residual(self) -> ca.SX:
+        return ca.vertcat(self.offset, self.turn - self.angle.sx)
+
+    def units(self) -> list[str]:
+        return ["m", "rad"]
+
+    def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
+        return {"displacement": (self.displacement, "m")}
+
+
+@dataclass(eq=False)
+class PinInSlot(SlidingJoint):
+    """Pin of body j in a straight slot of body i (revolute–translational).
+
+    ``Φ = n_iᵀ (r_jP − r_iP) = 0``; the bodies may turn against each other.
+    """
+
+    kind = "pin_in_slot"
+
+    def residual(self) -> ca.SX:
+        return self.offset
+
+    def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
+        return {"displacement": (self.displacement, "m"), "angle": (self.turn, "rad")}

@@ -1,0 +1,31 @@
+"""Rigid connection of two bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.planar.joint import PointJoint
+
+
+@dataclass(eq=False)
+class Weld(PointJoint):
+    """Two points coincide and the bodies do not turn against each other.
+
+    ``Φ = [r_jP − r_iP; φ_j − φ_i − angle] = 0``; with the ground this is (1.27).
+
+    Parameters
+    ----------
+    angle : angle of the second body relative to the first [rad]
+    """
+
+    angle: Scalar = quantity("rad", "angle of the second body relative to the first", default=0.0)
+    kind = "weld"
+
+    def residual(self) -> ca.SX:
+        return ca.vertcat(self.between, self.turn - self.angle.sx)
+
+    def units(self) -> list[str]:
+        return ["m", "m", "rad"]

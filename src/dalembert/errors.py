@@ -1,0 +1,56 @@
+"""Exceptions: every message names the entity, the value and a cure."""
+
+from __future__ import annotations
+
+
+class DalembertError(Exception):
+    """Base of all errors raised on purpose."""
+
+
+class ModelError(DalembertError):
+    """The description of a mechanism is wrong.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong and how to mend it.
+    entity : str, optional
+        Element, parameter or field at fault, e.g. ``"crank.mass"``.
+    """
+
+    def __init__(self, message: str, entity: str | None = None):
+        self.entity = entity
+        self.message = message
+        super().__init__(f"{entity}: {message}" if entity else message)
+
+
+class ExpressionError(ModelError):
+    """A formula is not in the allowed grammar or names something unknown."""
+
+
+class FileError(DalembertError):
+    """A model file cannot be read or a result cannot be written."""
+
+
+class AnalysisError(DalembertError):
+    """A numerical task failed; carries the residual that proves it."""
+
+    def __init__(self, message: str, residual: float | None = None):
+        self.residual = residual
+        super().__init__(message)
+
+
+class AssemblyError(AnalysisError):
+    """The mechanism cannot be assembled from the given guesses and lengths."""
+
+
+class SingularityError(AnalysisError):
+    """The equations have no unique solution at this position."""
+
+
+class UnsupportedError(DalembertError):
+    """A combination of choices that cannot work; names one that does."""
+
+
+class MissingDependency(DalembertError):
+    """An optional library is needed; names the command that installs it."""

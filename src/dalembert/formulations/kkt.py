@@ -1,0 +1,32 @@
+"""Implicit elimination: the saddle system (5.7) solved as it stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.formulations.base import Formulation, SaddleSolver
+from dalembert.symbolic.factor import QrFactor
+
+
+class KktSolver(SaddleSolver):
+    """Sparse Householder QR of the whole saddle matrix."""
+
+    def __init__(self, mass: ca.SX, jacobian: ca.SX):
+        self.speed_count = mass.shape[0]
+        m = jacobian.shape[0]
+        matrix = ca.vertcat(ca.horzcat(mass, jacobian.T), ca.horzcat(jacobian, ca.SX(m, m)))
+        self.factor = QrFactor(matrix)
+
+    def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
+        solution = self.factor.solve(ca.vertcat(r1, r2))
+        return solution[: self.speed_count], solution[self.speed_count :]
+
+
+@dataclass(frozen=True)
+class Kkt(Formulation):
+    """Solve (5.7) directly. Takes massless bodies; costs more than ``RangeSpace``."""
+
+    def solver(self, mass: ca.SX, jacobian: ca.SX) -> KktSolver:
+        return KktSolver(mass, jacobian)

@@ -1,0 +1,57 @@
+"""Explicit elimination of the accelerations (5.11–5.12), the range-space method."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.formulations.base import Formulation, SaddleSolver
+from dalembert.symbolic.factor import LdlFactor, block_inverse
+
+
+class RangeSpaceSolver(SaddleSolver):
+    """``λ = (C M⁻¹ Cᵀ)⁻¹ (C M⁻¹ r1 − r2)``, ``x = M⁻¹ (r1 − Cᵀ λ)``.
+
+    Coordinates without mass make M singular. The rows of C that touch them, ``S``, are then
+    added as ``M + ρ SᵀS`` and ``r1 + ρ Sᵀ r2``: the solution is the same, exactly, because
+    ``S x = r2`` holds on it.
+    """
+
+    def __init__(self, mass: ca.SX, jacobian: ca.SX):
+        self.speed_count = mass.shape[0]
+        self.jacobian = jacobian
+        self.rows = _rows_on_massless(mass, jacobian)
+        self.weight = ca.SX(0)
+        if self.rows:
+            present = [mass[k, k] for k in range(mass.shape[0]) if not mass[k, k].is_zero()]
+            self.weight = sum(present, ca.SX(0)) / max(len(present), 1) if present else ca.SX(1)
+            s = jacobian[self.rows, :]
+            mass = mass + self.weight * ca.mtimes(s.T, s)
+        self.inverse = block_inverse(mass)
+        self.factor = LdlFactor(ca.mtimes([jacobian, self.inverse, jacobian.T]))
+
+    def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
+        c = self.jacobian
+        if self.rows:
+            r1 = r1 + self.weight * ca.mtimes(c[self.rows, :].T, r2[self.rows])
+        z = self.factor.solve(ca.mtimes(c, ca.mtimes(self.inverse, r1)) - r2)
+        return ca.mtimes(self.inverse, r1 - ca.mtimes(c.T, z)), z
+
+
+def _rows_on_massless(mass: ca.SX, jacobian: ca.SX) -> list[int]:
+    """Constraint rows that involve a coordinate without mass."""
+    massless = [k for k in range(mass.shape[0]) if mass[k, k].is_zero()]
+    pattern = ca.sparsify(jacobian).sparsity()
+    rows: set[int] = set()
+    for k in massless:
+        rows |= set(pattern.row()[pattern.colind()[k] : pattern.colind()[k + 1]])
+    return sorted(rows)
+
+
+@dataclass(frozen=True)
+class RangeSpace(Formulation):
+    """Eliminate accelerations first (5.11). The default: fastest in absolute coordinates."""
+
+    def solver(self, mass: ca.SX, jacobian: ca.SX) -> RangeSpaceSolver:
+        return RangeSpaceSolver(mass, jacobian)

@@ -1,0 +1,156 @@
+"""How violations of the constraints are kept small: nothing, Baumgarte, projection (5.4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.errors import UnsupportedError
+from dalembert.formulations.base import WORK, Formulation, state_symbols
+from dalembert.model.equations import Equations
+from dalembert.symbolic.implicit import ImplicitFunction, Stage
+
+
+@dataclass(frozen=True)
+class Stabilization:
+    """Nothing: violations grow as the integrator makes them."""
+
+    @property
+    def period(self) -> int:
+        """Apply the correction after every ``period``-th step."""
+        return 1
+
+    def constraint_acceleration(self, e: Equations) -> ca.SX:
+        """``ξ`` used by the formulation."""
+        return e.constraint_acceleration
+
+    def correction(self, e: Equations, formulation: Formulation) -> ImplicitFunction | None:
+        """``(t, x, p) → x`` applied to the state after a step, or None."""
+        return None
+
+
+@dataclass(frozen=True)
+class Baumgarte(Stabilization):
+    """``ξ_stab = ξ − α Φ̇ − β Φ`` (5.16–5.17); critical with ``β = α²/4``, the default.
+
+    Parameters
+    ----------
+    alpha : [1/s]
+    beta : [1/s²]; None for the critical value
+    """
+
+    alpha: float = 10.0
+    beta: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.alpha > 0 or (self.beta is not None and not self.beta > 0):
+            raise UnsupportedError(
+                f"Baumgarte(alpha={self.alpha}, beta={self.beta}): both gains must be positive"
+            )
+
+    def constraint_acceleration(self, e: Equations) -> ca.SX:
+        beta = self.alpha**2 / 4 if self.beta is None else self.beta
+        stabilised = e.constraint_acceleration - self.alpha * e.velocity_constraints
+        return stabilised - beta * e.constraints
+
+
+@dataclass(frozen=True)
+class Projection(Stabilization):
+    """Mass-orthogonal projection of positions, then of speeds (5.21).
+
+    ``M δ + C(ỹ)ᵀ μ = 0``, ``Φ(ỹ + A δ) = 0`` by a few iterations with one factorisation at the
+    incoming position, then ``M (v − ṽ) + Cᵀ σ = 0``, ``Ψ(y, v) = 0`` in one solve.
+
+    Parameters
+    ----------
+    every : correct after every k-th step
+    iterations : of the position correction
+    """
+
+    every: int = 1
+    iterations: int = 4
+
+    def __post_init__(self) -> None:
+        if self.every < 1 or self.iterations < 1:
+            raise UnsupportedError(
+                f"Projection(every={self.every}, iterations={self.iterations}): "
+                "both must be at least 1"
+            )
+
+    @property
+    def period(self) -> int:
+        return self.every
+
+    def correction(self, e: Equations, formulation: Formulation) -> ImplicitFunction | None:
+        m = e.constraint_count
+        if m == 0:
+            return None
+        position, moved = self._position_stage(e, formulation)
+        sigma, v = ca.SX.sym("sigma", m), ca.SX.sym("v_new", e.speed_count)
+
+        def there(expression: ca.SX) -> ca.SX:
+            return ca.substitute(expression, e.y, moved)
+
+        mass, c = there(e.mass), there(e.jacobian)
+        psi = there(e.velocity_constraints)
+        solver = formulation.solver(mass, c)
+        step, sigma_value = solver.solve(ca.SX.zeros(e.speed_count), -psi)
+        residual = ca.vertcat(
+            ca.mtimes(mass, v - e.v) + ca.mtimes(c.T, sigma), ca.substitute(psi, e.v, v)
+        )
+        velocity = Stage(
+            ca.vertcat(v, sigma),
+            residual,
+            ca.vertcat(e.v + step, sigma_value),
+            solver.solve_stacked,
+            solver.solve_stacked,
+        )
+        return ImplicitFunction(
+            "projection",
+            [e.t, state_symbols(e), e.p],
+            [position, velocity],
+            [ca.vertcat(moved, v, WORK)],
+        )
+
+    def _position_stage(self, e: Equations, formulation: Formulation) -> tuple[Stage, ca.SX]:
+        """Stage for ``(δ, μ)`` and the corrected position as an expression of ``δ``."""
+        n, m = e.speed_count, e.constraint_count
+        delta, mu = ca.SX.sym("delta", n), ca.SX.sym("mu", m)
+        solver = formulation.solver(e.mass, e.jacobian)
+        lift = ca.jacobian(e.pose_rate, e.v)
+        moved = e.y + ca.mtimes(lift, delta)
+        violation = ca.substitute(e.constraints, e.y, moved)
+        residual = ca.vertcat(ca.mtimes(e.mass, delta) + ca.mtimes(e.jacobian.T, mu), violation)
+        value_delta, value_mu = ca.SX.zeros(n), ca.SX.zeros(m)
+        for _ in range(self.iterations):
+            open_by = ca.substitute(violation, delta, value_delta)
+            step, multiplier = solver.solve(ca.SX.zeros(n), -open_by)
+            value_delta, value_mu = value_delta + step, value_mu + multiplier
+        unknown = ca.vertcat(delta, mu)
+        turned = ca.jacobian(violation, delta)  # C at the corrected position
+
+        def solve(rhs: ca.SX, transposed: bool = False) -> ca.SX:
+            # the factors belong to the incoming position; two refinements make up for that
+            total = solver.solve_stacked(rhs)
+            for _ in range(2):
+                x, z = total[:n], total[n:]
+                if transposed:
+                    rest = ca.vertcat(
+                        ca.mtimes(e.mass, x) + ca.mtimes(turned.T, z), ca.mtimes(e.jacobian, x)
+                    )
+                else:
+                    rest = ca.vertcat(
+                        ca.mtimes(e.mass, x) + ca.mtimes(e.jacobian.T, z), ca.mtimes(turned, x)
+                    )
+                total = total + solver.solve_stacked(rhs - rest)
+            return total
+
+        stage = Stage(
+            unknown,
+            residual,
+            ca.vertcat(value_delta, value_mu),
+            solve,
+            lambda rhs: solve(rhs, transposed=True),
+        )
+        return stage, moved

@@ -1,0 +1,75 @@
+"""What a field of a registered class holds, told from its metadata and annotation.
+
+The schema and the builder both ask here, so that a file is accepted exactly when it can be built.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+REFERENCES = {"Point": "point", "Body": "body", "Constraint": "joint"}
+BY_ANNOTATION = {
+    "bool": "flag",
+    "int": "integer",
+    "float": "number",
+    "str": "text",
+    "object": "rows",
+    "Formulation": "formulation",
+    "Stabilization": "stabilization",
+    "ExplicitRungeKutta": "integrator",
+    "Integrator": "integrator",
+    "str | Expression": "measure",
+    "Measure": "measure",
+    "Events": "events",
+    "tuple[float, float]": "interval",
+    "int | Sequence[float]": "count or times",
+    "int | Sequence[float] | np.ndarray": "count or times",
+}
+ALWAYS_NEEDED = {"law", "curve", "measure"}
+
+
+def kind_of(field: dataclasses.Field) -> str:
+    """One word for what the field holds.
+
+    Raises
+    ------
+    TypeError
+        A field that files cannot express: a slip in the class, not in a file.
+    """
+    if field.name == "points" and not field.metadata:
+        return "points"
+    kind = field.metadata.get("kind")
+    if kind == "quantity":
+        return "vector" if field.metadata["size"] > 1 else "quantity"
+    if kind not in (None, "option"):
+        return "body" if kind == "body" else str(kind)
+    annotation = str(field.type).strip("'\"").removesuffix(" | None")
+    if annotation in REFERENCES:
+        return REFERENCES[annotation]
+    if annotation in BY_ANNOTATION:
+        return BY_ANNOTATION[annotation]
+    raise TypeError(f"field {field.name!r}: no file form for the annotation {annotation!r}")
+
+
+def connected(cls: type) -> list[dataclasses.Field]:
+    """The bodies and points that ``connect`` lists, in order."""
+    return [
+        f for f in dataclasses.fields(cls) if not f.metadata and kind_of(f) in ("point", "body")
+    ] if dataclasses.is_dataclass(cls) else []
+
+
+def written(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> list[dataclasses.Field]:
+    """The fields that a file gives by their own key."""
+    ties = {f.name for f in connected(cls)}
+    return [f for f in dataclasses.fields(cls) if f.name not in ties and f.name not in hidden]
+
+
+def is_needed(field: dataclasses.Field) -> bool:
+    """The file must give it."""
+    if kind_of(field) in ALWAYS_NEEDED:
+        return True
+    return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+
+
+FROM_FILE = {"Table": ("times", "values"), "SplineCurve": ("points",)}
+"""Classes whose rows may come from a file of two columns, and the fields it fills."""

@@ -1,0 +1,70 @@
+"""Errors of the model told with the file and the place in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from dalembert.errors import (
+    AnalysisError,
+    ExpressionError,
+    FileError,
+    ModelError,
+    UnsupportedError,
+)
+from dalembert.io.messages import place
+from dalembert.io.schema import Document
+
+SECTIONS = ("parameters", "derived", "bodies", "joints", "drivers", "forces")
+
+
+class Located:
+    """Adds file and place to what goes wrong inside ``with located("joints", "A"):``.
+
+    Parameters
+    ----------
+    source : path of the model file
+    document : its contents, to find the section of an element
+    """
+
+    def __init__(self, source: Path, document: Document):
+        self.source = source
+        self._section = {
+            name: section for section in SECTIONS for name in getattr(document, section)
+        }
+
+    def error(self, message: str, *keys: str | int) -> ModelError:
+        """A new error at a place."""
+        return ModelError(message, f"{self.source}: {place(*keys)}")
+
+    @contextmanager
+    def __call__(self, *keys: str | int) -> Iterator[None]:
+        try:
+            yield
+        except ModelError as error:
+            if error.entity and error.entity.startswith(f"{self.source}: "):
+                raise
+            where = self._where(error.entity, keys)
+            kind = ExpressionError if isinstance(error, ExpressionError) else ModelError
+            raise kind(error.message, f"{self.source}: {where}" if where else str(self.source)) from None
+        except (FileError, UnsupportedError) as error:
+            raise type(error)(self._told(error, keys)) from None
+        except AnalysisError as error:
+            raise type(error)(self._told(error, keys), error.residual) from None
+
+    def _told(self, error: Exception, keys: tuple[str | int, ...]) -> str:
+        if str(error).startswith(f"{self.source}: "):
+            return str(error)
+        return ": ".join(part for part in (str(self.source), place(*keys), str(error)) if part)
+
+    def _where(self, entity: str | None, keys: tuple[str | int, ...]) -> str:
+        """The more telling one of the place and the element that the error names."""
+        here = place(*keys)
+        if not entity:
+            return here
+        owner = entity.partition(".")[0]
+        if owner not in self._section:
+            return here or entity
+        named = place(self._section[owner], owner) + entity[len(owner) :]
+        return here if here.startswith(named) else named

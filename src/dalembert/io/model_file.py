@@ -1,0 +1,140 @@
+"""A model file: read, checked, and turned into what Python users write."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from dalembert.errors import ModelError
+from dalembert.io.builder import Builder
+from dalembert.io.location import SECTIONS, Located
+from dalembert.io.messages import explain, nearest, place
+from dalembert.io.reading import read_document
+from dalembert.io.schema import Document, ParameterTable
+from dalembert.io.values import constant
+from dalembert.model.model import Model
+from dalembert.model.system import RESERVED, System
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """A checked model file.
+
+    Attributes
+    ----------
+    path : Path
+    document : Document
+    """
+
+    path: Path
+    document: Document
+
+    @property
+    def name(self) -> str:
+        """Name of the system."""
+        return self.document.name or self.path.stem
+
+    @property
+    def located(self) -> Located:
+        """Tells errors with this file and the place in it."""
+        return Located(self.path, self.document)
+
+    def build(self) -> System:
+        """The system, ready to be changed or built.
+
+        Raises
+        ------
+        ModelError, FileError
+            With file, place, value and cure.
+        """
+        return Builder(self.document, self.path).build()
+
+    def model(self) -> Model:
+        """The assembled model.
+
+        Raises
+        ------
+        ModelError, AssemblyError
+            As ``build``, and what only shows when the mechanism is put together.
+        """
+        system = self.build()
+        with self.located():
+            return system.build()
+
+    def with_parameters(self, values: Mapping[str, float | str]) -> ModelFile:
+        """The same file with other values of some parameters.
+
+        Raises
+        ------
+        ModelError
+            Unknown parameter, or not a number.
+        """
+        known = self.document.parameters
+        changed = dict(known)
+        for name, value in values.items():
+            if name not in known:
+                listed = ", ".join(known) or "none"
+                raise ModelError(
+                    f"unknown parameter{nearest(name, known)}; the file has: {listed}",
+                    f"{self.path}: {place('parameters', name)}",
+                )
+            try:
+                number = constant(value)
+            except ValueError as error:
+                raise self.located.error(str(error), "parameters", name) from None
+            old = known[name]
+            new = {"value": number}
+            changed[name] = (
+                old.model_copy(update=new) if isinstance(old, ParameterTable) else number
+            )
+        return replace(self, document=self.document.model_copy(update={"parameters": changed}))
+
+
+def load_model_file(path: str | Path) -> ModelFile:
+    """Read and check a model file, TOML or JSON.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or is not TOML or JSON.
+    ModelError
+        Its contents are not a model; names every place that is wrong.
+    """
+    path = Path(path)
+    data = read_document(path)
+    try:
+        document = Document.model_validate(data)
+    except ValidationError as error:
+        raise explain(error, data, path) from None
+    _check_names(document, path)
+    return ModelFile(path, document)
+
+
+def load(path: str | Path) -> System:
+    """The system that a model file describes.
+
+    Raises
+    ------
+    FileError, ModelError
+        See ``load_model_file``.
+    """
+    return load_model_file(path).build()
+
+
+def _check_names(document: Document, path: Path) -> None:
+    """Parameters and elements share one set of names, because formulas use them all."""
+    seen: dict[str, str] = {}
+    for section in SECTIONS:
+        for name in getattr(document, section):
+            here = place(section, name)
+            if name in RESERVED:
+                raise ModelError(f"the name {name!r} is reserved; choose another", f"{path}: {here}")
+            if name in seen:
+                raise ModelError(
+                    f"the name is already used by {place(seen[name], name)}; choose another",
+                    f"{path}: {here}",
+                )
+            seen[name] = section

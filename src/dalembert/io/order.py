@@ -1,0 +1,35 @@
+"""The order in which entries that name one another can be made."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from graphlib import CycleError, TopologicalSorter
+
+from dalembert.errors import ExpressionError
+from dalembert.io.messages import place
+
+_FIRST_NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
+
+
+def dependency_order(section: str, formulas: Mapping[str, Iterable[str]]) -> list[str]:
+    """Names of a section, each after those that its formulas mention.
+
+    Raises
+    ------
+    ExpressionError
+        Entries that need one another; names the chain.
+    """
+    needs = {
+        name: [n for text in texts for n in _FIRST_NAME.findall(text) if n in formulas]
+        for name, texts in formulas.items()
+    }
+    try:
+        return list(TopologicalSorter(needs).static_order())
+    except CycleError as error:
+        chain = error.args[1][::-1]
+        raise ExpressionError(
+            f"needs itself, in the circle {' → '.join(chain[:12])}{' → …' if len(chain) > 12 else ''}; "
+            "give one of them without the others",
+            place(section, chain[0]),
+        ) from None

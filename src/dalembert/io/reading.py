@@ -1,0 +1,137 @@
+"""From a file to plain data: text, syntax and size, nothing about mechanics yet."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from dalembert.errors import FileError
+
+MAX_BYTES = 20_000_000
+MAX_DEPTH = 40
+MAX_KEY_PARTS = 1000
+
+# The TOML reader takes quadratic time on keys with thousands of dots.
+_KEY = re.compile(r"[^\n=,{}#]+")
+
+
+def read_document(path: str | Path) -> dict[str, Any]:
+    """The table in a TOML or JSON file.
+
+    Raises
+    ------
+    FileError
+        Not a readable text file, too large, or not TOML or JSON (with line and column).
+    """
+    path = Path(path)
+    text = read_text(path)
+    if not text.strip():
+        raise FileError(f"{path}: the file is empty; 'dalembert examples' shows what goes in")
+    if path.suffix.lower() == ".json":
+        data = _parse_json(path, text)
+    else:
+        data = _parse_toml(path, text)
+    if not isinstance(data, dict):
+        raise FileError(f"{path}: the file must hold a table (an object), got {type(data).__name__}")
+    if _depth(data) > MAX_DEPTH:
+        raise FileError(f"{path}: tables are nested more than {MAX_DEPTH} deep")
+    return data
+
+
+def read_text(path: Path) -> str:
+    """The text of a file of reasonable size.
+
+    Raises
+    ------
+    FileError
+        Missing, a folder, unreadable, too large or not UTF-8.
+    """
+    refuse_missing(path)
+    try:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            raise FileError(f"{path}: has {size} bytes; at most {MAX_BYTES} are read")
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FileError(
+            f"{path}: byte {error.start} is not UTF-8 text; save the file as UTF-8"
+        ) from None
+    except OSError as error:
+        raise FileError(f"{path}: cannot be read ({error.strerror or error})") from None
+
+
+def refuse_missing(path: Path) -> None:
+    """Tell plainly where there is no file to read.
+
+    Raises
+    ------
+    FileError
+        Missing, a folder, or no regular file.
+    """
+    try:
+        if path.is_dir():
+            raise FileError(f"{path}: is a folder; give the name of a file in it")
+        if not path.exists():
+            raise FileError(f"{path}: no such file; check the name and the folder")
+        if not path.is_file():
+            raise FileError(f"{path}: is not a regular file")
+    except (OSError, ValueError) as error:  # a name too long, or one with a null character
+        reason = getattr(error, "strerror", None) or error
+        raise FileError(f"{str(path)[:200]!r}: cannot be read ({reason})") from None
+
+
+def _parse_toml(path: Path, text: str) -> Any:
+    for match in _KEY.finditer(text):
+        if match[0].count(".") > MAX_KEY_PARTS:
+            line = text.count("\n", 0, match.start()) + 1
+            raise FileError(f"{path}: line {line}: a key has more than {MAX_KEY_PARTS} parts")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        cure = "a key may appear only once in a table" if "overwrite" in str(error) else ""
+        cure = cure or ("texts need quotes, e.g. \"l1/2\"" if "Invalid value" in str(error) else "")
+        raise FileError(f"{path}: not valid TOML: {error}{'; ' + cure if cure else ''}") from None
+    except (RecursionError, ValueError) as error:
+        raise FileError(f"{path}: cannot be read as TOML: {_reason(error)}") from None
+
+
+def _parse_json(path: Path, text: str) -> Any:
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        table: dict[str, Any] = {}
+        for key, value in pairs:
+            if key in table:
+                raise FileError(
+                    f"{path}: the key {key!r} appears twice in one object; keep one of them"
+                )
+            table[key] = value
+        return table
+
+    try:
+        return json.loads(text, object_pairs_hook=unique)
+    except json.JSONDecodeError as error:
+        raise FileError(
+            f"{path}: not valid JSON: {error.msg} (at line {error.lineno}, column {error.colno})"
+        ) from None
+    except (RecursionError, ValueError) as error:
+        raise FileError(f"{path}: cannot be read as JSON: {_reason(error)}") from None
+
+
+def _reason(error: Exception) -> str:
+    return "nested too deep" if isinstance(error, RecursionError) else str(error)
+
+
+def _depth(data: Any) -> int:
+    """Greatest nesting, found without recursion."""
+    level, depth = [data], 0
+    while level and depth <= MAX_DEPTH:
+        depth += 1
+        level = [
+            child
+            for item in level
+            for child in (item.values() if isinstance(item, dict) else item)
+            if isinstance(child, (dict, list))
+        ]
+    return depth

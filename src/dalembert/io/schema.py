@@ -1,0 +1,149 @@
+"""The schema of model files: one document, TOML or JSON, that mirrors the Python names."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
+
+from dalembert.elements.registry import BODIES, DRIVERS, FORCES, JOINTS
+from dalembert.io.messages import nearest
+from dalembert.io.strategies import ANALYSES, RESPONSES
+from dalembert.io.tables import Record, Vector, one_of, table_of, table_or
+from dalembert.io.values import Bound, Entry, Number, Text, list_of, shown
+from dalembert.sensitivity.gradient import METHODS
+
+FORMAT = 1
+
+
+def _format(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"expected format = {FORMAT}, got {shown(value)}")
+    if value != FORMAT:
+        cure = "update dalembert to read it" if value > FORMAT else f"write format = {FORMAT}"
+        raise ValueError(f"format {value} is not known here, this version reads {FORMAT}; {cure}")
+    return value
+
+
+def _method(value: Any) -> str:
+    if not isinstance(value, str) or value not in METHODS:
+        known = ", ".join(METHODS)
+        raise ValueError(f"unknown method {shown(value)}{nearest(value, METHODS)}; known: {known}")
+    return value
+
+
+Method = Annotated[str, BeforeValidator(_method), WithJsonSchema({"enum": list(METHODS)})]
+Names = list[Text]
+Bounds = list_of(Bound, 2, "lower, upper")
+
+
+class ParameterTable(Record):
+    """A number that runs and designs may change."""
+
+    value: Number
+    unit: Text = ""
+    bounds: Bounds = None  # type: ignore[valid-type]
+    description: Text = ""
+
+
+class DerivedTable(Record):
+    """A formula of parameters under a name."""
+
+    formula: Entry
+    unit: Text = ""
+    description: Text = ""
+
+
+class GroundTable(Record):
+    """Named points of the ground [m]."""
+
+    points: dict[str, Vector] = Field(default_factory=dict)  # type: ignore[misc]
+
+
+class SensitivityTable(Record):
+    """Which gradients ``dalembert sensitivity`` computes."""
+
+    responses: Names = Field(default=None, description="names of responses; all by default")
+    wrt: Names = Field(default=None, description="names of parameters; all by default")
+    method: Method = "auto"
+
+
+class LimitTable(Record):
+    """A response that an optimal design keeps between limits."""
+
+    response: Text
+    lower: Number = None
+    upper: Number = None
+
+
+class OptimizeTable(Record):
+    """What ``dalembert optimize`` minimises or maximises."""
+
+    minimize: Text = None
+    maximize: Text = None
+    vary: Names = Field(default=None, description="names of parameters; all by default")
+    subject_to: list[LimitTable] = Field(default_factory=list)
+
+
+class ReportTable(Record):
+    """What the report shows first."""
+
+    plots: list[list[Text]] = Field(default=None, description="measures, one list per plot")
+    trace: Names = Field(default=None, description="points whose paths are drawn")
+
+
+def _any_of(registry: dict[str, type]) -> Any:
+    return one_of({name: table_of(name, cls) for name, cls in registry.items()})
+
+
+_PARAMETER = table_or(ParameterTable, Number)
+_DERIVED = table_or(DerivedTable, Entry)
+_BODY = one_of({n: table_of(n, c, n == "Body") for n, c in BODIES.items()}, default="Body")
+_JOINT, _DRIVER, _FORCE = _any_of(JOINTS), _any_of(DRIVERS), _any_of(FORCES)
+_ANALYSIS, _RESPONSE = _any_of(ANALYSES), _any_of(RESPONSES)
+
+
+class Document(Record):
+    """A model file of dalembert: a mechanism, and what is to be computed on it."""
+
+    schema_location: Text = Field(default=None, alias="$schema", description="for editors")
+    format: Annotated[int, PlainValidator(_format), WithJsonSchema({"const": FORMAT})]
+    name: Text = Field(default=None, description="name of the system; the file name by default")
+    description: Text = ""
+    gravity: Vector = Field(  # type: ignore[valid-type]
+        default=None, description="acceleration of gravity [m/s^2]; none by default"
+    )
+    parameters: dict[str, _PARAMETER] = Field(default_factory=dict)  # type: ignore[valid-type]
+    derived: dict[str, _DERIVED] = Field(default_factory=dict)  # type: ignore[valid-type]
+    ground: GroundTable = Field(default_factory=GroundTable)
+    bodies: dict[str, _BODY] = Field(default_factory=dict)  # type: ignore[valid-type]
+    joints: dict[str, _JOINT] = Field(default_factory=dict)  # type: ignore[valid-type]
+    drivers: dict[str, _DRIVER] = Field(default_factory=dict)  # type: ignore[valid-type]
+    forces: dict[str, _FORCE] = Field(default_factory=dict)  # type: ignore[valid-type]
+    initial: dict[str, Entry] = Field(
+        default_factory=dict, description="measures at the start, held exactly"
+    )
+    analysis: _ANALYSIS = None  # type: ignore[valid-type]
+    responses: dict[str, _RESPONSE] = Field(default_factory=dict)  # type: ignore[valid-type]
+    sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
+    optimize: OptimizeTable = None  # type: ignore[assignment]
+    report: ReportTable = Field(default_factory=ReportTable)
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema (2020-12) of model files, for editors and other programs."""
+    made = Document.model_json_schema()
+    _drop_null_defaults(made)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **made}
+
+
+def _drop_null_defaults(node: Any) -> None:
+    """A missing key is missing; null is not a value of this format."""
+    if isinstance(node, dict):
+        if "default" in node and node["default"] is None:
+            del node["default"]
+        for child in node.values():
+            _drop_null_defaults(child)
+    elif isinstance(node, list):
+        for child in node:
+            _drop_null_defaults(child)

@@ -1,0 +1,149 @@
+"""The kinds of values a model file may hold, each checked with a message of its own."""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
+
+from dalembert.errors import ExpressionError
+from dalembert.symbolic.parser import parse_formula
+
+
+def shown(value: Any) -> str:
+    """A value as it appears in messages: short, however large it is."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict):
+        return "a table"
+    return reprlib.repr(value)
+
+
+def constant(value: Any) -> float:
+    """A finite number; a text is read as a formula of numbers alone, such as ``2*pi``.
+
+    Raises
+    ------
+    ValueError
+        Anything else.
+    """
+    if isinstance(value, str):
+        try:
+            value = float(parse_formula(value, lambda name: None))
+        except ExpressionError as error:
+            raise ValueError(f"{error.message}; a plain number is needed here") from None
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"expected a number, got {shown(value)}")
+    return _finite(value)
+
+
+def _finite(value: int | float) -> float:
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ValueError(f"{shown(value)} is not a finite number; give a finite one")
+    return number
+
+
+def number_or_formula(value: Any) -> float | str:
+    """A finite number, or the text of a formula (parsed when the model is built)."""
+    if isinstance(value, str):
+        if not value.strip():
+            raise ValueError("the text is empty; write a number or a formula")
+        return value
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"expected a number or a formula, got {shown(value)}")
+    return _finite(value)
+
+
+def _bound(value: Any) -> float | None:
+    if value is None or (isinstance(value, float) and math.isinf(value)):
+        return value
+    return constant(value)
+
+
+def _integer(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"expected a whole number, got {shown(value)}")
+    if abs(value) > 10**12:
+        raise ValueError("the number is too large")
+    return value
+
+
+def _flag(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"expected true or false, got {shown(value)}")
+    return value
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"expected a text in quotes, got {shown(value)}")
+    return value
+
+
+def _count_or_times(value: Any) -> int | list[float]:
+    if isinstance(value, list):
+        return [constant(item) for item in value]
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"expected a count or a list of times, got {shown(value)}")
+    return _integer(value)
+
+
+def _rows(value: Any) -> list:
+    if not isinstance(value, list):
+        raise ValueError(f"expected a list of numbers, got {shown(value)}")
+    return [
+        [number_or_formula(x) for x in item] if isinstance(item, list) else number_or_formula(item)
+        for item in value
+    ]
+
+
+_NUMBER_OR_TEXT: dict[str, Any] = {"type": ["number", "string"]}
+
+Entry = Annotated[
+    Any,
+    PlainValidator(number_or_formula),
+    WithJsonSchema({**_NUMBER_OR_TEXT, "description": "number or formula"}),
+]
+Number = Annotated[
+    Any,
+    PlainValidator(constant),
+    WithJsonSchema({**_NUMBER_OR_TEXT, "description": "number, or a formula of numbers: 2*pi"}),
+]
+Bound = Annotated[Any, PlainValidator(_bound), WithJsonSchema({"type": ["number", "string", "null"]})]
+Integer = Annotated[Any, PlainValidator(_integer), WithJsonSchema({"type": "integer"})]
+Flag = Annotated[Any, PlainValidator(_flag), WithJsonSchema({"type": "boolean"})]
+Text = Annotated[Any, PlainValidator(_text), WithJsonSchema({"type": "string"})]
+CountOrTimes = Annotated[
+    Any,
+    PlainValidator(_count_or_times),
+    WithJsonSchema({"anyOf": [{"type": "integer"}, {"type": "array", "items": {"type": "number"}}]}),
+]
+Rows = Annotated[
+    Any,
+    PlainValidator(_rows),
+    WithJsonSchema(
+        {
+            "type": "array",
+            "items": {"anyOf": [_NUMBER_OR_TEXT, {"type": "array", "items": _NUMBER_OR_TEXT}]},
+        }
+    ),
+]
+
+
+def list_of(item: Any, size: int, what: str = "numbers or formulas") -> Any:
+    """A list with exactly ``size`` entries; ``what`` names them in messages."""
+
+    def check(value: Any) -> Any:
+        if not isinstance(value, list):
+            raise ValueError(f"expected a list of {size} entries ({what}), got {shown(value)}")
+        if len(value) != size:
+            raise ValueError(f"expected {size} entries ({what}), got {len(value)}")
+        return value
+
+    return Annotated[list[item], BeforeValidator(check), Field(min_length=size, max_length=size)]

@@ -1,0 +1,1 @@
+"""From a builder to frozen equations: system, model, assembly, diagnosis."""

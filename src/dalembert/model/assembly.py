@@ -1,0 +1,330 @@
+"""Assembly: from guesses to a configuration that satisfies every joint and driver.
+
+The guesses are first projected onto ``Φ = 0``. Then, in the order of declaration (angles before
+positions), as many given coordinates as the constraints leave independent are *held* at exactly
+their given values, so that a crank starts at the angle its user wrote; the rest follows. This
+choice, the recipe, is made once; with it the assembled state is the root of a square system and
+so a differentiable function of the parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.base import Coordinates
+from dalembert.errors import AssemblyError
+from dalembert.model.equations import Equations
+from dalembert.symbolic.expression import stack
+from dalembert.symbolic.factor import QrFactor
+from dalembert.symbolic.implicit import ImplicitFunction, Stage
+
+POSITION_TOLERANCE = 1e-11
+INDEPENDENCE = 0.05
+MISSING_WEIGHT = 1e-2
+
+
+@dataclass(frozen=True)
+class Held:
+    """Coordinates (or speeds) held at their guesses; -1 in ``given`` order means: a constant."""
+
+    indices: tuple[int, ...] = ()
+    constants: tuple[float | None, ...] = ()
+
+
+@dataclass
+class Guesses:
+    """Initial values by coordinate: formulas where given, None where missing."""
+
+    pose: list
+    twist: list
+    names: list[str]
+    units: list[str]
+    owners: list[str]
+
+    @classmethod
+    def collect(cls, groups: list[Coordinates]) -> Guesses:
+        made = cls([], [], [], [], [])
+        for group in groups:
+            pose, twist = group.guesses()
+            made.pose += pose
+            made.twist += twist
+            made.names += [f"{group.name}.{n}" for n in group.coordinate_names]
+            made.units += list(group.coordinate_units)
+            made.owners += [group.name] * len(pose)
+        return made
+
+    def priority(self, given: list) -> list[int]:
+        """Indices in the order in which they are held: given first, angles first."""
+        order = {owner: k for k, owner in enumerate(dict.fromkeys(self.owners))}
+
+        def key(k: int):
+            return (given[k] is None, order[self.owners[k]], self.units[k] != "rad", k)
+
+        return sorted(range(len(given)), key=key)
+
+
+@dataclass
+class AssembledState:
+    """Consistent initial state.
+
+    Attributes
+    ----------
+    y, v : (n,) arrays
+    corrections : coordinate name → change made to a given guess
+    residual : largest remaining violation
+    velocity_correction : largest change made to given speeds that were inconsistent
+    """
+
+    y: np.ndarray
+    v: np.ndarray
+    residual: float
+    corrections: dict[str, float] = field(default_factory=dict)
+    velocity_corrections: dict[str, float] = field(default_factory=dict)
+    projected_speeds: bool = False
+
+
+class Assembler:
+    """Finds consistent initial states of one system for any parameter values.
+
+    Parameters
+    ----------
+    equations : Equations with all constraint rows
+    guesses : Guesses
+    row_names : (m,) name of the joint or driver behind each row
+    initial : prescribed measures, (expression − value) in y or v
+    """
+
+    def __init__(
+        self,
+        equations: Equations,
+        guesses: Guesses,
+        row_names: list[str],
+        initial: list[ca.SX],
+    ):
+        self.e, self.guesses, self.row_names = equations, guesses, row_names
+        e = equations
+        speeds = [ca.depends_on(r, e.v) for r in initial]
+        self.initial_position = stack(r for r, s in zip(initial, speeds, strict=True) if not s)
+        self.initial_speed = stack(r for r, s in zip(initial, speeds, strict=True) if s)
+        residual = ca.vertcat(e.constraints, self.initial_position)
+        self._position = ca.Function(
+            "position", [e.t, e.y, e.p], [residual, ca.jacobian(residual, e.y)]
+        )
+        psi = ca.vertcat(e.velocity_constraints, self.initial_speed)
+        self._velocity = ca.Function(
+            "velocity", [e.t, e.y, e.v, e.p], [psi, ca.jacobian(psi, e.v), e.mass], {"cse": True}
+        )
+        self._guess = ca.Function(
+            "guess",
+            [e.p],
+            [_filled(guesses.pose), _filled(guesses.twist)],
+        )
+        self.weight = np.array([1.0 if g is not None else MISSING_WEIGHT for g in guesses.pose])
+
+    # positions ---------------------------------------------------------------
+    def project(self, t: float, p: np.ndarray, attempts: int = 12) -> np.ndarray:
+        """Nearest assembled configuration to the guesses, from several starts if need be."""
+        guess = self._guess(p)[0].full().ravel()
+        missing = np.array([g is None for g in self.guesses.pose])
+        rng = np.random.default_rng(0)
+        best, worst = guess, np.inf
+        for attempt in range(attempts):
+            start = guess.copy()
+            if attempt:
+                angle = np.array([u == "rad" for u in self.guesses.units])
+                spread = np.where(missing, np.where(angle, np.pi / 2, 0.5), 0.02 * attempt)
+                start += spread * rng.uniform(-1, 1, start.size)
+            y, residual = self._gauss_newton(t, start, p)
+            if residual < worst:
+                best, worst = y, residual
+            if worst < POSITION_TOLERANCE:
+                return best
+        raise self.failure(t, best, p)
+
+    def _gauss_newton(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, float]:
+        r, jacobian = self._evaluate(t, y, p)
+        norm = np.linalg.norm(r, np.inf) if r.size else 0.0
+        for _ in range(100):
+            if norm < 1e-14 or not np.isfinite(norm):
+                break
+            step = -_weighted_solve(jacobian, r, self.weight)
+            step *= min(1.0, 1.0 / max(np.linalg.norm(step, np.inf), 1e-300))
+            scale, improved = 1.0, False
+            while scale > 1e-4:
+                trial = y + scale * step
+                r_trial, j_trial = self._evaluate(t, trial, p)
+                n_trial = np.linalg.norm(r_trial, np.inf)
+                if n_trial < norm * (1 - 0.1 * scale) or n_trial < 1e-15:
+                    improved = True
+                    break
+                scale /= 2
+            if not improved:
+                break
+            y, r, jacobian, norm = trial, r_trial, j_trial, n_trial
+        return y, float(norm) if np.isfinite(norm) else np.inf
+
+    def _evaluate(self, t: float, y: np.ndarray, p: np.ndarray):
+        r, jacobian = self._position(t, y, p)
+        return r.full().ravel(), jacobian.full()
+
+    def failure(self, t: float, y: np.ndarray, p: np.ndarray) -> AssemblyError:
+        r, _ = self._evaluate(t, y, p)
+        names = [*self.row_names, *["initial condition"] * self.initial_position.numel()]
+        k = int(np.nanargmax(np.abs(r))) if np.any(np.isfinite(r)) else 0
+        largest = float(abs(r[k]))
+        return AssemblyError(
+            f"the mechanism cannot be assembled at t = {t:g} s: {names[k]} stays open by "
+            f"{largest:.3g} at best; check the lengths, or give poses nearer to the closed "
+            "mechanism",
+            largest,
+        )
+
+    def choose_held(self, t: float, y: np.ndarray, p: np.ndarray, rows: list[int]) -> Held:
+        """Coordinates to hold so that with the independent rows the system is square."""
+        _, jacobian = self._evaluate(t, y, p)
+        m = self.e.constraint_count
+        keep = [*rows, *range(m, jacobian.shape[0])]
+        chosen = independent_units(jacobian[keep], self.guesses.priority(self.guesses.pose))
+        constants = tuple(None if self.guesses.pose[k] is not None else float(y[k]) for k in chosen)
+        return Held(tuple(chosen), constants)
+
+    def position_residual(self, rows: list[int], held: Held) -> ca.SX:
+        """Square system of the assembled position."""
+        e = self.e
+        targets = [
+            self.guesses.pose[k] if c is None else ca.SX(c)
+            for k, c in zip(held.indices, held.constants, strict=True)
+        ]
+        pinned = stack(e.y[k] - g for k, g in zip(held.indices, targets, strict=True))
+        return ca.vertcat(e.constraints[rows], self.initial_position, pinned)
+
+    # speeds ------------------------------------------------------------------
+    def choose_held_speeds(
+        self, t: float, y: np.ndarray, p: np.ndarray, rows: list[int]
+    ) -> tuple[Held, dict[str, float]]:
+        """Speeds to hold, and by how much given ones miss what these imply."""
+        n = self.e.speed_count
+        psi, jacobian, _ = (a.full() for a in self._velocity(t, y, np.zeros(n), p))
+        m = self.e.constraint_count
+        keep = [*rows, *range(m, jacobian.shape[0])]
+        chosen = independent_units(jacobian[keep], self.guesses.priority(self.guesses.twist))
+        given = self._guess(p)[1].full().ravel()
+        matrix = np.vstack([jacobian[keep], np.eye(n)[chosen]])
+        rhs = np.concatenate([-psi.ravel()[keep], given[chosen]])
+        v = np.linalg.solve(matrix, rhs) if n else np.zeros(0)
+        miss = {
+            self.guesses.names[k]: float(v[k] - given[k])
+            for k in range(n)
+            if self.guesses.twist[k] is not None
+            and abs(v[k] - given[k]) > 1e-6 * (1 + abs(given[k]))
+        }
+        constants = tuple(None if self.guesses.twist[k] is not None else 0.0 for k in chosen)
+        if miss:  # remember where the missing speeds went: the projection starts from there
+            filled = tuple(
+                None if g is not None else float(v[k]) for k, g in enumerate(self.guesses.twist)
+            )
+            return Held((), filled), miss
+        return Held(tuple(chosen), constants), miss
+
+    def initial_state(
+        self, rows: list[int], held: Held, speeds: Held, projected: bool
+    ) -> ImplicitFunction:
+        """``(t, y_start, p) → (y0, v0)`` for given recipe, with derivatives by ``p``.
+
+        ``y_start`` is the assembled position itself; it only tells where to differentiate.
+        """
+        e = self.e
+        start = ca.SX.sym("y_start", e.coordinate_count)
+        residual = self.position_residual(rows, held)
+        factor = QrFactor(ca.jacobian(residual, e.y))
+        position = Stage(e.y, residual, start, factor.solve, factor.solve_transposed)
+        c, psi0 = e.jacobian[rows, :], ca.substitute(e.velocity_constraints[rows], e.v, 0 * e.v)
+        constant = [ca.SX(x) if x is not None else None for x in speeds.constants]
+        if projected:
+            sigma = ca.SX.sym("sigma", len(rows))
+            goal = stack(
+                g if c0 is None else c0 for g, c0 in zip(self.guesses.twist, constant, strict=True)
+            )
+            metric = self._metric()
+            unknown = ca.vertcat(e.v, sigma)
+            equations = ca.vertcat(
+                ca.mtimes(metric, e.v - goal) + ca.mtimes(c.T, sigma), ca.mtimes(c, e.v) + psi0
+            )
+        else:
+            pinned = stack(
+                e.v[k] - (self.guesses.twist[k] if c0 is None else c0)
+                for k, c0 in zip(speeds.indices, constant, strict=True)
+            )
+            unknown = e.v
+            equations = ca.vertcat(ca.mtimes(c, e.v) + psi0, self.initial_speed, pinned)
+        speed_factor = QrFactor(ca.jacobian(equations, unknown))
+        at_zero = ca.substitute(equations, unknown, ca.SX.zeros(unknown.numel()))
+        velocity = Stage(
+            unknown,
+            equations,
+            speed_factor.solve(-at_zero),
+            speed_factor.solve,
+            speed_factor.solve_transposed,
+        )
+        return ImplicitFunction(
+            "initial_state", [e.t, start, e.p], [position, velocity], [e.y, e.v]
+        )
+
+    def _metric(self) -> ca.SX:
+        """Mass matrix, with a unit mass for coordinates that have none."""
+        mass = self.e.mass
+        zero = [mass[k, k].is_zero() for k in range(mass.shape[0])]
+        return mass + ca.diag(ca.SX([1.0 if z else 0.0 for z in zero]))
+
+
+def _filled(values: list) -> ca.SX:
+    return stack(ca.SX(0) if v is None else v for v in values)
+
+
+def _weighted_solve(jacobian: np.ndarray, r: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Minimum-norm solution of ``J x = r`` in the metric ``diag(weight²)``."""
+    solution, *_ = np.linalg.lstsq(jacobian / weight, r, rcond=1e-10)
+    return solution / weight
+
+
+def independent_rows(matrix: np.ndarray, tolerance: float = 1e-8) -> list[int]:
+    """Rows, in order, that do not depend linearly on the rows before them."""
+    basis = np.zeros((matrix.shape[1], 0))
+    kept = []
+    for k, row in enumerate(matrix):
+        norm = np.linalg.norm(row)
+        if norm == 0 or not np.isfinite(norm):
+            continue
+        rest = row / norm
+        for _ in range(2):
+            rest = rest - basis @ (basis.T @ rest)
+        size = np.linalg.norm(rest)
+        if size > tolerance:
+            basis = np.column_stack([basis, rest / size])
+            kept.append(k)
+    return kept
+
+
+def independent_units(matrix: np.ndarray, order: list[int]) -> list[int]:
+    """Unit vectors, tried in order, that complete the rows of ``matrix`` to a basis."""
+    n = matrix.shape[1]
+    kept: list[int] = []
+    basis = np.linalg.qr(matrix.T)[0] if matrix.shape[0] else np.zeros((n, 0))
+    need = n - matrix.shape[0]
+    for threshold in (INDEPENDENCE, 1e-6):
+        for k in order:
+            if len(kept) == need:
+                return kept
+            if k in kept:
+                continue
+            rest = np.eye(n)[k]
+            for _ in range(2):
+                rest = rest - basis @ (basis.T @ rest)
+            size = np.linalg.norm(rest)
+            if size > threshold:
+                basis = np.column_stack([basis, rest / size])
+                kept.append(k)
+    return kept

@@ -1,0 +1,76 @@
+"""Measures: named quantities of a mechanism, and how their names are read.
+
+``body.quantity``, ``body.point.quantity``, ``joint.quantity``, ``force.quantity`` or a quantity
+of the whole system; a vector's components are ``.x`` and ``.y``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement, rate_of
+from dalembert.elements.planar.body import Body
+from dalembert.elements.planar.drivers import Driver
+from dalembert.elements.planar.joint import Pair
+from dalembert.symbolic.expression import Expression, t
+
+if TYPE_CHECKING:
+    from dalembert.model.system import System
+
+Measures = dict[str, tuple[ca.SX, str]]
+
+
+def element_measures(element: Element, everything: list[Coordinates]) -> Measures:
+    """Quantities of one element: name → (expression, unit).
+
+    ``everything`` serves elements written as a formula, which do not know their bodies.
+    """
+    owners = element.parts() or everything
+
+    def rate(expression: ca.SX) -> ca.SX:
+        return rate_of(expression, owners, t.sx)
+
+    if isinstance(element, Body):
+        own = element.measures()
+        for name, point in element.points.items():
+            own |= {f"{name}.{q}": m for q, m in point.measures().items()}
+        return own
+    if isinstance(element, ForceElement):
+        return element.measures(rate)
+    return constraint_measures(element, rate) if isinstance(element, Constraint) else {}
+
+
+def constraint_measures(constraint: Constraint, rate) -> Measures:
+    found: Measures = {"violation": (ca.sqrt(ca.sumsqr(constraint.equations)), "m")}
+    for name, (coordinate, unit) in constraint.freedoms().items():
+        found[name] = (coordinate, unit)
+        found[f"{name}_rate"] = (rate(coordinate), f"{unit}/s")
+    for part in constraint.own_coordinates():
+        found["contact"] = (part.pose[0], "")
+    if isinstance(constraint, Pair):
+        force, moment = constraint.reaction()
+        found["force"] = (force, "N")
+        found["force_norm"] = (ca.sqrt(ca.sumsqr(force)), "N")
+        found["moment"] = (moment, "N m")
+    if isinstance(constraint, Driver):
+        found |= constraint.measures(rate)
+    return found
+
+
+def find_measure(system: System, name: str) -> Expression | None:
+    """The measure behind a dotted name, None if there is none."""
+    owner, _, quantity = name.partition(".")
+    element = system.elements.get(owner)
+    if element is None or not quantity:
+        return None
+    known = element_measures(element, system.coordinates)
+    if quantity in known:
+        sx, unit = known[quantity]
+        return Expression(sx, name, unit)
+    stem, _, component = quantity.rpartition(".")
+    if stem in known and component in ("x", "y") and known[stem][0].numel() == 2:
+        sx, unit = known[stem]
+        return Expression(sx["xy".index(component)], name, unit)
+    return None

@@ -1,0 +1,113 @@
+// Puts the page together.
+
+const byId = (id) => document.getElementById(id);
+const payload = JSON.parse(byId("data").textContent);
+byId("subtitle").textContent = payload.subtitle || "";
+byId("subtitle").hidden = !payload.subtitle;
+
+Theme.read();
+const motion = new Motion(payload);
+const player = new Player(motion);
+const scene = new Scene(motion, byId("scene"), byId("tip"));
+const picker = new Picker(byId("picker"), motion);
+const board = motion.moves && motion.series.length ? new Board(byId("board"), motion, player, picker) : null;
+
+player.onTime.on((t) => { motion.setTime(t); scene.invalidate(); });
+
+function buildToolbar() {
+  const show = (key) => (on) => { scene.show[key] = on; scene.invalidate(); };
+  const toggles = [toggleButton("Labels", scene.show.labels, show("labels"), { id: "labels" }), toggleButton("Grid", true, show("grid"), { id: "grid" })];
+  if (scene.loaded.length) {
+    const legend = el("i", { class: "swatch" });
+    legend.style.setProperty("--c", "var(--force)");
+    toggles.unshift(toggleButton("Reactions", false, show("forces"), { id: "reactions", title: "Reaction forces and moments at the joints" }));
+    toggles[0].prepend(legend);
+  }
+  byId("toolbar").append(el("div", { class: "chips" }, toggles));
+  if (!motion.points.length || !motion.moves) return;
+  const chips = motion.points.map((point) => {
+    const swatch = el("i", { class: "swatch" });
+    point.swatch = swatch;
+    const chip = toggleButton(swatch, point.traced, (on) => { point.traced = on; scene.invalidate(); }, { class: "chip trace", title: `Trace ${point.name}` });
+    chip.append(el("span", {}, point.name));
+    return chip;
+  });
+  byId("toolbar").append(el("div", { class: "chips traces", role: "group", "aria-label": "Traced points" }, el("span", { class: "caption" }, "Trace"), chips));
+}
+
+function buildFrame() {
+  byId("zoom").append(
+    iconButton("plus", "Zoom in (+)", () => scene.zoom(1.25)),
+    iconButton("minus", "Zoom out (−)", () => scene.zoom(0.8)),
+    iconButton("fit", "Fit the whole motion (F)", () => scene.fit(), { id: "fit" }));
+  byId("tools").append(
+    iconButton("theme", "Light or dark", () => setTheme(Theme.name === "dark" ? "light" : "dark"), { id: "theme" }),
+    iconButton("print", "Print", () => window.print()));
+  byId("scene").setAttribute("aria-label",
+    `Drawing of ${motion.title}: ${motion.bodies.length} bodies, ${motion.joints.length} joints. Wheel zooms, drag pans.`);
+  const hints = motion.moves ? [["Space", "play"], ["← →", "step"], ["F", "fit"], ["+ −", "zoom"]] : [["F", "fit"], ["+ −", "zoom"]];
+  byId("footer").append(
+    el("span", {}, "Made with dalembert. Lengths in metres, forces in newtons, SI throughout."),
+    el("span", { class: "keys" }, hints.map(([key, what]) => [el("kbd", {}, key), ` ${what} `])));
+}
+
+function buildPanels() {
+  const statistics = list(payload.statistics);
+  const columns = [
+    [diagnosisPanel(payload.diagnosis), valuePanel(motion), parameterPanel(payload.parameters)],
+    [statistics.length ? panel("Statistics", "statistics", pairs(statistics)) : null, eventPanel(motion, player)],
+  ].map((column) => column.filter(Boolean)).filter((column) => column.length);
+  byId("panels").append(...columns.map((column) => el("div", { class: "column" }, column)));
+  verdict(byId("verdict"), payload.diagnosis);
+}
+
+function setTheme(name) {
+  document.documentElement.dataset.theme = name;
+  Theme.read();
+  for (const point of motion.points) point.swatch?.style.setProperty("--c", scene.pointColour(point));
+  scene.restyle();
+  board?.restyle();
+}
+
+// On paper: light, sharp, at rest, and drawn in the size of the sheet.
+function preparePrint() {
+  const style = document.documentElement;
+  let before = null;
+  const redraw = (paper, theme) => {
+    style.classList.toggle("paper", paper);
+    scene.ratio = paper ? 3 : undefined;
+    if (board) board.ratio = scene.ratio;
+    setTheme(theme);
+    scene.resize();
+    scene.draw();
+  };
+  window.addEventListener("beforeprint", () => {
+    before ??= Theme.name;
+    player.pause();
+    redraw(true, "light");
+  });
+  window.addEventListener("afterprint", () => {
+    redraw(false, before || Theme.name);
+    before = null;
+  });
+}
+
+buildToolbar();
+buildFrame();
+buildPanels();
+if (motion.moves) buildPlayer(byId("player"), player);
+if (board) {
+  const wanted = list(payload.default_plots).map((names) => list(names).filter((n) => motion.seriesByName.has(n))).filter((names) => names.length);
+  for (const names of wanted.length ? wanted : fallbackPlots(motion)) board.add(names);
+} else {
+  byId("board").hidden = true;
+  document.body.classList.add("single");
+}
+bindKeys(player, scene);
+preparePrint();
+setTheme(Theme.name);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (e) => setTheme(e.matches ? "dark" : "light"));
+player.seek(motion.start);
+
+window.dalembert = { player, motion, scene, board };
+if (motion.moves && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();

@@ -1,0 +1,339 @@
+// Time plots which share one cursor and one cross-hair.
+
+class Board {
+  constructor(root, motion, player, picker) {
+    Object.assign(this, { root, motion, player, picker });
+    this.plots = [];
+    this.hoverTime = null;
+    this.stack = el("div", { class: "plots" });
+    this.count = el("span", { class: "count" });
+    root.append(
+      el("div", { class: "board-head" }, el("h2", {}, "Plots"), this.count,
+        el("button", { type: "button", class: "button", id: "add-plot", onclick: () => this.add([], true) }, icon("plus"), "Add plot"),
+        el("button", { type: "button", class: "button", title: "All series as one CSV file", onclick: () => this.save(motion.series, "series") }, icon("save"), "All data")),
+      this.stack);
+    this.count.textContent = `${motion.series.length} series`;
+    player.onTime.on(() => this.refresh());
+  }
+
+  add(names, choose = false) {
+    const plot = new Plot(this, names.map((n) => this.motion.seriesByName.get(n)).filter(Boolean));
+    this.plots.push(plot);
+    this.stack.append(plot.node);
+    this.mark();
+    if (choose) {
+      plot.node.scrollIntoView({ block: "nearest" });
+      this.picker.open(plot);
+    }
+    return plot;
+  }
+
+  remove(plot) {
+    this.plots = this.plots.filter((p) => p !== plot);
+    plot.node.remove();
+    this.mark();
+    if (this.plots.length) this.align();
+    this.root.querySelector("#add-plot").focus();
+  }
+
+  // All plots have the same margins, so that their cursors stand in one line.
+  align() {
+    const most = (side) => Math.max(...this.plots.map((plot) => plot.wants?.[side] ?? 0));
+    const [left, right] = [most("left"), most("right")];
+    if (left === this.left && right === this.right) return;
+    Object.assign(this, { left, right });
+    requestAnimationFrame(() => this.restyle());
+  }
+
+  mark() { this.stack.classList.toggle("empty", !this.plots.length); }
+
+  hover(t) {
+    this.hoverTime = t;
+    this.refresh();
+  }
+
+  refresh() {
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(() => { this.pending = false; for (const plot of this.plots) plot.drawCursor(); });
+  }
+
+  restyle() { for (const plot of this.plots) plot.draw(); }
+
+  save(series, name) {
+    const quote = (text) => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+    const rows = [["time [s]", ...series.map((s) => `${s.name} [${s.unit}]`)].map(quote).join(",")];
+    for (let i = 0; i < this.motion.n; i++) {
+      rows.push([this.motion.time[i], ...series.map((s) => (Number.isNaN(s.values[i]) ? "" : s.values[i]))].join(","));
+    }
+    download(`${fileName(this.motion.title)}-${fileName(name)}.csv`, rows.join("\r\n") + "\r\n", "text/csv");
+  }
+}
+
+const fileName = (text) => text.replace(/[^\p{L}\p{N}._-]+/gu, "-").replace(/^-+|-+$/g, "").slice(0, 60) || "dalembert";
+
+class Plot {
+  constructor(board, series) {
+    this.board = board;
+    this.series = series;
+    this.legend = el("div", { class: "legend" });
+    this.base = el("canvas", { class: "base", role: "img" });
+    this.over = el("canvas", { class: "over", tabindex: "-1", "aria-hidden": "true" });
+    this.node = el("article", { class: "card plot" },
+      el("div", { class: "plot-head" }, this.legend,
+        el("div", { class: "plot-tools" },
+          iconButton("edit", "Choose series", () => board.picker.open(this)),
+          iconButton("save", "Download these series as CSV", () => board.save(this.series, this.series.map((s) => s.name).join("_"))),
+          iconButton("close", "Remove this plot", () => board.remove(this)))),
+      el("div", { class: "plot-area" }, this.base, this.over));
+    this.bind();
+    this.fillLegend();
+    new ResizeObserver(() => this.draw()).observe(this.base);
+  }
+
+  setSeries(series) {
+    this.series = series;
+    this.fillLegend();
+    this.draw();
+  }
+
+  // At most two units, one for each side.
+  get units() { return [...new Set(this.series.map((s) => s.unit))].slice(0, 2); }
+
+  takes(series) {
+    const units = new Set(this.series.map((s) => s.unit));
+    return units.size < 2 || units.has(series.unit);
+  }
+
+  style(k) { return { colour: Theme.colour(k), dash: DASHES[Math.floor(k / PALETTE.light.length) % DASHES.length] }; }
+
+  fillLegend() {
+    this.values = [];
+    this.swatches = [];
+    this.legend.replaceChildren(...this.series.map((s, k) => {
+      const value = el("span", { class: "value" });
+      const swatch = el("i", { class: "swatch" });
+      this.values.push(value);
+      this.swatches.push(swatch);
+      return el("span", { class: "key" }, swatch, el("span", { class: "name", title: s.name }, s.name), value,
+        this.series.length > 1 && iconButton("close", `Remove ${s.name}`, () => this.setSeries(this.series.filter((x) => x !== s)), { class: "icon tiny" }));
+    }));
+    if (!this.series.length) {
+      this.legend.append(el("button", { type: "button", class: "button", onclick: () => this.board.picker.open(this) }, icon("edit"), "Choose series"));
+    }
+    this.base.setAttribute("aria-label", this.series.length ? `Plot of ${this.series.map((s) => s.name).join(", ")} over time` : "Empty plot");
+  }
+
+  bind() {
+    const { over, board } = this;
+    const timeAt = (e) => {
+      const r = over.getBoundingClientRect();
+      const { motion } = board;
+      return motion.start + clamp((e.clientX - r.left - this.left) / (r.width - this.left - this.right), 0, 1) * motion.span;
+    };
+    over.addEventListener("pointerdown", (e) => {
+      if (e.button) return;
+      over.setPointerCapture(e.pointerId);
+      this.dragging = true;
+      board.player.pause();
+      board.player.seek(timeAt(e));
+    });
+    over.addEventListener("pointermove", (e) => {
+      if (this.dragging) board.player.seek(timeAt(e));
+      board.hover(this.dragging || e.pointerType === "touch" ? null : timeAt(e));
+    });
+    const end = () => { this.dragging = false; };
+    over.addEventListener("pointerup", end);
+    over.addEventListener("pointercancel", end);
+    over.addEventListener("pointerleave", () => board.hover(null));
+  }
+
+  // Lower and upper end of the axis of one unit.
+  range(unit) {
+    const found = extent(this.series.filter((s) => s.unit === unit).map((s) => s.values));
+    let [lo, hi] = found || [0, 1];
+    const size = Math.max(Math.abs(lo), Math.abs(hi));
+    if (hi - lo <= 1e-9 * size || hi === lo) {
+      const pad = size > 1e-12 ? 0.1 * size : 1;
+      [lo, hi] = [(lo + hi) / 2 - pad, (lo + hi) / 2 + pad];
+    }
+    const pad = 0.07 * (hi - lo);
+    return [lo - pad, hi + pad];
+  }
+
+  draw() {
+    const { base, board: { motion } } = this;
+    if (!base.clientWidth) return;
+    const { ctx, w, h } = fitCanvas(base, this.board.ratio);
+    const units = this.units;
+    this.top = 14;
+    this.bottom = h - 26;
+    ctx.font = `11px ${Theme.font}`;
+
+    const axes = units.map((unit) => {
+      const [lo, hi] = this.range(unit);
+      const size = Math.max(Math.abs(lo), Math.abs(hi));
+      const power = size >= 1e5 || size < 1e-2 ? 3 * Math.floor(Math.log10(size) / 3) : 0;
+      const marks = ticks(lo, hi, Math.max(2, (this.bottom - this.top) / 38));
+      const decimals = decimalsOf(marks.step / 10 ** power);
+      const texts = marks.values.map((v) => fixed(v / 10 ** power, decimals));
+      const room = Math.max(...texts.map((t) => ctx.measureText(t).width), 0) + 10;
+      const name = (power ? `10${superscript(power)} ` : "") + (unit === "1" ? "" : unit);
+      return { unit, lo, hi, marks: marks.values, texts, room, name };
+    });
+    this.wants = { left: Math.max(44, (axes[0]?.room || 0) + 20), right: axes[1] ? Math.max(44, axes[1].room + 20) : 14 };
+    this.axes = axes;
+    this.board.align();
+    const { left, right } = this.board;
+    Object.assign(this, { left, right });
+    this.x = (t) => this.left + (motion.span > 0 ? (t - motion.start) / motion.span : 0) * (w - this.left - this.right);
+    this.y = (v, unit) => {
+      const { lo, hi } = axes.find((a) => a.unit === unit);
+      return this.bottom - ((v - lo) / (hi - lo)) * (this.bottom - this.top);
+    };
+
+    // Grid and labels.
+    const across = ticks(motion.start, motion.end, Math.max(2, (w - this.left - this.right) / 70));
+    const line = (x0, y0, x1, y1, colour) => { trace(ctx, [[x0, y0], [x1, y1]]); stroke(ctx, colour, 1); };
+    ctx.fillStyle = Theme.muted;
+    ctx.textAlign = "center";
+    ctx.textBaseline = "top";
+    const decimals = decimalsOf(across.step);
+    for (const t of across.values) {
+      const x = Math.round(this.x(t)) + 0.5;
+      line(x, this.top, x, this.bottom, Theme.grid);
+      ctx.fillText(fixed(t, decimals) + (t === across.values.at(-1) ? " s" : ""), x, this.bottom + 8);
+    }
+    ctx.textBaseline = "middle";
+    axes.forEach((axis, side) => {
+      axis.marks.forEach((v, k) => {
+        const y = Math.round(this.y(v, axis.unit)) + 0.5;
+        if (!side) line(this.left, y, w - this.right, y, Theme.grid);
+        ctx.textAlign = side ? "left" : "right";
+        ctx.fillText(axis.texts[k], side ? w - this.right + 7 : this.left - 7, y);
+      });
+      if (axis.lo < 0 && axis.hi > 0 && !side) {
+        const y = Math.round(this.y(0, axis.unit)) + 0.5;
+        line(this.left, y, w - this.right, y, mix(Theme.surface, Theme.muted, 0.6));
+      }
+      ctx.save();
+      ctx.textAlign = "center";
+      ctx.translate(side ? w - 9 : 9, (this.top + this.bottom) / 2);
+      ctx.rotate(-Math.PI / 2);
+      ctx.fillText(axis.name, 0, 0);
+      ctx.restore();
+    });
+    line(this.left, this.bottom + 0.5, w - this.right, this.bottom + 0.5, mix(Theme.surface, Theme.muted, 0.6));
+
+    for (const event of motion.events) {
+      if (event.time < motion.start || event.time > motion.end) continue;
+      const x = Math.round(this.x(event.time)) + 0.5;
+      trace(ctx, [[x, this.top], [x, this.bottom]]);
+      stroke(ctx, Theme.muted, 1, [3, 3]);
+      trace(ctx, [[x - 4, this.top - 6], [x + 4, this.top - 6], [x, this.top]], true);
+      ctx.fillStyle = Theme.muted;
+      ctx.fill();
+    }
+
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(this.left, this.top - 2, w - this.left - this.right, this.bottom - this.top + 4);
+    ctx.clip();
+    ctx.lineJoin = "round";
+    this.series.forEach((s, k) => {
+      const { colour, dash } = this.style(k);
+      this.swatches[k].style.setProperty("--c", colour);
+      if (!units.includes(s.unit)) return;
+      this.curve(ctx, s, w);
+      stroke(ctx, colour, 1.9, s.unit === units[1] && !dash.length ? DASHES[1] : dash);
+    });
+    ctx.restore();
+    if (this.board.ratio) line(this.x(this.board.player.time), this.top, this.x(this.board.player.time), this.bottom, Theme.accent);
+    this.drawCursor();
+  }
+
+  // The path of one series; with many frames, the least and greatest of each pixel.
+  curve(ctx, s, w) {
+    const { time, n } = this.board.motion;
+    const dense = n > 4 * w;
+    let on = false, column = NaN, lo = 0, hi = 0, last = 0;
+    const flush = () => {
+      if (column !== column) return;
+      if (on) ctx.lineTo(column, this.y(lo, s.unit)); else ctx.moveTo(column, this.y(lo, s.unit));
+      if (hi !== lo) ctx.lineTo(column, this.y(hi, s.unit));
+      ctx.lineTo(column, this.y(last, s.unit));
+      on = true;
+    };
+    ctx.beginPath();
+    for (let i = 0; i < n; i++) {
+      const v = s.values[i];
+      if (v !== v) {
+        if (dense) flush();
+        column = NaN;
+        on = false;
+        continue;
+      }
+      const x = this.x(time[i]);
+      if (!dense) {
+        if (on) ctx.lineTo(x, this.y(v, s.unit)); else ctx.moveTo(x, this.y(v, s.unit));
+        on = true;
+      } else if (Math.round(x) === column) {
+        lo = Math.min(lo, v); hi = Math.max(hi, v); last = v;
+      } else {
+        flush();
+        column = Math.round(x);
+        lo = hi = last = v;
+      }
+    }
+    if (dense) flush();
+  }
+
+  drawCursor() {
+    if (!this.x || !this.over.clientWidth) return;
+    const { board: { motion, player, hoverTime } } = this;
+    const { ctx, w } = fitCanvas(this.over, this.board.ratio);
+    const shown = hoverTime ?? player.time;
+    const cursor = motion.locate(shown);
+    const upright = (t, colour, dash) => {
+      const x = this.x(t);
+      trace(ctx, [[x, this.top], [x, this.bottom]]);
+      stroke(ctx, colour, 1.4, dash);
+    };
+    upright(player.time, Theme.accent, []);
+    const x = this.x(player.time);
+    trace(ctx, [[x - 5, this.bottom + 7], [x + 5, this.bottom + 7], [x, this.bottom]], true);
+    ctx.fillStyle = Theme.accent;
+    ctx.fill();
+    if (hoverTime !== null) {
+      upright(hoverTime, Theme.muted, [4, 3]);
+      ctx.font = `600 11px ${Theme.font}`;
+      ctx.textBaseline = "middle";
+      const near = motion.events.find((e) => Math.abs(this.x(e.time) - this.x(hoverTime)) < 4);
+      const text = `${clock(hoverTime, motion.span)} s${near ? ` · ${near.name}` : ""}`;
+      const wide = ctx.measureText(text).width / 2 + 6, at = clamp(this.x(hoverTime), wide + 2, w - wide - 2);
+      ctx.beginPath();
+      ctx.roundRect(at - wide, this.bottom + 4, 2 * wide, 18, 4);
+      ctx.fillStyle = Theme.ink;
+      ctx.fill();
+      ctx.fillStyle = Theme.surface;
+      ctx.textAlign = "center";
+      ctx.fillText(text, at, this.bottom + 13.5);
+    }
+    this.series.forEach((s, k) => {
+      const v = motion.sample(s.values, cursor);
+      this.values[k].textContent = withUnit(number(v), s.unit);
+      if (v !== v || !this.axes.some((a) => a.unit === s.unit)) return;
+      circle(ctx, [this.x(shown), this.y(v, s.unit)], 3.6);
+      ctx.fillStyle = this.style(k).colour;
+      ctx.fill();
+      stroke(ctx, Theme.surface, 1.5);
+    });
+  }
+}
+
+// What to plot when the report does not say: the first few series of one unit.
+function fallbackPlots(motion) {
+  const first = motion.series[0];
+  if (!first) return [];
+  return [motion.series.filter((s) => s.group === first.group && s.unit === first.unit).slice(0, 3).map((s) => s.name)];
+}

@@ -1,0 +1,114 @@
+"""The one-file interactive report: a payload of plain data in, an HTML page out.
+
+The page carries its style, its scripts and its data inside itself and makes no
+network request, so that it opens from a disk or a mail attachment as well as
+from a web server.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+import os
+import re
+import tempfile
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+__all__ = ["render_page", "write_page"]
+
+#: The scripts, in the order in which they are joined into one scope.
+SCRIPTS = (
+    "util.js",
+    "motion.js",
+    "player.js",
+    "symbols.js",
+    "scene.js",
+    "plots.js",
+    "picker.js",
+    "panels.js",
+    "page.js",
+)
+
+#: Significant digits kept of every number (the page is for reading, not for archiving).
+DIGITS = 10
+
+# What could end the data element early; the rest of the text is ASCII already.
+_ESCAPES = {ord(c): f"\\u{ord(c):04x}" for c in "<>&"}
+
+
+def render_page(payload: dict[str, Any]) -> str:
+    """Return the whole report page of ``payload`` as one string of HTML."""
+    title = str(payload.get("title") or "Mechanism report")
+    title = title.encode("utf-8", "replace").decode("utf-8")  # a lone surrogate cannot be written
+    parts = {
+        "title": html.escape(title),
+        "style": _asset("page.css"),
+        "data": _embed(payload),
+        "script": "\n".join(_asset(name) for name in SCRIPTS),
+    }
+    # One pass over the template: what is put in is not looked at again.
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], _asset("template.html"))
+
+
+def write_page(payload: dict[str, Any], path: str | os.PathLike[str]) -> Path:
+    """Write the page of ``payload`` to ``path``, all of it or nothing; return the path."""
+    target = Path(path)
+    text = render_page(payload)
+    handle, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".tmp", dir=target.parent)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        os.chmod(name, 0o666 & ~_umask())
+        os.replace(name, target)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+    return target
+
+
+def _asset(name: str) -> str:
+    return (resources.files(__package__) / "assets" / name).read_text(encoding="utf-8")
+
+
+def _embed(payload: dict[str, Any]) -> str:
+    """Return ``payload`` as JSON that is safe inside a script element."""
+    return _json(payload).translate(_ESCAPES)
+
+
+def _json(value: Any) -> str:
+    """Return ``value`` as ASCII JSON, with null for a number that is not finite."""
+    if hasattr(value, "tolist"):  # a numpy array or scalar
+        value = value.tolist()
+    if isinstance(value, float):
+        return _numbers([value])
+    if value is None or isinstance(value, (bool, int, str)):
+        return json.dumps(value)
+    if isinstance(value, dict):
+        return (
+            "{"
+            + ",".join(f"{json.dumps(str(key))}:{_json(item)}" for key, item in value.items())
+            + "}"
+        )
+    if isinstance(value, (list, tuple)):
+        kinds = set(map(type, value))
+        if float in kinds and kinds <= {float, int, type(None)}:
+            return f"[{_numbers(value)}]"
+        return "[" + ",".join(map(_json, value)) + "]"
+    raise TypeError(f"a report cannot hold a {type(value).__name__}")
+
+
+def _numbers(values: Sequence[float | None]) -> str:
+    """Return numbers with commas between; a report has many, so all are formatted at once."""
+    known = tuple(math.nan if value is None else value for value in values)
+    text = ",".join([f"%.{DIGITS}g"] * len(known)) % known
+    return re.sub(r"-?(?:nan|inf)", "null", text) if "n" in text else text
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,62 @@
+"""Largest and smallest values, exact or smoothed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.responses.base import Response
+from dalembert.symbolic.expression import Expression
+
+
+@dataclass(frozen=True)
+class Maximum(Response):
+    """Largest sample, or its smooth lower bound (Kreisselmeier and Steinhauser 1979).
+
+    ``(1/ρ) ln ( (1/K) Σ exp(ρ m_k) )`` tends to the maximum as ``ρ`` grows; without ``ρ`` the
+    maximum itself, whose gradient is that of the largest sample.
+
+    Parameters
+    ----------
+    smooth : ``ρ``, one over the unit of the measure
+    """
+
+    smooth: float | None = None
+    sign = 1.0
+
+    def __post_init__(self) -> None:
+        if self.smooth is not None and not self.smooth > 0:
+            raise AnalysisError(f"{self.label}: smooth is {self.smooth}; it must be positive")
+
+    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
+        m = self.sign * samples
+        top = m.max()
+        if self.smooth is not None:
+            top += np.log(np.mean(np.exp(self.smooth * (m - top)))) / self.smooth
+        return float(self.sign * top)
+
+    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        m = self.sign * samples
+        if self.smooth is None:
+            return np.eye(1, m.size, int(np.argmax(m))).ravel()
+        parts = np.exp(self.smooth * (m - m.max()))
+        return parts / parts.sum()
+
+
+@dataclass(frozen=True)
+class Minimum(Maximum):
+    """Smallest sample, or its smooth upper bound."""
+
+    sign = -1.0
+
+
+def maximum(measure: str | Expression, smooth: float | None = None, name: str = "") -> Maximum:
+    """Largest value of a measure over the run."""
+    return Maximum(measure, name, smooth)
+
+
+def minimum(measure: str | Expression, smooth: float | None = None, name: str = "") -> Minimum:
+    """Smallest value of a measure over the run."""
+    return Minimum(measure, name, smooth)

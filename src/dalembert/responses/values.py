@@ -1,0 +1,57 @@
+"""Values at instants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.responses.base import Response
+from dalembert.results.motion import Motion
+from dalembert.symbolic.expression import Expression
+
+
+@dataclass(frozen=True)
+class Final(Response):
+    """Value at the end of the run."""
+
+    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
+        return float(samples[-1])
+
+    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        return np.eye(1, samples.size, samples.size - 1).ravel()
+
+
+@dataclass(frozen=True)
+class At(Response):
+    """Value at a time.
+
+    Parameters
+    ----------
+    time : [s], within the run
+    """
+
+    time: float = 0.0
+
+    @property
+    def label(self) -> str:
+        return self.name or super().label.replace("at(", f"at({self.time:g} s, ", 1)
+
+    def sample_times(self, motion: Motion) -> np.ndarray | None:
+        return np.array([float(self.time)])
+
+    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
+        return float(samples[0])
+
+    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        return np.ones(1)
+
+
+def final(measure: str | Expression, name: str = "") -> Final:
+    """Value of a measure at the end of the run."""
+    return Final(measure, name)
+
+
+def at(time: float, measure: str | Expression, name: str = "") -> At:
+    """Value of a measure at a time [s]."""
+    return At(measure, name, time)

@@ -1,0 +1,249 @@
+"""The labelled dataset of a motion: one table of expressions, evaluated in one mapped call."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+import xarray as xr
+
+from dalembert.elements.base import ForceElement, rate_of
+from dalembert.elements.planar.drivers import Driver
+from dalembert.elements.planar.joint import Pair
+from dalembert.model.measures import element_measures
+from dalembert.model.model import Model
+from dalembert.results.motion import Motion
+from dalembert.symbolic.expression import t
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable: a block of expressions over an entity dimension (and components)."""
+
+    name: str
+    long_name: str
+    unit: str
+    dimension: str | None
+    entities: tuple[str, ...]
+    columns: tuple[ca.SX, ...]  # one per entity, each scalar or (2,)
+
+
+def variables(model: Model) -> list[Variable]:
+    """All variables of a model's results."""
+    return [
+        *_bodies(model),
+        *_points(model),
+        *_joints(model),
+        *_drivers(model),
+        *_forces(model),
+        *_scalars(model),
+    ]
+
+
+def _bodies(model: Model) -> list[Variable]:
+    names = tuple(b.name for b in model.bodies)
+    rows = [
+        ("position", "position of the mass centre", "m"),
+        ("angle", "angle", "rad"),
+        ("velocity", "velocity of the mass centre", "m/s"),
+        ("angular_velocity", "angular velocity", "rad/s"),
+        ("acceleration", "acceleration of the mass centre", "m/s^2"),
+        ("angular_acceleration", "angular acceleration", "rad/s^2"),
+    ]
+    return [
+        Variable(n, text, unit, "body", names, tuple(b.measures()[n][0] for b in model.bodies))
+        for n, text, unit in rows
+    ]
+
+
+def _points(model: Model) -> list[Variable]:
+    points = [(p.name, p.measures()) for b in model.bodies for p in b.points.values()]
+    if not points:
+        return []
+    names = tuple(n for n, _ in points)
+    return [
+        Variable(
+            f"point_{q}",
+            f"{q} of the point",
+            unit,
+            "point",
+            names,
+            tuple(m[q][0] for _, m in points),
+        )
+        for q, unit in (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
+    ]
+
+
+def _joints(model: Model) -> list[Variable]:
+    joints = [c for c in model.constraints if isinstance(c, Pair)]
+    if not joints:
+        return []
+    names = tuple(c.name for c in joints)
+    reactions = [c.reaction() for c in joints]
+    return [
+        Variable(
+            "reaction_force",
+            "force of the joint on its second body",
+            "N",
+            "joint",
+            names,
+            tuple(force for force, _ in reactions),
+        ),
+        Variable(
+            "reaction_moment",
+            "moment of the joint on its second body, at the joint",
+            "N m",
+            "joint",
+            names,
+            tuple(moment for _, moment in reactions),
+        ),
+    ]
+
+
+def _drivers(model: Model) -> list[Variable]:
+    drivers = [c for c in model.constraints if isinstance(c, Driver)]
+    if not drivers:
+        return []
+    names = tuple(c.name for c in drivers)
+    measures = [element_measures(c, model.coordinates) for c in drivers]
+    return [
+        Variable(
+            f"driver_{q}",
+            f"{q} of the driver",
+            unit,
+            "driver",
+            names,
+            tuple(m[q][0] for m in measures),
+        )
+        for q, unit in (("effort", "N or N m"), ("power", "W"))
+    ]
+
+
+def _forces(model: Model) -> list[Variable]:
+    """Every scalar measure of every force element, as ``force_element`` × quantity names."""
+    found: list[Variable] = []
+    by_quantity: dict[tuple[str, str], list[tuple[str, ca.SX]]] = {}
+    for force in model.forces:
+        if isinstance(force, ForceElement) and force.name != "gravity":
+            for quantity, (sx, unit) in element_measures(force, model.coordinates).items():
+                if sx.numel() == 1:
+                    by_quantity.setdefault((quantity, unit), []).append((force.name, sx))
+    for (quantity, unit), entries in by_quantity.items():
+        name = f"element_{quantity}"
+        if any(v.name == name for v in found):
+            name = f"element_{quantity}_{unit.replace('/', '_per_').replace(' ', '_')}"
+        dimension = f"{name}_of"
+        names = tuple(n for n, _ in entries)
+        text = f"{quantity} of the force element"
+        found.append(Variable(name, text, unit, dimension, names, tuple(s for _, s in entries)))
+    return found
+
+
+def _scalars(model: Model) -> list[Variable]:
+    e = model.equations
+    rows = model.all_equations
+    speeds = rate_of(rows.constraints, model.coordinates, t.sx)
+    zero = ca.SX(0)
+    entries = [
+        ("kinetic_energy", "kinetic energy", "J", ca.mtimes([e.v.T, e.mass, e.v]) / 2),
+        ("potential_energy", "potential energy", "J", model.potential),
+        (
+            "position_violation",
+            "largest violation of a constraint",
+            "m or rad",
+            ca.norm_inf(rows.constraints) if rows.constraints.numel() else zero,
+        ),
+        (
+            "velocity_violation",
+            "largest violation of a velocity constraint",
+            "m/s or rad/s",
+            ca.norm_inf(speeds) if speeds.numel() else zero,
+        ),
+    ]
+    return [Variable(n, text, unit, None, (n,), (sx,)) for n, text, unit, sx in entries]
+
+
+def motion_dataset(motion: Motion) -> xr.Dataset:
+    """Evaluate all variables along the motion."""
+    model, s = motion.model, motion.trajectory
+    layout = model.compiled("layout", lambda: variables(model))
+    table = _evaluate(model, layout, motion)
+    data: dict = {}
+    coords: dict = {"time": ("time", s.t, {"units": "s", "long_name": "time"}), "axis": ["x", "y"]}
+    row = 0
+    for variable in layout:
+        width = max(c.numel() for c in variable.columns)
+        block = table[row : row + width * len(variable.columns)]
+        row += block.shape[0]
+        attributes = {"units": variable.unit, "long_name": variable.long_name}
+        if variable.dimension is None:
+            data[variable.name] = ("time", block[0], attributes)
+            continue
+        shaped = block.reshape(len(variable.columns), width, -1).transpose(2, 0, 1)
+        coords[variable.dimension] = list(variable.entities)
+        if width == 2:
+            data[variable.name] = (("time", variable.dimension, "axis"), shaped, attributes)
+        else:
+            data[variable.name] = (("time", variable.dimension), shaped[:, :, 0], attributes)
+    _add_states(data, coords, motion)
+    _add_energies(data, motion)
+    return xr.Dataset(data, coords, attrs=_attributes(motion))
+
+
+def _evaluate(model: Model, layout: list[Variable], motion: Motion) -> np.ndarray:
+    e, s = model.equations, motion.trajectory
+
+    def make() -> ca.Function:
+        columns = [model.measurable(ca.densify(c)) for v in layout for c in v.columns]
+        inputs = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
+        return ca.Function("outputs", inputs, [ca.vertcat(*columns)], {"cse": True})
+
+    function = model.compiled("outputs", make)
+    if not s.t.size:
+        return np.zeros((function.size1_out(0), 0))
+    p = np.tile(motion.parameters[:, None], s.t.size)
+    return function.map(s.t.size)(s.t, s.y, s.v, s.a, s.multiplier, p).full()
+
+
+def _add_states(data: dict, coords: dict, motion: Motion) -> None:
+    model, s = motion.model, motion.trajectory
+    coords["coordinate"] = list(model.guesses.names)
+    text = {"units": "m or rad (per second for speeds)"}
+    data["coordinates"] = (("time", "coordinate"), s.y.T, {"long_name": "coordinates y", **text})
+    data["speeds"] = (("time", "coordinate"), s.v.T, {"long_name": "speeds v", **text})
+    owners = [model._row_owner[k] for k in model.rows]
+    coords["equation"] = [f"{c.name}[{k}]" for c, k in owners]
+    data["multiplier"] = (
+        ("time", "equation"),
+        s.multiplier.T,
+        {"long_name": "multipliers", "units": "N or N m"},
+    )
+
+
+def _add_energies(data: dict, motion: Motion) -> None:
+    kinetic, potential = data["kinetic_energy"][1], data["potential_energy"][1]
+    dissipated, given = motion.trajectory.work
+    total = kinetic + potential
+    balance = total - (total[0] if total.size else 0.0) + dissipated - given
+    for name, values, text in (
+        ("energy", total, "kinetic plus potential energy"),
+        ("dissipated_energy", dissipated, "energy dissipated since the start"),
+        ("input_energy", given, "work of drivers and applied forces since the start"),
+        ("balance_error", balance, "energy − initial energy + dissipated − input"),
+    ):
+        data[name] = ("time", values, {"units": "J", "long_name": text})
+
+
+def _attributes(motion: Motion) -> dict:
+    numbers = {
+        f"parameter_{name}": float(value)
+        for name, value in zip(motion.model.parameters, motion.parameters, strict=True)
+    }
+    return {
+        "model": motion.model.name,
+        "analysis": repr(motion.analysis),
+        "status": str(motion.status),
+        "outcome": motion.status.outcome.name,
+        **numbers,
+    }

@@ -1,0 +1,225 @@
+"""What the report shows: the mechanism's drawing, series, diagnosis and statistics as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from dalembert.results.motion import Motion
+from dalembert.results.scene import motion_scene
+
+MAX_FRAMES = 4000
+
+
+def report_payload(
+    motion: Motion,
+    plots: Sequence[Sequence[str]] | None,
+    trace: Sequence[str] | None,
+) -> dict[str, Any]:
+    """Everything the page needs, thinned to at most ``MAX_FRAMES`` instants.
+
+    Parameters
+    ----------
+    plots : groups of series names, one plot each; a sensible choice if None
+    trace : names of points whose paths are drawn from the start
+    """
+    count = motion.time.size
+    keep = np.unique(np.linspace(0, count - 1, min(count, MAX_FRAMES)).round().astype(int))
+    series = _series(motion, keep)
+    names = {s["name"] for s in series}
+    wanted = [[n for n in group if n in names] for group in plots] if plots else None
+    payload = {
+        "format": 1,
+        "title": motion.model.name,
+        "subtitle": _subtitle(motion),
+        "time": motion.time[keep].tolist() if count else [],
+        "scene": motion_scene(motion, keep),
+        "series": series,
+        "default_plots": [g for g in wanted if g] if wanted else _default_plots(motion, names),
+        "events": [{"name": e.name, "time": e.time} for e in motion.events],
+        "diagnosis": _diagnosis(motion),
+        "statistics": _statistics(motion),
+        "parameters": _parameters(motion),
+    }
+    if trace is not None:
+        payload["trace"] = list(trace)
+    return payload
+
+
+def _subtitle(motion: Motion) -> str:
+    kind = type(motion.analysis).__name__
+    spoken = {
+        "Dynamics": "dynamics",
+        "Kinematics": "kinematics",
+        "InverseDynamics": "inverse dynamics",
+        "Equilibrium": "static equilibrium",
+    }.get(kind, kind)
+    used = [motion.statistics.get(k) for k in ("integrator", "formulation", "stabilization")]
+    return ", ".join([spoken, " + ".join(str(u) for u in used if u)]).rstrip(", ")
+
+
+def _series(motion: Motion, keep: np.ndarray) -> list[dict[str, Any]]:
+    """All scalar quantities by their measure names, grouped for the picker."""
+    data = motion.data
+    found: list[dict[str, Any]] = []
+
+    def put(name: str, variable: str, group: str, **where) -> None:
+        if variable not in data:
+            return
+        column = data[variable].sel(**where) if where else data[variable]
+        values = column.values[keep]
+        if np.all(np.isnan(values)):
+            return
+        found.append(
+            {
+                "name": name,
+                "unit": str(data[variable].attrs.get("units", "")),
+                "group": group,
+                "values": [None if not np.isfinite(v) else float(v) for v in values],
+            }
+        )
+
+    for body in data["body"].values:
+        for group, rows in BODY_SERIES.items():
+            for quantity, variable, axis in rows:
+                where = {"body": body} | ({"axis": axis} if axis else {})
+                put(f"{body}.{quantity}", variable, group, **where)
+    for point in data["point"].values if "point" in data.coords else ():
+        for quantity, variable, axis in POINT_SERIES:
+            put(f"{point}.{quantity}", variable, "points", point=point, axis=axis)
+    for joint in data["joint"].values if "joint" in data.coords else ():
+        put(f"{joint}.force.x", "reaction_force", "reactions", joint=joint, axis="x")
+        put(f"{joint}.force.y", "reaction_force", "reactions", joint=joint, axis="y")
+        _put_norm(found, data, joint, keep)
+        put(f"{joint}.moment", "reaction_moment", "reactions", joint=joint)
+    for driver in data["driver"].values if "driver" in data.coords else ():
+        put(f"{driver}.effort", "driver_effort", "drivers", driver=driver)
+        put(f"{driver}.power", "driver_power", "drivers", driver=driver)
+    for variable in data.data_vars:
+        if str(variable).startswith("element_"):
+            dimension = data[variable].dims[1]
+            quantity = str(variable).removeprefix("element_").split("_of")[0]
+            for element in data[dimension].values:
+                put(f"{element}.{quantity}", str(variable), "forces", **{str(dimension): element})
+    for variable in ENERGIES:
+        put(variable, variable, "energy")
+    for variable in ("position_violation", "velocity_violation"):
+        put(variable, variable, "violations")
+    return found
+
+
+def _put_norm(found: list, data, joint, keep: np.ndarray) -> None:
+    force = data["reaction_force"].sel(joint=joint).values[keep]
+    if not np.all(np.isnan(force)):
+        norm = np.linalg.norm(force, axis=1)
+        values = [None if not np.isfinite(v) else float(v) for v in norm]
+        found.append(
+            {"name": f"{joint}.force_norm", "unit": "N", "group": "reactions", "values": values}
+        )
+
+
+BODY_SERIES = {
+    "position": [("x", "position", "x"), ("y", "position", "y"), ("angle", "angle", None)],
+    "velocity": [
+        ("vx", "velocity", "x"),
+        ("vy", "velocity", "y"),
+        ("angular_velocity", "angular_velocity", None),
+    ],
+    "acceleration": [
+        ("ax", "acceleration", "x"),
+        ("ay", "acceleration", "y"),
+        ("angular_acceleration", "angular_acceleration", None),
+    ],
+}
+POINT_SERIES = [
+    ("x", "point_position", "x"),
+    ("y", "point_position", "y"),
+    ("vx", "point_velocity", "x"),
+    ("vy", "point_velocity", "y"),
+    ("ax", "point_acceleration", "x"),
+    ("ay", "point_acceleration", "y"),
+]
+ENERGIES = (
+    "kinetic_energy",
+    "potential_energy",
+    "energy",
+    "dissipated_energy",
+    "input_energy",
+    "balance_error",
+)
+
+
+def _default_plots(motion: Motion, names: set[str]) -> list[list[str]]:
+    diagnosis = motion.model.diagnosis
+    rotating = [b.name for b in motion.model.bodies if b.rotates]
+    angles = [f"{b}.angle" for b in rotating[:4] if f"{b}.angle" in names]
+    if not angles:
+        angles = [f"{b}.{c}" for b in diagnosis.bodies[:2] for c in "xy"]
+    plots = [angles]
+    efforts = [f"{d}.effort" for d in diagnosis.drivers if f"{d}.effort" in names]
+    reactions = [f"{j}.force_norm" for j in diagnosis.joints[:4] if f"{j}.force_norm" in names]
+    if efforts:
+        plots.append(efforts[:2])
+    if reactions:
+        plots.append(reactions)
+    if type(motion.analysis).__name__ == "Dynamics":
+        plots.append([e for e in ("kinetic_energy", "potential_energy", "energy") if e in names])
+    return plots
+
+
+def _diagnosis(motion: Motion) -> dict[str, Any]:
+    d = motion.model.diagnosis
+    items = [
+        ("degrees of freedom", d.degrees_of_freedom),
+        ("Grübler's count", d.gruebler),
+        ("bodies", len(d.bodies)),
+        ("joints", len(d.joints)),
+        ("drivers", len(d.drivers)),
+        ("joint equations", d.joint_equations),
+        ("redundant equations", len(d.redundancies)),
+        ("loops", "; ".join("–".join(loop) for loop in d.topology.loops) or "none"),
+    ]
+    messages = [{"level": level, "text": text} for level, text in d.messages]
+    level = "info" if motion.status.success else "error"
+    messages.insert(0, {"level": level, "text": str(motion.status)})
+    return {
+        "summary": d.summary,
+        "items": [{"label": label, "value": str(value)} for label, value in items],
+        "messages": messages,
+    }
+
+
+def _statistics(motion: Motion) -> list[dict[str, str]]:
+    rows = [("status", motion.status.outcome.value), *motion.statistics.items()]
+    data = motion.data
+    for name, label in (
+        ("position_violation", "largest position violation"),
+        ("velocity_violation", "largest velocity violation"),
+    ):
+        if data[name].size:
+            rows.append((label, f"{float(data[name].max()):.3g}"))
+    error = np.abs(data["balance_error"].values)
+    if error.size and np.isfinite(error).all() and type(motion.analysis).__name__ != "Kinematics":
+        rows.append(("largest energy balance error [J]", f"{error.max():.3g}"))
+    return [
+        {"label": str(k), "value": f"{v:.6g}" if isinstance(v, float) else str(v)} for k, v in rows
+    ]
+
+
+def _parameters(motion: Motion) -> list[dict[str, Any]]:
+    rows = []
+    for parameter, value in zip(motion.model.parameters.values(), motion.parameters, strict=True):
+        low, high = parameter.bounds
+        rows.append(
+            {
+                "name": parameter.name,
+                "value": float(value),
+                "unit": parameter.unit,
+                "lower": low if np.isfinite(low) else None,
+                "upper": high if np.isfinite(high) else None,
+                "description": parameter.description,
+            }
+        )
+    return rows

@@ -1,0 +1,44 @@
+"""How a run ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Outcome(str, Enum):
+    """Ways in which a run ends."""
+
+    COMPLETED = "completed"
+    TERMINATED = "terminated by an event"
+    INTERRUPTED = "interrupted"
+    LOCKED = "locked: no position satisfies the drivers"
+    SINGULAR = "singular position"
+    DIVERGED = "diverged"
+    NOT_CONVERGED = "not converged"
+
+
+@dataclass(frozen=True)
+class Status:
+    """Outcome with the time reached and the residual that proves it.
+
+    Attributes
+    ----------
+    outcome : Outcome
+    message : one sentence with the numbers
+    time : last time with a valid state [s]
+    residual : largest constraint violation (or equilibrium residual) of what was returned
+    """
+
+    outcome: Outcome
+    message: str
+    time: float = 0.0
+    residual: float = 0.0
+
+    @property
+    def success(self) -> bool:
+        """The task was finished as asked; an event that terminates is asked for."""
+        return self.outcome in (Outcome.COMPLETED, Outcome.TERMINATED)
+
+    def __str__(self) -> str:
+        return f"{self.outcome.value}: {self.message}" if self.message else self.outcome.value

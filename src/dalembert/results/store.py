@@ -1,0 +1,92 @@
+"""Results to files and back: NetCDF, data frames, CSV."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from dalembert.errors import FileError
+from dalembert.results.atomic import atomic_path
+from dalembert.results.motion import Motion
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def save_motion(motion: Motion, path: str | Path) -> Path:
+    """NetCDF with the dataset and, as the text ``report``, what its report is drawn from."""
+    from dalembert.results.payload import report_payload
+
+    payload = report_payload(motion, None, None)
+    return save_dataset(motion.data.assign(report=((), json.dumps(payload))), path)
+
+
+def save_dataset(data: xr.Dataset, path: str | Path) -> Path:
+    """Write a dataset as NetCDF-4, whole or not at all.
+
+    Raises
+    ------
+    FileError
+        The file cannot be written.
+    """
+    with atomic_path(path) as temporary:
+        data.to_netcdf(temporary, engine="h5netcdf")
+    return Path(path)
+
+
+def load_dataset(path: str | Path) -> xr.Dataset:
+    """Read a result file into memory; ``report_of`` gives its report.
+
+    Raises
+    ------
+    FileError
+        Missing file, or not a result of this program.
+    """
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as opened:
+            return opened.load()
+    except (OSError, ValueError) as error:
+        raise FileError(f"{path}: cannot be read as a result file ({error})") from None
+
+
+def report_of(data: xr.Dataset) -> dict:
+    """What the report of a saved result is drawn from.
+
+    Raises
+    ------
+    FileError
+        The dataset holds none.
+    """
+    if "report" not in data:
+        raise FileError("this result file holds no report; run the model again")
+    return json.loads(str(data["report"].values))
+
+
+def flat_table(data: xr.Dataset) -> pd.DataFrame:
+    """One row per time, one column ``variable[entity].axis`` per scalar quantity."""
+    import pandas as pd
+
+    columns = {}
+    for name, variable in data.data_vars.items():
+        if "time" not in variable.dims:
+            continue
+        others = [d for d in variable.dims if d != "time"]
+        if not others:
+            columns[str(name)] = variable.values
+            continue
+        stacked = variable.stack(flat=others).transpose("time", "flat")
+        for k, label in enumerate(stacked.indexes["flat"]):
+            entity, *axis = label if isinstance(label, tuple) else (label,)
+            suffix = f".{axis[0]}" if axis else ""
+            columns[f"{name}[{entity}]{suffix}"] = stacked.values[:, k]
+    return pd.DataFrame(columns, index=pd.Index(data["time"].values, name="time"))
+
+
+def save_csv(data: xr.Dataset, path: str | Path) -> Path:
+    """Write the flat table as CSV, whole or not at all."""
+    with atomic_path(path) as temporary:
+        flat_table(data).to_csv(temporary)
+    return Path(path)

@@ -1,0 +1,141 @@
+"""The front door: gradients of responses with respect to parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.kinematics import Kinematics
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.responses.base import Response, as_responses
+from dalembert.results.motion import Motion
+from dalembert.results.status import Outcome
+from dalembert.sensitivity.finite_difference import FiniteDifference
+from dalembert.sensitivity.marching import MarchGradient
+from dalembert.sensitivity.pointwise import PointwiseGradient
+from dalembert.sensitivity.samples import Sample, take_sample
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Direct:
+    """Direct differentiation: cost grows with the number of parameters."""
+
+    def gradient(
+        self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
+    ) -> np.ndarray:
+        samples = [take_sample(motion, r) for r in responses]
+        return np.array([_engine(s).direct()[list(columns)] for s in samples])
+
+
+@dataclass(frozen=True)
+class Adjoint:
+    """Adjoint method: cost grows with the number of responses."""
+
+    def gradient(
+        self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
+    ) -> np.ndarray:
+        samples = [take_sample(motion, r) for r in responses]
+        return np.array([_engine(s).adjoint()[list(columns)] for s in samples])
+
+
+@dataclass(frozen=True)
+class Automatic:
+    """Adjoint unless there are fewer parameters than responses."""
+
+    def gradient(
+        self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
+    ) -> np.ndarray:
+        chosen = Direct() if len(columns) < len(responses) else Adjoint()
+        return chosen.gradient(motion, responses, columns)
+
+
+METHODS = {
+    "auto": Automatic(),
+    "adjoint": Adjoint(),
+    "direct": Direct(),
+    "finite-difference": FiniteDifference(),
+}
+
+
+def _engine(sample: Sample) -> MarchGradient | PointwiseGradient:
+    analysis = sample.motion.analysis
+    if isinstance(analysis, Dynamics):
+        return MarchGradient(sample)
+    if isinstance(analysis, Kinematics):
+        return PointwiseGradient(sample)
+    raise UnsupportedError(
+        f"gradients of {type(analysis).__name__} are not available; use method='finite-difference'"
+    )
+
+
+def sensitivity(
+    motion: Motion,
+    responses: Response | Sequence[Response],
+    wrt: Sequence[str] | None = None,
+    method: str | Direct | Adjoint | Automatic | FiniteDifference = "auto",
+) -> xr.DataArray:
+    """Gradient of responses with respect to parameters, ``response × parameter``.
+
+    The gradient is the exact derivative of the steps taken (step lengths frozen).
+
+    Parameters
+    ----------
+    motion : result of ``solve_dynamics``, ``solve_kinematics`` or ``solve_inverse_dynamics``
+    responses : one or several
+    wrt : names of parameters; all by default
+    method : ``"auto"``, ``"adjoint"``, ``"direct"``, ``"finite-difference"`` or a strategy object
+
+    Raises
+    ------
+    AnalysisError
+        Unknown parameter or method; a run that failed or ended by an event.
+    """
+    import xarray as xr
+
+    listed = as_responses(responses)
+    names = list(motion.model.parameters)
+    chosen = names if wrt is None else list(wrt)
+    for name in chosen:
+        if name not in names:
+            raise AnalysisError(f"unknown parameter {name!r} (known: {', '.join(names) or 'none'})")
+    if isinstance(method, str):
+        if method not in METHODS:
+            raise AnalysisError(f"unknown method {method!r}; choose one of {', '.join(METHODS)}")
+        method = METHODS[method]
+    _refuse_unfinished(motion)
+    values = method.gradient(motion, listed, [names.index(n) for n in chosen])
+    units = [_unit(motion, r) for r in listed]
+    return xr.DataArray(
+        values.reshape(len(listed), len(chosen)),
+        dims=("response", "parameter"),
+        coords={
+            "response": [r.label for r in listed],
+            "parameter": chosen,
+            "response_unit": ("response", units),
+            "parameter_unit": ("parameter", [motion.model.parameters[n].unit for n in chosen]),
+        },
+        name="gradient",
+        attrs={"method": type(method).__name__, "model": motion.model.name},
+    )
+
+
+def _unit(motion: Motion, response: Response) -> str:
+    return response.unit(motion.expression(response.measure).unit)
+
+
+def _refuse_unfinished(motion: Motion) -> None:
+    outcome = motion.status.outcome
+    if outcome is Outcome.TERMINATED:
+        raise AnalysisError(
+            f"the run ended by an event ({motion.status.message}), whose time depends on the "
+            "parameters; a gradient at fixed time does not exist there: drop the terminal event"
+        )
+    if not motion.status.success:
+        raise AnalysisError(f"no gradient of a run that failed: {motion.status}")

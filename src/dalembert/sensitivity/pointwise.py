@@ -1,0 +1,61 @@
+"""Gradients of analyses in which every instant stands for itself: kinematics, inverse dynamics.
+
+An instant is an implicit function of the parameters; direct differentiation propagates one
+parameter at a time through its tangent, the adjoint one response through its adjoint.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from dalembert.sensitivity.samples import Sample
+from dalembert.symbolic.implicit import ImplicitFunction
+
+
+class PointwiseGradient:
+    """Rows of the gradient for one sampled response."""
+
+    def __init__(self, sample: Sample):
+        motion = sample.motion
+        configuration: ImplicitFunction = motion.record.kernel.configuration
+        measure = motion.model.measurable(sample.measure.sx)
+        self.sample, self.motion = sample, motion
+        self.measured = ImplicitFunction(
+            "measured", configuration.inputs, configuration.stages, [measure]
+        )
+
+    def _arguments(self) -> tuple:
+        s = self.motion.trajectory
+        return s.t, s.y, np.tile(self.motion.parameters[:, None], s.t.size)
+
+    def adjoint(self) -> np.ndarray:
+        """(np,) gradient by one adjoint solve per instant."""
+        count = self.motion.time.size
+        weights = self.sample.weights.reshape(1, -1)
+        active = np.flatnonzero(weights.ravel())
+        if not active.size:
+            return np.zeros(self.motion.parameters.size)
+        t, y, p = self._arguments()
+        mapped = self.measured.adjoint.map(active.size)
+        assert weights.size == count
+        return (
+            mapped(t[active], y[:, active], p[:, active], weights[:, active])[2].full().sum(axis=1)
+        )
+
+    def direct(self) -> np.ndarray:
+        """(np,) gradient by one tangent solve per parameter and instant."""
+        weights = self.sample.weights
+        active = np.flatnonzero(weights)
+        t, y, p = self._arguments()
+        gradient = np.zeros(self.motion.parameters.size)
+        if not active.size:
+            return gradient
+        mapped = self.measured.tangent.map(active.size)
+        still_t, still_y = ca.DM.zeros(1, active.size), ca.DM.zeros(y.shape[0], active.size)
+        for i in range(gradient.size):
+            direction = np.zeros((gradient.size, active.size))
+            direction[i] = 1.0
+            rates = mapped(t[active], y[:, active], p[:, active], still_t, still_y, direction)
+            gradient[i] = float(rates.full().ravel() @ weights[active])
+        return gradient

@@ -1,0 +1,1 @@
+"""Expressions, parameters, factorisations and implicit functions on the CasADi graph."""

@@ -1,0 +1,186 @@
+"""Scalar and vector expressions: what users write wherever a number is accepted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import ExpressionError
+
+
+class Expression:
+    """A formula of parameters, time and measures, differentiable to any order.
+
+    Parameters
+    ----------
+    sx : casadi.SX
+        Column of scalar expressions.
+    name, unit : str
+        Labels used in results; arithmetic drops them.
+    """
+
+    __slots__ = ("name", "sx", "unit")
+    __array_ufunc__ = None  # NumPy scalars defer to the operators below
+
+    def __init__(self, sx, name: str = "", unit: str = ""):
+        self.sx = ca.SX(sx)
+        self.name = name
+        self.unit = unit
+
+    def named(self, name: str, unit: str = "") -> Expression:
+        """The same formula under a name and a unit."""
+        return Expression(self.sx, name, unit)
+
+    # components of a vector ------------------------------------------------
+    def __len__(self) -> int:
+        return self.sx.numel()
+
+    def __getitem__(self, index: int) -> Expression:
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"{self.name or 'expression'} has {len(self)} component(s)")
+        return self.component(index, "xyz"[index] if len(self) <= 3 else str(index))
+
+    def component(self, index: int, label: str) -> Expression:
+        name = f"{self.name}.{label}" if self.name else ""
+        return Expression(self.sx[index], name, self.unit)
+
+    @property
+    def x(self) -> Expression:
+        """First component of a vector."""
+        return self[0]
+
+    @property
+    def y(self) -> Expression:
+        """Second component of a vector."""
+        return self[1]
+
+    # arithmetic --------------------------------------------------------------
+    def __add__(self, other):
+        return _binary(self, other, lambda a, b: a + b)
+
+    def __radd__(self, other):
+        return _binary(other, self, lambda a, b: a + b)
+
+    def __sub__(self, other):
+        return _binary(self, other, lambda a, b: a - b)
+
+    def __rsub__(self, other):
+        return _binary(other, self, lambda a, b: a - b)
+
+    def __mul__(self, other):
+        return _binary(self, other, lambda a, b: a * b)
+
+    def __rmul__(self, other):
+        return _binary(other, self, lambda a, b: a * b)
+
+    def __truediv__(self, other):
+        return _binary(self, other, lambda a, b: a / b)
+
+    def __rtruediv__(self, other):
+        return _binary(other, self, lambda a, b: a / b)
+
+    def __pow__(self, other):
+        return _binary(self, other, lambda a, b: a**b)
+
+    def __rpow__(self, other):
+        return _binary(other, self, lambda a, b: a**b)
+
+    def __neg__(self):
+        return Expression(-self.sx)
+
+    def __pos__(self):
+        return self
+
+    def __abs__(self):
+        return Expression(ca.fabs(self.sx))
+
+    # comparisons give 0/1 expressions for `where` ------------------------------
+    def __lt__(self, other):
+        return _binary(self, other, lambda a, b: a < b)
+
+    def __le__(self, other):
+        return _binary(self, other, lambda a, b: a <= b)
+
+    def __gt__(self, other):
+        return _binary(self, other, lambda a, b: a > b)
+
+    def __ge__(self, other):
+        return _binary(self, other, lambda a, b: a >= b)
+
+    def __bool__(self):
+        raise ExpressionError(
+            "the truth of a formula is not known before it is evaluated; use where(condition, a, b)",
+            self.name or None,
+        )
+
+    def __float__(self) -> float:
+        if self.sx.numel() == 1 and self.sx.is_constant():
+            return float(self.sx)
+        raise ExpressionError("this formula is not a constant number", self.name or None)
+
+    def __repr__(self) -> str:
+        label = f"{self.name} = " if self.name else ""
+        return f"<{label}{str(self.sx)[:80]}{' ' + self.unit if self.unit else ''}>"
+
+
+def _binary(a, b, operate) -> Expression:
+    return Expression(operate(as_sx(a), as_sx(b)))
+
+
+def as_sx(value) -> ca.SX:
+    """CasADi form of a number, a sequence of numbers or an expression."""
+    if isinstance(value, Expression):
+        return value.sx
+    if isinstance(value, ca.SX):
+        return value
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return ca.vertcat(*(as_sx(item) for item in value))
+    return ca.SX(float(value))
+
+
+def as_expression(value, entity: str, unit: str = "", size: int = 1) -> Expression:
+    """Check that ``value`` is a finite number or a formula of the right size.
+
+    Raises
+    ------
+    ExpressionError
+        Wrong type, wrong number of components, NaN or infinity.
+    """
+    if isinstance(value, bool) or isinstance(value, (str, bytes)) or value is None:
+        raise ExpressionError(
+            f"expected {'a number' if size == 1 else f'{size} numbers'} or a formula, "
+            f"got {value!r}",
+            entity,
+        )
+    try:
+        sx = as_sx(value)
+    except (TypeError, ValueError, NotImplementedError):
+        raise ExpressionError(
+            f"expected a number or a formula, got {type(value).__name__} {value!r}", entity
+        ) from None
+    if sx.numel() != size:
+        raise ExpressionError(f"expected {size} component(s), got {sx.numel()}", entity)
+    sx = ca.densify(ca.reshape(sx, size, 1))
+    for i in range(size):
+        if sx[i].is_constant() and not math.isfinite(float(sx[i])):
+            raise ExpressionError(f"{float(sx[i])} is not a finite number", entity)
+    name = value.name if isinstance(value, Expression) else ""
+    return Expression(sx, name, unit)
+
+
+t = Expression(ca.SX.sym("t"), "t", "s")
+"""Time, usable in laws, forces and user constraints."""
+
+
+def free_symbols(sx: ca.SX) -> set[str]:
+    """Names of the symbols an expression depends on."""
+    return {symbol.name() for symbol in ca.symvar(sx)}
+
+
+def stack(columns: Iterable[ca.SX]) -> ca.SX:
+    """Vertical concatenation that keeps an empty result a column."""
+    columns = [ca.densify(c) for c in columns]
+    return ca.vertcat(*columns) if columns else ca.SX(0, 1)

@@ -1,0 +1,129 @@
+"""A browser for tests of pages: Debian's chromium, driven by playwright."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ARGS = (
+    "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
+    "--disable-background-networking --disable-component-update --disable-sync"
+).split()
+
+
+def _missing(what: str) -> None:
+    """Skip the test, or fail it where everything has to be there."""
+    if os.environ.get("CI", "").lower() == "true":
+        pytest.fail(f"{what} is missing", pytrace=False)
+    pytest.skip(f"{what} is missing")
+
+
+@dataclass
+class Visit:
+    """One open page and what it did: requests beyond its own file, console lines, errors."""
+
+    page: Any
+    requests: list[str] = field(default_factory=list)
+    console: list[str] = field(default_factory=list)
+
+    def js(self, expression: str) -> Any:
+        """Return the value of a JavaScript expression in the page."""
+        return self.page.evaluate(expression)
+
+    def until(self, expression: str, seconds: float = 10.0) -> None:
+        """Wait until a JavaScript expression holds."""
+        # The page forbids eval, and with it playwright's own waiting for a function.
+        end = time.monotonic() + seconds
+        while not self.js(expression):
+            assert time.monotonic() < end, f"in {seconds} s it did not come true: {expression}"
+            time.sleep(0.02)
+
+    def frames(self, count: int = 2) -> None:
+        """Wait until the page has drawn some times."""
+        self.js(
+            f"""new Promise(done => {{
+                let n = {count};
+                const next = () => n-- > 0 ? requestAnimationFrame(next) : done();
+                next();
+            }})"""
+        )
+
+    def ink(self, selector: str) -> int:
+        """Return how many colours a canvas shows: one means blank."""
+        return self.js(
+            f"""(() => {{
+                const canvas = document.querySelector({selector!r});
+                const ctx = canvas.getContext("2d");
+                const data = ctx.getImageData(0, 0, canvas.width, canvas.height).data;
+                return new Set(new Uint32Array(data.buffer)).size;
+            }})()"""
+        )
+
+    def picture(self, selector: str) -> str:
+        """Return a canvas as a string which differs when the picture does."""
+        return self.js(f"document.querySelector({selector!r}).toDataURL()")
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """Start the browser; skip, or under CI=true fail, when there is none."""
+    path = shutil.which("chromium")
+    if path is None:
+        _missing("chromium")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        _missing("playwright")
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=path, args=ARGS)
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+@contextmanager
+def visit(
+    browser: Any,
+    path: Path,
+    *,
+    viewport: tuple[int, int] = (1440, 900),
+    scheme: str = "light",
+    still: bool = True,
+    **more: Any,
+) -> Iterator[Visit]:
+    """Open a file; ``still`` asks for reduced motion, so that nothing plays by itself."""
+    context = browser.new_context(
+        viewport={"width": viewport[0], "height": viewport[1]},
+        color_scheme=scheme,
+        reduced_motion="reduce" if still else "no-preference",
+        **more,
+    )
+    try:
+        page = context.new_page()
+        url = path.resolve().as_uri()
+        found = Visit(page)
+        page.on(
+            "request",
+            lambda r: (
+                None
+                if r.url == url or r.url.startswith(("data:", "blob:"))
+                else found.requests.append(r.url)
+            ),
+        )
+        page.on("console", lambda m: found.console.append(m.text))
+        page.on("pageerror", lambda e: found.console.append(str(e)))
+        page.goto(url)
+        found.until("window.dalembert !== undefined")
+        found.frames(3)
+        yield found
+    finally:
+        context.close()

@@ -1,0 +1,63 @@
+"""The registry of tests covers everything that can be built."""
+
+from __future__ import annotations
+
+import casadi as ca
+import pytest
+from registry import CASES, FORMULATIONS, INTEGRATORS, LAWS, STABILIZATIONS, model_of
+
+from dalembert.elements import planar, registry
+from dalembert.formulations.base import Formulation
+from dalembert.formulations.stabilization import Stabilization
+from dalembert.integrators.runge_kutta import ExplicitRungeKutta
+
+COVERED = {kind for case in CASES.values() for kind in case.covers}
+NOT_ELEMENTS = {planar.Point}
+
+
+def test_every_exported_element_has_a_case():
+    exported = {getattr(planar, name) for name in planar.__all__} - NOT_ELEMENTS
+    assert exported <= COVERED
+
+
+@pytest.mark.parametrize("table", ["BODIES", "JOINTS", "DRIVERS", "FORCES", "LAWS", "CURVES"])
+def test_every_row_of_the_package_registry_has_a_case(table):
+    assert set(getattr(registry, table).values()) <= COVERED
+
+
+def test_every_law_drives_a_joint():
+    assert {law.kind for law in LAWS.values()} <= COVERED
+
+
+def _concrete(kind: type) -> set[type]:
+    """Exported strategies below a base class; the bases themselves only say what they are."""
+    below = {kind}.union(*(_concrete(k) for k in kind.__subclasses__()))
+    return {k for k in below if "__annotations__" in vars(k) or not k.__subclasses__()}
+
+
+@pytest.mark.parametrize(
+    ("base", "table"),
+    [
+        (Formulation, FORMULATIONS),
+        (Stabilization, STABILIZATIONS),
+        (ExplicitRungeKutta, INTEGRATORS),
+    ],
+)
+def test_every_strategy_is_listed(base, table):
+    assert _concrete(base) <= {type(strategy) for strategy in table.values()}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_number_given_is_a_parameter(name):
+    """So that gradients tested over the registry reach every quantity of every element."""
+    for element in model_of(name).system.elements.values():
+        for entity, formula, _ in element.checked_quantities():
+            zero = formula.sx.is_constant() and not any(formula.sx[k].nonzeros()[0] for k in range(len(formula)))
+            assert ca.symvar(formula.sx) or zero or _untouched(element, entity), entity
+
+
+def _untouched(element, entity: str) -> bool:
+    """The number is the default of its field."""
+    defaults = {f.name: f.default for f in element.quantity_fields()}
+    field = entity.rpartition(".")[2]
+    return field in defaults and defaults[field] is not None

@@ -1,0 +1,111 @@
+"""Newton–Euler equations of every body, written from the labelled results of a motion only."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import casadi as ca
+import numpy as np
+from twins import complex_step, context, cross
+
+from dalembert.elements.base import Constraint
+from dalembert.elements.planar import Coupling, CoordinateDriver, UserConstraint
+
+
+class Snapshot:
+    """One output time of a motion.
+
+    Parameters
+    ----------
+    motion : Motion
+    k : index of the time
+    case : registered case with the twins of its loads and joint places, if there are any
+    """
+
+    def __init__(self, motion, k: int, case=None):
+        self.model, self.case = motion.model, case or SimpleNamespace(loads=None, place={}, residual=None)
+        self.data = motion.data.isel(time=k)
+        self.t, self.p = float(self.data.time), motion.parameters
+        self.y, self.v = self.data.coordinates.values, self.data.speeds.values
+        self.seen = context(self.model, self.t, self.y, self.p, self.v)
+
+    def frame(self, body):
+        return self.seen.body[body.name]
+
+    def number(self, expression) -> np.ndarray:
+        """A formula of parameters as numbers."""
+        symbols = ca.vertcat(*(p.sx for p in self.model.parameters.values()))
+        return ca.Function("n", [symbols], [expression.sx])(self.p).full().ravel()
+
+    def place(self, joint) -> np.ndarray:
+        """Where a joint's reaction is reported, by hand."""
+        if joint.name in self.case.place:
+            return self.case.place[joint.name](self.seen)
+        if hasattr(joint, "point_j"):
+            return self.frame(joint.point_j.body).at(self.number(joint.point_j.local))
+        return self.frame(joint.ends()[1]).r
+
+    def reaction(self, joint: Constraint) -> list[tuple]:
+        """Loads of a joint: (body name, force, place, moment)."""
+        if isinstance(joint, UserConstraint):
+            return self._user(joint)
+        if isinstance(joint, CoordinateDriver):
+            along = self.number(joint.direction)
+            effort = float(self.data.driver_effort.sel(driver=joint.name))
+            place = self.frame(joint.point.body).at(self.number(joint.point.local))
+            return [(joint.point.body.name, effort * along / np.linalg.norm(along), place, 0.0)]
+        here = self.data.sel(joint=joint.name)
+        force, moment, place = here.reaction_force.values, float(here.reaction_moment), self.place(joint)
+        first, second = joint.ends()
+        if isinstance(joint, Coupling):
+            return self._coupling(joint, moment)
+        return [(second.name, force, place, moment), (first.name, -force, place, -moment)]
+
+    def _coupling(self, joint, moment: float) -> list[tuple]:
+        """M on body j, −ratio M on body i; their carrier takes what is left."""
+        ratio, nothing = float(self.number(joint.ratio)[0]), np.zeros(2)
+        carrier = joint.carrier.name if joint.carrier is not None else "ground"
+        moments = {joint.body_j.name: moment, joint.body_i.name: -ratio * moment}
+        moments[carrier] = moments.get(carrier, 0.0) - (1 - ratio) * moment
+        return [(n, nothing, self.seen.body[n].r, m) for n, m in moments.items()]
+
+    def _user(self, joint) -> list[tuple]:
+        multiplier = float(self.data.multiplier.sel(equation=f"{joint.name}[0]"))
+        slope = complex_step(
+            lambda y: self.case.residual(context(self.model, self.t, y, self.p)), self.y
+        )[0]
+        loads, k = [], 0
+        for body in self.model.bodies:
+            wrench = -multiplier * slope[k : k + 3]
+            loads.append((body.name, wrench[:2], self.frame(body).r, wrench[2]))
+            k += body.pose.numel()
+        return loads
+
+    def loads(self) -> list[tuple]:
+        """All forces but weight: of joints and drivers, then applied ones."""
+        found = [load for joint in self.model.constraints for load in self.reaction(joint)]
+        return found + (self.case.loads(self.seen) if self.case.loads else [])
+
+    def imbalance(self, gravity=(0.0, 0.0)) -> float:
+        """Largest ``m (r̈ − g) − Σ F`` or ``J φ̈ − Σ (M + (r_P − r) × F)`` of all bodies."""
+        rest = {}
+        for body in self.model.bodies:
+            here = self.data.sel(body=body.name)
+            mass, inertia = (float(self.number(q)[0]) for q in (body.mass, body.inertia))
+            rest[body.name] = np.append(
+                mass * (here.acceleration.values - gravity),
+                inertia * float(here.angular_acceleration),
+            )
+        for name, force, place, moment in self.loads():
+            if name in rest:
+                rest[name] -= np.append(force, moment + cross(place - self.seen.body[name].r, force))
+        turning = {b.name: 3 if b.rotates else 2 for b in self.model.bodies}
+        return max(np.abs(r[: turning[n]]).max() for n, r in rest.items())
+
+    def power(self, loads: list[tuple]) -> float:
+        """Power of loads: Σ F · v(place) + M ω."""
+        total = 0.0
+        for name, force, place, moment in loads:
+            frame = self.seen.body[name]
+            total += force @ frame.velocity_at(place) + moment * frame.w
+        return total

@@ -1,0 +1,405 @@
+"""The report page, as text and in a browser."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import chromium, visit
+from report_payload import crowd, four_bar, gallery
+
+from dalembert.report import page as report_page
+from dalembert.report.page import render_page, write_page
+
+HOSTILE = (
+    "</script><b id=bad>x</b><!-- {{data}} \u2028 \" ' & <img src=x onerror=document.title='bad'>"
+)
+
+
+def data_of(text: str) -> Any:
+    """Return the payload which a page carries."""
+    return json.loads(
+        re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1]
+    )
+
+
+# As text ------------------------------------------------------------------
+
+
+def test_page_carries_its_data_and_nothing_from_elsewhere() -> None:
+    payload = four_bar(frames=21)
+    text = render_page(payload)
+    assert data_of(text)["scene"]["bodies"][1]["name"] == "coupler"
+    assert data_of(text)["time"] == pytest.approx(payload["time"], rel=1e-9)
+    assert not re.search(r"(?:src|href)=[\"'](?!data:|#)", text)
+    assert not re.search(r"@import|url\(", text)
+    assert "{{" not in re.sub(r"\$\{\{", "", text)
+
+
+def test_numbers_which_are_not_finite_become_null() -> None:
+    text = render_page(
+        {
+            "format": 1,
+            "title": "x",
+            "time": [0.0, math.nan, -math.inf, None, 7],
+            "scene": {},
+            "series": [{"values": np.array([1.5, np.nan])}],
+        }
+    )
+    assert data_of(text)["time"] == [0, None, None, None, 7]
+    assert data_of(text)["series"][0]["values"] == [1.5, None]
+
+
+def test_what_is_not_plain_data_is_refused() -> None:
+    with pytest.raises(TypeError, match="object"):
+        render_page({"title": "x", "time": [], "scene": object()})
+
+
+def test_hostile_text_stays_text() -> None:
+    text = render_page({"format": 1, "title": HOSTILE + "\ud800", "time": [], "scene": {}})
+    assert "<b id=bad>" not in text
+    assert "\u2028" not in text.split('id="data">')[1].split("</script>")[0]
+    assert data_of(text)["title"] == HOSTILE + "\ud800"
+    assert text.encode("utf-8")
+
+
+def test_write_page_replaces_the_file_in_one_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "report.html"
+    assert write_page(four_bar(frames=5), target) == target
+    assert stat.S_IMODE(target.stat().st_mode) & 0o400
+    before = target.read_text(encoding="utf-8")
+
+    def refuse(*_: Any) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setattr(report_page.os, "replace", refuse)
+    with pytest.raises(OSError, match="disk full"):
+        write_page(four_bar(frames=7), target)
+    assert target.read_text(encoding="utf-8") == before
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+
+
+# In a browser -------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture
+def show(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """Open the page of a payload; in the end no request and no console line may have come."""
+    open_pages = []
+
+    def opened(payload: dict[str, Any], **options: Any) -> Any:
+        manager = visit(
+            browser, write_page(payload, tmp_path / f"{len(open_pages)}.html"), **options
+        )
+        found = manager.__enter__()
+        open_pages.append((manager, found))
+        return found
+
+    yield opened
+    seen = [(found.requests, found.console) for _, found in open_pages]
+    for manager, _ in open_pages:
+        manager.__exit__(None, None, None)
+    assert seen == [([], [])] * len(seen)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
+@pytest.mark.parametrize("make", [four_bar, gallery])
+def test_draws(show: Any, make: Any, viewport: tuple[int, int], scheme: str) -> None:
+    found = show(make(), viewport=viewport, scheme=scheme)
+    assert found.ink("#scene") > 20
+    assert found.ink(".plot .base") > 5
+    assert found.js("document.documentElement.dataset.theme") == scheme
+    assert found.js("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_plays_pauses_and_keeps_still_on_request(show: Any) -> None:
+    found = show(four_bar())
+    assert found.js("dalembert.player.playing") is False
+    before = found.picture("#scene")
+    found.page.keyboard.press("Space")
+    found.until("dalembert.player.time > 0.02")
+    found.page.click("#play")
+    assert found.js("dalembert.player.playing") is False
+    found.frames(3)
+    time, after = found.js("dalembert.player.time"), found.picture("#scene")
+    assert after != before
+    found.frames(10)
+    assert found.js("dalembert.player.time") == time
+    assert found.picture("#scene") == after
+
+
+def test_plays_by_itself_where_motion_is_welcome(show: Any) -> None:
+    found = show(four_bar(), still=False)
+    assert found.js("dalembert.player.playing") is True
+    found.until("dalembert.player.time > 0.01")
+
+
+def test_scrubber_keys_and_seek_set_the_time(show: Any) -> None:
+    payload = four_bar(frames=81, duration=8.0)
+    found = show(payload)
+    box = found.page.locator("#scrub").bounding_box()
+    found.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert found.js("dalembert.player.time") == pytest.approx(4.0, abs=0.1)
+    found.js("dalembert.player.seek(2)")
+    for key, time in (
+        ("ArrowRight", 2.1),
+        ("ArrowLeft", 2.0),
+        ("ArrowLeft", 1.9),
+        ("Shift+ArrowRight", 2.1),
+        ("End", 8.0),
+        ("Home", 0.0),
+    ):
+        found.page.keyboard.press(key)
+        assert found.js("dalembert.player.time") == pytest.approx(time)
+    found.js("dalembert.player.seek(2.05)")
+    found.page.keyboard.press("ArrowLeft")
+    assert found.js("dalembert.player.time") == pytest.approx(2.0)
+    found.js("dalembert.player.seek(99)")
+    assert found.js("dalembert.player.time") == 8.0
+    assert "8.00" in found.page.inner_text("#clock")
+    found.page.click(".event >> nth=0")
+    assert found.js("dalembert.player.time") == pytest.approx(0.21 * 8)
+
+
+def test_pose_lies_between_frames(show: Any) -> None:
+    found = show(four_bar(frames=5, duration=4.0))
+    pose = "(() => { const p = dalembert.motion.pose(dalembert.motion.bodies[0]); return p.a; })()"
+    angles = found.js("Array.from(dalembert.motion.bodies[0].a)")
+    found.js("dalembert.player.seek(1.25)")
+    assert found.js(pose) == pytest.approx(0.75 * angles[1] + 0.25 * angles[2])
+
+
+@pytest.mark.parametrize(
+    ("duration", "speed"), [(6.0, 1), (0.008, 0.001), (86400.0, 10000), (2.0, 0.2)]
+)
+def test_a_loop_takes_a_few_seconds(show: Any, duration: float, speed: float) -> None:
+    found = show(four_bar(frames=41, duration=duration))
+    chosen = found.js("dalembert.player.speed")
+    assert chosen == pytest.approx(speed, rel=0.001)
+    assert 4 <= duration / chosen <= 12
+    assert found.page.input_value("#speed") == str(found.js("String(dalembert.player.speed)"))
+    found.page.select_option("#speed", index=0)
+    assert found.js("dalembert.player.speed") == pytest.approx(min(0.1 * speed, 1))
+
+
+def test_without_loop_it_stops_at_the_end(show: Any) -> None:
+    found = show(four_bar())
+    found.page.click("#loop")
+    found.js("dalembert.player.seek(0.79)")
+    found.js("dalembert.player.play()")
+    found.until("!dalembert.player.playing")
+    assert found.js("dalembert.player.time") == pytest.approx(0.8)
+
+
+@pytest.mark.parametrize("control", ["#reactions", "#labels", "#grid", ".trace"])
+def test_toggles_change_the_picture_and_back(show: Any, control: str) -> None:
+    found = show(four_bar())
+    found.js("dalembert.player.seek(0.3)")
+    found.frames()
+    before, was = found.picture("#scene"), found.page.get_attribute(control, "aria-pressed")
+    found.page.click(control)
+    found.frames(3)
+    assert found.page.get_attribute(control, "aria-pressed") != was
+    assert found.picture("#scene") != before
+    found.page.click(control)
+    found.frames(3)
+    assert found.picture("#scene") == before
+
+
+def test_zoom_pan_and_fit(show: Any) -> None:
+    found = show(four_bar())
+    view = "({...dalembert.scene.view})"
+    home = found.js(view)
+    found.page.mouse.move(300, 400)
+    found.page.mouse.wheel(0, -300)
+    found.frames(3)
+    assert found.js(view)["s"] > home["s"]
+    x = found.js(view)["x"]
+    found.page.mouse.down()
+    found.page.mouse.move(360, 400)
+    found.page.mouse.up()
+    assert found.js(view)["x"] < x
+    found.page.click("#fit")
+    assert found.js(view) == home
+
+
+def test_tooltip_names_what_is_under_the_pointer(show: Any) -> None:
+    found = show(four_bar())
+    box = found.page.locator("#scene").bounding_box()
+    for joint, name, text in ((0, "A", "force"), (3, "D", "revolute")):
+        x, y = found.js(f"dalembert.scene.screen(dalembert.motion.joints[{joint}].point)")
+        found.page.mouse.move(box["x"] + x, box["y"] + y)
+        found.frames(3)
+        tip = found.page.inner_text("#tip")
+        assert tip.startswith(name) and text in tip
+    found.page.mouse.move(box["x"] + 5, box["y"] + 200)
+    found.frames(3)
+    assert not found.page.is_visible("#tip")
+
+
+def test_plots_scrub_hover_and_change(show: Any, tmp_path: Path) -> None:
+    found = show(four_bar())
+    page = found.page
+    area = page.locator(".plot .over").first.bounding_box()
+    middle = area["x"] + area["width"] / 2, area["y"] + area["height"] / 2
+    page.mouse.move(*middle)
+    found.frames(3)
+    assert found.js("dalembert.board.hoverTime") == pytest.approx(0.4, abs=0.05)
+    assert found.js("dalembert.player.time") == 0
+    page.mouse.down()
+    assert found.js("dalembert.player.time") == pytest.approx(0.4, abs=0.05)
+    page.mouse.move(middle[0] + 60, middle[1])
+    page.mouse.up()
+    assert found.js("dalembert.player.time") > 0.4
+
+    assert page.locator(".plot").count() == 3
+    page.click("#add-plot")
+    page.fill("#search", "rocker rad/s²")
+    assert page.locator(".choice:visible").count() == 1
+    page.locator(".choice:visible input").check()
+    page.keyboard.press("Escape")
+    assert page.locator(".plot").count() == 4
+    assert (
+        page.locator(".plot >> nth=3")
+        .locator(".key")
+        .inner_text()
+        .startswith("rocker.angle_acceleration")
+    )
+    found.frames(3)
+    with page.expect_download() as saved:
+        page.locator(".plot >> nth=3").get_by_label("Download these series as CSV").click()
+    saved.value.save_as(tmp_path / "series.csv")
+    rows = (tmp_path / "series.csv").read_text(encoding="utf-8").splitlines()
+    assert rows[0] == "time [s],rocker.angle_acceleration [rad/s²]"
+    assert len(rows) == 162
+    page.locator(".plot >> nth=3").get_by_label("Remove this plot").click()
+    assert page.locator(".plot").count() == 3
+
+
+def test_picker_offers_two_units_at_most(show: Any) -> None:
+    found = show(four_bar())
+    found.page.get_by_label("Choose series").nth(1).click()
+    assert found.page.locator(".choice:has-text('energy.total') input").is_disabled()
+    assert found.page.locator(".choice:has-text('B.force_x') input").is_enabled()
+
+
+def test_theme_button(show: Any) -> None:
+    found = show(four_bar())
+    before = found.picture("#scene")
+    found.page.click("#theme")
+    found.frames(3)
+    assert found.js("document.documentElement.dataset.theme") == "dark"
+    assert found.picture("#scene") != before
+
+
+@pytest.mark.parametrize("frames", [0, 1, 2])
+@pytest.mark.parametrize("scene", [{}, {"bodies": []}, {"bodies": [{"name": "only"}]}])
+def test_nearly_empty_payloads(show: Any, frames: int, scene: dict[str, Any]) -> None:
+    time = [0.5 * k for k in range(frames)]
+    pose = dict.fromkeys(("x", "y", "angle"), [0.0] * frames)
+    bodies = [
+        {**body, **pose, "shapes": [{"kind": "bar", "from": [0, 0], "to": [1, 0]}]}
+        for body in scene.get("bodies", [])
+    ]
+    found = show(
+        {
+            "format": 1,
+            "title": "nearly nothing",
+            "time": time,
+            "scene": {"bodies": bodies} if bodies else scene,
+        }
+    )
+    assert found.page.is_visible("#player") == (frames == 2)
+    assert found.page.is_hidden("#board")
+    assert found.ink("#scene") > 1
+
+
+def test_static_result_lists_its_values(show: Any) -> None:
+    payload = four_bar(frames=2)
+    payload["time"] = payload["time"][:1]
+    found = show(payload)
+    assert found.page.is_hidden("#player")
+    assert "rocker.angle" in found.page.inner_text("#values")
+    assert found.ink("#scene") > 20
+
+
+def test_gaps_are_left_out(show: Any) -> None:
+    payload = four_bar(frames=41)
+    for column in ("x", "y", "angle"):
+        payload["scene"]["bodies"][1][column][10:30] = [None] * 20
+    payload["series"][0]["values"] = [None] * 41
+    payload["scene"]["joints"][0]["force_x"][5:20] = [None] * 15
+    found = show(payload)
+    found.page.click("#reactions")
+    found.js("dalembert.player.seek(0.4)")
+    found.frames(3)
+    assert found.js("dalembert.motion.pose(dalembert.motion.bodies[1])") is None
+    assert found.ink("#scene") > 20
+
+
+def test_hostile_names_do_no_harm(show: Any) -> None:
+    payload = four_bar(frames=21)
+    payload["title"] = payload["subtitle"] = HOSTILE
+    for body in payload["scene"]["bodies"]:
+        body["name"] = HOSTILE + body["name"]
+    for point in payload["scene"]["points"]:
+        point.update(name=HOSTILE, body=HOSTILE + point["body"])
+    for joint in payload["scene"]["joints"]:
+        joint.update(
+            name=HOSTILE, body=HOSTILE + joint["body"] if joint["body"] != "ground" else "ground"
+        )
+    for series in payload["series"]:
+        series["group"] = HOSTILE
+    payload["series"][0]["name"] = HOSTILE
+    payload["default_plots"] = [[HOSTILE]]
+    payload["events"] = [{"name": HOSTILE, "time": 0.1}]
+    payload["diagnosis"] = {"summary": HOSTILE, "messages": [{"level": HOSTILE, "text": HOSTILE}]}
+    payload["parameters"] = [{"name": HOSTILE, "value": 1, "unit": HOSTILE}]
+    found = show(payload)
+    found.page.mouse.move(300, 400)
+    found.page.click("#add-plot")
+    found.frames(3)
+    assert found.js("document.querySelector('#bad, img')") is None
+    assert found.js("document.title") == HOSTILE.replace("\u2028", " ") or found.js(
+        "document.title"
+    ).startswith("</script>")
+
+
+def test_many_bodies_and_frames_stay_responsive(show: Any) -> None:
+    found = show(crowd(bodies=80, frames=4000))
+    found.page.click("#reactions")
+    found.js("document.querySelectorAll('.trace').forEach(chip => chip.click())")
+    found.js("dalembert.player.play()")
+    cost = found.js(
+        """(() => {
+            const start = performance.now();
+            for (let k = 0; k < 10; k++) { dalembert.motion.setTime(k); dalembert.scene.draw(); }
+            return (performance.now() - start) / 10;
+        })()"""
+    )
+    assert cost < 100  # milliseconds for a picture, without a graphics card
+    found.until("dalembert.player.time > 0.5")
+
+
+def test_prints(show: Any, tmp_path: Path) -> None:
+    found = show(four_bar(), scheme="dark")
+    sheet = found.page.pdf(format="A4")
+    assert sheet.startswith(b"%PDF") and len(sheet) > 20_000
+    found.frames(3)
+    assert found.js("document.documentElement.dataset.theme") == "dark"
