@@ -9,7 +9,7 @@ import numpy as np
 from twins import complex_step, context, cross
 
 from dalembert.elements.base import Constraint
-from dalembert.elements.planar import Coupling, CoordinateDriver, UserConstraint
+from dalembert.elements.planar import CoordinateDriver, Coupling, UserConstraint
 
 
 class Snapshot:
@@ -23,7 +23,10 @@ class Snapshot:
     """
 
     def __init__(self, motion, k: int, case=None):
-        self.model, self.case = motion.model, case or SimpleNamespace(loads=None, place={}, residual=None)
+        self.model, self.case = (
+            motion.model,
+            case or SimpleNamespace(loads=None, place={}, residual=None),
+        )
         self.data = motion.data.isel(time=k)
         self.t, self.p = float(self.data.time), motion.parameters
         self.y, self.v = self.data.coordinates.values, self.data.speeds.values
@@ -55,7 +58,11 @@ class Snapshot:
             place = self.frame(joint.point.body).at(self.number(joint.point.local))
             return [(joint.point.body.name, effort * along / np.linalg.norm(along), place, 0.0)]
         here = self.data.sel(joint=joint.name)
-        force, moment, place = here.reaction_force.values, float(here.reaction_moment), self.place(joint)
+        force, moment, place = (
+            here.reaction_force.values,
+            float(here.reaction_moment),
+            self.place(joint),
+        )
         first, second = joint.ends()
         if isinstance(joint, Coupling):
             return self._coupling(joint, moment)
@@ -98,7 +105,9 @@ class Snapshot:
             )
         for name, force, place, moment in self.loads():
             if name in rest:
-                rest[name] -= np.append(force, moment + cross(place - self.seen.body[name].r, force))
+                rest[name] -= np.append(
+                    force, moment + cross(place - self.seen.body[name].r, force)
+                )
         turning = {b.name: 3 if b.rotates else 2 for b in self.model.bodies}
         return max(np.abs(r[: turning[n]]).max() for n, r in rest.items())
 

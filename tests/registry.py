@@ -14,30 +14,26 @@ from dataclasses import dataclass, field
 import numpy as np
 from twins import cross, cubic, direction, left, length, turn
 
-from dalembert.elements import planar
-from dalembert.elements.curves import FormulaCurve, SplineCurve, u
+import dalembert as da
+from dalembert import FormulaCurve, SplineCurve, cos, planar, sin, t, u
 from dalembert.elements.laws import (
     CycloidalRise,
     Formula,
     Harmonic,
     HarmonicRise,
     Polynomial,
-    Polynomial4567Rise,
     Polynomial345Rise,
+    Polynomial4567Rise,
     Table,
 )
-from dalembert.formulations.kkt import Kkt
-from dalembert.formulations.range_space import RangeSpace
-from dalembert.formulations.stabilization import Baumgarte, Projection, Stabilization
-from dalembert.integrators import RK4, DormandPrince, RKGill
-from dalembert.model.model import Model
-from dalembert.model.system import System
-from dalembert.symbolic.expression import t
-from dalembert.symbolic.functions import cos, sin
 
-FORMULATIONS = {"Kkt": Kkt(), "RangeSpace": RangeSpace()}
-STABILIZATIONS = {"none": Stabilization(), "Baumgarte": Baumgarte(), "Projection": Projection()}
-INTEGRATORS = {"RK4": RK4(), "RKGill": RKGill(), "DormandPrince": DormandPrince()}
+FORMULATIONS = {"Kkt": da.Kkt(), "RangeSpace": da.RangeSpace()}
+STABILIZATIONS = {
+    "none": da.Stabilization(),
+    "Baumgarte": da.Baumgarte(),
+    "Projection": da.Projection(),
+}
+INTEGRATORS = {"RK4": da.RK4(), "RKGill": da.RKGill(), "DormandPrince": da.DormandPrince()}
 
 
 @dataclass(frozen=True)
@@ -53,11 +49,12 @@ class Builder:
     """A system in which every number is a parameter."""
 
     def __init__(self, name: str, gravity: bool, observer: Observer):
-        self.observer, self.system = observer, System(name)
+        self.observer, self.system = observer, da.System(name)
         if gravity:
-            self.system.gravity = None
             vector = self.numbers(gx=0.4, gy=-9.81)
-            self.system = _with_gravity(self.system, vector)
+            self.system = da.System(name, gravity=vector)
+            for parameter in vector:
+                self.system.parameters[parameter.name] = parameter
         self.ground = self.system.ground
 
     def number(self, name: str, value: float):
@@ -102,12 +99,6 @@ class Builder:
         return self.system.add(element)
 
 
-def _with_gravity(system: System, vector) -> System:
-    made = System(system.name, gravity=vector)
-    made.parameters = system.parameters
-    return made
-
-
 def P(c) -> np.ndarray:
     """Place of the point P of body a."""
     return c.a.at((c.p.P_x, c.p.P_y))
@@ -144,7 +135,7 @@ class Case:
     scleronomic: bool = True
     conservative: bool = True
 
-    def model(self, gravity: bool = True, observer: Observer | None = None) -> Model:
+    def model(self, gravity: bool = True, observer: Observer | None = None) -> da.Model:
         builder = Builder(self.name.replace(" ", "-"), gravity, observer or Observer())
         self.build(builder)
         return builder.system.build()
@@ -167,7 +158,7 @@ def case(name: str, *covers, **more):
 
 
 @functools.cache
-def model_of(name: str) -> Model:
+def model_of(name: str) -> da.Model:
     """The model of a case, built once."""
     return CASES[name].model()
 
@@ -215,7 +206,9 @@ def _rise(kind: type, falls: bool):
         given = {n: q.number(n, v) for n, v in values.items()}
         given["duration"] = q.number("rise", 0.5)
         if falls:
-            given |= {n: q.number(n, v) for n, v in {"dwell": 0.1, "fall": 0.3, "period": 1.1}.items()}
+            given |= {
+                n: q.number(n, v) for n, v in {"dwell": 0.1, "fall": 0.3, "period": 1.1}.items()
+            }
         return kind(**given)
 
     return make
@@ -264,8 +257,11 @@ for _kind, (_profile, _smooth) in PROFILES.items():
         _kind, _rise(_kind, False), _rise_twin(_profile, False), (-0.05, 0.45), _smooth
     )
     LAWS[f"{_kind.__name__} repeated"] = LawCase(
-        _kind, _rise(_kind, True), _rise_twin(_profile, True),
-        (-0.05, 0.45, 0.55, 0.85, 1.05, 1.55), _smooth,
+        _kind,
+        _rise(_kind, True),
+        _rise_twin(_profile, True),
+        (-0.05, 0.45, 0.55, 0.85, 1.05, 1.55),
+        _smooth,
     )
 
 
@@ -275,8 +271,14 @@ for _kind, (_profile, _smooth) in PROFILES.items():
 @case("free bodies", planar.Body, planar.Bar, planar.Particle)
 def _(q):
     q.body("a", (0.3, -0.2, 0.4), (0.5, -0.3, 0.7))
-    q.body("rod", (1.0, 0.3, -0.2), (0.1, 0.2, 0.3), inertia=None, kind=planar.Bar,
-           length=q.number("rod_length", 0.7))
+    q.body(
+        "rod",
+        (1.0, 0.3, -0.2),
+        (0.1, 0.2, 0.3),
+        inertia=None,
+        kind=planar.Bar,
+        length=q.number("rod_length", 0.7),
+    )
     q.body("dot", (-1.0, 0.3), (0.1, 0.2), kind=planar.Particle)
 
 
@@ -289,7 +291,10 @@ def _(q):
 
 
 @case(
-    "revolute on ground", planar.Revolute, planar.Ground, objective=False,
+    "revolute on ground",
+    planar.Revolute,
+    planar.Ground,
+    objective=False,
     residual=lambda c: c.a.at((c.p.A_x, c.p.A_y)) - np.array([c.p.O_x, c.p.O_y]),
 )
 def _(q):
@@ -303,10 +308,9 @@ def _axis(c):
 
 
 @case(
-    "translational", planar.Translational,
-    residual=lambda c: np.array([
-        cross(_axis(c), Q(c) - P(c)), c.b.phi - c.a.phi - c.p.angle
-    ]),
+    "translational",
+    planar.Translational,
+    residual=lambda c: np.array([cross(_axis(c), Q(c) - P(c)), c.b.phi - c.a.phi - c.p.angle]),
 )
 def _(q):
     axis = q.numbers(axis_x=1.2, axis_y=0.9)
@@ -319,7 +323,8 @@ def _(q):
 
 
 @case(
-    "weld", planar.Weld,
+    "weld",
+    planar.Weld,
     residual=lambda c: np.append(Q(c) - P(c), c.b.phi - c.a.phi - c.p.angle),
 )
 def _(q):
@@ -332,7 +337,9 @@ def _(q):
 
 
 @case(
-    "rigid link between particles", planar.RigidLink, planar.Particle,
+    "rigid link between particles",
+    planar.RigidLink,
+    planar.Particle,
     residual=lambda c: length(c.b.r - c.a.r) - c.p.link,
 )
 def _(q):
@@ -342,7 +349,10 @@ def _(q):
 
 
 @case(
-    "user constraint", planar.UserConstraint, objective=False, scleronomic=False,
+    "user constraint",
+    planar.UserConstraint,
+    objective=False,
+    scleronomic=False,
     residual=lambda c: c.p.k * c.a.r[0] * np.cos(c.b.phi) + c.b.r[1] ** 2 - c.p.h - c.p.s * c.t**2,
 )
 def _(q):
@@ -353,7 +363,9 @@ def _(q):
 
 # points on curves ----------------------------------------------------------------------------
 
-CORNERS = np.array([(0.5, 0.0), (0.35, 0.4), (-0.1, 0.5), (-0.45, 0.1), (-0.3, -0.4), (0.25, -0.45)])
+CORNERS = np.array(
+    [(0.5, 0.0), (0.35, 0.4), (-0.1, 0.5), (-0.45, 0.1), (-0.3, -0.4), (0.25, -0.45)]
+)
 
 
 def _spline(c, derivative: bool):
@@ -381,21 +393,33 @@ def _follows(curve, roller: bool):
 
 
 @case(
-    "point on spline curve", planar.PointOnCurve, SplineCurve,
-    residual=_follows(_spline, True), place={"J": lambda c: c.a.at(_spline(c, False))},
+    "point on spline curve",
+    planar.PointOnCurve,
+    SplineCurve,
+    residual=_follows(_spline, True),
+    place={"J": lambda c: c.a.at(_spline(c, False))},
 )
 def _(q):
     a, b = q.pair((0.87, 0.0, -0.6))
     corners = [q.numbers(**{f"c{k}_x": x, f"c{k}_y": y}) for k, (x, y) in enumerate(CORNERS)]
-    q.add(planar.PointOnCurve(
-        "J", a, q.point(b, "Q", -0.22, 0.17), SplineCurve(corners),
-        radius=q.number("roller", 0.15), parameter=q.number("u0", 0.4),
-    ))
+    q.add(
+        planar.PointOnCurve(
+            "J",
+            a,
+            q.point(b, "Q", -0.22, 0.17),
+            SplineCurve(corners),
+            radius=q.number("roller", 0.15),
+            parameter=q.number("u0", 0.4),
+        )
+    )
 
 
 @case(
-    "point on formula curve", planar.PointOnCurve, FormulaCurve,
-    residual=_follows(_ellipse, False), place={"J": lambda c: c.a.at(_ellipse(c, False))},
+    "point on formula curve",
+    planar.PointOnCurve,
+    FormulaCurve,
+    residual=_follows(_ellipse, False),
+    place={"J": lambda c: c.a.at(_ellipse(c, False))},
 )
 def _(q):
     a, b = q.pair()
@@ -452,16 +476,16 @@ def _planetary(internal: bool):
         q.add(planar.Revolute("A", q.point(arm, "A", -0.3, 0.05), i))
         q.add(planar.Revolute("B", q.point(arm, "B", 0.35, -0.02), j))
         ra, rb = q.numbers(ra=0.2, rb=0.5)
-        q.add(planar.GearPair(
-            "J", i, j, radius_i=ra, radius_j=rb, internal=internal, carrier=arm
-        ))
+        q.add(planar.GearPair("J", i, j, radius_i=ra, radius_j=rb, internal=internal, carrier=arm))
 
     return build
 
 
 for _internal in (False, True):
     _kind_name = "internal" if _internal else "external"
-    case(f"{_kind_name} gears", planar.GearPair, residual=_meshed(_internal, False))(_gears(_internal))
+    case(f"{_kind_name} gears", planar.GearPair, residual=_meshed(_internal, False))(
+        _gears(_internal)
+    )
     case(f"{_kind_name} gears on carrier", planar.GearPair, residual=_meshed(_internal, True))(
         _planetary(_internal)
     )
@@ -483,24 +507,37 @@ def _pitch_point(side: int):
 
 def _on_line(kind, side: int):
     def build(q):
-        q.add(kind("J", *q.points(), axis=q.numbers(axis_x=1.2, axis_y=0.9),
-                   radius=q.number("radius", 0.3), side=side))
+        q.add(
+            kind(
+                "J",
+                *q.points(),
+                axis=q.numbers(axis_x=1.2, axis_y=0.9),
+                radius=q.number("radius", 0.3),
+                side=side,
+            )
+        )
 
     return build
 
 
 def _rolling(side: int):
     slip = _rack_slip(side)
-    return lambda c: np.array([
-        cross(_axis(c), Q(c) - P(c)) - side * c.p.radius, slip(c)
-    ])
+    return lambda c: np.array([cross(_axis(c), Q(c) - P(c)) - side * c.p.radius, slip(c)])
 
 
 for _side, _where in ((1, "left"), (-1, "right")):
-    case(f"rack and pinion {_where}", planar.RackAndPinion, residual=_rack_slip(_side),
-         place=_pitch_point(_side))(_on_line(planar.RackAndPinion, _side))
-    case(f"rolling disc {_where}", planar.RollingDisc, residual=_rolling(_side),
-         place=_pitch_point(_side))(_on_line(planar.RollingDisc, _side))
+    case(
+        f"rack and pinion {_where}",
+        planar.RackAndPinion,
+        residual=_rack_slip(_side),
+        place=_pitch_point(_side),
+    )(_on_line(planar.RackAndPinion, _side))
+    case(
+        f"rolling disc {_where}",
+        planar.RollingDisc,
+        residual=_rolling(_side),
+        place=_pitch_point(_side),
+    )(_on_line(planar.RollingDisc, _side))
 
 
 def _coupled(carrier: bool):
@@ -538,7 +575,10 @@ def _driven_turn(law: LawCase):
 
 for _name, _law in LAWS.items():
     case(
-        f"rotational driver {_name}", planar.RotationalDriver, _law.kind, scleronomic=False,
+        f"rotational driver {_name}",
+        planar.RotationalDriver,
+        _law.kind,
+        scleronomic=False,
         residual=lambda c, law=_law: c.b.phi - c.a.phi - law.twin(c.p, c.t),
     )(_driven_turn(_law))
 
@@ -548,7 +588,9 @@ def _wave(q, mean: float):
 
 
 @case(
-    "translational driver", planar.TranslationalDriver, scleronomic=False,
+    "translational driver",
+    planar.TranslationalDriver,
+    scleronomic=False,
     residual=lambda c: _axis(c) @ (Q(c) - P(c)) - LAWS["Harmonic"].twin(c.p, c.t),
 )
 def _(q):
@@ -557,7 +599,9 @@ def _(q):
 
 
 @case(
-    "distance driver", planar.DistanceDriver, scleronomic=False,
+    "distance driver",
+    planar.DistanceDriver,
+    scleronomic=False,
     residual=lambda c: length(Q(c) - P(c)) - LAWS["Harmonic"].twin(c.p, c.t),
 )
 def _(q):
@@ -565,14 +609,23 @@ def _(q):
 
 
 @case(
-    "coordinate driver", planar.CoordinateDriver, scleronomic=False, objective=False,
-    residual=lambda c: np.array([c.p.to_x, c.p.to_y]) @ c.a.at((c.p.P_x, c.p.P_y))
-    / np.sqrt(c.p.to_x**2 + c.p.to_y**2) - LAWS["Harmonic"].twin(c.p, c.t),
+    "coordinate driver",
+    planar.CoordinateDriver,
+    scleronomic=False,
+    objective=False,
+    residual=lambda c: (
+        np.array([c.p.to_x, c.p.to_y])
+        @ c.a.at((c.p.P_x, c.p.P_y))
+        / np.sqrt(c.p.to_x**2 + c.p.to_y**2)
+        - LAWS["Harmonic"].twin(c.p, c.t)
+    ),
 )
 def _(q):
     a, _ = q.pair()
     point = q.point(a, "P", 0.31, 0.12)
-    q.add(planar.CoordinateDriver("J", point, _wave(q, 0.3), direction=q.numbers(to_x=0.6, to_y=1.1)))
+    q.add(
+        planar.CoordinateDriver("J", point, _wave(q, 0.3), direction=q.numbers(to_x=0.6, to_y=1.1))
+    )
 
 
 # forces --------------------------------------------------------------------------------------
@@ -605,7 +658,10 @@ def _force_at_p(c, force):
 
 
 @case(
-    "force", planar.Force, objective=False, conservative=False,
+    "force",
+    planar.Force,
+    objective=False,
+    conservative=False,
     loads=lambda c: _force_at_p(c, np.array([c.p.fx * np.cos(3 * c.t), c.p.fy * c.b.r[0]])),
 )
 def _(q):
@@ -615,7 +671,9 @@ def _(q):
 
 
 @case(
-    "following force", planar.Force, conservative=False,
+    "following force",
+    planar.Force,
+    conservative=False,
     loads=lambda c: _force_at_p(c, c.a.vector(np.array([c.p.fx * np.cos(3 * c.t), c.p.fy]))),
 )
 def _(q):
@@ -625,7 +683,9 @@ def _(q):
 
 
 @case(
-    "moment", planar.Moment, conservative=False,
+    "moment",
+    planar.Moment,
+    conservative=False,
     loads=lambda c: [("a", np.zeros(2), c.a.r, c.p.m0 * (1 - c.a.w / c.p.w0))],
 )
 def _(q):
@@ -635,7 +695,9 @@ def _(q):
 
 
 @case(
-    "moment with reaction", planar.Moment, conservative=False,
+    "moment with reaction",
+    planar.Moment,
+    conservative=False,
     loads=lambda c: _opposite(c, np.zeros(2), c.a.r, c.b.r, c.p.m0 * np.cos(2 * c.t)),
 )
 def _(q):
@@ -644,7 +706,8 @@ def _(q):
 
 
 @case(
-    "spring", planar.Spring,
+    "spring",
+    planar.Spring,
     loads=_pull(lambda c, s, rate: c.p.k * (s - c.p.l0) + c.p.d * rate),
 )
 def _(q):
@@ -653,20 +716,39 @@ def _(q):
 
 
 @case(
-    "spring with law", planar.Spring, conservative=False,
-    loads=_pull(lambda c, s, rate: c.p.k * (s - c.p.l0) + c.p.d * rate
-                + c.p.k3 * (s - c.p.l0) ** 3 + c.p.d3 * rate**3),
+    "spring with law",
+    planar.Spring,
+    conservative=False,
+    loads=_pull(
+        lambda c, s, rate: (
+            c.p.k * (s - c.p.l0) + c.p.d * rate + c.p.k3 * (s - c.p.l0) ** 3 + c.p.d3 * rate**3
+        )
+    ),
 )
 def _(q):
     k, d, l0, k3, d3 = q.numbers(k=30.0, d=1.5, l0=0.5, k3=200.0, d3=0.7)
-    q.add(planar.Spring("F", *q.points(), stiffness=k, damping=d, free_length=l0,
-                        law=lambda extension, rate: k3 * extension**3 + d3 * rate**3))
+    q.add(
+        planar.Spring(
+            "F",
+            *q.points(),
+            stiffness=k,
+            damping=d,
+            free_length=l0,
+            law=lambda extension, rate: k3 * extension**3 + d3 * rate**3,
+        )
+    )
 
 
 @case(
-    "rotational spring", planar.RotationalSpring,
-    loads=lambda c: _opposite(c, np.zeros(2), c.a.r, c.b.r,
-                              -c.p.k * (c.b.phi - c.a.phi - c.p.a0) - c.p.d * (c.b.w - c.a.w)),
+    "rotational spring",
+    planar.RotationalSpring,
+    loads=lambda c: _opposite(
+        c,
+        np.zeros(2),
+        c.a.r,
+        c.b.r,
+        -c.p.k * (c.b.phi - c.a.phi - c.p.a0) - c.p.d * (c.b.w - c.a.w),
+    ),
 )
 def _(q):
     k, d, a0 = q.numbers(k=4.0, d=0.3, a0=-0.2)
@@ -674,18 +756,33 @@ def _(q):
 
 
 @case(
-    "rotational spring with law", planar.RotationalSpring, conservative=False,
-    loads=lambda c: _opposite(c, np.zeros(2), c.a.r, c.b.r,
-                              -c.p.k * np.sin(c.b.phi - c.a.phi - c.p.a0) - c.p.d * (c.b.w - c.a.w) ** 3),
+    "rotational spring with law",
+    planar.RotationalSpring,
+    conservative=False,
+    loads=lambda c: _opposite(
+        c,
+        np.zeros(2),
+        c.a.r,
+        c.b.r,
+        -c.p.k * np.sin(c.b.phi - c.a.phi - c.p.a0) - c.p.d * (c.b.w - c.a.w) ** 3,
+    ),
 )
 def _(q):
     k, d, a0 = q.numbers(k=4.0, d=0.3, a0=-0.2)
-    q.add(planar.RotationalSpring("F", *q.pair(), free_angle=a0,
-                                  law=lambda extension, rate: k * sin(extension) + d * rate**3))
+    q.add(
+        planar.RotationalSpring(
+            "F",
+            *q.pair(),
+            free_angle=a0,
+            law=lambda extension, rate: k * sin(extension) + d * rate**3,
+        )
+    )
 
 
 @case(
-    "actuator", planar.Actuator, conservative=False,
+    "actuator",
+    planar.Actuator,
+    conservative=False,
     loads=_pull(lambda c, s, rate: -c.p.push * np.cos(4 * c.t) * (1 + c.a.w)),
 )
 def _(q):
@@ -699,7 +796,9 @@ def _bushing(c):
     between = Q(c) - P(c)
     opening = c.b.velocity_at(Q(c)) - c.a.velocity_at(Q(c))
     local, speed = turn(-c.a.phi, between), turn(-c.a.phi, opening)
-    force = -np.array([c.p.kx * local[0] + c.p.cx * speed[0], c.p.ky * local[1] + c.p.cy * speed[1]])
+    force = -np.array(
+        [c.p.kx * local[0] + c.p.cx * speed[0], c.p.ky * local[1] + c.p.cy * speed[1]]
+    )
     moment = -c.p.kr * (c.b.phi - c.a.phi) - c.p.cr * (c.b.w - c.a.w)
     return _opposite(c, c.a.vector(force), Q(c), Q(c), moment)
 
@@ -707,8 +806,16 @@ def _bushing(c):
 @case("bushing", planar.Bushing, loads=_bushing)
 def _(q):
     kx, ky, cx, cy, kr, cr = q.numbers(kx=40.0, ky=25.0, cx=1.0, cy=0.6, kr=3.0, cr=0.2)
-    q.add(planar.Bushing("F", *q.points(), stiffness=(kx, ky), damping=(cx, cy),
-                         rotational_stiffness=kr, rotational_damping=cr))
+    q.add(
+        planar.Bushing(
+            "F",
+            *q.points(),
+            stiffness=(kx, ky),
+            damping=(cx, cy),
+            rotational_stiffness=kr,
+            rotational_damping=cr,
+        )
+    )
 
 
 def _friction(c, speed):
@@ -716,7 +823,9 @@ def _friction(c, speed):
 
 
 @case(
-    "friction in revolute", planar.JointFriction, residual=lambda c: Q(c) - P(c),
+    "friction in revolute",
+    planar.JointFriction,
+    residual=lambda c: Q(c) - P(c),
     loads=lambda c: _opposite(c, np.zeros(2), c.a.r, c.b.r, _friction(c, c.b.w - c.a.w)),
 )
 def _(q):
@@ -731,7 +840,9 @@ def _sliding_friction(c):
 
 
 @case(
-    "friction in slider", planar.JointFriction, residual=CASES["translational"].residual,
+    "friction in slider",
+    planar.JointFriction,
+    residual=CASES["translational"].residual,
     loads=_sliding_friction,
 )
 def _(q):
@@ -742,9 +853,12 @@ def _(q):
 
 
 @case(
-    "friction in slot", planar.JointFriction, residual=CASES["pin in slot"].residual,
-    loads=lambda c: _sliding_friction(c)
-    + _opposite(c, np.zeros(2), c.a.r, c.b.r, -c.p.spin * (c.b.w - c.a.w)),
+    "friction in slot",
+    planar.JointFriction,
+    residual=CASES["pin in slot"].residual,
+    loads=lambda c: (
+        _sliding_friction(c) + _opposite(c, np.zeros(2), c.a.r, c.b.r, -c.p.spin * (c.b.w - c.a.w))
+    ),
 )
 def _(q):
     axis = q.numbers(axis_x=1.2, axis_y=0.9)
@@ -772,8 +886,16 @@ def _stopped(upper: bool):
         i, j = q.points()
         gap = ((j.x - i.x) ** 2 + (j.y - i.y) ** 2) ** 0.5
         limit, k, d, power = q.numbers(limit=0.4 if upper else 1.4, k=80.0, d=0.5, power=1.5)
-        q.add(planar.Stop("F", gap, stiffness=k, damping=d, exponent=power,
-                          **{"upper" if upper else "lower": limit}))
+        q.add(
+            planar.Stop(
+                "F",
+                gap,
+                stiffness=k,
+                damping=d,
+                exponent=power,
+                **{"upper" if upper else "lower": limit},
+            )
+        )
 
     return build
 

@@ -1,4 +1,4 @@
-"""Every wrong input is one clear message: file, place, value, cure; exit code 2; nothing left behind."""
+"""Every wrong input is one clear message: file, place, value, cure; nothing is left behind."""
 
 from __future__ import annotations
 
@@ -84,19 +84,37 @@ BAD: dict[str, tuple[str, list[str]]] = {
         edited('"Revolute"', '"Revolut"'),
         ["joints.A", "'Revolut'", "did you mean 'Revolute'"],
     ),
-    "type missing": (edited('type = "Revolute"\n', ""), ["joints.A", "type is missing", "Revolute"]),
+    "type missing": (
+        edited('type = "Revolute"\n', ""),
+        ["joints.A", "type is missing", "Revolute"],
+    ),
     "type a number": (edited('type = "Revolute"', "type = 3"), ["joints.A", "3", "Revolute"]),
-    "body a number": (edited("[bodies.disc]", "[bodies]\nx = 3\n[bodies.disc]"), ["bodies.x", "table", "3"]),
-    "mass a list": (edited(MASS, "mass = [1]"), ["bodies.crank.mass", "number or a formula", "[1]"]),
+    "body a number": (
+        edited("[bodies.disc]", "[bodies]\nx = 3\n[bodies.disc]"),
+        ["bodies.x", "table", "3"],
+    ),
+    "mass a list": (
+        edited(MASS, "mass = [1]"),
+        ["bodies.crank.mass", "number or a formula", "[1]"],
+    ),
     "mass true": (edited(MASS, "mass = true"), ["bodies.crank.mass", "true"]),
     "mass nan": (edited(MASS, "mass = nan"), ["bodies.crank.mass", "nan", "finite"]),
     "mass infinite": (edited(MASS, "mass = 1e999"), ["bodies.crank.mass", "inf", "finite"]),
     "huge integer": (edited(MASS, f"mass = 1{'0' * 400}"), ["bodies.crank.mass", "finite"]),
     "huger integer": (edited(MASS, f"mass = 1{'0' * 5000}"), ["cannot be read"]),
     "mass negative": (edited(MASS, "mass = -1.5"), ["bodies.crank.mass", "-1.5 kg", "negative"]),
-    "mass negative by formula": (edited(MASS, 'mass = "-k"'), ["bodies.crank.mass", "-2", "negative"]),
-    "inertia negative": (edited("0.1\npoints", "-0.1\npoints"), ["bodies.disc.inertia", "-0.1", "negative"]),
-    "inertia missing": (edited("inertia = 0.1\n", ""), ["bodies.disc", "inertia is missing", "Particle"]),
+    "mass negative by formula": (
+        edited(MASS, 'mass = "-k"'),
+        ["bodies.crank.mass", "-2", "negative"],
+    ),
+    "inertia negative": (
+        edited("0.1\npoints", "-0.1\npoints"),
+        ["bodies.disc.inertia", "-0.1", "negative"],
+    ),
+    "inertia missing": (
+        edited("inertia = 0.1\n", ""),
+        ["bodies.disc", "inertia is missing", "Particle"],
+    ),
     "length missing": (edited('length = "l1"\n', ""), ["bodies.crank", "length is missing"]),
     "length zero": (edited('"l1"', "0.0"), ["bodies.crank.length", "above 0"]),
     "length of what moves": (
@@ -109,7 +127,10 @@ BAD: dict[str, tuple[str, list[str]]] = {
     ),
     "parameter of time": (edited('"l1/2"', '"l1*t"'), ["derived.ratio", "'t'", "parameters"]),
     "law of what moves": (edited('"2*t"', '"2*crank.angle"'), ["drivers.motor.law", "crank.angle"]),
-    "law without type": (edited(LAW, "law = { velocity = 1 }"), ["drivers.motor.law", "type is missing"]),
+    "law without type": (
+        edited(LAW, "law = { velocity = 1 }"),
+        ["drivers.motor.law", "type is missing"],
+    ),
     "law of wrong type": (
         edited(LAW, 'law = { type = "Polynom" }'),
         ["drivers.motor.law", "did you mean 'Polynomial'"],
@@ -122,7 +143,10 @@ BAD: dict[str, tuple[str, list[str]]] = {
         edited(LAW, 'law = { type = "Table", file = "no.csv" }'),
         ["drivers.motor.law.file", "no.csv", "no such file"],
     ),
-    "law without rows": (edited(LAW, 'law = { type = "Table" }'), ["drivers.motor.law", "times", "file"]),
+    "law without rows": (
+        edited(LAW, 'law = { type = "Table" }'),
+        ["drivers.motor.law", "times", "file"],
+    ),
     "law rows text": (
         edited(LAW, 'law = { type = "Table", times = ["a", 1, 2], values = [1, 2, 3] }'),
         ["drivers.motor.law", "'a'"],
@@ -135,13 +159,22 @@ BAD: dict[str, tuple[str, list[str]]] = {
         edited(LAW, 'law = { type = "Table", times = [[0], [1, 2]], values = [1, 2, 3] }'),
         ["drivers.motor.law"],
     ),
-    "unknown body": (edited('"disc"]', '"disk"]'), ["joints.B.connect[1]", "'disk'", "did you mean 'disc'"]),
+    "unknown body": (
+        edited('"disc"]', '"disk"]'),
+        ["joints.B.connect[1]", "'disk'", "did you mean 'disc'"],
+    ),
     "unknown point": (
         edited('"crank.end"', '"crank.ende"'),
         ["joints.B.connect[0]", "'crank.ende'", "did you mean 'crank.end'", "start"],
     ),
-    "unknown ground point": (edited('"ground.O2"', '"ground.O3"'), ["forces.spring.connect[0]", "ground.O2"]),
-    "dangling joint": (edited(A, 'connect = ["ground"]'), ["joints.A.connect", "2 entries", "point_j", "got 1"]),
+    "unknown ground point": (
+        edited('"ground.O2"', '"ground.O3"'),
+        ["forces.spring.connect[0]", "ground.O2"],
+    ),
+    "dangling joint": (
+        edited(A, 'connect = ["ground"]'),
+        ["joints.A.connect", "2 entries", "point_j", "got 1"],
+    ),
     "connect missing": (edited(A, ""), ["joints.A.connect", "missing"]),
     "connect a text": (edited(A, 'connect = "ground"'), ["joints.A.connect", "list", "'ground'"]),
     "connect a number": (edited('"crank.start"]', "3]"), ["joints.A.connect[1]", "3"]),
@@ -163,7 +196,10 @@ BAD: dict[str, tuple[str, list[str]]] = {
     "name odd": (edited("[joints.B]", '[joints."a b"]'), ['joints."a b"', "letters"]),
     "parameter name odd": (edited("k = 2.0", '"k-1" = 2.0'), ["parameters.k-1", "identifier"]),
     "parameter text": (edited("k = 2.0", 'k = "stiff"'), ["parameters.k", "'stiff'", "number"]),
-    "parameter out of bounds": (edited("value = 0.3", "value = 0.6"), ["parameters.l1", "0.6", "[0.2, 0.5]"]),
+    "parameter out of bounds": (
+        edited("value = 0.3", "value = 0.6"),
+        ["parameters.l1", "0.6", "[0.2, 0.5]"],
+    ),
     "bounds swapped": (edited("[0.2, 0.5]", "[0.5, 0.2]"), ["parameters.l1", "swap"]),
     "bounds nan": (edited("[0.2, 0.5]", "[nan, 0.2]"), ["parameters.l1.bounds[0]", "nan"]),
     "circle": (
@@ -182,36 +218,65 @@ BAD: dict[str, tuple[str, list[str]]] = {
         edited(K, 'stiffness = "().__class__"'),
         ["forces.spring.stiffness", "dotted name"],
     ),
-    "formula too long": (edited(K, f'stiffness = "1{"+1" * 2000}"'), ["forces.spring.stiffness", "2000"]),
+    "formula too long": (
+        edited(K, f'stiffness = "1{"+1" * 2000}"'),
+        ["forces.spring.stiffness", "2000"],
+    ),
     "formula too deep": (
         edited(K, f'stiffness = "{"(" * 90}1{")" * 90}"'),
         ["forces.spring.stiffness", "deep"],
     ),
-    "formula power tower": (edited(K, 'stiffness = "9**9**9**9"'), ["forces.spring.stiffness", "finite"]),
+    "formula power tower": (
+        edited(K, 'stiffness = "9**9**9**9"'),
+        ["forces.spring.stiffness", "finite"],
+    ),
     "formula half": (edited(K, 'stiffness = "k*"'), ["forces.spring.stiffness", "syntax error"]),
     "formula empty": (edited(K, 'stiffness = " "'), ["forces.spring.stiffness", "empty"]),
-    "formula of vector": (edited(K, 'stiffness = "crank.position"'), ["forces.spring.stiffness", "got 2"]),
-    "spring law": (edited(K, 'law = "k*extensio"'), ["forces.spring.law", "did you mean 'extension'"]),
+    "formula of vector": (
+        edited(K, 'stiffness = "crank.position"'),
+        ["forces.spring.stiffness", "got 2"],
+    ),
+    "spring law": (
+        edited(K, 'law = "k*extensio"'),
+        ["forces.spring.law", "did you mean 'extension'"],
+    ),
     "nested deep": (edited(MASS, f"mass = {'[' * 60}{']' * 60}"), ["nested"]),
     "nested deeper": (edited(MASS, f"mass = {'[' * 3000}{']' * 3000}"), ["nested"]),
     "key of many parts": ("a." * 5000 + "a = 1", ["line 1", "parts"]),
     "driver too many": (
-        edited("[forces.spring]", '[drivers.two]\ntype = "RotationalDriver"\n'
-               'connect = ["ground", "crank"]\nlaw = "3*t"\n[forces.spring]'),
+        edited(
+            "[forces.spring]",
+            '[drivers.two]\ntype = "RotationalDriver"\n'
+            'connect = ["ground", "crank"]\nlaw = "3*t"\n[forces.spring]',
+        ),
         ["drivers.two", "over-driven", "remove"],
     ),
     "not to be assembled": (
-        edited("[drivers.motor]", '[joints.C]\ntype = "Revolute"\n'
-               'connect = [{ body = "ground", at = [9.0, 0.0] }, "disc"]\n[drivers.motor]'),
+        edited(
+            "[drivers.motor]",
+            '[joints.C]\ntype = "Revolute"\n'
+            'connect = [{ body = "ground", at = [9.0, 0.0] }, "disc"]\n[drivers.motor]',
+        ),
         ["cannot be assembled", "stays open by", "lengths"],
     ),
     "no bodies": ("format = 1\n", ["has no bodies"]),
-    "analysis missing": (edited('[analysis]\ntype = "Dynamics"\nduration = 0.1\nstep = 0.01\n', ""),
-                         ["analysis", "missing", "[analysis]"]),
-    "analysis unknown": (edited('"Dynamics"', '"Dynamic"'), ["analysis", "did you mean 'Dynamics'"]),
+    "analysis missing": (
+        edited('[analysis]\ntype = "Dynamics"\nduration = 0.1\nstep = 0.01\n', ""),
+        ["analysis", "missing", "[analysis]"],
+    ),
+    "analysis unknown": (
+        edited('"Dynamics"', '"Dynamic"'),
+        ["analysis", "did you mean 'Dynamics'"],
+    ),
     "duration missing": (edited("duration = 0.1\n", ""), ["analysis", "duration"]),
-    "duration negative": (edited("duration = 0.1", "duration = -1"), ["analysis", "-1", "after the start"]),
-    "duration text": (edited("duration = 0.1", 'duration = "long"'), ["analysis.duration", "'long'"]),
+    "duration negative": (
+        edited("duration = 0.1", "duration = -1"),
+        ["analysis", "-1", "after the start"],
+    ),
+    "duration text": (
+        edited("duration = 0.1", 'duration = "long"'),
+        ["analysis.duration", "'long'"],
+    ),
     "step zero": (edited("step = 0.01", "step = 0"), ["analysis", "step", "0", "positive"]),
     "outputs wrong": (edited("step = 0.01", "outputs = [0.0, 9.0]"), ["analysis", "output times"]),
     "formulation unknown": (
@@ -234,13 +299,22 @@ BAD: dict[str, tuple[str, list[str]]] = {
         edited("step = 0.01", 'events = { flat = { measure = "crank.angle", direction = 3 } }'),
         ["analysis.events.flat", "direction", "3"],
     ),
-    "initial quoted": (edited("[analysis]", "[initial]\ncrank.angle = 1\n[analysis]"), ["initial.crank", "table"]),
+    "initial quoted": (
+        edited("[analysis]", "[initial]\ncrank.angle = 1\n[analysis]"),
+        ["initial.crank", "table"],
+    ),
     "initial unknown": (
         edited("[analysis]", '[initial]\n"crank.angel" = 1\n[analysis]'),
         ['initial."crank.angel"', "did you mean 'crank.angle'"],
     ),
-    "report plot": (GOOD + '[report]\nplots = [["crank.angel"]]\n', ["report.plots[0][0]", "crank.angle"]),
-    "report trace": (GOOD + '[report]\ntrace = ["disc.Q"]\n', ["report.trace[0]", "did you mean 'disc.P'"]),
+    "report plot": (
+        GOOD + '[report]\nplots = [["crank.angel"]]\n',
+        ["report.plots[0][0]", "crank.angle"],
+    ),
+    "report trace": (
+        GOOD + '[report]\ntrace = ["disc.Q"]\n',
+        ["report.trace[0]", "did you mean 'disc.P'"],
+    ),
 }
 
 
@@ -309,8 +383,13 @@ def test_files_that_are_none(tmp_path, capsys):
     with big.open("wb") as stream:
         stream.truncate(30_000_000)
     for name, word in {
-        "nothing.toml": "no such file", "": "folder", "latin.toml": "UTF-8", "big.toml": "bytes",
-        "zero.toml": "TOML", "x" * 5000: "cannot be read", "a\0b": "no such file",
+        "nothing.toml": "no such file",
+        "": "folder",
+        "latin.toml": "UTF-8",
+        "big.toml": "bytes",
+        "zero.toml": "TOML",
+        "x" * 5000: "cannot be read",
+        "a\0b": "no such file",
     }.items():
         assert main(["check", str(tmp_path / name)]) == 2
         told = capsys.readouterr().err
@@ -361,7 +440,9 @@ def test_errors_as_json(tmp_path, capsys):
     assert "no.toml" in told["error"]["message"]
 
 
-@pytest.mark.parametrize("arguments", [["chek"], ["check"], ["run", "a.toml", "--wat"], ["check", "--json"]])
+@pytest.mark.parametrize(
+    "arguments", [["chek"], ["check"], ["run", "a.toml", "--wat"], ["check", "--json"]]
+)
 def test_wrong_arguments(arguments, capsys):
     assert main(arguments) == 2
     told = capsys.readouterr()
@@ -371,9 +452,43 @@ def test_wrong_arguments(arguments, capsys):
 
 # random texts --------------------------------------------------------------------
 WORDS = st.sampled_from(
-    ["l1", "t", "x", "crank.angle", "1", "2.5", "1e300", "(", ")", "+", "-", "*", "/", "**", ",", "<", ">=",
-     "==", "[", "]", "lambda", ":", "if", "else", "'a'", "_", ".", "0", " ", "pi", "e", "\\", "not", "and",
-     *FORMULA_FUNCTIONS]
+    [
+        "l1",
+        "t",
+        "x",
+        "crank.angle",
+        "1",
+        "2.5",
+        "1e300",
+        "(",
+        ")",
+        "+",
+        "-",
+        "*",
+        "/",
+        "**",
+        ",",
+        "<",
+        ">=",
+        "==",
+        "[",
+        "]",
+        "lambda",
+        ":",
+        "if",
+        "else",
+        "'a'",
+        "_",
+        ".",
+        "0",
+        " ",
+        "pi",
+        "e",
+        "\\",
+        "not",
+        "and",
+        *FORMULA_FUNCTIONS,
+    ]
 )
 
 
@@ -385,13 +500,14 @@ def test_any_formula_is_read_or_refused(text):
 
     try:
         made = parse_formula(text, lookup)
-    except DalembertError as error:
-        assert str(error)
-    else:
-        assert isinstance(made, Expression)
+    except DalembertError:
+        return
+    assert isinstance(made, Expression)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(data=st.data())
 def test_any_damage_is_a_dalembert_error(tmp_path, data):
     lines = GOOD.splitlines()
@@ -404,8 +520,27 @@ def test_any_damage_is_a_dalembert_error(tmp_path, data):
             lines.insert(data.draw(st.integers(0, len(lines))), lines[k])
         elif kind == "value" and "=" in lines[k]:
             value = data.draw(
-                st.sampled_from(["1", "-1", "0", "nan", "true", '""', '"x"', '"crank.x"', '"l1"', "[]", "{}",
-                                 "[1, 2]", '["crank", "disc"]', '"t"', "1e300", '"1/(l1-0.3)"', '"ground"'])
+                st.sampled_from(
+                    [
+                        "1",
+                        "-1",
+                        "0",
+                        "nan",
+                        "true",
+                        '""',
+                        '"x"',
+                        '"crank.x"',
+                        '"l1"',
+                        "[]",
+                        "{}",
+                        "[1, 2]",
+                        '["crank", "disc"]',
+                        '"t"',
+                        "1e300",
+                        '"1/(l1-0.3)"',
+                        '"ground"',
+                    ]
+                )
             )
             lines[k] = lines[k].partition("=")[0] + "= " + value
         else:
@@ -416,7 +551,9 @@ def test_any_damage_is_a_dalembert_error(tmp_path, data):
     _load_or_refuse(path)
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(content=st.one_of(st.binary(max_size=200), st.text(max_size=200).map(str.encode)))
 @pytest.mark.parametrize("suffix", [".toml", ".json"])
 def test_any_bytes_are_a_dalembert_error(tmp_path, suffix, content):
@@ -429,4 +566,7 @@ def _load_or_refuse(path: Path) -> None:
     try:
         load_model_file(path).model()
     except DalembertError as error:
-        assert str(path) in str(error)
+        told = str(error)
+    else:
+        return
+    assert str(path) in told

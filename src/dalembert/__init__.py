@@ -78,7 +78,35 @@ from dalembert.symbolic.parameter import Parameter
 
 __version__ = "0.1.0"
 
+
+def load_model(path) -> System:
+    """Read a mechanism from a TOML or JSON model file; ``build()`` it to analyse it.
+
+    Raises
+    ------
+    FileError, ModelError
+        With file, place, value and cure.
+    """
+    from dalembert.io import load
+
+    return load(path)
+
+
+def load_results(path):
+    """Read a result file written by ``Motion.save`` as an ``xarray.Dataset``.
+
+    Raises
+    ------
+    FileError
+        Missing file, or not a result file.
+    """
+    from dalembert.results.store import load_dataset
+
+    return load_dataset(path)
+
+
 __all__ = [
+    "RK4",
     "Adjoint",
     "AnalysisError",
     "AssemblyError",
@@ -112,7 +140,6 @@ __all__ = [
     "Outcome",
     "Parameter",
     "Projection",
-    "RK4",
     "RKGill",
     "RangeSpace",
     "Response",
@@ -137,6 +164,8 @@ __all__ = [
     "integral",
     "laws",
     "linearize",
+    "load_model",
+    "load_results",
     "log",
     "maximum",
     "mean",

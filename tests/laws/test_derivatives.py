@@ -47,7 +47,9 @@ def test_step(name):
     assert abs(forward - backward) < 1e-12 * size
     both = np.concatenate([x, p])
     expected = difference(
-        lambda z: step.function(0.0, STEP, z[:n], z[n:]).full().ravel(), both, np.concatenate([dx, dp])
+        lambda z: step.function(0.0, STEP, z[:n], z[n:]).full().ravel(),
+        both,
+        np.concatenate([dx, dp]),
     )
     np.testing.assert_allclose(change, expected, atol=1e-7 * (1 + np.abs(change).max()))
 
@@ -69,7 +71,11 @@ def check_implicit(implicit, inputs, rng, tolerance: float) -> None:
     rates.append(relative_parameters(inputs[-1], rng))
     weights = [rng.standard_normal(n) for n in implicit.output_sizes]
     change = flat(implicit.tangent(*inputs, *rates))
-    back, w, d = flat(implicit.adjoint(*inputs, *weights)), np.concatenate(weights), np.concatenate(rates)
+    back, w, d = (
+        flat(implicit.adjoint(*inputs, *weights)),
+        np.concatenate(weights),
+        np.concatenate(rates),
+    )
     size = np.abs(w) @ np.abs(change) + np.abs(back) @ np.abs(d)
     assert abs(w @ change - back @ d) < 1e-12 * size
     expected = difference(

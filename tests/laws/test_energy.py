@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from registry import CASES, INTEGRATORS, model_of
+from registry import CASES, model_of
 
-from dalembert.analysis.dynamics import solve_dynamics
-from dalembert.formulations.stabilization import Stabilization
+import dalembert as da
 
 
 def balance_error(name: str, step: float, **options) -> float:
-    motion = solve_dynamics(
-        model_of(name), 0.16, step=step, stabilization=Stabilization(), **options
+    motion = da.solve_dynamics(
+        model_of(name), 0.16, step=step, stabilization=da.Stabilization(), **options
     )
     assert motion.status.success
     return float(np.abs(motion.data.balance_error).max())

@@ -9,14 +9,14 @@ import pytest
 from newton_euler import Snapshot
 from registry import CASES, CONSTRAINED, model_of
 
-from dalembert.analysis.dynamics import solve_dynamics
+import dalembert as da
 from dalembert.elements.planar import UserConstraint
 from dalembert.elements.planar.drivers import Driver
 
 
 @functools.cache
 def snapshots(name: str) -> list[Snapshot]:
-    motion = solve_dynamics(model_of(name), 0.1, step=0.01, outputs=[0.0, 0.045, 0.1])
+    motion = da.solve_dynamics(model_of(name), 0.1, step=0.01, outputs=[0.0, 0.045, 0.1])
     assert motion.status.success
     return [Snapshot(motion, k, CASES[name]) for k in range(3)]
 
@@ -26,7 +26,9 @@ def test_reactions_and_loads_balance_every_body(name):
     """Newton–Euler: m r̈ = Σ F + m g, J φ̈ = Σ M + (r_P − r) × F."""
     for now in snapshots(name):
         gravity = np.array([now.seen.p.gx, now.seen.p.gy])
-        assert now.imbalance(gravity) < 1e-10 * (1 + np.abs(now.data.multiplier.values).max(initial=0))
+        assert now.imbalance(gravity) < 1e-10 * (
+            1 + np.abs(now.data.multiplier.values).max(initial=0)
+        )
 
 
 @pytest.mark.parametrize("name", [n for n in CONSTRAINED if CASES[n].scleronomic])

@@ -8,44 +8,53 @@ import numpy as np
 import pytest
 from registry import CONSTRAINED, INTEGRATORS, STABILIZATIONS, model_of
 
-from dalembert.analysis.dynamics import solve_dynamics
-from dalembert.elements import planar
-from dalembert.formulations.stabilization import Baumgarte, Projection, Stabilization
-from dalembert.integrators import RK4, DormandPrince
-from dalembert.model.system import System
+import dalembert as da
+from dalembert import planar
 
-ORDERS = {"RK4": 4, "RKGill": 4, "DormandPrince": 5}
+ORDERS = {"RK4": (3.8, 4.2), "RKGill": (3.8, 4.2), "DormandPrince": (4.8, 6.0)}
+"""Dormand and Prince made the leading error so small that the next order shows."""
+OUTPUTS = np.linspace(0.0, 0.64, 9)
 
 
 @functools.cache
 def chain():
     """Two bars on a pin, a driver of time and a spring: smooth, constrained, rheonomic."""
-    system = System("chain", gravity=(0.0, -9.81))
+    system = da.System("chain", gravity=(0.0, -9.81))
     upper = system.add(planar.Bar("upper", length=0.6, mass=1.2, angle=-0.9, angular_velocity=0.4))
     lower = system.add(planar.Bar("lower", length=0.5, mass=0.7, angle=-1.3, angular_velocity=-0.6))
     system.add(planar.Revolute("pin", system.ground.point(0, 0), upper.start))
     system.add(planar.Revolute("knee", upper.end, lower.start))
-    system.add(planar.Spring("spring", system.ground.point(1.4, 0.3), lower.end, stiffness=6.0,
-                             damping=0.4, free_length=0.9))
+    system.add(
+        planar.Spring(
+            "spring",
+            system.ground.point(1.4, 0.3),
+            lower.end,
+            stiffness=6.0,
+            damping=0.4,
+            free_length=0.9,
+        )
+    )
     return system.build()
 
 
 @functools.cache
 def exact():
-    return solve_dynamics(chain(), 0.64, integrator=DormandPrince(1e-13, 1e-13), outputs=[0.64])
+    return da.solve_dynamics(
+        chain(), 0.64, integrator=da.DormandPrince(1e-13, 1e-13), outputs=OUTPUTS
+    )
 
 
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_projection_closes_all_equations_at_every_output(name):
     """|Φ|, |Ψ| ≤ 1e-12 at steps and between them."""
-    motion = solve_dynamics(model_of(name), 0.2, step=0.02, outputs=np.linspace(0, 0.2, 7))
+    motion = da.solve_dynamics(model_of(name), 0.2, step=0.02, outputs=np.linspace(0, 0.2, 7))
     assert motion.status.success
     assert float(motion.data.position_violation.max()) < 1e-12
     assert float(motion.data.velocity_violation.max()) < 1e-12
 
 
 def test_projection_every_few_steps_still_ends_on_the_constraints():
-    motion = solve_dynamics(chain(), 0.5, step=0.01, stabilization=Projection(every=7))
+    motion = da.solve_dynamics(chain(), 0.5, step=0.01, stabilization=da.Projection(every=7))
     assert float(motion.data.position_violation[-1]) < 1e-12
     assert float(motion.data.position_violation.max()) < 1e-5
 
@@ -54,49 +63,54 @@ def test_baumgarte_keeps_bounded_what_drifts_without_it():
     """Violation of the later half no larger than of the first; without stabilisation it grows."""
 
     def halves(stabilization):
-        motion = solve_dynamics(chain(), 8.0, step=0.01, stabilization=stabilization)
+        motion = da.solve_dynamics(chain(), 8.0, step=0.01, stabilization=stabilization)
         violation = motion.data.position_violation.values
         return violation[:400].max(), violation[400:].max()
 
-    held, drifting = halves(Baumgarte(alpha=20.0)), halves(Stabilization())
+    held, drifting = halves(da.Baumgarte(alpha=20.0)), halves(da.Stabilization())
     assert held[1] < 1.5 * held[0]
-    assert drifting[1] > 3 * drifting[0]
+    assert drifting[1] > 1.5 * drifting[0]
     assert held[1] < drifting[1] / 10
 
 
 def errors(integrator: str, stabilization, steps) -> np.ndarray:
-    """Largest errors at the end of positions, speeds and multipliers, one row per step length."""
+    """Largest errors of positions, speeds and multipliers, one row per step length."""
     rows = []
     for h in steps:
         method = INTEGRATORS[integrator]
         if integrator == "DormandPrince":  # everything accepted: steps of given length
-            method = DormandPrince(1e9, 1e9, max_step=h)
-        motion = solve_dynamics(chain(), 0.64, step=h, integrator=method, outputs=[0.64],
-                                stabilization=stabilization)
+            method = da.DormandPrince(1e9, 1e9, max_step=h)
+        motion = da.solve_dynamics(
+            chain(), 0.64, step=h, integrator=method, outputs=OUTPUTS, stabilization=stabilization
+        )
         found, true = motion.trajectory, exact().trajectory
-        rows.append([np.abs(getattr(found, n) - getattr(true, n)).max() for n in ("y", "v", "multiplier")])
+        rows.append(
+            [np.abs(getattr(found, n) - getattr(true, n)).max() for n in ("y", "v", "multiplier")]
+        )
     return np.array(rows)
 
 
 @pytest.mark.parametrize("stabilization", STABILIZATIONS)
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_measured_order(integrator, stabilization):
-    """Errors of positions, speeds and multipliers fall with the order, within 0.2."""
-    steps = np.array([0.02, 0.01, 0.005])
+    """Errors of positions, speeds and multipliers fall with the order claimed."""
+    steps = np.array([0.01, 0.005, 0.0025])
     table = errors(integrator, STABILIZATIONS[stabilization], steps)
     slopes = np.polyfit(np.log(steps), np.log(table), 1)[0]
-    np.testing.assert_allclose(slopes, ORDERS[integrator], atol=0.2)
+    low, high = ORDERS[integrator]
+    assert np.all((low < slopes) & (slopes < high)), slopes
 
 
 def test_tolerance_of_the_adaptive_integrator_is_met():
     """Errors follow the tolerance over six decades."""
     for tolerance in 10.0 ** np.arange(-5, -12, -2):
-        motion = solve_dynamics(chain(), 0.64, integrator=DormandPrince(tolerance, tolerance), outputs=[0.64])
+        method = da.DormandPrince(tolerance, tolerance)
+        motion = da.solve_dynamics(chain(), 0.64, integrator=method, outputs=OUTPUTS)
         assert np.abs(motion.trajectory.y - exact().trajectory.y).max() < 20 * tolerance
 
 
 def test_outputs_do_not_change_the_motion():
     """Branches to outputs between steps leave the steps as they are."""
-    fine = solve_dynamics(chain(), 0.3, step=0.01, outputs=np.linspace(0, 0.3, 58))
-    plain = solve_dynamics(chain(), 0.3, step=0.01, integrator=RK4())
+    fine = da.solve_dynamics(chain(), 0.3, step=0.01, outputs=np.linspace(0, 0.3, 58))
+    plain = da.solve_dynamics(chain(), 0.3, step=0.01, integrator=da.RK4())
     np.testing.assert_array_equal(fine.trajectory.y[:, -1], plain.trajectory.y[:, -1])

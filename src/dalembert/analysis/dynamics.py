@@ -12,7 +12,13 @@ import numpy as np
 
 from dalembert.analysis.events import Event, Events, as_events, locate
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.timeline import checked_span, checked_step, output_times, uniform_grid
+from dalembert.analysis.timeline import (
+    check_driver_laws,
+    checked_span,
+    checked_step,
+    output_times,
+    uniform_grid,
+)
 from dalembert.errors import AnalysisError, AssemblyError, SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation, state_rate
 from dalembert.formulations.range_space import RangeSpace
@@ -23,6 +29,7 @@ from dalembert.integrators.step import ExplicitStep
 from dalembert.model.model import Model
 from dalembert.results.motion import EventRecord, Motion, Trajectory
 from dalembert.results.status import Outcome, Status
+from dalembert.symbolic.kernel import Kernel
 
 
 @dataclass(frozen=True)
@@ -75,27 +82,28 @@ class DynamicsKernel:
             states[:, inside[full]] = steps.x[:, k[inside[full]] + 1]
             part = inside[~full]
             if part.size:
-                mapped = self.step.function.map(part.size)
-                states[:, part] = mapped(
+                (states[:, part],) = Kernel(self.step.function.map(part.size))(
                     steps.t[k[part]],
                     length[part],
                     steps.x[:, k[part]],
                     np.tile(p[:, None], part.size),
-                ).full()
+                )
         return states
 
     def trajectory(self, times: np.ndarray, states: np.ndarray, p: np.ndarray) -> Trajectory:
         """Accelerations and multipliers at the given states."""
         e = self.model.equations
         n, count = e.coordinate_count, times.size
-        a, multiplier = self.acceleration.map(count)(times, states, np.tile(p[:, None], count))
+        a, multiplier = Kernel(self.acceleration.map(count))(
+            times, states, np.tile(p[:, None], count)
+        )
         speeds = slice(n, n + e.speed_count)
         return Trajectory(
             times,
             states[:n],
             states[speeds],
-            a.full(),
-            multiplier.full().reshape(-1, count),
+            a,
+            multiplier,
             states[-2:],
         )
 
@@ -106,12 +114,17 @@ class Dynamics:
 
     Parameters
     ----------
-    duration, t_span : length of the run [s], or (start, end)
-    step : step length of fixed-step integrators, first step of adaptive ones [s]
-    outputs : number of times or the times; default every step
-    formulation, stabilization, integrator : strategy objects
+    duration : length of the run from t = 0 [s]; this or ``t_span``
+    t_span : (start, end) of the run [s]
+    step : step length of fixed-step integrators, by default a thousandth of the run; first step
+        of adaptive ones [s]
+    outputs : number of equally spaced times, or the times [s]; default every step
+    formulation : how accelerations and multipliers are found
+    stabilization : how violations of the constraints are kept small
+    integrator : how time advances
     events : name → Event, or a formula that is recorded when it crosses zero
     strict : refuse inconsistent initial speeds instead of projecting them
+    backend : ``"vm"``, the only one so far
     """
 
     duration: float | None = None
@@ -216,6 +229,7 @@ class _Run:
                 f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; "
                 "give mass and inertia to the bodies that move there, or constrain them"
             )
+        check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
         self.kernel = analysis.kernel(model)
 
     def initial_state(self) -> np.ndarray:

@@ -50,7 +50,7 @@ class Equilibrium:
 
     Parameters
     ----------
-    time : at which laws and forces are taken [s]
+    time : instant at which laws and forces are taken [s]
     tolerance : of the residual relative to the largest applied force
     max_iterations : of Newton's method
     """
@@ -101,7 +101,8 @@ class _Search:
     def execute(self) -> Motion:
         y = self.model.assemble(self.p, self.analysis.time).y
         iterations, scale, residual = 0, 1e-12, np.inf
-        for iterations in range(1, self.analysis.max_iterations + 1):
+        while iterations < self.analysis.max_iterations:
+            iterations += 1
             multiplier, z, r, k, m, force = self.balance(y)
             scale = max(scale, np.abs(force).max(initial=0.0), 1e-3 * np.abs(k).max(initial=0.0))
             residual = float(np.abs(r).max(initial=0.0))
@@ -171,13 +172,19 @@ class _Search:
 def solve_equilibrium(
     model: Model, *, parameters: Mapping[str, float] | None = None, **options: Any
 ) -> Motion:
-    """Static equilibrium near the assembled position.
+    """Static equilibrium near the assembled position, ``f − d − Cᵀλ = 0`` at rest.
 
     Parameters
     ----------
     model : Model
     parameters : new values of parameters, without rebuilding
     **options : fields of ``Equilibrium``: time, tolerance, max_iterations
+
+    Raises
+    ------
+    AnalysisError
+        Wrong options; ``AssemblyError`` where the mechanism cannot be put together. A search that
+        does not converge says so in its status.
     """
     try:
         analysis = Equilibrium(**options)

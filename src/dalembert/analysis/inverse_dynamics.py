@@ -32,14 +32,21 @@ def solve_inverse_dynamics(
     progress: bool | Callable[[float], None] = False,
     **options: Any,
 ) -> Motion:
-    """Motion, driver efforts and reactions of a fully driven mechanism.
+    """Motion, driver efforts and reactions of a fully driven mechanism, ``Cᵀλ = f − d − M v̇``.
 
     Parameters
     ----------
     model : fully driven Model with masses
     duration : [s]
     parameters : new values of parameters, without rebuilding
+    progress : True for a bar, or a function of the fraction done
     **options : fields of ``InverseDynamics``: step, outputs, t_span
+
+    Raises
+    ------
+    AnalysisError
+        Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
+        cannot be put together.
     """
     try:
         analysis = InverseDynamics(duration=duration, **options)

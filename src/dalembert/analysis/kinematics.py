@@ -18,7 +18,13 @@ import numpy as np
 
 from dalembert.analysis.critical import Fold, find_fold
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.timeline import checked_span, checked_step, output_times, uniform_grid
+from dalembert.analysis.timeline import (
+    check_driver_laws,
+    checked_span,
+    checked_step,
+    output_times,
+    uniform_grid,
+)
 from dalembert.errors import AnalysisError
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
@@ -26,6 +32,7 @@ from dalembert.results.motion import EventRecord, Motion, Trajectory
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.factor import QrFactor
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
+from dalembert.symbolic.kernel import Kernel
 
 ITERATIONS = 5
 CHUNK = 200
@@ -33,7 +40,7 @@ TOLERANCE = 1e-10
 LARGEST_TURN = 0.1
 """Longest correction of a prediction, relative to the scale of the coordinates."""
 REGULAR = 1e-5
-"""Smallest pivot ratio of a Jacobian whose velocities are trusted: their error is ε over its square."""
+"""Smallest pivot ratio of a trusted Jacobian: the error of its velocities is ε over its square."""
 SMALLEST_FRACTION = 2.0**-30
 
 
@@ -120,15 +127,15 @@ class KinematicsKernel:
             {"cse": True},
         )
 
-    def chunk(self, count: int) -> ca.Function:
+    def chunk(self, count: int) -> Kernel:
         """``count`` steps in one call."""
 
-        def make() -> ca.Function:
+        def make() -> Kernel:
             last = ca.MX.sym("last", self.single.size1_in(0))
             t, h = ca.MX.sym("t", 1, count), ca.MX.sym("h", 1, count)
             p = ca.MX.sym("p", self.e.p.numel())
             out = self.single.mapaccum(count)(last, t, h, ca.repmat(p, 1, count))
-            return ca.Function("kinematic_chunk", [last, t, h, p], [out])
+            return Kernel(ca.Function("kinematic_chunk", [last, t, h, p], [out]))
 
         return self.model.compiled(("kinematic_chunk", count), make)
 
@@ -163,6 +170,7 @@ class _Run:
         self.grid = grid if requested is None else np.union1d(grid, requested)
         self.requested = grid if requested is None else requested
         self.kernel = model.compiled("kinematics", lambda: KinematicsKernel(model))
+        check_driver_laws(model, self.grid, self.p)
         self.typical = min(step, float(np.median(np.diff(self.grid))))
         self.n = model.equations.coordinate_count
         self.fold: Fold | None = None
@@ -216,9 +224,9 @@ class _Run:
             while done < h.size:
                 count = min(CHUNK, h.size - done)
                 part = slice(done, done + count)
-                out = self.kernel.chunk(count)(
+                (out,) = self.kernel.chunk(count)(
                     columns[-1][:, -1], self.grid[part] + h[part], h[part], self.p
-                ).full()
+                )
                 good = self.trusted(np.hstack([columns[-1][:, -1:], out]), h[part])
                 valid = count if good.all() else int(np.argmin(good))
                 columns.append(out[:, :valid])
@@ -392,9 +400,10 @@ class Kinematics:
 
     Parameters
     ----------
-    duration, t_span : length of the run [s], or (start, end)
-    step : time between positions [s]
-    outputs : number of times or the times; default every step
+    duration : length of the run from t = 0 [s]; this or ``t_span``
+    t_span : (start, end) of the run [s]
+    step : time between positions, by default a thousandth of the run [s]
+    outputs : number of equally spaced times, or the times [s]; default every step
     """
 
     duration: float | None = None
@@ -464,7 +473,14 @@ def solve_kinematics(
     model : fully driven Model; masses are not needed
     duration : [s]
     parameters : new values of parameters, without rebuilding
+    progress : True for a bar, or a function of the fraction done
     **options : fields of ``Kinematics``: step, outputs, t_span
+
+    Raises
+    ------
+    AnalysisError
+        Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
+        cannot be put together.
     """
     try:
         analysis = Kinematics(duration=duration, **options)

@@ -84,7 +84,7 @@ class Linearization:
 
     Parameters
     ----------
-    time : at which laws and forces are taken [s]
+    time : instant at which laws and forces are taken [s]
     equilibrium : first find the static equilibrium; otherwise take the assembled state
     """
 
@@ -165,6 +165,12 @@ def linearize(
     at : a motion or equilibrium whose last instant is the state; default: search the equilibrium
     parameters : new values of parameters, without rebuilding
     **options : fields of ``Linearization``: time, equilibrium
+
+    Raises
+    ------
+    AnalysisError
+        No equilibrium was found, or wrong options; ``SingularityError`` where a free motion has no
+        mass.
     """
     if at is not None:
         s = at.trajectory

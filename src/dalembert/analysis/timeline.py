@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import casadi as ca
 import numpy as np
 
+from dalembert.elements.planar.drivers import Driver
 from dalembert.errors import AnalysisError
+from dalembert.model.model import Model
 
 
 def checked_span(duration: float | None, t_span: tuple[float, float] | None) -> tuple[float, float]:
@@ -50,6 +53,28 @@ def uniform_grid(start: float, end: float, step: float) -> np.ndarray:
     times = start + step * np.arange(count + 1)
     times[-1] = end
     return times
+
+
+def check_driver_laws(model: Model, times: np.ndarray, p: np.ndarray) -> None:
+    """Drivers of a distance must never be asked for zero or less.
+
+    Raises
+    ------
+    AnalysisError
+        Names the driver, the value and the time.
+    """
+    for driver in model.constraints:
+        if isinstance(driver, Driver) and driver.positive:
+            e = model.equations
+            law = ca.Function("law", [e.t, e.p], [ca.densify(driver.law.value(e.t))])
+            looked = times[:: max(1, times.size // 2000)]
+            values = np.array([float(law(t, p)) for t in looked])
+            if np.any(~(values > 0)):
+                k = int(np.argmin(values > 0))
+                raise AnalysisError(
+                    f"{driver.name}: its law asks for a distance of {values[k]:g} m at "
+                    f"t = {looked[k]:g} s; a distance must stay above 0"
+                )
 
 
 def output_times(

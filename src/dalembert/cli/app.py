@@ -51,7 +51,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     app.suppress_keyboard_interrupt = False
     try:
         code = app(
-            given, exit_on_error=False, print_error=False, help_on_error=False,
+            given,
+            exit_on_error=False,
+            print_error=False,
+            help_on_error=False,
             result_action="return_value",
         )
         return code if isinstance(code, int) else DONE
@@ -62,8 +65,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except DalembertError as error:
         return fail(error, WRONG_INPUT, as_json)
     except CycloptsError as error:
-        text = f"{error}\n'dalembert --help' lists the commands, 'dalembert COMMAND --help' its options"
-        return fail(DalembertError(text), WRONG_INPUT, as_json)
+        hint = "'dalembert --help' lists the commands, 'dalembert COMMAND --help' their options"
+        return fail(DalembertError(f"{error}\n{hint}"), WRONG_INPUT, as_json)
     except KeyboardInterrupt:
         return fail(DalembertError("interrupted"), INTERRUPTED, as_json)
     except BrokenPipeError:  # the reader of our output, such as ``head``, has gone
@@ -72,9 +75,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
+    from dalembert import __version__
 
-    try:
-        return version("dalembert")
-    except PackageNotFoundError:
-        return "unknown (not installed)"
+    return __version__

@@ -49,7 +49,12 @@ def description(model: Model) -> dict[str, Any]:
     return {
         "diagnosis": model.diagnosis.to_dict(),
         "parameters": {
-            name: {"value": p.value, "unit": p.unit, "bounds": p.bounds, "description": p.description}
+            name: {
+                "value": p.value,
+                "unit": p.unit,
+                "bounds": p.bounds,
+                "description": p.description,
+            }
             for name, p in model.parameters.items()
         },
         "derived": derived_values(model),
@@ -75,10 +80,15 @@ def _print(model: Model) -> None:
     out, d = console(), model.diagnosis
     out.print(f"[bold]{model.name}[/bold]: {d.summary}", markup=True)
     count = f"{d.coordinates} coordinates − {d.joint_equations} joint equations = {d.gruebler}"
-    note = "" if d.gruebler == d.degrees_of_freedom else " (redundant equations make the difference)"
+    note = (
+        "" if d.gruebler == d.degrees_of_freedom else " (redundant equations make the difference)"
+    )
     out.print(f"  Grübler count  {count}{note}")
     for title, names in (
-        ("bodies", d.bodies), ("joints", d.joints), ("drivers", d.drivers), ("forces", d.forces),
+        ("bodies", d.bodies),
+        ("joints", d.joints),
+        ("drivers", d.drivers),
+        ("forces", d.forces),
     ):
         if names:
             out.print(f"  {title:<9} {len(names):>4}  {', '.join(names)}", markup=False)
@@ -92,4 +102,6 @@ def _print(model: Model) -> None:
     for name, entry in derived_values(model).items():
         out.print(f"  derived         {name} = {entry['value']:g} {entry['unit']}", markup=False)
     for level, text in d.messages:
-        out.print(f"  {level}: {text}", markup=False, style="yellow" if level == "warning" else None)
+        out.print(
+            f"  {level}: {text}", markup=False, style="yellow" if level == "warning" else None
+        )

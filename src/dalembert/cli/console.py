@@ -20,7 +20,8 @@ DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 AsJson = Annotated[bool, Parameter(name="--json", negative=())]
 Settings = Annotated[
-    list[str], Parameter(name="--set", negative=(), help="New value of a parameter: l1=0.25; repeatable.")
+    list[str],
+    Parameter(name="--set", negative=(), help="New value of a parameter: l1=0.25; repeatable."),
 ]
 Quiet = Annotated[bool, Parameter(name=["--quiet", "-q"], negative=())]
 
@@ -70,7 +71,13 @@ def plain(data: Any) -> Any:
 def fail(error: Exception, code: int, as_json: bool) -> int:
     """Tell an error on standard error, or as JSON on standard output; returns the exit code."""
     if as_json:
-        emit({"ok": False, "exit_code": code, "error": {"kind": type(error).__name__, "message": str(error)}})
+        emit(
+            {
+                "ok": False,
+                "exit_code": code,
+                "error": {"kind": type(error).__name__, "message": str(error)},
+            }
+        )
     else:
         text = str(error).encode("utf-8", "replace").decode("utf-8")
         try:

@@ -56,6 +56,6 @@ def output_folder(folder: Path | None) -> Path:
         except OSError as error:
             reason = error.strerror or str(error)
             raise FileError(
-                f"{folder}: results cannot be written there ({reason}); choose another folder with --output"
+                f"{folder}: cannot be written ({reason}); choose another folder with --output"
             ) from None
     return folder

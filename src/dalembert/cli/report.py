@@ -6,6 +6,7 @@ from pathlib import Path
 
 from dalembert.cli.console import DONE, AsJson, console, emit, wrong_input
 
+
 def report(results: Path, /, *, output: Path | None = None, as_json: AsJson = False) -> int:
     """Write the interactive report of a result file (.nc).
 

@@ -23,7 +23,6 @@ from dalembert.cli.loading import loaded, output_folder
 
 if TYPE_CHECKING:
     from dalembert.analysis.linearization import Modes
-    from dalembert.io.model_file import ModelFile
     from dalembert.results.motion import Motion
 
 
@@ -60,7 +59,8 @@ def run(
     as_json
         Print one JSON document instead of text.
     """
-    from dalembert.io.tasks import make_analysis, report_choices
+    from dalembert.io.analyses import make_analysis
+    from dalembert.io.tasks import report_choices
 
     file, built = loaded(model, settings)
     with wrong_input():
@@ -147,7 +147,9 @@ def _print(made: dict[str, Any], messages: list[tuple[str, str]]) -> None:
     out = console()
     out.print(f"[bold]{made['name']}[/bold]: {made['model']}")
     for level, text in messages:
-        out.print(f"  {level}: {text}", markup=False, style="yellow" if level == "warning" else None)
+        out.print(
+            f"  {level}: {text}", markup=False, style="yellow" if level == "warning" else None
+        )
     out.print(f"  {made['status']}", markup=False, style="green" if made["ok"] else "red")
     pairs = made.get("statistics", {}) | made.get("final", {}) | made.get("largest", {})
     for name, value in pairs.items():
@@ -160,6 +162,3 @@ def _print(made: dict[str, Any], messages: list[tuple[str, str]]) -> None:
         out.print(f"  mode {number}: {listed}", markup=False)
     for path in made["files"]:
         out.print(f"  written {path}", markup=False)
-
-
-__all__ = ["run"]

@@ -16,7 +16,7 @@ def schema(*, output: Path | None = None, as_json: AsJson = False) -> int:
     output
         Write it to this file instead.
     as_json
-        Changes nothing without --output: a schema is JSON. With it, report what was written as JSON.
+        With --output, tell what was written as JSON; the schema itself always is JSON.
     """
     from dalembert.io.schema import json_schema
     from dalembert.results.atomic import atomic_path

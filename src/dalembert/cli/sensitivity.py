@@ -37,17 +37,16 @@ def sensitivity(
     as_json
         Print one JSON document instead of text.
     """
-    from dalembert.io.tasks import chosen_parameters, chosen_responses, make_analysis, make_responses
+    from dalembert.io.analyses import make_analysis
+    from dalembert.io.tasks import make_gradient
     from dalembert.responses.base import evaluate
     from dalembert.sensitivity.gradient import sensitivity as gradient_of
 
     file, built = loaded(model, settings)
     with wrong_input():
-        asked = file.document.sensitivity
         task = make_analysis(file, built)
-        responses = chosen_responses(file, make_responses(file, built), asked.responses)
-        wrt = chosen_parameters(file, asked.wrt, "sensitivity", "wrt")
-        chosen = _method(method or asked.method)
+        responses, wrt = make_gradient(file, built)
+        chosen = _method(method or file.document.sensitivity.method)
     folder = output_folder(output) if output else None
     motion = task.run(built, progress=not as_json and sys.stderr.isatty())
     gradient = gradient_of(motion, list(responses.values()), wrt, chosen)
@@ -67,7 +66,9 @@ def _method(name: str) -> str:
 
     if name not in METHODS:
         known = ", ".join(METHODS)
-        raise UnsupportedError(f"--method {name!r} is unknown{nearest(name, METHODS)}; known: {known}")
+        raise UnsupportedError(
+            f"--method {name!r} is unknown{nearest(name, METHODS)}; known: {known}"
+        )
     return name
 
 

@@ -12,6 +12,7 @@ from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.responses.base import Response, evaluate
 from dalembert.results.motion import Motion
+from dalembert.results.status import Outcome
 from dalembert.sensitivity.gradient import sensitivity
 
 
@@ -71,6 +72,8 @@ class DesignProblem:
         except AnalysisError as error:
             self.failures.append(str(error))
             return None
+        if motion.status.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
         if not motion.status.success:
             self.failures.append(str(motion.status))
             return None

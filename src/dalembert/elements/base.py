@@ -3,8 +3,8 @@
 How to write a new one:
 
 1. An element is a dataclass with ``name`` first, then what it ties, then its quantities.
-2. A **constraint** states ``residual()``, its position-level equations in the symbols of its bodies.
-   Jacobian, velocity and acceleration equations, reactions and design derivatives follow by
+2. A **constraint** states ``residual()``, its position-level equations in the symbols of its
+   bodies. Jacobian, velocity and acceleration equations, reactions and design derivatives follow by
    differentiation; nobody types them. Equations are physical: metres and radians, so that
    multipliers are newtons and newton metres.
 3. A **force** states ``works(rate)``: pairs of a coordinate ``s`` and the generalised force ``Q``

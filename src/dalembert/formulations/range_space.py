@@ -35,8 +35,8 @@ class RangeSpaceSolver(SaddleSolver):
         c = self.jacobian
         if self.rows:
             r1 = r1 + self.weight * ca.mtimes(c[self.rows, :].T, r2[self.rows])
-        z = self.factor.solve(ca.mtimes(c, ca.mtimes(self.inverse, r1)) - r2)
-        return ca.mtimes(self.inverse, r1 - ca.mtimes(c.T, z)), z
+        negative = self.factor.solve(r2 - ca.mtimes(c, ca.mtimes(self.inverse, r1)))
+        return ca.mtimes(self.inverse, r1 + ca.mtimes(c.T, negative)), -negative
 
 
 def _rows_on_massless(mass: ca.SX, jacobian: ca.SX) -> list[int]:

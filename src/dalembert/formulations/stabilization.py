@@ -36,8 +36,13 @@ class Baumgarte(Stabilization):
 
     Parameters
     ----------
-    alpha : [1/s]
-    beta : [1/s²]; None for the critical value
+    alpha : gain of the velocity violation [1/s]
+    beta : gain of the position violation [1/s²]; None for the critical value
+
+    Raises
+    ------
+    UnsupportedError
+        A gain that is not positive.
     """
 
     alpha: float = 10.0
@@ -66,6 +71,11 @@ class Projection(Stabilization):
     ----------
     every : correct after every k-th step
     iterations : of the position correction
+
+    Raises
+    ------
+    UnsupportedError
+        ``every`` or ``iterations`` below one.
     """
 
     every: int = 1

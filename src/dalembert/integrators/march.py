@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.integrators.step import ExplicitStep
+from dalembert.symbolic.kernel import Kernel
 
 CHUNK = 500
 ATTEMPTS = 64
@@ -72,11 +73,11 @@ class FixedMarch:
 
     def __init__(self, step: ExplicitStep, period: int = 1):
         self.step, self.period = step, period
-        self._chunks: dict[int, ca.Function] = {}
+        self._chunks: dict[int, Kernel] = {}
 
-    def _chunk(self, count: int) -> ca.Function:
+    def _chunk(self, count: int) -> Kernel:
         if count not in self._chunks:
-            self._chunks[count] = _map_steps(self._single(), count, self.step)
+            self._chunks[count] = Kernel(_map_steps(self._single(), count, self.step))
         return self._chunks[count]
 
     def _single(self) -> ca.Function:
@@ -110,9 +111,9 @@ class FixedMarch:
             while done < h.size:
                 count = min(CHUNK, h.size - done)
                 part = slice(done, done + count)
-                out = self._chunk(count)(
+                (out,) = self._chunk(count)(
                     columns[-1][:, -1], times[part], h[part], corrected[part], p
-                ).full()
+                )
                 good = np.all(np.isfinite(out), axis=0)
                 valid = count if good.all() else int(np.argmin(good))
                 columns.append(out[:, :valid])
@@ -155,7 +156,7 @@ class AdaptiveMarch:
 
     def __init__(self, step: ExplicitStep, rtol: float, atol: float, controlled: int):
         self.step, self.rtol, self.atol, self.controlled = step, rtol, atol, controlled
-        self._chunk_function: ca.Function | None = None
+        self._chunk_function: Kernel | None = None
 
     def _attempt(self) -> ca.Function:
         """``([t; h; last error; x], [end; longest; p]) → next, [t; h; error; accepted]``."""
@@ -194,13 +195,13 @@ class AdaptiveMarch:
         record = ca.vertcat(t, h, finite, accepted)
         return ca.Function("attempt", [state, fixed], [following, record], {"cse": True})
 
-    def _chunk(self) -> ca.Function:
+    def _chunk(self) -> Kernel:
         if self._chunk_function is None:
             mapped = self._attempt().mapaccum(ATTEMPTS)
             state = ca.MX.sym("s", 3 + self.step.size)
             fixed = ca.MX.sym("f", 2 + self.step.parameter_count)
             out = mapped(state, ca.repmat(fixed, 1, ATTEMPTS))
-            self._chunk_function = ca.Function("attempts", [state, fixed], list(out))
+            self._chunk_function = Kernel(ca.Function("attempts", [state, fixed], list(out)))
         return self._chunk_function
 
     def run(
@@ -220,7 +221,7 @@ class AdaptiveMarch:
         t, h, columns, rejected, message, interrupted = [], [], [x0.reshape(-1, 1)], 0, "", False
         try:
             while state[0] < end:
-                out, record = (a.full() for a in self._chunk()(state, fixed))
+                out, record = self._chunk()(state, fixed)
                 taken = (record[3] > 0.5) & (record[1] > 0)
                 rejected += int(np.sum((record[3] < 0.5) & (record[1] > 0)))
                 t.append(record[0, taken])

@@ -27,7 +27,7 @@ class ExplicitRungeKutta:
 
 @dataclass(frozen=True)
 class RK4(ExplicitRungeKutta):
-    """Classical method of order 4 with fixed steps."""
+    """Classical method of order 4 with fixed steps (Kutta 1901)."""
 
     @property
     def tableau(self) -> ButcherTableau:
@@ -36,7 +36,7 @@ class RK4(ExplicitRungeKutta):
 
 @dataclass(frozen=True)
 class RKGill(ExplicitRungeKutta):
-    """Gill's method of order 4 with fixed steps."""
+    """Gill's method of order 4 with fixed steps (Gill 1951)."""
 
     @property
     def tableau(self) -> ButcherTableau:
@@ -51,8 +51,14 @@ class DormandPrince(ExplicitRungeKutta):
 
     Parameters
     ----------
-    rtol, atol : relative and absolute tolerance
-    max_step : longest step [s], None for no limit
+    rtol : relative tolerance
+    atol : absolute tolerance [m, rad, m/s, rad/s]
+    max_step : longest step [s]; a quarter of the run if None
+
+    Raises
+    ------
+    UnsupportedError
+        A tolerance or ``max_step`` that is not positive.
     """
 
     rtol: float = 1e-8

@@ -53,9 +53,11 @@ def kind_of(field: dataclasses.Field) -> str:
 
 def connected(cls: type) -> list[dataclasses.Field]:
     """The bodies and points that ``connect`` lists, in order."""
-    return [
-        f for f in dataclasses.fields(cls) if not f.metadata and kind_of(f) in ("point", "body")
-    ] if dataclasses.is_dataclass(cls) else []
+    return (
+        [f for f in dataclasses.fields(cls) if not f.metadata and kind_of(f) in ("point", "body")]
+        if dataclasses.is_dataclass(cls)
+        else []
+    )
 
 
 def written(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> list[dataclasses.Field]:

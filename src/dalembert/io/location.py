@@ -47,7 +47,9 @@ class Located:
                 raise
             where = self._where(error.entity, keys)
             kind = ExpressionError if isinstance(error, ExpressionError) else ModelError
-            raise kind(error.message, f"{self.source}: {where}" if where else str(self.source)) from None
+            raise kind(
+                error.message, f"{self.source}: {where}" if where else str(self.source)
+            ) from None
         except (FileError, UnsupportedError) as error:
             raise type(error)(self._told(error, keys)) from None
         except AnalysisError as error:

@@ -57,13 +57,12 @@ def explain(error: ValidationError, data: dict, source: Path | str) -> ModelErro
 
 
 def _place_of(item: Any, data: Any) -> list[str | int]:
-    """The keys of the file on the way to the error; types, which the checker also tells, left out."""
+    """The keys on the way to the error, without the types that the checker also tells."""
     where: list[str | int] = []
     loc = item["loc"]
     for k, key in enumerate(loc):
-        if isinstance(data, dict) and key in data:
-            data = data[key]
-        elif isinstance(data, list) and isinstance(key, int) and key < len(data):
+        inside = isinstance(data, list) and isinstance(key, int) and key < len(data)
+        if inside or (isinstance(data, dict) and key in data):
             data = data[key]
         elif item["type"] != "missing" or k != len(loc) - 1:
             continue

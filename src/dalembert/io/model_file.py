@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -72,7 +73,7 @@ class ModelFile:
         ModelError
             Unknown parameter, or not a number.
         """
-        known = self.document.parameters
+        known: dict[str, Any] = self.document.parameters
         changed = dict(known)
         for name, value in values.items():
             if name not in known:
@@ -131,7 +132,9 @@ def _check_names(document: Document, path: Path) -> None:
         for name in getattr(document, section):
             here = place(section, name)
             if name in RESERVED:
-                raise ModelError(f"the name {name!r} is reserved; choose another", f"{path}: {here}")
+                raise ModelError(
+                    f"the name {name!r} is reserved; choose another", f"{path}: {here}"
+                )
             if name in seen:
                 raise ModelError(
                     f"the name is already used by {place(seen[name], name)}; choose another",

@@ -28,8 +28,9 @@ def dependency_order(section: str, formulas: Mapping[str, Iterable[str]]) -> lis
         return list(TopologicalSorter(needs).static_order())
     except CycleError as error:
         chain = error.args[1][::-1]
+        more = " → …" if len(chain) > 12 else ""
         raise ExpressionError(
-            f"needs itself, in the circle {' → '.join(chain[:12])}{' → …' if len(chain) > 12 else ''}; "
+            f"needs itself, in the circle {' → '.join(chain[:12])}{more}; "
             "give one of them without the others",
             place(section, chain[0]),
         ) from None

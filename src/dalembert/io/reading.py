@@ -35,7 +35,9 @@ def read_document(path: str | Path) -> dict[str, Any]:
     else:
         data = _parse_toml(path, text)
     if not isinstance(data, dict):
-        raise FileError(f"{path}: the file must hold a table (an object), got {type(data).__name__}")
+        raise FileError(
+            f"{path}: the file must hold a table (an object), got {type(data).__name__}"
+        )
     if _depth(data) > MAX_DEPTH:
         raise FileError(f"{path}: tables are nested more than {MAX_DEPTH} deep")
     return data
@@ -92,7 +94,7 @@ def _parse_toml(path: Path, text: str) -> Any:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         cure = "a key may appear only once in a table" if "overwrite" in str(error) else ""
-        cure = cure or ("texts need quotes, e.g. \"l1/2\"" if "Invalid value" in str(error) else "")
+        cure = cure or ('texts need quotes, e.g. "l1/2"' if "Invalid value" in str(error) else "")
         raise FileError(f"{path}: not valid TOML: {error}{'; ' + cure if cure else ''}") from None
     except (RecursionError, ValueError) as error:
         raise FileError(f"{path}: cannot be read as TOML: {_reason(error)}") from None

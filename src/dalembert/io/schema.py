@@ -7,10 +7,11 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
 
 from dalembert.elements.registry import BODIES, DRIVERS, FORCES, JOINTS
+from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.messages import nearest
 from dalembert.io.strategies import ANALYSES, RESPONSES
-from dalembert.io.tables import Record, Vector, one_of, table_of, table_or
-from dalembert.io.values import Bound, Entry, Number, Text, list_of, shown
+from dalembert.io.tables import Vector, table_of
+from dalembert.io.values import Bound, Entry, Integer, Number, Text, list_of, shown
 from dalembert.sensitivity.gradient import METHODS
 
 FORMAT = 1
@@ -63,8 +64,8 @@ class GroundTable(Record):
 class SensitivityTable(Record):
     """Which gradients ``dalembert sensitivity`` computes."""
 
-    responses: Names = Field(default=None, description="names of responses; all by default")
-    wrt: Names = Field(default=None, description="names of parameters; all by default")
+    responses: Names = Field(default_factory=list, description="names of responses; all by default")
+    wrt: Names = Field(default_factory=list, description="names of parameters; all by default")
     method: Method = "auto"
 
 
@@ -81,15 +82,20 @@ class OptimizeTable(Record):
 
     minimize: Text = None
     maximize: Text = None
-    vary: Names = Field(default=None, description="names of parameters; all by default")
+    vary: Names = Field(
+        default_factory=list, description="names of parameters; all with bounds by default"
+    )
     subject_to: list[LimitTable] = Field(default_factory=list)
+    method: Method = "auto"
+    max_iterations: Integer = 100
+    tolerance: Number = 1e-8
 
 
 class ReportTable(Record):
     """What the report shows first."""
 
-    plots: list[list[Text]] = Field(default=None, description="measures, one list per plot")
-    trace: Names = Field(default=None, description="points whose paths are drawn")
+    plots: list[list[Text]] = Field(default_factory=list, description="measures, one list per plot")
+    trace: Names = Field(default_factory=list, description="points whose paths are drawn")
 
 
 def _any_of(registry: dict[str, type]) -> Any:

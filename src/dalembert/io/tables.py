@@ -4,22 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cache
-from typing import Annotated, Any, Literal, Union
+from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Tag,
-    create_model,
-    model_validator,
-)
+from pydantic import BaseModel, BeforeValidator, Field, create_model
 
 from dalembert.elements.registry import CURVES, LAWS
+from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.fields import FROM_FILE, connected, is_needed, kind_of, written
-from dalembert.io.messages import UnknownKey, nearest
+from dalembert.io.messages import nearest
 from dalembert.io.strategies import FORMULATIONS, INTEGRATORS, STABILIZATIONS
 from dalembert.io.values import (
     CountOrTimes,
@@ -32,25 +24,6 @@ from dalembert.io.values import (
     list_of,
     shown,
 )
-
-PLAIN = "plain"
-
-
-class Record(BaseModel):
-    """A table with known keys only."""
-
-    model_config = ConfigDict(strict=True, extra="forbid")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _known_keys_only(cls, value: Any) -> Any:
-        if not isinstance(value, dict):
-            raise ValueError(f"expected a table, got {shown(value)}")
-        known = [field.alias or name for name, field in cls.model_fields.items()]
-        for key in value:
-            if key not in known:
-                raise UnknownKey(key, known)
-        return value
 
 
 class InlinePoint(Record):
@@ -68,31 +41,6 @@ class EventTable(Record):
     direction: Integer = 0
 
 
-def one_of(tables: dict[str, Any], *, plain: Any = None, default: str | None = None) -> Any:
-    """A table chosen by its ``type``, or a plain value where one is allowed."""
-
-    def choose(value: Any) -> str | None:
-        if isinstance(value, BaseModel):
-            return str(getattr(value, "type", default))
-        return value.get("type", default) if isinstance(value, dict) else PLAIN
-
-    def check(value: Any) -> Any:
-        known = ", ".join(tables)
-        if not isinstance(value, (dict, BaseModel)):
-            if plain is None:
-                raise ValueError(f"expected a table with a type ({known}), got {shown(value)}")
-        elif (name := choose(value)) is None:
-            raise ValueError(f"type is missing; give one of: {known}")
-        elif not isinstance(name, str) or name not in tables:
-            raise ValueError(f"unknown type {shown(name)}{nearest(name, tables)}; known: {known}")
-        return value
-
-    members = [Annotated[table, Tag(name)] for name, table in tables.items()]
-    if plain is not None:
-        members.append(Annotated[plain, Tag(PLAIN)])
-    return Annotated[Union[tuple(members)], Discriminator(choose), BeforeValidator(check)]  # noqa: UP007
-
-
 def named(known: dict[str, type]) -> Any:
     """The name of a strategy, or a table with its type and its options."""
 
@@ -103,19 +51,9 @@ def named(known: dict[str, type]) -> Any:
             raise ValueError(f"expected a name ({', '.join(known)}) or a table, got {shown(value)}")
         return value
 
-    plain = Annotated[Literal[tuple(known)], Field(title="name")]
+    plain: Any = Annotated[Literal[tuple(known)], Field(title="name")]
     tables = {name: table_of(name, cls) for name, cls in known.items()}
     return Annotated[one_of(tables, plain=plain), BeforeValidator(check)]
-
-
-def table_or(table: type[BaseModel], plain: Any) -> Any:
-    """A table of one kind, or a plain value that stands for it."""
-
-    def choose(value: Any) -> str:
-        return "table" if isinstance(value, (dict, BaseModel)) else PLAIN
-
-    members = (Annotated[table, Tag("table")], Annotated[plain, Tag(PLAIN)])
-    return Annotated[Union[members], Discriminator(choose)]  # noqa: UP007
 
 
 Vector = list_of(Entry, 2, "x, y")
@@ -132,28 +70,35 @@ def _connection(ties: list[dataclasses.Field]) -> Any:
 def value_type(kind: str, size: int = 1) -> Any:
     """The pydantic type behind the word of ``kind_of``."""
     simple = {
-        "quantity": Entry, "spring-law": Entry, "measure": Entry, "number": Number,
-        "integer": Integer, "flag": Flag, "text": Text, "body": Text, "joint": Text,
-        "rows": Rows, "count or times": CountOrTimes,
+        "quantity": Entry,
+        "spring-law": Entry,
+        "measure": Entry,
+        "number": Number,
+        "integer": Integer,
+        "flag": Flag,
+        "text": Text,
+        "body": Text,
+        "joint": Text,
+        "rows": Rows,
+        "count or times": CountOrTimes,
     }
     if kind in simple:
         return simple[kind]
     made = {
         "vector": lambda: list_of(Entry, size),
         "interval": lambda: list_of(Number, 2, "start, end"),
-        "points": lambda: dict[str, Vector],
+        "points": lambda: dict[str, Vector],  # type: ignore[valid-type]
         "law": lambda: one_of({n: table_of(n, c) for n, c in LAWS.items()}, plain=Entry),
         "curve": lambda: one_of({n: table_of(n, c) for n, c in CURVES.items()}),
         "formulation": lambda: named(FORMULATIONS),
         "stabilization": lambda: named(STABILIZATIONS),
         "integrator": lambda: named(INTEGRATORS),
-        "events": lambda: dict[str, table_or(EventTable, Entry)],
+        "events": lambda: dict[str, table_or(EventTable, Entry)],  # type: ignore[misc]
     }
     return made[kind]()
 
 
-@cache
-def table_of(name: str, cls: type, optional_type: bool = False) -> type[BaseModel]:
+def table_of(name: str, cls: Any, optional_type: bool = False) -> type[BaseModel]:
     """The table that describes an object of a registered class."""
     kind = Literal[name]  # type: ignore[valid-type]
     keys: dict[str, Any] = {"type": (kind, name if optional_type else ...)}

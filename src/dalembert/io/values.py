@@ -115,14 +115,18 @@ Number = Annotated[
     PlainValidator(constant),
     WithJsonSchema({**_NUMBER_OR_TEXT, "description": "number, or a formula of numbers: 2*pi"}),
 ]
-Bound = Annotated[Any, PlainValidator(_bound), WithJsonSchema({"type": ["number", "string", "null"]})]
+Bound = Annotated[
+    Any, PlainValidator(_bound), WithJsonSchema({"type": ["number", "string", "null"]})
+]
 Integer = Annotated[Any, PlainValidator(_integer), WithJsonSchema({"type": "integer"})]
 Flag = Annotated[Any, PlainValidator(_flag), WithJsonSchema({"type": "boolean"})]
 Text = Annotated[Any, PlainValidator(_text), WithJsonSchema({"type": "string"})]
 CountOrTimes = Annotated[
     Any,
     PlainValidator(_count_or_times),
-    WithJsonSchema({"anyOf": [{"type": "integer"}, {"type": "array", "items": {"type": "number"}}]}),
+    WithJsonSchema(
+        {"anyOf": [{"type": "integer"}, {"type": "array", "items": {"type": "number"}}]}
+    ),
 ]
 Rows = Annotated[
     Any,

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Coordinates, rate_of
+from dalembert.elements.base import Coordinates, ForceElement, rate_of
 from dalembert.elements.planar.drivers import Driver
+from dalembert.elements.planar.loads import Gravity
 from dalembert.errors import AssemblyError, ModelError
 from dalembert.model.assembly import (
     POSITION_TOLERANCE,
@@ -21,9 +22,8 @@ from dalembert.model.assembly import (
 )
 from dalembert.model.diagnosis import Diagnosis, Redundancy
 from dalembert.model.equations import Equations
-from dalembert.model.measures import find_measure
 from dalembert.model.topology import analyse_topology
-from dalembert.symbolic.expression import Expression, stack, t
+from dalembert.symbolic.expression import Expression, free_symbols, stack, t
 
 if TYPE_CHECKING:
     from dalembert.model.system import System
@@ -85,26 +85,29 @@ class Model:
         constraints = fixed(stack(c.equations for c in self.constraints))
         multiplier = stack(c.multiplier for c in self.constraints)
         coordinates, efforts, losses = [], [], ca.SX(0)
-        potential = ca.SX(0)
+        potential, released = ca.SX(0), ca.SX(0)  # released: power that is not from storage
         for element in self.forces:
             owners = element.parts() or groups
 
             def rate(s: ca.SX, owners=owners) -> ca.SX:
                 return rate_of(s, owners, t.sx)
 
-            for s, q in element.works(rate):
-                coordinates.append(s)
-                efforts.append(q)
+            works = element.works(rate)
+            coordinates += [s for s, _ in works]
+            efforts += [q for _, q in works]
             for s, q in element.dissipation(rate):
                 losses -= q * rate(s)
             stored = element.potential()
             if stored is not None:
                 potential += stored
+            if not isinstance(element, Gravity):  # whose work is its potential's, exactly
+                released += sum((q * rate(s) for s, q in works), ca.SX(0))
+                released += 0 if stored is None else rate(stored)
         effort, losses = fixed(stack(efforts)), fixed(losses)
         self.potential = fixed(potential)
         rates = rate_of(fixed(stack(coordinates)), groups, t.sx)
         delivered = ca.dot(multiplier, ca.jacobian(constraints, t.sx))  # by drivers: C v = −Φ_t
-        applied = ca.dot(effort, rates) + rate_of(self.potential, groups, t.sx)
+        applied = fixed(released)
         return Equations(
             t=t.sx,
             y=y,
@@ -123,7 +126,16 @@ class Model:
     # assembly and diagnosis ------------------------------------------------------
     def _assemble(self, strict: bool) -> None:
         assembler, p = self._assembler, self.nominal
-        y = assembler.project(0.0, p)
+        y_size = self.all_equations.coordinate_count
+        try:
+            y = assembler.project(0.0, p)
+        except AssemblyError:  # too many drivers is the better explanation, if it is one
+            drivers = [k for k, (c, _) in enumerate(self._row_owner) if isinstance(c, Driver)]
+            freedom = y_size - (len(self._row_owner) - len(drivers))
+            if 1 <= freedom < len(drivers):
+                self._refuse_over_driving(sorted(set(range(len(self._row_owner))) - {drivers[-1]}))
+            raise
+        self._refuse_undefined(y, p)
         jacobian = self._joint_jacobian(0.0, y)
         rows = independent_rows(jacobian)
         self.singular_position = False
@@ -166,6 +178,30 @@ class Model:
                     self.singular_position = True
                     return generic
         return rows
+
+    def _refuse_undefined(self, y: np.ndarray, p: np.ndarray) -> None:
+        """Every element must have a value and a direction where the mechanism is assembled."""
+        e = self.all_equations
+        inputs = [e.t, e.y, e.v, e.p]
+        for element in (*self.constraints, *self.forces):
+            owners = element.parts() or self.coordinates
+            if isinstance(element, ForceElement):
+                works = element.works(lambda s, owners=owners: rate_of(s, owners, t.sx))
+                parts = [ca.jacobian(self.at_ground(s), e.y) for s, _ in works]
+                parts += [self.at_ground(q) for _, q in works]
+            else:
+                parts = [ca.jacobian(self.at_ground(element.equations), e.y)]
+            column = stack(ca.vec(part) for part in parts)
+            unknown = free_symbols(column) - free_symbols(ca.vertcat(*inputs))
+            if unknown:  # accelerations or multipliers: nothing can be said before a run
+                continue
+            values = ca.Function("defined", inputs, [column])(0.0, y, np.zeros(y.size), p)
+            if not np.all(np.isfinite(values.full())):
+                raise ModelError(
+                    "has no defined direction or value at the assembled position (two points that "
+                    "coincide, a root or a division by zero?); move its points or mend its formula",
+                    element.name,
+                )
 
     def _refuse_over_driving(self, rows: list[int]) -> None:
         kept = set(rows)
@@ -224,17 +260,17 @@ class Model:
         return self.compiled("square", make)
 
     def _follow(self, p0: np.ndarray, y0: np.ndarray, p1: np.ndarray, time: float) -> np.ndarray:
-        """Newton from the nominal assembly; in smaller parameter steps where it needs them."""
+        """Newton from the nominal assembly; in smaller steps of time and parameters if need be."""
         reached, y, step = 0.0, y0, 1.0
         while reached < 1.0:
             target = min(1.0, reached + step)
-            trial, residual = self._newton(time, y, p0 + target * (p1 - p0))
+            trial, residual = self._newton(target * time, y, p0 + target * (p1 - p0))
             if residual < POSITION_TOLERANCE:
                 reached, y, step = target, trial, 2 * step
                 continue
             step /= 2
-            if step < 1 / 64:
-                raise self._assembler.failure(time, trial, p0 + target * (p1 - p0))
+            if step < 1e-3 / (1.0 + abs(time)):
+                raise self._assembler.failure(target * time, trial, p0 + target * (p1 - p0))
         return y
 
     def _newton(self, time: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, float]:
@@ -242,7 +278,7 @@ class Model:
         for _ in range(25):
             r, jacobian = (a.full() for a in self._square(time, y, p))
             new = np.abs(r).max(initial=0.0)
-            if not np.isfinite(new) or new >= norm * 0.9 and norm < POSITION_TOLERANCE:
+            if not np.isfinite(new) or (new >= norm * 0.9 and norm < POSITION_TOLERANCE):
                 break
             if new > 4 * norm:
                 return y, float(norm)

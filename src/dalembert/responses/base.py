@@ -23,7 +23,7 @@ class Response:
 
     Parameters
     ----------
-    measure : name, formula or Expression; scalar
+    measure : name or formula, in Python also an Expression; scalar
     name : label; made from the measure if empty
     """
 

@@ -28,7 +28,7 @@ class At(Response):
 
     Parameters
     ----------
-    time : [s], within the run
+    time : instant within the run [s]
     """
 
     time: float = 0.0

@@ -15,6 +15,7 @@ from dalembert.model.measures import element_measures
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.symbolic.expression import t
+from dalembert.symbolic.kernel import Kernel
 
 
 @dataclass(frozen=True)
@@ -197,13 +198,14 @@ def _evaluate(model: Model, layout: list[Variable], motion: Motion) -> np.ndarra
     def make() -> ca.Function:
         columns = [model.measurable(ca.densify(c)) for v in layout for c in v.columns]
         inputs = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
-        return ca.Function("outputs", inputs, [ca.vertcat(*columns)], {"cse": True})
+        return ca.Function("outputs", inputs, [ca.densify(ca.vertcat(*columns))], {"cse": True})
 
     function = model.compiled("outputs", make)
     if not s.t.size:
         return np.zeros((function.size1_out(0), 0))
     p = np.tile(motion.parameters[:, None], s.t.size)
-    return function.map(s.t.size)(s.t, s.y, s.v, s.a, s.multiplier, p).full()
+    (table,) = Kernel(function.map(s.t.size))(s.t, s.y, s.v, s.a, s.multiplier, p)
+    return table
 
 
 def _add_states(data: dict, coords: dict, motion: Motion) -> None:

@@ -139,11 +139,14 @@ class Motion:
         return motion_dataset(self)
 
     # files and pictures ------------------------------------------------------------
-    def save(self, path: str | Path) -> Path:
-        """Write all results to a NetCDF file; ``load_dataset`` reads it back."""
+    def save(self, path: str | Path, plots=None, trace=None) -> Path:
+        """Write all results to a NetCDF file; ``load_results`` reads it back.
+
+        ``plots`` and ``trace`` are kept for its report, as in ``report``.
+        """
         from dalembert.results.store import save_motion
 
-        return save_motion(self, path)
+        return save_motion(self, path, plots, trace)
 
     def to_dataframe(self) -> pd.DataFrame:
         """One row per time, one column per scalar quantity."""

@@ -1,4 +1,4 @@
-"""What the report shows: the mechanism's drawing, series, diagnosis and statistics as plain data."""
+"""What the report shows, as plain data: drawing, series, diagnosis, statistics."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.errors import AnalysisError
 from dalembert.results.motion import Motion
 from dalembert.results.scene import motion_scene
 
@@ -29,7 +30,10 @@ def report_payload(
     keep = np.unique(np.linspace(0, count - 1, min(count, MAX_FRAMES)).round().astype(int))
     series = _series(motion, keep)
     names = {s["name"] for s in series}
-    wanted = [[n for n in group if n in names] for group in plots] if plots else None
+    for name in dict.fromkeys(n for group in plots or () for n in group if n not in names):
+        series.append(_asked(motion, name, keep))
+        names.add(name)
+    wanted = [list(group) for group in plots] if plots else None
     payload = {
         "format": 1,
         "title": motion.model.name,
@@ -108,6 +112,27 @@ def _series(motion: Motion, keep: np.ndarray) -> list[dict[str, Any]]:
     for variable in ("position_violation", "velocity_violation"):
         put(variable, variable, "violations")
     return found
+
+
+def _asked(motion: Motion, name: str, keep: np.ndarray) -> dict[str, Any]:
+    """A measure or formula that is not among the usual series.
+
+    Raises
+    ------
+    AnalysisError
+        It is a vector.
+    """
+    measure = motion[name]
+    if measure.ndim != 1:
+        raise AnalysisError(
+            f"plot {name!r}: the measure has {measure.shape[1]} components; take one"
+        )
+    return {
+        "name": name,
+        "unit": str(measure.attrs.get("units", "")),
+        "group": "formulas",
+        "values": [float(v) if np.isfinite(v) else None for v in measure.values[keep]],
+    }
 
 
 def _put_norm(found: list, data, joint, keep: np.ndarray) -> None:

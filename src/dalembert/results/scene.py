@@ -97,10 +97,9 @@ class _Scene:
             shapes.insert(0, {"kind": "polygon", "points": _around([list(p) for p in points])})
         elif len(points) == 2:
             shapes.insert(0, self.bar(list(points[0]), list(points[1])))
-        elif len(points) == 1 and not shapes:
-            if np.linalg.norm(points[0]) > 1e-9 * self.size:
-                shapes.append(self.bar([0.0, 0.0], list(points[0])))
-                shapes.append({"kind": "particle", "center": [0.0, 0.0]})
+        elif len(points) == 1 and not shapes and np.linalg.norm(points[0]) > 1e-9 * self.size:
+            shapes.append(self.bar([0.0, 0.0], list(points[0])))
+            shapes.append({"kind": "particle", "center": [0.0, 0.0]})
 
     @staticmethod
     def bar(start: list, end: list) -> dict:

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def save_motion(motion: Motion, path: str | Path) -> Path:
+def save_motion(motion: Motion, path: str | Path, plots=None, trace=None) -> Path:
     """NetCDF with the dataset and, as the text ``report``, what its report is drawn from."""
     from dalembert.results.payload import report_payload
 
-    payload = report_payload(motion, None, None)
+    payload = report_payload(motion, plots, trace)
     return save_dataset(motion.data.assign(report=((), json.dumps(payload))), path)
 
 

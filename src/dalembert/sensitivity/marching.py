@@ -15,6 +15,7 @@ from dalembert.integrators.march import Steps
 from dalembert.integrators.step import ExplicitStep
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.kernel import Kernel
 
 CHUNK = 500
 
@@ -40,9 +41,8 @@ class MarchGradient:
         count, p = self.motion.time.size, self.p
         tiled = np.tile(p[:, None], count)
         weights = self.sample.weights.reshape(1, -1)
-        _, x_bar, p_bar = (
-            a.full()
-            for a in self.measured.adjoint.map(count)(self.motion.time, self.states, tiled, weights)
+        _, x_bar, p_bar = Kernel(self.measured.adjoint.map(count))(
+            self.motion.time, self.states, tiled, weights
         )
         gradient = p_bar.sum(axis=1)
         injected, more = self._inject(x_bar)
@@ -79,32 +79,31 @@ class MarchGradient:
         carried = np.concatenate([injected[:, -1], np.zeros(self.p.size)])
         for stop in range(steps.count, 0, -CHUNK):
             part = np.arange(stop - 1, max(stop - CHUNK, 0) - 1, -1)
-            carried = (
-                self._backward(part.size)(
-                    carried,
-                    steps.t[part],
-                    steps.h[part],
-                    steps.corrected[part],
-                    steps.x[:, part],
-                    injected[:, part],
-                    self.p,
-                )
-                .full()
-                .ravel()
+            (carried,) = self._backward(part.size)(
+                carried,
+                steps.t[part],
+                steps.h[part],
+                steps.corrected[part],
+                steps.x[:, part],
+                injected[:, part],
+                self.p,
             )
+            carried = carried.ravel()
         return carried[:n], carried[n:]
 
-    def _backward(self, count: int) -> ca.Function:
+    def _backward(self, count: int) -> Kernel:
         """``count`` backward steps in one call."""
 
-        def make() -> ca.Function:
+        def make() -> Kernel:
             n, m = self.step.size, self.p.size
             single = self._backward_step().mapaccum(count)
             carried, p = ca.MX.sym("c", n + m), ca.MX.sym("p", m)
             t, h, flag = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
             x, inject = ca.MX.sym("x", n, count), ca.MX.sym("i", n, count)
             out = single(carried, t, h, flag, x, inject, ca.repmat(p, 1, count))
-            return ca.Function("backward", [carried, t, h, flag, x, inject, p], [out[:, -1]])
+            return Kernel(
+                ca.Function("backward", [carried, t, h, flag, x, inject, p], [out[:, -1]])
+            )
 
         return self.model.compiled(("backward", self.kernel, count), make)
 

@@ -112,7 +112,7 @@ class Expression:
 
     def __bool__(self):
         raise ExpressionError(
-            "the truth of a formula is not known before it is evaluated; use where(condition, a, b)",
+            "whether a formula is true is not known before a run; use where(condition, a, b)",
             self.name or None,
         )
 
@@ -149,7 +149,7 @@ def as_expression(value, entity: str, unit: str = "", size: int = 1) -> Expressi
     ExpressionError
         Wrong type, wrong number of components, NaN or infinity.
     """
-    if isinstance(value, bool) or isinstance(value, (str, bytes)) or value is None:
+    if isinstance(value, (bool, str, bytes)) or value is None:
         raise ExpressionError(
             f"expected {'a number' if size == 1 else f'{size} numbers'} or a formula, "
             f"got {value!r}",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import casadi as ca
 import numpy as np
 
@@ -59,7 +61,7 @@ def block_inverse(matrix: ca.SX) -> ca.SX:
 
 def _connected_blocks(sparsity: ca.Sparsity) -> list[list[int]]:
     _, order, edges = (sparsity + ca.Sparsity.diag(sparsity.size1())).scc()
-    return [sorted(order[a:b]) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    return [sorted(order[a:b]) for a, b in pairwise(edges)]
 
 
 def numeric_rank(matrix: np.ndarray, tolerance: float = 1e-9) -> int:

@@ -106,13 +106,16 @@ class _Parser:
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
             value = self.visit(node.operand, depth + 1)
             return -value if isinstance(node.op, ast.USub) else value
-        if isinstance(node, ast.Compare) and len(node.ops) == 1:
-            if type(node.ops[0]) in _COMPARISONS:
-                return self.apply(
-                    _COMPARISONS[type(node.ops[0])],
-                    self.visit(node.left, depth + 1),
-                    self.visit(node.comparators[0], depth + 1),
-                )
+        if (
+            isinstance(node, ast.Compare)
+            and len(node.ops) == 1
+            and type(node.ops[0]) in _COMPARISONS
+        ):
+            return self.apply(
+                _COMPARISONS[type(node.ops[0])],
+                self.visit(node.left, depth + 1),
+                self.visit(node.comparators[0], depth + 1),
+            )
         if isinstance(node, ast.Call):
             return self.call(node, depth)
         if isinstance(node, (ast.Name, ast.Attribute)):

@@ -55,7 +55,7 @@ class CubicSpline:
             scale = max(1.0, float(ca.mmax(ca.fabs(self.values))))
         if gap.is_constant() and abs(float(gap)) > 1e-9 * scale:
             raise ModelError(
-                f"a periodic spline must end where it begins; the last value differs by {float(gap)}",
+                f"a periodic spline must end where it begins; it misses by {float(gap)}",
                 entity,
             )
 

@@ -236,7 +236,7 @@ class Body(Element, Coordinates):
 
         def entries(vector, scalar):
             first = [None, None] if vector is None else [vector.sx[0], vector.sx[1]]
-            return (first + [None if scalar is None else scalar.sx])[:n]
+            return [*first, None if scalar is None else scalar.sx][:n]
 
         return entries(position, angle), entries(velocity, angular_velocity)
 
@@ -281,8 +281,9 @@ class Bar(Body):
         if self.mass is not None and self.inertia is None:
             self.inertia = as_expression(self.mass, f"{self.name}.mass") * length**2 / 12
         super().__post_init__()
-        self.start = self.add_point("start", (-length / 2, 0.0))
-        self.end = self.add_point("end", (length / 2, 0.0))
+        half = length / 2  # one node, so that both ends share their trigonometry
+        self.start = self.add_point("start", (-half, 0.0))
+        self.end = self.add_point("end", (half, 0.0))
 
 
 @dataclass(eq=False)

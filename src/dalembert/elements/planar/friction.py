@@ -27,7 +27,7 @@ class JointFriction(ForceElement):
     Parameters
     ----------
     joint : revolute, translational or pin-in-slot joint
-    coulomb : sliding friction force [N] or moment [N m]; a formula may make it depend on the load
+    coulomb : sliding friction force [N] or moment [N m]; may be a formula of positions and speeds
     viscous : [N s/m] or [N m s/rad]
     transition : speed at which 76 % of the Coulomb value is reached [m/s] or [rad/s]
     motion : which free motion, where the joint has two (``displacement`` or ``angle``)

@@ -52,7 +52,7 @@ class GearPair(PointJoint):
         start = initial_value(local, bodies).sx
         degenerate = start.is_constant() and float(ca.norm_2(start)) < 1e-12
         reference = ca.SX([1, 0]) if degenerate else start
-        # measured from its initial direction in the carrier, the angle stays far from its branch cut
+        # from its initial direction in the carrier: the angle stays far from its branch cut
         line = carried + ca.atan2(cross(reference, local), ca.dot(reference, local))
         sense = -1 if self.internal else 1
         rolled = self.radius_i.sx * (self.point_i.body.pose_angle - line)

@@ -134,7 +134,7 @@ class BodyJoint(Pair, Constraint):
 def initial_value(expression: ca.SX, bodies: list[Body]) -> Expression:
     """A position-level expression at the bodies' given guesses (missing ones count as zero)."""
     symbols, values = [], []
-    for body in bodies:
+    for body in dict.fromkeys(bodies):  # the carrier may be one of the ends
         guess, _ = body.guesses()
         for k in range(body.pose.numel()):
             symbols.append(body.pose[k])

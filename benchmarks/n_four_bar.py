@@ -1,0 +1,174 @@
+"""Time per step on a closed chain of N four-bars: dalembert on the VM beside Exudyn.
+
+Both solve the same mechanism (N + 1 vertical cranks, N couplers, uniform rods 1 m, 1 kg, g = 9.81)
+in absolute coordinates, in one process, in turns. dalembert: RK4 (four accelerations a step) with
+range-space elimination. Exudyn: its implicit generalized-α step, sparse solver from N = 10 on.
+The second table asks for time to the same error of the position of the first crank's top after
+one second, against the exact one-equation reduction.
+
+    pip install "dalembert[bench]" && python benchmarks/n_four_bar.py
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+import dalembert as da
+from dalembert import planar
+
+GRAVITY = 9.81
+DURATION = 1.0
+
+
+def build(count: int) -> da.Model:
+    """N four-bars of dalembert, every length and mass a parameter."""
+    system = da.System(f"{count} four-bars", gravity=(0.0, -GRAVITY))
+
+    def rod(name: str, **where) -> planar.Bar:
+        length = system.parameter(f"l_{name}", 1.0)
+        mass = system.parameter(f"m_{name}", 1.0)
+        return system.add(planar.Bar(name, length=length, mass=mass, **where))
+
+    last = None
+    for i in range(count + 1):
+        crank = rod(f"c{i}", angle=math.pi / 2, position=(i, 0.5), angular_velocity=-1.0)
+        system.add(planar.Revolute(f"O{i}", system.ground.point(i, 0.0), crank.start))
+        if last is not None:
+            coupler = rod(f"b{i}", angle=0.0, position=(i - 0.5, 1.0))
+            system.add(planar.Revolute(f"A{i}", last.end, coupler.start))
+            system.add(planar.Revolute(f"B{i}", coupler.end, crank.end))
+        last = crank
+    return system.build()
+
+
+def exact(count: int, end: float) -> np.ndarray:
+    """Top of the first crank by ``[(N+1)/3 + N] φ̈ = −[(N+1)/2 + N] g cos φ``."""
+    ratio = ((count + 1) / 2 + count) / ((count + 1) / 3 + count)
+    done = solve_ivp(
+        lambda t, s: [s[1], -ratio * GRAVITY * math.cos(s[0])],
+        (0, end), [math.pi / 2, -1.0], method="DOP853", rtol=1e-13, atol=1e-14,
+    )
+    return np.array([math.cos(done.y[0, -1]), math.sin(done.y[0, -1])])
+
+
+def run_ours(model: da.Model, steps: int, stabilization) -> tuple[float, np.ndarray]:
+    """Seconds for the integration alone, and the top of the first crank."""
+    motion = da.solve_dynamics(
+        model, DURATION, step=DURATION / steps, outputs=[DURATION], stabilization=stabilization
+    )
+    return motion.statistics["integration time [s]"], motion.values("c0.end.position").ravel()
+
+
+def run_exudyn(count: int, steps: int) -> tuple[float, np.ndarray]:
+    """The same mechanism in Exudyn; seconds for the solver alone."""
+    import exudyn as exu
+    from exudyn.itemInterface import (
+        MarkerBodyPosition,
+        ObjectGround,
+        ObjectJointRevolute2D,
+        ObjectRigidBody2D,
+        NodeRigidBody2D,
+    )
+    from exudyn.utilities import LoadForceVector, MarkerBodyMass  # noqa: F401
+
+    container = exu.SystemContainer()
+    system = container.AddSystem()
+    ground = system.AddObject(ObjectGround())
+
+    def rod(x: float, y: float, angle: float, speeds) -> int:
+        node = system.AddNode(
+            NodeRigidBody2D(referenceCoordinates=[x, y, angle], initialVelocities=speeds)
+        )
+        body = system.AddObject(
+            ObjectRigidBody2D(physicsMass=1.0, physicsInertia=1 / 12, nodeNumber=node)
+        )
+        weight = system.AddMarker(MarkerBodyMass(bodyNumber=body))
+        from exudyn.itemInterface import LoadMassProportional
+
+        system.AddLoad(LoadMassProportional(markerNumber=weight, loadVector=[0, -GRAVITY, 0]))
+        return body
+
+    def pin(body_i: int, at_i, body_j: int, at_j) -> None:
+        markers = [
+            system.AddMarker(MarkerBodyPosition(bodyNumber=b, localPosition=[*a, 0.0]))
+            for b, a in ((body_i, at_i), (body_j, at_j))
+        ]
+        system.AddObject(ObjectJointRevolute2D(markerNumbers=markers))
+
+    last = None
+    first = None
+    for i in range(count + 1):
+        crank = rod(i, 0.5, math.pi / 2, [0.5, 0.0, -1.0])
+        pin(ground, (i, 0.0), crank, (-0.5, 0.0))
+        first = crank if first is None else first
+        if last is not None:
+            coupler = rod(i - 0.5, 1.0, 0.0, [1.0, 0.0, 0.0])
+            pin(last, (0.5, 0.0), coupler, (-0.5, 0.0))
+            pin(coupler, (0.5, 0.0), crank, (0.5, 0.0))
+        last = crank
+    system.Assemble()
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.numberOfSteps = steps
+    settings.timeIntegration.endTime = DURATION
+    settings.timeIntegration.newton.useModifiedNewton = True
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.9
+    settings.solutionSettings.writeSolutionToFile = False
+    settings.timeIntegration.verboseMode = 0
+    if count >= 10:
+        settings.linearSolverType = exu.LinearSolverType.EigenSparse
+    begin = time.perf_counter()
+    system.SolveDynamic(settings)
+    elapsed = time.perf_counter() - begin
+    top = system.GetObjectOutputBody(
+        first, exu.OutputVariableType.Position, localPosition=[0.5, 0.0, 0.0]
+    )
+    return elapsed, np.array(top[:2])
+
+
+def time_per_step(counts: list[int], repeats: int) -> None:
+    print("time per step, best of several in turns")
+    print(f"{'N':>4} {'bodies':>7} {'RK4 [µs]':>10} {'+ projection':>13} {'Exudyn [µs]':>12} "
+          f"{'ratio':>7} {'with proj.':>11}")
+    for count in counts:
+        model = build(count)
+        steps = max(200, 4000 // count)
+        plain = projected = theirs = math.inf
+        for _ in range(repeats):
+            plain = min(plain, run_ours(model, steps, da.Stabilization())[0] / steps)
+            projected = min(projected, run_ours(model, steps, da.Projection())[0] / steps)
+            theirs = min(theirs, run_exudyn(count, steps)[0] / steps)
+        print(f"{count:>4} {2 * count + 1:>7} {plain * 1e6:>10.2f} {projected * 1e6:>13.2f} "
+              f"{theirs * 1e6:>12.2f} {theirs / plain:>7.2f} {theirs / projected:>11.2f}")
+
+
+def time_to_error(counts: list[int]) -> None:
+    print("\ntime to an error of at most 1e-6 m in the first crank's top after 1 s")
+    print(f"{'N':>4} {'ours [ms]':>10} {'steps':>7} {'Exudyn [ms]':>12} {'steps':>7} {'ratio':>7}")
+    for count in counts:
+        model, reference = build(count), exact(count, DURATION)
+
+        def needed(run, steps: int):
+            while True:
+                elapsed, top = run(steps)
+                if np.abs(top - reference).max() <= 1e-6 or steps > 200_000:
+                    return min(elapsed, run(steps)[0]), steps
+                steps *= 2
+
+        ours, n_ours = needed(lambda s: run_ours(model, s, da.Projection()), 10)
+        theirs, n_theirs = needed(lambda s: run_exudyn(count, s), 500)
+        print(f"{count:>4} {ours * 1e3:>10.3f} {n_ours:>7} {theirs * 1e3:>12.2f} {n_theirs:>7} "
+              f"{theirs / ours:>7.1f}")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("-n", type=int, nargs="+", default=[1, 3, 10, 40])
+    parser.add_argument("--repeats", type=int, default=7)
+    options = parser.parse_args()
+    time_per_step(options.n, options.repeats)
+    time_to_error(options.n)

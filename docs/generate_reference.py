@@ -1,0 +1,359 @@
+"""Writes the parts of the documentation that repeat what the code says.
+
+    python docs/generate_reference.py            rewrites them
+    python docs/generate_reference.py --check    tells whether they are up to date
+
+A generated part stands between ``<!-- generated: NAME -->`` and ``<!-- end: NAME -->``; the text
+around it is written by hand. Element tables come from the registry of elements, other tables from
+the classes and the schema of model files, names from ``dalembert.__all__``.
+"""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+import re
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import dalembert
+from dalembert.elements.registry import BODIES, CURVES, DRIVERS, FORCES, JOINTS, LAWS
+from dalembert.io import schema, tables
+from dalembert.io.fields import FROM_FILE, connected, is_needed, kind_of, written
+from dalembert.io.strategies import (
+    ANALYSES,
+    FORMULATIONS,
+    INTEGRATORS,
+    RESPONSES,
+    STABILIZATIONS,
+)
+from dalembert.symbolic.functions import FORMULA_FUNCTIONS
+
+DOCS = Path(__file__).parent
+ROOT = DOCS.parent
+
+HOLDS = {
+    "quantity": "formula",
+    "vector": "two formulas",
+    "spring-law": "formula",
+    "measure": "measure",
+    "number": "number",
+    "integer": "whole number",
+    "flag": "true or false",
+    "text": "text",
+    "body": "name of a body",
+    "joint": "name of a joint",
+    "rows": "list",
+    "count or times": "count or list of times",
+    "interval": "two numbers",
+    "points": "table",
+    "law": "law",
+    "curve": "curve",
+    "formulation": "formulation",
+    "stabilization": "stabilisation",
+    "integrator": "integrator",
+    "events": "table of events",
+}
+NEEDED = {"Bar.length", "RigidLink.length", "GearPair.radius_i", "GearPair.radius_j",
+          "RackAndPinion.radius", "RollingDisc.radius", "Stop.stiffness"}
+"""Keys that their class refuses to miss, although the field has a default."""
+REFUSED = {"Particle": {"inertia", "angle", "angular_velocity"}}
+"""Keys that a class inherits and refuses."""
+FIELD = re.compile(r"^(\w+(?:, \w+)*) : (.*)$")
+
+
+# texts of classes ------------------------------------------------------------------------
+def summary(cls: type) -> str:
+    """Everything a docstring says before its sections, as Markdown."""
+    text = inspect.getdoc(cls) or ""
+    return markdown(re.split(r"\n\n\w+\n-+\n", text)[0])
+
+
+def field_texts(cls: type) -> dict[str, str]:
+    """Parameter → description, from the docstrings of a class and its bases."""
+    found: dict[str, str] = {}
+    for base in reversed(cls.__mro__):
+        names: list[str] = []
+        for line in inspect.cleandoc(vars(base).get("__doc__") or "").splitlines():
+            match = FIELD.match(line)
+            if match:
+                names = match[1].split(", ")
+                found |= dict.fromkeys(names, match[2])
+            elif line.startswith("    ") and names:
+                found |= {n: f"{found[n]} {line.strip()}" for n in names}
+            else:
+                names = []
+    return found
+
+
+def markdown(text: str) -> str:
+    return re.sub(r"``([^`]+)``", r"`\1`", text).strip()
+
+
+def cell(text: object) -> str:
+    return " ".join(markdown(str(text)).replace("|", "\\|").split()) or " "
+
+
+def table(headings: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    lines = ["| " + " | ".join(headings) + " |", "|" + "---|" * len(list(headings))]
+    return "\n".join([*lines, *("| " + " | ".join(map(cell, row)) + " |" for row in rows)])
+
+
+def shown_default(field: dataclasses.Field, needed: bool) -> str:
+    if needed:
+        return "needed"
+    default = field.default
+    if default is dataclasses.MISSING and field.default_factory is not dataclasses.MISSING:
+        default = field.default_factory()
+    if default is None or default is dataclasses.MISSING:
+        return "none"
+    if isinstance(default, bool):
+        return f"`{str(default).lower()}`"
+    if isinstance(default, (int, float)):
+        return f"`{default:.6g}`"
+    if isinstance(default, tuple):
+        return f"`[{', '.join(f'{x:g}' for x in default)}]`"
+    if isinstance(default, str):
+        return f'`"{default}"`'
+    return f'`"{type(default).__name__}"`'
+
+
+# tables ----------------------------------------------------------------------------------
+def record(name: str, cls: type) -> str:
+    """Heading, text and keys of one class of the registry."""
+    parts = [f"### {name}", summary(cls)]
+    ties = connected(cls)
+    if ties:
+        listed = ", ".join(f.name for f in ties)
+        parts.append(f"`connect = [{listed}]`")
+    texts, from_file, rows = field_texts(cls), FROM_FILE.get(name, ()), []
+    for field in written(cls):
+        if field.name in REFUSED.get(name, ()):
+            continue
+        meta = field.metadata
+        text = meta.get("description") or texts.get(field.name, "")
+        named = kind_of(field) == "points"
+        if named:
+            text = "named points: coordinates in the body frame"
+        unit = meta.get("unit") or ("m" if named else "")
+        needed = is_needed(field) and field.name not in from_file
+        needed = needed or f"{name}.{field.name}" in NEEDED
+        rows.append(
+            (f"`{field.name}`", HOLDS[kind_of(field)], unit.replace(" | ", " or "),
+             shown_default(field, needed), text)
+        )
+    if from_file:
+        names = " and ".join(from_file)
+        text = f"CSV file with two columns, instead of {names}"
+        rows.append(("`file`", "text", "", "none", text))
+    if rows:
+        parts.append(table(("key", "holds", "unit", "default", "meaning"), rows))
+    else:
+        parts.append("No keys of its own.")
+    return "\n\n".join(parts)
+
+
+def records(registry: dict[str, type]) -> str:
+    return "\n\n".join(record(name, cls) for name, cls in registry.items())
+
+
+def section(model: type, texts: dict[str, str]) -> str:
+    """Keys of a fixed table of the schema; every key needs a text here or in the schema."""
+    rows = []
+    for name, field in model.model_fields.items():
+        default = "needed" if field.is_required() else _plain_default(field)
+        text = texts.get(name) or field.description or ""
+        rows.append((f"`{field.alias or name}`", default, text))
+    missing = [key for key, _, text in rows if not text]
+    if missing:
+        raise SystemExit(f"{model.__name__}: describe {', '.join(missing)}")
+    return table(("key", "default", "meaning"), rows)
+
+
+def _plain_default(field) -> str:
+    default = field.get_default(call_default_factory=True)
+    if default is None or default == "" or default == {} or default == []:
+        return "none"
+    if isinstance(default, bool):
+        return f"`{str(default).lower()}`"
+    if isinstance(default, (int, float)):
+        return f"`{default:g}`"
+    return f'`"{default}"`' if isinstance(default, str) else "none"
+
+
+ABOUT = "text for people"
+UNIT = "unit, a label for results; numbers are SI whatever it says"
+FIXED = {
+    "document": (schema.Document, {
+        "schema_location": "address of a schema, for editors",
+        "format": "version of the format: `1`",
+        "description": ABOUT,
+        "parameters": "name → number, or a table as below",
+        "derived": "name → formula of parameters, or a table as below",
+        "ground": "named points of the ground, in `[ground.points]`",
+        "bodies": "name → body; the type `Body` may be left out",
+        "joints": "name → joint",
+        "drivers": "name → driver",
+        "forces": "name → force",
+        "initial": "measure → number or formula that it has at the start, exactly",
+        "analysis": "what `dalembert run` computes",
+        "responses": "name → response",
+        "sensitivity": "what `dalembert sensitivity` computes",
+        "optimize": "what `dalembert optimize` computes",
+        "report": "what the report shows first",
+    }),
+    "parameter": (schema.ParameterTable, {
+        "value": "nominal value, in SI units",
+        "unit": UNIT,
+        "bounds": "`[lower, upper]` for designs; `inf` leaves a side open",
+        "description": ABOUT,
+    }),
+    "derived": (schema.DerivedTable, {
+        "formula": "formula of parameters and other derived ones",
+        "unit": UNIT,
+        "description": ABOUT,
+    }),
+    "inline": (tables.InlinePoint, {"body": "name of a body", "at": "its coordinates there [m]"}),
+    "event": (tables.EventTable, {
+        "measure": "measure or formula that crosses zero",
+        "terminal": "the run ends there",
+        "direction": "`1` rising, `-1` falling, `0` both",
+    }),
+    "sensitivity": (schema.SensitivityTable, {
+        "method": '`"auto"`, `"adjoint"`, `"direct"` or `"finite-difference"`',
+    }),
+    "optimize": (schema.OptimizeTable, {
+        "minimize": "name of the response to make small; this or `maximize`",
+        "maximize": "name of the response to make large",
+        "subject_to": "list of limits, tables as below",
+        "method": "method of the gradients",
+        "max_iterations": "of the optimiser",
+        "tolerance": "on the relative change of the objective",
+    }),
+    "limit": (schema.LimitTable, {
+        "response": "name of a response",
+        "lower": "it must not be below",
+        "upper": "it must not be above",
+    }),
+    "report": (schema.ReportTable, {}),
+}
+
+
+def functions() -> str:
+    names = (f"`{n}({', '.join('abc'[:k])})`" for n, (_, k) in FORMULA_FUNCTIONS.items())
+    return ", ".join(names)
+
+
+# names and examples -------------------------------------------------------------------------
+def api() -> str:
+    """Every public name with its signature and first sentence."""
+    rows = []
+    for name in sorted(dalembert.__all__, key=lambda n: (n[0].islower(), n.lower())):
+        rows.append((f"`{name}`", _kind(getattr(dalembert, name)), _first(name)))
+    return table(("name", "is", "what it is for"), rows)
+
+
+NAMED = {
+    "t": "time, in laws, forces and user constraints",
+    "u": "parameter of a curve that is written as formulas",
+    "laws": "motion laws for drivers",
+    "planar": "planar bodies, joints, drivers and forces",
+    "absolute": "absolute value",
+    "where": "`where(condition, a, b)`: a where the condition holds, else b",
+    "sign": "−1, 0 or 1",
+}
+
+
+def _kind(value: object) -> str:
+    if inspect.isclass(value):
+        return "error" if issubclass(value, Exception) else "class"
+    if inspect.ismodule(value):
+        return "module"
+    return "function" if callable(value) else "expression"
+
+
+def _first(name: str) -> str:
+    value = getattr(dalembert, name)
+    if name in NAMED:
+        return NAMED[name]
+    if inspect.isfunction(value) and value.__name__ == "lifted":
+        return f"{name} of numbers and formulas"
+    return (inspect.getdoc(value) or "").partition("\n")[0]
+
+
+def gallery() -> str:
+    folder = ROOT / "examples"
+    stems = sorted({p.stem for p in folder.glob("*.toml")} | {
+        p.stem for p in folder.glob("*.py") if "def main(" in p.read_text(encoding="utf-8")
+    })
+    return "\n\n".join(_example(folder, stem) for stem in stems)
+
+
+def _example(folder: Path, stem: str) -> str:
+    script, model = folder / f"{stem}.py", folder / f"{stem}.toml"
+    if script.exists():
+        text = ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or ""
+    else:
+        lines = model.read_text(encoding="utf-8").splitlines()
+        comments = lines[: next(k for k, line in enumerate(lines) if not line.startswith("#"))]
+        text = "\n".join(line.lstrip("# ") for line in comments)
+    links = [f"[{p.name}](../examples/{p.name})" for p in (model, script) if p.exists()]
+    parts = [f"## {stem.replace('_', ' ')}", markdown(text), ", ".join(links)]
+    if (DOCS / "gallery" / f"{stem}.png").exists():
+        parts.append(f"![{stem.replace('_', ' ')}](gallery/{stem}.png)")
+    return "\n\n".join(parts)
+
+
+# putting in ---------------------------------------------------------------------------------
+PARTS: dict[str, Callable[[], str]] = {
+    **{name: (lambda pair=pair: section(*pair)) for name, pair in FIXED.items()},
+    "bodies": lambda: records(BODIES),
+    "joints": lambda: records(JOINTS),
+    "drivers": lambda: records(DRIVERS),
+    "forces": lambda: records(FORCES),
+    "laws": lambda: records(LAWS),
+    "curves": lambda: records(CURVES),
+    "analyses": lambda: records(ANALYSES),
+    "formulations": lambda: records(FORMULATIONS),
+    "stabilizations": lambda: records(STABILIZATIONS),
+    "integrators": lambda: records(INTEGRATORS),
+    "responses": lambda: records(RESPONSES),
+    "functions": functions,
+    "api": api,
+    "gallery": gallery,
+}
+BLOCK = re.compile(r"<!-- generated: (\w+) -->\n.*?<!-- end: \1 -->", re.DOTALL)
+
+
+def renewed(text: str) -> str:
+    """A page with its generated parts made again."""
+    return BLOCK.sub(
+        lambda m: f"<!-- generated: {m[1]} -->\n\n{PARTS[m[1]]()}\n\n<!-- end: {m[1]} -->", text
+    )
+
+
+def stale(write: bool = False) -> list[Path]:
+    """Pages whose generated parts differ from the code."""
+    found = []
+    for page in sorted(DOCS.glob("*.md")):
+        old = page.read_text(encoding="utf-8")
+        new = renewed(old)
+        if new != old:
+            found.append(page)
+            if write:
+                page.write_text(new, encoding="utf-8")
+    return found
+
+
+def main(arguments: list[str]) -> int:
+    check = "--check" in arguments
+    pages = stale(write=not check)
+    for page in pages:
+        print(f"{'out of date' if check else 'renewed'}: {page.relative_to(ROOT)}")
+    return int(check and bool(pages))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,109 @@
+"""``dalembert optimize``: the best parameters for a response of a model file."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dalembert.cli.console import DONE, FAILED, AsJson, Quiet, Settings, console, emit, wrong_input
+from dalembert.cli.loading import loaded, output_folder
+
+if TYPE_CHECKING:
+    from dalembert.design.optimization import Optimum
+
+
+def optimize(
+    model: Path,
+    /,
+    *,
+    output: Path | None = None,
+    settings: Settings | None = None,
+    quiet: Quiet = False,
+    as_json: AsJson = False,
+) -> int:
+    """Find the parameter values that make a response of a model file best.
+
+    Parameters
+    ----------
+    model
+        Model file with [analysis], [responses] and [optimize].
+    output
+        Folder for the motion of the best design (.optimum.nc and .optimum.report.html); none is
+        written by default.
+    settings
+        Value of a parameter to start from, name=value; repeatable.
+    quiet
+        Do not print the iterations.
+    as_json
+        Print one JSON document instead of text.
+    """
+    from dalembert.design.optimization import optimize as best_of
+    from dalembert.io.analyses import make_analysis
+    from dalembert.io.tasks import make_design, report_choices
+
+    file, built = loaded(model, settings)
+    with wrong_input():
+        task = make_analysis(file, built)
+        design = make_design(file, built)
+        choices = report_choices(file, built)
+    folder = output_folder(output) if output else None
+
+    def tell(number: int, objective: float) -> None:
+        print(f"iteration {number}: {objective:.8g}", file=sys.stderr)
+
+    silent = quiet or as_json
+    best = best_of(built, **design, analysis=task, progress=False if silent else tell)
+    files = []
+    if folder is not None:
+        base = folder / f"{file.path.stem}.optimum"
+        files.append(best.motion.save(f"{base}.nc"))
+        files.append(best.motion.report(f"{base}.report.html", **choices))
+    made = _document(best, files)
+    if as_json:
+        emit(made)
+    else:
+        _print(file.name, made)
+    return DONE if best.success else FAILED
+
+
+def _document(best: Optimum, files: list[Path]) -> dict[str, Any]:
+    return {
+        "ok": best.success,
+        "message": best.message,
+        "x": best.x,
+        "fun": best.fun,
+        "start": best.history[0].parameters,
+        "start_fun": best.history[0].objective,
+        "gradient": best.gradient,
+        "violation": best.violation,
+        "at_bounds": best.at_bounds,
+        "active": best.active,
+        "iterations": len(best.history) - 1,
+        "runs": best.runs,
+        "failed_runs": best.failed_runs,
+        "history": [
+            {"parameters": i.parameters, "objective": i.objective, "violation": i.violation}
+            for i in best.history
+        ],
+        "files": [str(f) for f in files],
+    }
+
+
+def _print(name: str, made: dict[str, Any]) -> None:
+    out = console()
+    style = "green" if made["ok"] else "red"
+    out.print(f"{name}: {made['message']}", markup=False, style=style)
+    out.print(f"  objective  {made['start_fun']:.8g} → {made['fun']:.8g}", markup=False)
+    for parameter, value in made["x"].items():
+        note = "  (at its bound)" if parameter in made["at_bounds"] else ""
+        start = made["start"][parameter]
+        out.print(f"  {parameter:<10} {start:.8g} → {value:.8g}{note}", markup=False)
+    if made["active"]:
+        out.print(f"  limits that hold with equality: {', '.join(made['active'])}", markup=False)
+    if made["violation"] > 0:
+        out.print(f"  largest violation of a limit: {made['violation']:.3g}", markup=False)
+    failed = f", {made['failed_runs']} failed" if made["failed_runs"] else ""
+    out.print(f"  {made['iterations']} iterations, {made['runs']} runs{failed}", markup=False)
+    for path in made["files"]:
+        out.print(f"  written {path}", markup=False)

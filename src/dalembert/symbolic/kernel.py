@@ -1,0 +1,46 @@
+"""Calling a compiled graph from NumPy without converting a number twice.
+
+CasADi's own conversions between NumPy and its matrices cost more per column than a time step, so
+arrays are handed over as memory.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+
+class Kernel:
+    """A CasADi function on NumPy arrays.
+
+    Arguments are arrays of the function's shapes (vectors for single columns or rows); scalars
+    fill their argument. Results are arrays of the full shape, one per output.
+
+    Parameters
+    ----------
+    function : dense in all inputs and outputs
+    """
+
+    def __init__(self, function: ca.Function):
+        self.function = function
+        self._sizes = [function.numel_in(i) for i in range(function.n_in())]
+        self._shapes = [function.size_out(i) for i in range(function.n_out())]
+
+    def __call__(self, *arguments) -> list[np.ndarray]:
+        buffer, trigger = self.function.buffer()
+        kept = []
+        for i, (argument, size) in enumerate(zip(arguments, self._sizes, strict=True)):
+            flat = np.ascontiguousarray(np.asarray(argument, dtype=float).ravel(order="F"))
+            if flat.size == 1 and size != 1:
+                flat = np.full(size, flat[0])
+            if flat.size != size:
+                raise ValueError(
+                    f"{self.function.name()}: argument {i} has {flat.size} entries, needs {size}"
+                )
+            kept.append(flat)
+            buffer.set_arg(i, memoryview(flat))
+        results = [np.zeros(rows * columns) for rows, columns in self._shapes]
+        for i, result in enumerate(results):
+            buffer.set_res(i, memoryview(result))
+        trigger()
+        return [r.reshape(shape, order="F") for r, shape in zip(results, self._shapes, strict=True)]

@@ -1,0 +1,132 @@
+"""Formulas in text mean what Python means by them."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+
+import casadi as ca
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from dalembert.errors import ExpressionError
+from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.parser import parse_formula
+
+X, Y = Expression(ca.SX.sym("x")), Expression(ca.SX.sym("y"))
+NAMES = {"x": X, "y": Y, "body.x": Y}
+MEANING = {
+    **{
+        n: getattr(math, n) for n in ("sin", "cos", "tanh", "exp", "atan", "atan2", "hypot", "sqrt")
+    },
+    "abs": abs,
+    "min": min,
+    "max": max,
+    "floor": math.floor,
+    "where": lambda c, a, b: a if c else b,
+    "smooth_abs": lambda a, w: math.sqrt(a * a + w * w),
+    "sign": lambda a: (a > 0) - (a < 0),
+    "pi": math.pi,
+    "e": math.e,
+}
+
+leaves = st.one_of(
+    st.sampled_from(["x", "y", "pi", "e"]),
+    st.floats(0.01, 9, allow_nan=False).map(lambda v: repr(round(v, 3))),
+    st.integers(0, 9).map(str),
+)
+
+
+def _grow(inner):
+    one = st.sampled_from(["sin", "cos", "tanh", "atan", "abs", "floor", "sign"])
+    two = st.sampled_from(["min", "max", "hypot", "atan2", "smooth_abs"])
+    return st.one_of(
+        st.tuples(inner, st.sampled_from(["+", "-", "*", "/"]), inner).map(" ".join),
+        st.tuples(inner, st.sampled_from(["+", "-", "*"]), inner).map(lambda p: f"({' '.join(p)})"),
+        inner.map(lambda a: f"-{a}"),
+        st.tuples(inner, st.integers(0, 3)).map(lambda p: f"({p[0]}) ** {p[1]}"),
+        st.tuples(one, inner).map(lambda p: f"{p[0]}({p[1]})"),
+        st.tuples(two, inner, inner).map(lambda p: f"{p[0]}({p[1]}, {p[2]})"),
+        st.tuples(st.sampled_from(["<", "<=", ">", ">="]), inner, inner, inner, inner).map(
+            lambda p: f"where({p[1]} {p[0]} {p[2]}, {p[3]}, {p[4]})"
+        ),
+    )
+
+
+formulas = st.recursive(leaves, _grow, max_leaves=12)
+numbers = st.floats(-3, 3, allow_nan=False)
+
+
+def value(formula: Expression, x: float, y: float) -> float:
+    return float(ca.Function("f", [X.sx, Y.sx], [formula.sx])(x, y))
+
+
+@settings(max_examples=300)
+@given(text=formulas, x=numbers, y=numbers)
+def test_any_formula_has_the_value_python_gives_it(text, x, y):
+    try:
+        expected = eval(text, {"__builtins__": {}}, {**MEANING, "x": x, "y": y})
+        found = value(parse_formula(text, NAMES.get), x, y)
+    except (ZeroDivisionError, OverflowError, ExpressionError):
+        assume(False)
+    assume(math.isfinite(expected) and abs(expected) < 1e9)
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("2 ** 3 ** 2", 512.0),
+        ("-x ** 2", -0.25),
+        ("2 * body.x", 4.0),
+        ("x - y - 1", -2.5),
+        ("8 / 4 / 2", 1.0),
+        ("1e-3 * pi", 1e-3 * math.pi),
+        ("where(x < y, 1, 2)", 1.0),
+    ],
+)
+def test_precedence_and_names(text, expected):
+    assert value(parse_formula(text, NAMES.get), 0.5, 2.0) == pytest.approx(expected)
+
+
+@settings(max_examples=200)
+@given(text=st.text(max_size=40))
+def test_any_text_is_a_formula_or_a_clear_error(text):
+    """Nothing but ``ExpressionError`` ever comes out."""
+    with contextlib.suppress(ExpressionError):
+        parse_formula(text, NAMES.get, lambda: list(NAMES))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "__import__('os')",
+        "x.__class__",
+        "(lambda: 1)()",
+        "[x]",
+        "x if y else 1",
+        "x == y",
+        "x and y",
+        "sin()",
+        "sin(x, y)",
+        "unknown",
+        "9**9**9",
+        "1/0",
+        "(" * 60 + "x" + ")" * 60,
+        "",
+        "x; y",
+        "'a'",
+        "True",
+        "nan",
+        "x @ y",
+        "x[0]",
+        "sin(x=1)",
+        "*x",
+        "x := 1",
+        "1e999",
+    ],
+)
+def test_everything_else_is_refused(text):
+    with pytest.raises(ExpressionError):
+        parse_formula(text, NAMES.get)

@@ -1,0 +1,212 @@
+"""Mechanics that is easily got wrong: revolving gears, zero lengths, far guesses, wrong inputs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+from dalembert.elements.laws import CycloidalRise
+
+
+def planetary(with_carrier: bool) -> da.System:
+    """Fixed sun 0.2 m, planet 0.1 m on an arm that turns once per second."""
+    system = da.System("planetary")
+    arm = system.add(planar.Body("arm", mass=1, inertia=1, position=(0.3, 0), angle=0))
+    sun = system.add(planar.Body("sun", mass=1, inertia=1, position=(0, 0), angle=0))
+    planet = system.add(planar.Body("planet", mass=1, inertia=1, position=(0.3, 0), angle=0))
+    system.add(planar.Revolute("pivot", system.ground.center, arm.point(-0.3, 0)))
+    system.add(planar.Revolute("pin", arm.center, planet.center))
+    system.add(planar.Weld("fixed", system.ground.center, sun.center))
+    system.add(
+        planar.GearPair(
+            "mesh",
+            sun.center,
+            planet.center,
+            radius_i=0.2,
+            radius_j=0.1,
+            carrier=arm if with_carrier else None,
+        )
+    )
+    system.add(planar.RotationalDriver("motor", system.ground, arm, 2 * np.pi * da.t))
+    return system
+
+
+@pytest.mark.parametrize("with_carrier", [True, False])
+@pytest.mark.parametrize("solve", [da.solve_kinematics, da.solve_dynamics])
+def test_planet_turns_by_willis(solve, with_carrier):
+    """φ_planet = (1 + r_sun/r_planet) φ_arm, over more than a turn."""
+    motion = solve(planetary(with_carrier).build(), 1.3, step=0.01)
+    assert motion.status.success
+    assert motion["planet.angle"].values[-1] == pytest.approx(3 * 2 * np.pi * 1.3, abs=1e-9)
+
+
+def test_spring_of_length_zero():
+    """A linear spring without free length is harmonic, from rest at its own anchor too."""
+    system = da.System("drop", gravity=(0.0, -9.81))
+    bob = system.add(planar.Particle("bob", mass=1.0, position=(0, 0)))
+    system.add(planar.Spring("spring", system.ground.center, bob.center, stiffness=100.0))
+    motion = da.solve_dynamics(system.build(), 1.0, step=0.005)
+    assert motion["bob.y"].values[-1] == pytest.approx(-0.0981 * (1 - np.cos(10.0)), abs=1e-6)
+
+
+def test_guess_out_of_reach_is_corrected():
+    """A slider guessed beyond its dead centre is pulled back; the mechanism can be assembled."""
+    system = da.System("slider-crank")
+    slider = system.add(planar.Body("slider", mass=1, inertia=1, position=(3.1, 0), angle=0))
+    crank = system.add(planar.Bar("crank", length=1.0, mass=1, angle=0.5))
+    rod = system.add(planar.Bar("rod", length=2.0, mass=1))
+    system.add(planar.Revolute("O", system.ground.center, crank.start))
+    system.add(planar.Revolute("A", crank.end, rod.start))
+    system.add(planar.Revolute("B", rod.end, slider.center))
+    system.add(planar.Translational("C", system.ground.center, slider.center))
+    model = system.build()
+    assert model.start.residual < 1e-10
+    assert model.diagnosis.corrections
+
+
+@pytest.mark.parametrize("direction", np.arange(0, 2 * np.pi, np.pi / 4))
+def test_point_goes_to_the_nearest_place_of_a_curve(direction):
+    corners = [(np.cos(a), np.sin(a)) for a in np.arange(0, 2 * np.pi, np.pi / 4)]
+    system = da.System("cam")
+    place = 1.1 * np.array([np.cos(direction), np.sin(direction)])
+    pin = system.add(planar.Particle("pin", mass=1, position=place))
+    system.add(planar.PointOnCurve("cam", system.ground, pin.center, da.SplineCurve(corners)))
+    assert np.linalg.norm(system.build().start.y[:2] - place) < 0.5
+
+
+@pytest.mark.parametrize("formulation", [da.Kkt(), da.RangeSpace()])
+def test_inertia_zero_by_parameter(formulation):
+    """A parameter that is zero acts as the number zero."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    inertia = system.parameter("inertia", 0.0)
+    bob = system.add(planar.Body("bob", mass=1.0, inertia=inertia, position=(1, 0), angle=0))
+    system.add(planar.Revolute("pin", system.ground.center, bob.point(-1, 0)))
+    motion = da.solve_dynamics(system.build(), 0.5, step=0.01, formulation=formulation)
+    assert motion.status.success
+
+
+def test_friction_may_depend_on_the_load():
+    """Sliding with friction μ N comes to v = v0 − μ g t."""
+    system = da.System("sledge", gravity=(0.0, -9.81))
+    sledge = system.add(
+        planar.Body("sledge", mass=2, inertia=1, position=(0, 0), angle=0, velocity=(3, 0))
+    )
+    joint = system.add(planar.Translational("rail", system.ground.center, sledge.center))
+    load = system.lookup("rail.force_norm")
+    system.add(planar.JointFriction("friction", joint, coulomb=0.3 * load, transition=1e-3))
+    motion = da.solve_dynamics(system.build(), 0.5, step=0.001)
+    assert motion["sledge.vx"].values[-1] == pytest.approx(3 - 0.3 * 9.81 * 0.5, abs=1e-6)
+
+
+def test_start_in_a_singular_position():
+    """An aligned parallelogram is built and diagnosed, or refused with a reason."""
+    system = da.System("parallelogram")
+    cranks = [
+        system.add(planar.Bar(f"crank{k}", length=1.0, mass=1, angle=0.0, angular_velocity=0.5))
+        for k in range(2)
+    ]
+    coupler = system.add(planar.Bar("coupler", length=2.0, mass=1, angle=0.0))
+    for k, crank in enumerate(cranks):
+        system.add(planar.Revolute(f"O{k}", system.ground.point(2 * k, 0), crank.start))
+        system.add(planar.Revolute(f"A{k}", crank.end, coupler.point(2 * k - 1, 0)))
+    assert _built_or_refused(system, "singular")
+
+
+def _built_or_refused(system: da.System, reason: str) -> bool:
+    try:
+        return system.build().diagnosis.singular_position
+    except da.DalembertError as refused:
+        return reason in str(refused)
+
+
+def _body(system: da.System, name="b"):
+    return system.add(planar.Body(name, mass=1, inertia=1, position=(0, 0), angle=0))
+
+
+def _speed_in_constraint(system):
+    body = _body(system)
+    system.add(planar.UserConstraint("user", body.x - body.vy))
+
+
+def _speed_in_stop(system):
+    system.add(planar.Stop("stop", _body(system).vy, lower=-1.0, stiffness=10.0))
+
+
+def _foreign_parameter_in_force(system):
+    system.add(planar.Force("force", _body(system), (da.System("other").parameter("q", 1.0), 0.0)))
+
+
+def _foreign_parameter_in_point(system):
+    anchor = system.ground.point(da.System("other").parameter("q", 1.0), 0.0)
+    system.add(planar.Spring("spring", anchor, _body(system).center, stiffness=1.0))
+
+
+def _distance_not_positive(system):
+    bob = system.add(planar.Particle("bob", mass=1, position=(0.5, 0)))
+    system.add(planar.DistanceDriver("driver", system.ground.center, bob.center, -0.5))
+
+
+def _particle_without_turn(system):
+    bob = system.add(planar.Particle("bob", mass=1, position=(0, 0)))
+    system.add(planar.Translational("rail", _body(system).center, bob.center))
+
+
+def _particle_with_an_arm(system):
+    bob = system.add(planar.Particle("bob", mass=1, position=(0, 0)))
+    system.add(planar.Revolute("pin", system.ground.center, bob.point(0.1, 0)))
+
+
+def _particle_rolls(system):
+    bob = system.add(planar.Particle("bob", mass=1, position=(0, 0.1)))
+    system.add(planar.RollingDisc("wheel", system.ground.center, bob.center, radius=0.1))
+
+
+def _rise_longer_than_its_period(system):
+    law = CycloidalRise(height=1.0, duration=1.0, fall=1.0, period=1.5)
+    system.add(planar.RotationalDriver("motor", system.ground, _body(system), law))
+
+
+def _rise_that_jumps_back(system):
+    law = CycloidalRise(height=1.0, duration=1.0, period=1.5)
+    system.add(planar.RotationalDriver("motor", system.ground, _body(system), law))
+
+
+@pytest.mark.parametrize(
+    "describe",
+    [
+        _speed_in_constraint,
+        _speed_in_stop,
+        _foreign_parameter_in_force,
+        _foreign_parameter_in_point,
+        _distance_not_positive,
+        _particle_without_turn,
+        _particle_with_an_arm,
+        _particle_rolls,
+        _rise_longer_than_its_period,
+        _rise_that_jumps_back,
+    ],
+)
+def test_wrong_descriptions_are_refused(describe):
+    """A ``ModelError`` that names the element, when it is made or when the system is built."""
+    system = da.System("wrong", gravity=(0.0, -9.81))
+
+    def build():
+        describe(system)
+        system.build()
+
+    with pytest.raises(da.ModelError):
+        build()
+
+
+def test_outputs_after_a_terminal_event_are_left_out():
+    """The motion ends at the event, and that is its last time."""
+    system = da.System("fall", gravity=(0.0, -9.81))
+    bob = system.add(planar.Particle("bob", mass=1.0, position=(0, 1)))
+    hit = da.Event(bob.y, terminal=True)
+    motion = da.solve_dynamics(
+        system.build(), 1.0, step=0.01, events={"hit": hit}, outputs=[0.6, 0.9]
+    )
+    assert motion.status.outcome is da.Outcome.TERMINATED
+    assert motion.time[-1] == pytest.approx(np.sqrt(2 / 9.81), abs=1e-12)

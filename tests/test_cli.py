@@ -1,0 +1,227 @@
+"""The command line as people and programs use it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from dalembert.cli import main
+from dalembert.cli.app import COMMANDS
+
+FOUR_BAR = Path(__file__).parents[1] / "examples" / "four_bar.toml"
+
+
+@pytest.fixture
+def model(tmp_path) -> Path:
+    """The example, shortened."""
+    path = tmp_path / "four_bar.toml"
+    text = FOUR_BAR.read_text(encoding="utf-8").replace("duration = 4.0", "duration = 0.5")
+    path.write_text(text.replace("outputs = 201", "outputs = 26"), encoding="utf-8")
+    return path
+
+
+def told(capsys) -> dict:
+    return json.loads(capsys.readouterr().out)
+
+
+def test_help(capsys):
+    assert main(["--help"]) == 0
+    text = capsys.readouterr().out
+    for name in COMMANDS:
+        assert name in text
+        assert main([name, "--help"]) == 0
+        page = capsys.readouterr().out
+        assert "--json" in page
+        assert COMMANDS[name].split()[0] in page
+
+
+def test_version(capsys):
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out.strip()[0].isdigit()
+
+
+def test_check_explains(model, capsys):
+    assert main(["check", str(model)]) == 0
+    text = capsys.readouterr().out
+    for word in ("1 degree of freedom", "crank", "O1 → A → B → O2", "l1 = 0.3 m", "links = 1.9 m"):
+        assert word in text
+
+
+def test_check_as_json(model, capsys):
+    assert main(["check", str(model), "--json", "--set", "l1=0.25"]) == 0
+    made = told(capsys)
+    assert made["diagnosis"]["degrees_of_freedom"] == 1
+    assert made["diagnosis"]["joints"] == ["O1", "A", "B", "O2"]
+    assert made["parameters"]["l1"]["value"] == 0.25
+    assert made["derived"]["links"]["value"] == pytest.approx(1.85)
+
+
+def test_check_names_redundant_joints(tmp_path, capsys):
+    path = tmp_path / "double.toml"
+    path.write_text(
+        'format = 1\n[bodies.a]\nmass = 1\ninertia = 1\n[joints.A]\ntype = "Revolute"\n'
+        'connect = ["ground", "a"]\n[joints.B]\ntype = "Revolute"\nconnect = ["ground", "a"]\n',
+        encoding="utf-8",
+    )
+    assert main(["check", str(path)]) == 0
+    text = capsys.readouterr().out
+    assert "redundant" in text
+    assert "of B follows from A" in text
+
+
+def test_run_writes_results_and_report(model, tmp_path, capsys):
+    out = tmp_path / "new" / "results"
+    assert main(["run", str(model), "--output", str(out), "--csv"]) == 0
+    text = capsys.readouterr().out
+    assert "completed" in text
+    names = ["four_bar.csv", "four_bar.nc", "four_bar.report.html"]
+    assert sorted(p.name for p in out.iterdir()) == names
+    for name in names:
+        assert str(out / name) in text
+    with xr.open_dataset(out / "four_bar.nc") as data:
+        assert data.sizes["time"] == 26
+    assert "coupler.P" in (out / "four_bar.report.html").read_text(encoding="utf-8")
+
+
+def test_run_here_by_default(model, tmp_path, monkeypatch, capsys):
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    assert main(["run", str(model), "--no-report", "--quiet"]) == 0
+    assert [p.name for p in here.iterdir()] == ["four_bar.nc"]
+    captured = capsys.readouterr()
+    assert not captured.out + captured.err
+
+
+def test_run_as_json(model, tmp_path, capsys):
+    assert (
+        main(["run", str(model), "--output", str(tmp_path / "o"), "--json", "--set", "l1=0.25"])
+        == 0
+    )
+    made = told(capsys)
+    assert made["ok"]
+    assert made["time"] == pytest.approx(0.5)
+    assert made["largest"]["position_violation"] < 1e-10
+    assert all(Path(f).exists() for f in made["files"])
+
+
+@pytest.mark.parametrize("kind", ["Equilibrium", "Linearization"])
+def test_another_analysis(kind, model, tmp_path, capsys):
+    text = model.read_text(encoding="utf-8").replace('angle = "pi/2"', 'angle = "-pi/2"')
+    model.write_text(text, encoding="utf-8")
+    out = tmp_path / "o"
+    assert main(["run", str(model), "--analysis", kind, "--output", str(out), "--csv"]) == 0
+    assert (out / "four_bar.nc").exists()
+    assert "stable" in capsys.readouterr().out
+
+
+def test_failed_run_keeps_what_it_had(tmp_path, capsys):
+    path = tmp_path / "locked.toml"
+    text = FOUR_BAR.read_text(encoding="utf-8").replace('type = "Dynamics"', 'type = "Kinematics"')
+    for line in ("formulation", "stabilization", "integrator"):
+        text = "\n".join(row for row in text.splitlines() if not row.startswith(line))
+    text = text.replace("value = 0.3", "value = 0.7").replace("bounds = [0.2, 0.4], ", "")
+    text += '\n[drivers.motor]\ntype = "RotationalDriver"\nconnect = ["ground", "crank"]\n'
+    path.write_text(text + 'law = "pi/2 + t"\n', encoding="utf-8")
+    out = tmp_path / "o"
+    assert main(["run", str(path), "--output", str(out)]) == 1
+    assert "locked" in capsys.readouterr().out
+    assert (out / "locked.nc").exists()
+
+
+def test_report_again(model, tmp_path, capsys):
+    out = tmp_path / "o"
+    assert main(["run", str(model), "--output", str(out), "--no-report", "--quiet"]) == 0
+    assert main(["report", str(out / "four_bar.nc")]) == 0
+    assert "four-bar" in (out / "four_bar.report.html").read_text(encoding="utf-8")
+    capsys.readouterr()
+    assert main(["report", str(model)]) == 2
+    assert str(model) in capsys.readouterr().err
+
+
+def test_methods_of_sensitivity_agree(model, tmp_path, capsys):
+    gradients = {}
+    for method in ("adjoint", "direct", "finite-difference"):
+        assert main(["sensitivity", str(model), "--method", method, "--json"]) == 0
+        gradients[method] = told(capsys)["responses"]["angle"]["gradient"]
+    for name in ("l1", "l2", "l3"):
+        exact = gradients["adjoint"][name]
+        assert gradients["direct"][name] == pytest.approx(exact, rel=1e-9)
+        assert gradients["finite-difference"][name] == pytest.approx(exact, rel=1e-5)
+    assert main(["sensitivity", str(model), "--output", str(tmp_path / "o")]) == 0
+    assert (tmp_path / "o" / "four_bar.sensitivity.csv").exists()
+    assert main(["sensitivity", str(model), "--method", "adjont"]) == 2
+    assert "did you mean 'adjoint'" in capsys.readouterr().err
+
+
+def test_optimize(model, tmp_path, capsys):
+    out = tmp_path / "o"
+    assert main(["optimize", str(model), "--json", "--output", str(out)]) == 0
+    made = told(capsys)
+    assert made["fun"] < made["start_fun"]
+    assert set(made["x"]) == {"l2", "l3"}
+    assert (out / "four_bar.optimum.report.html").exists()
+    assert main(["optimize", str(model), "--quiet"]) == 0
+    assert "objective" in capsys.readouterr().out
+
+
+def test_schema(tmp_path, capsys):
+    assert main(["schema"]) == 0
+    made = told(capsys)
+    assert "joints" in made["properties"]
+    assert main(["schema", "--output", str(tmp_path / "s.json")]) == 0
+    assert json.loads((tmp_path / "s.json").read_text(encoding="utf-8")) == made
+
+
+def test_examples(tmp_path, capsys):
+    assert main(["examples", "--json"]) == 0
+    assert "four_bar" in told(capsys)["examples"]
+    assert main(["examples", "four_bar", "--output", str(tmp_path)]) == 0
+    assert (tmp_path / "four_bar.toml").read_text(encoding="utf-8") == FOUR_BAR.read_text(
+        encoding="utf-8"
+    )
+    capsys.readouterr()
+    assert main(["examples", "four_bar", "--output", str(tmp_path)]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert main(["examples", "fourbar"]) == 2
+    assert "did you mean 'four_bar'" in capsys.readouterr().err
+
+
+# as a process ------------------------------------------------------------------------
+def started(*arguments: str, **options) -> subprocess.Popen:
+    return subprocess.Popen(
+        [sys.executable, "-m", "dalembert.cli", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **options,
+    )
+
+
+def test_exit_code_of_the_process(tmp_path):
+    process = started("check", str(tmp_path / "none.toml"))
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert errors.count("\n") == 1
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends an interrupt signal")
+def test_interrupt_keeps_the_results(model, tmp_path):
+    text = model.read_text(encoding="utf-8").replace("duration = 0.5", "duration = 20000")
+    model.write_text(text, encoding="utf-8")
+    process = started("run", str(model), "--output", str(tmp_path / "o"), "--no-report")
+    time.sleep(4)
+    process.send_signal(signal.SIGINT)
+    out, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert "interrupted" in out
+    assert "Traceback" not in errors
+    assert (tmp_path / "o" / "four_bar.nc").exists()

@@ -1,0 +1,189 @@
+"""The documentation is true: its code runs, its models build, its links lead somewhere."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+import dalembert
+from dalembert.cli import main
+from dalembert.cli.app import COMMANDS
+from dalembert.elements import registry
+from dalembert.io import load_model_file
+from dalembert.io.tasks import check_tasks
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))]
+FENCE = re.compile(r"^```(\S*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+LINK = re.compile(r"\[(?:[^\]\\]|\\.)*\]\(([^)\s]+)\)")
+ELEMENTS = [
+    name
+    for table in ("BODIES", "JOINTS", "DRIVERS", "FORCES", "LAWS", "CURVES")
+    for name in getattr(registry, table)
+]
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: its language, its text, and the line of the page on which the text begins."""
+
+    language: str
+    text: str
+    line: int
+
+
+def blocks(page: Path, language: str) -> list[Block]:
+    text = page.read_text(encoding="utf-8")
+    found = [Block(m[1], m[2], text.count("\n", 0, m.start()) + 2) for m in FENCE.finditer(text)]
+    return [b for b in found if b.language == language]
+
+
+def models(page: Path) -> dict[str, str]:
+    """File name → text of the blocks that claim to be a model; the first line names the file."""
+    found = {}
+    for block in blocks(page, "toml"):
+        if re.search(r"^format\s*=", block.text, re.MULTILINE):
+            name = block.text.partition("\n")[0].lstrip("# ").strip()
+            assert name.endswith(".toml"), f"{page.name}:{block.line}: begin with '# NAME.toml'"
+            found[name] = block.text
+    return found
+
+
+def prose(page: Path) -> str:
+    """The page without fenced blocks."""
+    return FENCE.sub("", page.read_text(encoding="utf-8"))
+
+
+def having(language: str) -> list:
+    return [pytest.param(p, id=p.name) for p in PAGES if blocks(p, language)]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder beside the examples, as a reader would have it."""
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    return tmp_path
+
+
+def write_models(page: Path, folder: Path) -> None:
+    for name, text in models(page).items():
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+@pytest.mark.parametrize("page", having("python"))
+def test_python_runs_as_printed(page, folder):
+    write_models(page, folder)
+    lines: list[str] = []
+    for block in blocks(page, "python"):  # on the lines of the page, so that tracebacks point there
+        lines += [""] * (block.line - 1 - len(lines)) + block.text.splitlines()
+    script = folder / f"{page.stem}_blocks.py"
+    script.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, script], capture_output=True, text=True, check=False, env=os.environ
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("page", [p for p in having("toml") if models(p.values[0])])
+def test_models_load_and_build(page, folder):
+    write_models(page, folder)
+    for name in models(page):
+        file = load_model_file(folder / name)
+        check_tasks(file, file.model())
+
+
+@pytest.mark.parametrize("page", having("sh"))
+def test_commands_run(page, folder, capsys):
+    write_models(page, folder)
+    for block in blocks(page, "sh"):
+        for line in block.text.splitlines():
+            words = shlex.split(line, comments=True)
+            if words[:1] == ["dalembert"]:
+                assert main(words[1:]) == 0, f"{line}\n{capsys.readouterr().err}"
+
+
+def test_commands_that_are_named_exist():
+    named = {
+        name
+        for page in PAGES
+        for name in re.findall(r"dalembert ([a-z]+)\b", " ".join(re.findall(r"`[^`\n]+`", prose(page))))
+    }
+    assert named <= set(COMMANDS)
+    assert set(COMMANDS) <= set(re.findall(r"\w+", (ROOT / "README.md").read_text(encoding="utf-8")))
+
+
+def anchors(page: Path) -> set[str]:
+    """Names that headings get, as GitHub and MyST make them."""
+    headings = re.findall(r"^#+ (.*)$", prose(page), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_links_lead_somewhere(page):
+    for target in LINK.findall(prose(page)):
+        if target.startswith(("https://", "http://", "mailto:")):
+            continue
+        path, _, anchor = target.partition("#")
+        there = (page.parent / path).resolve() if path else page
+        assert there.exists(), f"{target}: there is no such file"
+        assert not anchor or anchor in anchors(there), f"{target}: there is no such heading"
+
+
+def test_every_page_is_linked():
+    text = prose(DOCS / "index.md")
+    assert {p.name for p in DOCS.glob("*.md")} - {"index.md"} <= set(LINK.findall(text))
+    listed = blocks(DOCS / "index.md", "{toctree}")[0].text.split()
+    assert {p.stem for p in DOCS.glob("*.md")} - {"index"} <= set(listed)
+
+
+@pytest.mark.parametrize("page", ["theory.md", "architecture.md", "extending.md"])
+def test_source_files_that_are_named_exist(page):
+    source, last = ROOT / "src" / "dalembert", Path()
+    for name in re.findall(r"`([\w/.]+\.py|[\w/]+/)`", prose(DOCS / page)):
+        if name.endswith("rope.py"):  # the example of a new file
+            continue
+        known = [source / name, ROOT / name, last / name]
+        found = next((p for p in known if p.exists()), None)
+        if found is None:
+            found = next(source.rglob(name), None)
+        assert found, name
+        last = found.parent
+
+
+def test_contributing_is_short():
+    assert len((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()) <= 60
+
+
+def test_generated_parts_are_up_to_date():
+    spec = importlib.util.spec_from_file_location("generate_reference", DOCS / "generate_reference.py")
+    generator = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = generator
+    spec.loader.exec_module(generator)
+    stale = [page.name for page in generator.stale()]
+    assert not stale, f"run: python docs/generate_reference.py (out of date: {', '.join(stale)})"
+    used = {name for p in PAGES for name in generator.BLOCK.findall(p.read_text(encoding="utf-8"))}
+    assert used == set(generator.PARTS)
+
+
+def test_every_public_name_is_told():
+    text = "\n".join(p.read_text(encoding="utf-8") for p in PAGES)
+    told = set(re.findall(r"\w+", text))
+    assert set(dalembert.__all__) <= told
+    assert set(dalembert.laws.__all__) - {"Law"} <= told
+
+
+@pytest.mark.parametrize("page", [DOCS / "elements.md", ROOT / "README.md"], ids=lambda p: p.name)
+def test_every_element_is_told(page):
+    assert set(ELEMENTS) <= set(re.findall(r"\w+", prose(page)))
