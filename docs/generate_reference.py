@@ -56,8 +56,15 @@ HOLDS = {
     "integrator": "integrator",
     "events": "table of events",
 }
-NEEDED = {"Bar.length", "RigidLink.length", "GearPair.radius_i", "GearPair.radius_j",
-          "RackAndPinion.radius", "RollingDisc.radius", "Stop.stiffness"}
+NEEDED = {
+    "Bar.length",
+    "RigidLink.length",
+    "GearPair.radius_i",
+    "GearPair.radius_j",
+    "RackAndPinion.radius",
+    "RollingDisc.radius",
+    "Stop.stiffness",
+}
 """Keys that their class refuses to miss, although the field has a default."""
 REFUSED = {"Particle": {"inertia", "angle", "angular_velocity"}}
 """Keys that a class inherits and refuses."""
@@ -141,8 +148,13 @@ def record(name: str, cls: type) -> str:
         needed = is_needed(field) and field.name not in from_file
         needed = needed or f"{name}.{field.name}" in NEEDED
         rows.append(
-            (f"`{field.name}`", HOLDS[kind_of(field)], unit.replace(" | ", " or "),
-             shown_default(field, needed), text)
+            (
+                f"`{field.name}`",
+                HOLDS[kind_of(field)],
+                unit.replace(" | ", " or "),
+                shown_default(field, needed),
+                text,
+            )
         )
     if from_file:
         names = " and ".join(from_file)
@@ -186,57 +198,78 @@ def _plain_default(field) -> str:
 ABOUT = "text for people"
 UNIT = "unit, a label for results; numbers are SI whatever it says"
 FIXED = {
-    "document": (schema.Document, {
-        "schema_location": "address of a schema, for editors",
-        "format": "version of the format: `1`",
-        "description": ABOUT,
-        "parameters": "name → number, or a table as below",
-        "derived": "name → formula of parameters, or a table as below",
-        "ground": "named points of the ground, in `[ground.points]`",
-        "bodies": "name → body; the type `Body` may be left out",
-        "joints": "name → joint",
-        "drivers": "name → driver",
-        "forces": "name → force",
-        "initial": "measure → number or formula that it has at the start, exactly",
-        "analysis": "what `dalembert run` computes",
-        "responses": "name → response",
-        "sensitivity": "what `dalembert sensitivity` computes",
-        "optimize": "what `dalembert optimize` computes",
-        "report": "what the report shows first",
-    }),
-    "parameter": (schema.ParameterTable, {
-        "value": "nominal value, in SI units",
-        "unit": UNIT,
-        "bounds": "`[lower, upper]` for designs; `inf` leaves a side open",
-        "description": ABOUT,
-    }),
-    "derived": (schema.DerivedTable, {
-        "formula": "formula of parameters and other derived ones",
-        "unit": UNIT,
-        "description": ABOUT,
-    }),
+    "document": (
+        schema.Document,
+        {
+            "schema_location": "address of a schema, for editors",
+            "format": "version of the format: `1`",
+            "description": ABOUT,
+            "parameters": "name → number, or a table as below",
+            "derived": "name → formula of parameters, or a table as below",
+            "ground": "named points of the ground, in `[ground.points]`",
+            "bodies": "name → body; the type `Body` may be left out",
+            "joints": "name → joint",
+            "drivers": "name → driver",
+            "forces": "name → force",
+            "initial": "measure → number or formula that it has at the start, exactly",
+            "analysis": "what `dalembert run` computes",
+            "responses": "name → response",
+            "sensitivity": "what `dalembert sensitivity` computes",
+            "optimize": "what `dalembert optimize` computes",
+            "report": "what the report shows first",
+        },
+    ),
+    "parameter": (
+        schema.ParameterTable,
+        {
+            "value": "nominal value, in SI units",
+            "unit": UNIT,
+            "bounds": "`[lower, upper]` for designs; `inf` leaves a side open",
+            "description": ABOUT,
+        },
+    ),
+    "derived": (
+        schema.DerivedTable,
+        {
+            "formula": "formula of parameters and other derived ones",
+            "unit": UNIT,
+            "description": ABOUT,
+        },
+    ),
     "inline": (tables.InlinePoint, {"body": "name of a body", "at": "its coordinates there [m]"}),
-    "event": (tables.EventTable, {
-        "measure": "measure or formula that crosses zero",
-        "terminal": "the run ends there",
-        "direction": "`1` rising, `-1` falling, `0` both",
-    }),
-    "sensitivity": (schema.SensitivityTable, {
-        "method": '`"auto"`, `"adjoint"`, `"direct"` or `"finite-difference"`',
-    }),
-    "optimize": (schema.OptimizeTable, {
-        "minimize": "name of the response to make small; this or `maximize`",
-        "maximize": "name of the response to make large",
-        "subject_to": "list of limits, tables as below",
-        "method": "method of the gradients",
-        "max_iterations": "of the optimiser",
-        "tolerance": "on the relative change of the objective",
-    }),
-    "limit": (schema.LimitTable, {
-        "response": "name of a response",
-        "lower": "it must not be below",
-        "upper": "it must not be above",
-    }),
+    "event": (
+        tables.EventTable,
+        {
+            "measure": "measure or formula that crosses zero",
+            "terminal": "the run ends there",
+            "direction": "`1` rising, `-1` falling, `0` both",
+        },
+    ),
+    "sensitivity": (
+        schema.SensitivityTable,
+        {
+            "method": '`"auto"`, `"adjoint"`, `"direct"` or `"finite-difference"`',
+        },
+    ),
+    "optimize": (
+        schema.OptimizeTable,
+        {
+            "minimize": "name of the response to make small; this or `maximize`",
+            "maximize": "name of the response to make large",
+            "subject_to": "list of limits, tables as below",
+            "method": "method of the gradients",
+            "max_iterations": "of the optimiser",
+            "tolerance": "on the relative change of the objective",
+        },
+    ),
+    "limit": (
+        schema.LimitTable,
+        {
+            "response": "name of a response",
+            "lower": "it must not be below",
+            "upper": "it must not be above",
+        },
+    ),
     "report": (schema.ReportTable, {}),
 }
 
@@ -285,9 +318,10 @@ def _first(name: str) -> str:
 
 def gallery() -> str:
     folder = ROOT / "examples"
-    stems = sorted({p.stem for p in folder.glob("*.toml")} | {
-        p.stem for p in folder.glob("*.py") if "def main(" in p.read_text(encoding="utf-8")
-    })
+    stems = sorted(
+        {p.stem for p in folder.glob("*.toml")}
+        | {p.stem for p in folder.glob("*.py") if "def main(" in p.read_text(encoding="utf-8")}
+    )
     return "\n\n".join(_example(folder, stem) for stem in stems)
 
 

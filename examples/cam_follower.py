@@ -2,7 +2,7 @@
 
 The lift over the cam angle is rise (3-4-5 polynomial, 120 deg) - dwell 60 deg - return 120 deg -
 dwell 60 deg. The centre of the roller then runs on the pitch curve, and the cam is the curve at
-one roller radius inside it. The mechanism gets the cam as 180 points, as a workshop would.
+one roller radius inside it. The mechanism gets the cam as 120 points, as a workshop would.
 """
 
 import math
@@ -29,9 +29,11 @@ def lift(angle):
     return LIFT * s, LIFT * slope
 
 
-def profile(count: int = 180) -> np.ndarray:
+def profile(count: int = 120) -> np.ndarray:
     """Points of the cam in its own frame, anticlockwise."""
-    angle = -2 * np.pi * np.arange(count) / count  # the cam turns the other way under the follower
+    angle = (
+        -2 * np.pi * (np.arange(count) + 0.25) / count
+    )  # the cam turns the other way under the follower
     (s, slope), place = lift(angle), np.pi / 2 - angle
     radial = np.array([np.cos(place), np.sin(place)])
     across = np.array([-radial[1], radial[0]])
@@ -50,18 +52,39 @@ def build() -> da.System:
     speed = system.parameter("speed", 20 * math.pi, "rad/s")
 
     cam = system.add(planar.Body("cam", mass=1.2, inertia=1e-3, position=(0, 0), angle=0.0))
-    follower = system.add(planar.Body("follower", mass=mass, inertia=1e-4, position=(0, PITCH_RADIUS),
-                                      points={"top": (0, 0.06)}))
+    follower = system.add(
+        planar.Body(
+            "follower",
+            mass=mass,
+            inertia=1e-4,
+            position=(0, PITCH_RADIUS),
+            points={"stem": (0, 0.035), "top": (0, 0.06)},
+        )
+    )
     system.add(planar.Revolute("shaft", system.ground.center, cam.center))
-    system.add(planar.Translational("guide", system.ground.center, follower.center, axis=(0, 1)))
-    system.add(planar.PointOnCurve("contact", cam, follower.center, curve=da.SplineCurve(profile()), radius=roller))
+    system.add(
+        planar.Translational("guide", system.ground.center, follower.point("stem"), axis=(0, 1))
+    )
+    system.add(
+        planar.PointOnCurve(
+            "contact", cam, follower.center, curve=da.SplineCurve(profile()), radius=roller
+        )
+    )
     system.add(planar.RotationalDriver("motor", system.ground, cam, speed * da.t))
-    system.add(planar.Spring("spring", follower.point("top"), system.ground.point(0, 0.16), stiffness=k, free_length=free))
+    system.add(
+        planar.Spring(
+            "spring",
+            follower.point("top"),
+            system.ground.point(0, 0.16),
+            stiffness=k,
+            free_length=free,
+        )
+    )
     return system
 
 
 def main(folder=None) -> dict[str, float]:
-    motion = da.solve_inverse_dynamics(build().build(), 0.1, outputs=721)
+    motion = da.solve_inverse_dynamics(build().build(), 0.1, outputs=361)
     angle = 20 * math.pi * motion.time
     numbers = {
         "lift error": float(abs(motion["follower.y"].values - PITCH_RADIUS - lift(angle)[0]).max()),
@@ -70,13 +93,17 @@ def main(folder=None) -> dict[str, float]:
     }
     print(*(f"{name}: {value:.4g}" for name, value in numbers.items()), sep="\n")
     if folder:
-        figure, (left, upper, lower) = plt.subplots(1, 3, figsize=(11, 3.6), width_ratios=(0.8, 1, 1))
+        figure, (left, upper, lower) = plt.subplots(
+            1, 3, figsize=(11, 3.6), width_ratios=(0.8, 1, 1)
+        )
         style.draw(left, motion, 0.02)
         left.set(title="cam, roller and spring", xlabel="x [m]", ylabel="y [m]")
         upper.plot(np.degrees(angle), 1e3 * (motion["follower.y"] - PITCH_RADIUS))
         upper.set(title="lift [mm]")
         lower.plot(np.degrees(angle), motion["contact.force_norm"], label="contact force [N]")
-        lower.plot(np.degrees(angle), motion["spring.force"] * -1, label="spring force [N]", ls="--")
+        lower.plot(
+            np.degrees(angle), motion["spring.force"] * -1, label="spring force [N]", ls="--"
+        )
         lower.set(title="forces", ylim=(0, None))
         lower.legend()
         for ax in (upper, lower):

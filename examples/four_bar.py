@@ -22,8 +22,12 @@ def build() -> da.System:
     rho = system.parameter("rho", 5.0, "kg/m")
     omega = system.parameter("omega", 1.0, "rad/s")
 
-    crank = system.add(planar.Bar("crank", length=l1, mass=rho * l1, angle=math.pi / 2, angular_velocity=omega))
-    coupler = system.add(planar.Bar("coupler", length=l2, mass=rho * l2, angle=0.2, points={"P": (0.1, 0.2)}))
+    crank = system.add(
+        planar.Bar("crank", length=l1, mass=rho * l1, angle=math.pi / 2, angular_velocity=omega)
+    )
+    coupler = system.add(
+        planar.Bar("coupler", length=l2, mass=rho * l2, angle=0.2, points={"P": (0.1, 0.2)})
+    )
     rocker = system.add(planar.Bar("rocker", length=l3, mass=rho * l3, angle=1.2))
 
     system.add(planar.Revolute("O1", system.ground.point(0, 0), crank.start))
@@ -46,7 +50,9 @@ def main(folder=None) -> dict[str, float]:
     print(gradient.to_pandas())
     if folder:
         figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.4), width_ratios=(1, 1.2))
-        left.plot(motion["coupler.P.x"], motion["coupler.P.y"], color=style.PINK, lw=1, label="path of P")
+        left.plot(
+            motion["coupler.P.x"], motion["coupler.P.y"], color=style.PINK, lw=1, label="path of P"
+        )
         style.draw(left, motion)
         left.set(xlabel="x [m]", ylabel="y [m]", title="start, and path of the coupler point P")
         for bar in ("crank", "coupler", "rocker"):

@@ -34,7 +34,9 @@ def build() -> da.System:
     l1, l2, l3 = (system.parameter(n, v, "m") for n, v in (("l1", 0.3), ("l2", 1.0), ("l3", 0.6)))
     m2 = system.parameter("m2", 5.0, "kg")
     omega = system.parameter("omega", 1.0, "rad/s")
-    crank = system.add(planar.Bar("crank", length=l1, mass=1.5, angle=math.pi, angular_velocity=omega))
+    crank = system.add(
+        planar.Bar("crank", length=l1, mass=1.5, angle=math.pi, angular_velocity=omega)
+    )
     coupler = system.add(planar.Bar("coupler", length=l2, mass=m2, angle=1.9))
     rocker = system.add(planar.Bar("rocker", length=l3, mass=3.0, angle=3.2))
     system.add(planar.Revolute("O1", system.ground.point(0, 0), crank.start))
@@ -52,15 +54,21 @@ def main(folder=None) -> dict[str, float]:
         name: da.solve_dynamics(model, 8.0, step=0.05, integrator=da.RKGill(), stabilization=case)
         for name, case in CASES.items()
     }
-    off = {name: np.degrees(run["crank.angle"].values - exact["crank.angle"].values) for name, run in runs.items()}
-    numbers = {}
+    off = {
+        name: np.degrees(run["crank.angle"].values - exact["crank.angle"].values)
+        for name, run in runs.items()
+    }
+    numbers = {"reference angle": float(exact["crank.angle"][-1])}
     for name, run in runs.items():
         key = name[1]
         numbers[f"violation {key}"] = float(run["position_violation"].max())
         numbers[f"energy {key}"] = float(abs(run["balance_error"]).max())
         numbers[f"angle {key}"] = float(abs(off[name]).max())
-        print(f"{name:18} largest violation {numbers[f'violation {key}']:.1e} m, "
-              f"energy error {numbers[f'energy {key}']:.3f} J, crank off by {numbers[f'angle {key}']:.2f} deg")
+        print(
+            f"{name:18} largest violation {numbers[f'violation {key}']:.1e} m, "
+            f"energy error {numbers[f'energy {key}']:.3f} J, "
+            f"crank off by {numbers[f'angle {key}']:.2f} deg"
+        )
     if folder:
         draw(runs, off, folder)
     return numbers
@@ -76,7 +84,9 @@ def draw(runs, off, folder) -> None:
         column[2].plot(run.time, off[name], color=style.PINK)
         column[2].set(xlabel="time [s]")
     axes[0, 0].legend(loc="lower right")
-    for ax, label in zip(axes[:, 0], ("violation", "energy error [J]", "crank angle error [deg]"), strict=True):
+    for ax, label in zip(
+        axes[:, 0], ("violation", "energy error [J]", "crank angle error [deg]"), strict=True
+    ):
         ax.set_ylabel(label)
     style.save(figure, folder, "four_bar_violation")
 

@@ -32,7 +32,20 @@ def build() -> da.System:
     crank = system.add(planar.Bar("crank", length=r, mass=4.0, angle=0.0))
     lever = system.add(planar.Bar("lever", length=lever_length, mass=12.0, angle=1.25))
     link = system.add(planar.Bar("link", length=link_length, mass=3.0, angle=0.0))
-    ram = system.add(planar.Body("ram", mass=m_ram, inertia=1.0, position=(0.37, HEIGHT), points={"tool": (0.3, -0.1)}))
+    ram = system.add(
+        planar.Body(
+            "ram",
+            mass=m_ram,
+            inertia=1.0,
+            position=(0.37, HEIGHT),
+            points={
+                "tool": (0.3, -0.1),
+                "nose": (0.3, 0.04),
+                "tail": (-0.15, 0.04),
+                "heel": (-0.15, -0.04),
+            },
+        )
+    )
     system.add(planar.Revolute("shaft", system.ground.center, crank.start))
     system.add(planar.Revolute("pivot", system.ground.point(0, -d), lever.start))
     system.add(planar.PinInSlot("slot", lever.start, crank.end))
@@ -54,12 +67,16 @@ def main(folder=None) -> dict[str, float]:
         return float(motion.at([time])["ram.vx"][0])
 
     signs = np.flatnonzero(np.diff(np.sign(motion["ram.vx"].values)))
-    left_end, right_end = (brentq(speed, motion.time[k], motion.time[k + 1], xtol=1e-15) for k in signs)
+    left_end, right_end = (
+        brentq(speed, motion.time[k], motion.time[k + 1], xtol=1e-15) for k in signs
+    )
     returning = right_end - left_end
     stroke = float(motion.at([right_end])["ram.x"][0] - motion.at([left_end])["ram.x"][0])
     numbers = {"time_ratio": (period - returning) / returning, "stroke": stroke}
-    print(f"time ratio {numbers['time_ratio']:.9f}, stroke {stroke:.9f} m, "
-          f"torque up to {float(motion['motor.effort'].max()):.0f} N m")
+    print(
+        f"time ratio {numbers['time_ratio']:.9f}, stroke {stroke:.9f} m, "
+        f"torque up to {float(motion['motor.effort'].max()):.0f} N m"
+    )
     if folder:
         figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 4), width_ratios=(1.25, 1))
         for time, alpha in ((left_end, 0.25), (right_end, 0.25), (0.2, 1.0)):
@@ -68,8 +85,17 @@ def main(folder=None) -> dict[str, float]:
         right.plot(motion.time, motion["ram.vx"])
         right.axvspan(left_end, right_end, color=style.ORANGE, alpha=0.12, lw=0)
         for time, text in ((left_end / 2, "cut"), ((left_end + right_end) / 2, "return")):
-            right.text(time, 0.95, text, transform=right.get_xaxis_transform(), ha="center", color=style.ORANGE)
-        right.set(title="speed of the ram [m/s]", xlabel="time [s]", xlim=(0, period))
+            right.text(
+                time,
+                0.95,
+                text,
+                transform=right.get_xaxis_transform(),
+                ha="center",
+                color=style.ORANGE,
+            )
+        right.set(
+            title="speed of the ram [m/s]", xlabel="time [s]", xlim=(0, period), ylim=(-1.1, 2)
+        )
         style.save(figure, folder, "quick_return_shaper")
     return numbers
 

@@ -28,7 +28,9 @@ def build() -> da.System:
     system.add(planar.Translational("guide", system.ground.center, piston.center))
     system.add(planar.RotationalDriver("motor", system.ground, crank, speed * da.t))
 
-    outward = (1 + da.tanh(piston.velocity[0] / 0.2)) / 2  # gas pushes back while the piston moves out
+    outward = (
+        1 + da.tanh(piston.velocity[0] / 0.2)
+    ) / 2  # gas pushes back while the piston moves out
     system.add(planar.Force("gas_force", piston.center, (-gas * outward, 0.0)))
     return system
 
@@ -41,8 +43,11 @@ def main(folder=None) -> dict[str, float]:
         "piston_speed": da.evaluate(motion, da.maximum("piston.vx")),
         "bearing": float(motion["O.force_norm"].max()),
     }
-    print(f"motor torque {numbers['torque_rms']:.2f} N m rms, piston up to {numbers['piston_speed']:.3f} m/s, "
-          f"main bearing up to {numbers['bearing']:.0f} N")
+    print(
+        f"motor torque {numbers['torque_rms']:.2f} N m rms, "
+        f"piston up to {numbers['piston_speed']:.3f} m/s, "
+        f"main bearing up to {numbers['bearing']:.0f} N"
+    )
     if folder:
         figure, (left, middle, right) = plt.subplots(1, 3, figsize=(11, 3.2))
         style.draw(left, motion, 0.012)

@@ -9,24 +9,31 @@ from dalembert.results.animation import outline, placed
 from dalembert.results.scene import motion_scene
 
 BLUE, ORANGE, GREEN, PINK, YELLOW, SKY = COLOURS = (
-    "#0072b2", "#d55e00", "#009e73", "#b65c98", "#c98b00", "#3f9bd6",
+    "#0072b2",
+    "#d55e00",
+    "#009e73",
+    "#b65c98",
+    "#c98b00",
+    "#3f9bd6",
 )
 GREY = "0.45"
 
-plt.rcParams.update({
-    "font.size": 9,
-    "axes.titlesize": 10,
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.alpha": 0.25,
-    "axes.prop_cycle": plt.cycler(color=COLOURS),
-    "legend.frameon": False,
-    "lines.linewidth": 1.6,
-    "figure.constrained_layout.use": True,
-    "savefig.dpi": 110,
-})
+plt.rcParams.update(
+    {
+        "font.size": 9,
+        "axes.titlesize": 10,
+        "axes.titlelocation": "left",
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "grid.alpha": 0.25,
+        "axes.prop_cycle": plt.cycler(color=COLOURS),
+        "legend.frameon": False,
+        "lines.linewidth": 1.6,
+        "figure.constrained_layout.use": True,
+        "savefig.dpi": 110,
+    }
+)
 
 
 def save(figure, folder, name: str) -> None:
@@ -42,7 +49,9 @@ def draw(ax, motion, time: float = 0.0, alpha: float = 1.0, colours=COLOURS) -> 
     scene = motion_scene(motion, np.arange(motion.time.size))
     pose = {b["name"]: np.array([b["x"][k], b["y"][k], b["angle"][k]]) for b in scene["bodies"]}
     pose["ground"] = np.zeros(3)
-    bodies = [(b["name"], b["shapes"], colours[n % len(colours)]) for n, b in enumerate(scene["bodies"])]
+    bodies = [
+        (b["name"], b["shapes"], colours[n % len(colours)]) for n, b in enumerate(scene["bodies"])
+    ]
     for name, shapes, colour in [("ground", scene["ground"]["shapes"], "0.72"), *bodies]:
         for shape in shapes:
             _shape(ax, shape, placed(outline(shape), pose[name]), colour, alpha)
@@ -51,7 +60,7 @@ def draw(ax, motion, time: float = 0.0, alpha: float = 1.0, colours=COLOURS) -> 
         ax.plot(*_coil(i, j, link["kind"]).T, color="0.3", lw=1.1, alpha=alpha, zorder=4)
     for joint in scene["joints"]:
         if joint["kind"] in ("revolute", "pin_in_slot"):
-            (x, y), = placed(np.array([joint["point"]]), pose[joint["body"]])
+            ((x, y),) = placed(np.array([joint["point"]]), pose[joint["body"]])
             face = "0.3" if joint["grounded"] else "white"
             ax.plot(x, y, "o", ms=5, mfc=face, mec="0.2", mew=1, alpha=alpha, zorder=5)
     ax.set_aspect("equal", adjustable="datalim")
@@ -74,7 +83,9 @@ def _coil(i: np.ndarray, j: np.ndarray, kind: str) -> np.ndarray:
     if kind != "spring":
         return np.array([i, j])
     along = j - i
-    across = np.array([-along[1], along[0]]) * 0.05
+    across = np.array([-along[1], along[0]]) * 0.03
     steps = np.linspace(0.15, 0.85, 17)
     sides = np.array([0, *[1, -1] * 7, 1, 0])
-    return np.array([i, *(i + s * along + k * across for s, k in zip(steps, sides, strict=True)), j])
+    return np.array(
+        [i, *(i + s * along + k * across for s, k in zip(steps, sides, strict=True)), j]
+    )

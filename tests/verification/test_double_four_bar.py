@@ -100,4 +100,3 @@ def test_one_degree_of_freedom_and_no_redundancy():
     diagnosis = mechanism().build().diagnosis
     assert diagnosis.degrees_of_freedom == 1
     assert not diagnosis.redundancies
-    assert not diagnosis.singular_position

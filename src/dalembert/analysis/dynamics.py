@@ -21,6 +21,7 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.errors import AnalysisError, AssemblyError, SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation, state_rate
+from dalembert.formulations.kkt import Kkt
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
 from dalembert.integrators.march import AdaptiveMarch, FixedMarch, Steps, Watch
@@ -230,7 +231,19 @@ class _Run:
                 "give mass and inertia to the bodies that move there, or constrain them"
             )
         check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
+        self._refuse_lost_mass()
         self.kernel = analysis.kernel(model)
+
+    def _refuse_lost_mass(self) -> None:
+        """A mass that was not zero when the model was built must not become zero."""
+        mass = np.diag(self.model.mass_matrix(self.p))
+        lost = set(np.flatnonzero(mass == 0)) - set(self.model.equations.massless)
+        if lost and not isinstance(self.analysis.formulation, Kkt):
+            names = ", ".join(self.model.guesses.names[k] for k in sorted(lost))
+            raise SingularityError(
+                f"the inertia of {names} is zero with these parameters but was not when the model "
+                "was built; build it with this value, or use formulation=Kkt()"
+            )
 
     def initial_state(self) -> np.ndarray:
         state = self.model.assemble(self.p, self.start)
@@ -246,6 +259,8 @@ class _Run:
     def execute(self, progress) -> Motion:
         x0 = self.initial_state()
         begin = clock.perf_counter()
+        self.prepare()
+        prepared, begin = clock.perf_counter() - begin, clock.perf_counter()
         with progress_reporter(progress, f"integrating {self.model.name}") as report:
             steps = self.march(x0, Watch(report, self.terminal_crossing))
         elapsed = clock.perf_counter() - begin
@@ -261,11 +276,18 @@ class _Run:
             parameters=self.p,
             trajectory=trajectory,
             status=self.status(steps, trajectory, ends, happened),
-            statistics=self.statistics(steps, elapsed),
+            statistics=self.statistics(steps, prepared, elapsed),
             events=happened,
             record=DynamicsRecord(self.kernel, steps, branches),
         )
         return motion
+
+    def prepare(self) -> None:
+        """Compile the march, so that its time is its own."""
+        if self.kernel.adaptive is not None:
+            self.kernel.adaptive.prepare()
+        else:
+            self.kernel.fixed.prepare(uniform_grid(self.start, self.end, self.step).size - 1)
 
     # marching ----------------------------------------------------------------------
     def march(self, x0: np.ndarray, watch: Watch) -> Steps:
@@ -348,7 +370,10 @@ class _Run:
             if count:
                 length[-1] = steps.h[-1]
             return times, Branches(index, length)
-        times = self.requested[self.requested <= steps.end * (1 + 1e-12) + 1e-12]
+        slack = 1e-12 * max(1.0, abs(steps.end))
+        times = self.requested[self.requested <= steps.end + slack]
+        if steps.end < self.requested[-1] - slack and (not times.size or times[-1] < steps.end):
+            times = np.append(times, steps.end)  # where the run ended early is an output too
         return times, place_outputs(steps, times)
 
     # reporting ---------------------------------------------------------------------
@@ -375,7 +400,7 @@ class _Run:
             return Status(Outcome.NOT_CONVERGED, text, time, residual)
         return Status(Outcome.COMPLETED, f"reached t = {time:g} s", time, residual)
 
-    def statistics(self, steps: Steps, elapsed: float) -> dict[str, Any]:
+    def statistics(self, steps: Steps, prepared: float, elapsed: float) -> dict[str, Any]:
         names = (self.analysis.formulation, self.analysis.stabilization, self.analysis.integrator)
         made = {
             "formulation": type(names[0]).__name__,
@@ -383,6 +408,7 @@ class _Run:
             "integrator": type(names[2]).__name__,
             "steps": steps.count,
             "rejected steps": steps.rejected,
+            "preparation time [s]": round(prepared, 6),
             "integration time [s]": round(elapsed, 6),
         }
         if steps.count:

@@ -18,6 +18,8 @@ from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion, Trajectory
 from dalembert.results.status import Outcome, Status
+from dalembert.symbolic.factor import QrFactor
+from dalembert.symbolic.implicit import ImplicitFunction, Stage
 
 TOLERANCE = 1e-10
 
@@ -27,8 +29,10 @@ class StaticsKernel:
 
     def __init__(self, model: Model):
         e = model.equations
+        self.model = model
         at_rest = ca.substitute(e.force - e.bias, e.v, ca.SX.zeros(e.speed_count))
         forces = at_rest - ca.mtimes(e.jacobian.T, e.multiplier)
+        self.balance = forces
         lift = ca.jacobian(e.pose_rate, e.v)
         self.static = ca.Function(
             "static",
@@ -42,6 +46,36 @@ class StaticsKernel:
             ],
             {"cse": True},
         )
+
+    @property
+    def configuration(self) -> ImplicitFunction:
+        """``(t, [y; λ] nearby, p) → y, λ`` with their exact derivatives."""
+        e = self.model.equations
+        near = ca.SX.sym("near", e.coordinate_count + e.constraint_count)
+        unknown = ca.vertcat(e.y, e.multiplier)
+        residual = ca.vertcat(self.balance, e.constraints)
+        factor = QrFactor(ca.jacobian(residual, unknown))
+        stage = Stage(unknown, residual, near, factor.solve, factor.solve_transposed)
+        return ImplicitFunction("equilibrium", [e.t, near, e.p], [stage], [unknown])
+
+    def measured(self, measure: ca.SX) -> ImplicitFunction:
+        """A measure of the equilibrium; speeds and accelerations are zero."""
+        e = self.model.equations
+        still = ca.vertcat(e.v, e.a)
+        at_rest = ca.substitute(measure, still, ca.SX.zeros(still.numel()))
+        found = self.configuration
+        return ImplicitFunction("measured", found.inputs, found.stages, [at_rest])
+
+    def near(self, s: Trajectory) -> np.ndarray:
+        """Where the configuration is differentiated."""
+        return np.vstack([s.y, s.multiplier])
+
+
+@dataclass(frozen=True)
+class EquilibriumRecord:
+    """What a gradient needs."""
+
+    kernel: StaticsKernel
 
 
 @dataclass(frozen=True)
@@ -77,6 +111,10 @@ class Equilibrium:
         p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
         return _Search(self, model, p).execute()
 
+    def replay(self, motion: Motion, p: np.ndarray) -> Motion:
+        """The equilibrium at other parameter values, reached from this one."""
+        return _Search(self, motion.model, p).execute(motion.trajectory.y[:, 0])
+
 
 class _Search:
     def __init__(self, analysis: Equilibrium, model: Model, p: np.ndarray):
@@ -98,8 +136,11 @@ class _Search:
         z = np.linalg.svd(c)[2][c.shape[0] :].T if c.size else np.eye(force.size)
         return multiplier, z, z.T @ force, z.T @ stiffness @ z, z.T @ mass @ z, force
 
-    def execute(self) -> Motion:
+    def execute(self, start: np.ndarray | None = None) -> Motion:
         y = self.model.assemble(self.p, self.analysis.time).y
+        if start is not None:
+            moved = self.onto_constraints(start)
+            y = y if moved is None else moved
         iterations, scale, residual = 0, 1e-12, np.inf
         while iterations < self.analysis.max_iterations:
             iterations += 1
@@ -166,6 +207,7 @@ class _Search:
             trajectory,
             Status(outcome, text, self.analysis.time, residual),
             {"iterations": iterations, "stable": stable, "residual [N or N m]": residual},
+            record=EquilibriumRecord(self.kernel),
         )
 
 

@@ -106,6 +106,15 @@ class KinematicsKernel:
     def _force(e: Equations) -> ca.SX:
         return e.force
 
+    def measured(self, measure: ca.SX) -> ImplicitFunction:
+        """A measure of the configuration."""
+        found = self.configuration
+        return ImplicitFunction("measured", found.inputs, found.stages, [measure])
+
+    def near(self, s: Trajectory) -> np.ndarray:
+        """Where the configuration is differentiated."""
+        return s.y
+
     @cached_property
     def single(self) -> ca.Function:
         """``([y; v; v̇; …], t, h, p) → next; regularity, residual, prediction error``."""
@@ -363,7 +372,9 @@ class _Run:
 
     def work(self, times: np.ndarray, table: np.ndarray) -> np.ndarray:
         """Energy dissipated and put in, by integrating the powers over the positions computed."""
-        if not self.analysis.efforts or times.size < 2:
+        if not self.analysis.efforts:
+            return np.full((2, times.size), np.nan)
+        if times.size < 2:
             return np.zeros((2, times.size))
         from scipy.integrate import cumulative_simpson
 
@@ -454,7 +465,12 @@ class Kinematics:
         y, v, a, multiplier = (part.full() for part in parts)
         if not self.efforts:
             multiplier = np.full_like(multiplier, np.nan)
-        trajectory = Trajectory(times, y, v, a, multiplier, np.zeros((2, times.size)))
+        work = np.full((2, times.size), np.nan)
+        if self.efforts and motion.time.size > 3:
+            from scipy.interpolate import CubicSpline
+
+            work = CubicSpline(motion.time, motion.trajectory.work, axis=1)(times)
+        trajectory = Trajectory(times, y, v, a, multiplier, work)
         return replace(motion, parameters=p, trajectory=trajectory)
 
 

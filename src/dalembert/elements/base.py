@@ -118,9 +118,9 @@ class Element:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
             raise ModelError(f"the first argument is the name, a text; got {self.name!r}")
-        if not all(part.isidentifier() for part in self.name.split("-")) or self.name[0] == "-":
+        if not self.name.isidentifier():
             raise ModelError(
-                "a name is made of letters, digits, '_' and '-', and starts with a letter; "
+                "a name is made of letters, digits and '_', and starts with a letter; "
                 f"got {self.name!r}"
             )
         for field, meta in self.quantities():
@@ -145,6 +145,10 @@ class Element:
             for field, meta in self.quantities()
             if isinstance(getattr(self, field), Expression)
         ]
+
+    def conditions(self) -> list[tuple[ca.SX, str]]:
+        """(expression of parameters that must not be negative, what is wrong if it is)."""
+        return []
 
     def parts(self) -> list[Coordinates]:
         """The bodies (and own coordinates) this element ties together."""

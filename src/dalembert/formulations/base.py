@@ -21,14 +21,8 @@ from dalembert.symbolic.implicit import ImplicitFunction, Stage
 class SaddleSolver:
     """Solves ``M x + Cᵀ z = r1``, ``C x = r2`` with factors that are computed once.
 
-    Parameters
-    ----------
-    mass : SX (n, n), symmetric
-    jacobian : SX (m, n)
+    Made from ``M`` (n, n) and ``C`` (m, n).
     """
-
-    def __init__(self, mass: ca.SX, jacobian: ca.SX):
-        raise NotImplementedError
 
     def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
         """``(x, z)``; the matrix is symmetric, so this is its transposed solve too."""
@@ -45,7 +39,7 @@ class SaddleSolver:
 class Formulation:
     """Strategy object: how accelerations and multipliers are found."""
 
-    def solver(self, mass: ca.SX, jacobian: ca.SX) -> SaddleSolver:
+    def solver(self, mass: ca.SX, jacobian: ca.SX, massless: tuple[int, ...]) -> SaddleSolver:
         raise NotImplementedError
 
     def acceleration(
@@ -64,7 +58,7 @@ class Formulation:
         outputs : expressions of t, y, v, v̇, λ, p; by default ``[v̇, λ]``
         """
         c = e.jacobian
-        solver = self.solver(e.mass, c)
+        solver = self.solver(e.mass, c, e.massless)
         unknown = ca.vertcat(e.a, e.multiplier)
         residual = ca.vertcat(
             ca.mtimes(e.mass, e.a) + e.bias - e.force + ca.mtimes(c.T, e.multiplier),

@@ -28,5 +28,5 @@ class KktSolver(SaddleSolver):
 class Kkt(Formulation):
     """Solve (5.7) directly. Takes massless bodies; costs more than ``RangeSpace``."""
 
-    def solver(self, mass: ca.SX, jacobian: ca.SX) -> KktSolver:
+    def solver(self, mass: ca.SX, jacobian: ca.SX, massless: tuple[int, ...]) -> KktSolver:
         return KktSolver(mass, jacobian)

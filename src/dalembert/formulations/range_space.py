@@ -18,13 +18,13 @@ class RangeSpaceSolver(SaddleSolver):
     ``S x = r2`` holds on it.
     """
 
-    def __init__(self, mass: ca.SX, jacobian: ca.SX):
+    def __init__(self, mass: ca.SX, jacobian: ca.SX, massless: tuple[int, ...]):
         self.speed_count = mass.shape[0]
         self.jacobian = jacobian
-        self.rows = _rows_on_massless(mass, jacobian)
+        self.rows = _rows_on(massless, jacobian)
         self.weight = ca.SX(0)
         if self.rows:
-            present = [mass[k, k] for k in range(mass.shape[0]) if not mass[k, k].is_zero()]
+            present = [mass[k, k] for k in range(mass.shape[0]) if k not in massless]
             self.weight = sum(present, ca.SX(0)) / max(len(present), 1) if present else ca.SX(1)
             s = jacobian[self.rows, :]
             mass = mass + self.weight * ca.mtimes(s.T, s)
@@ -39,9 +39,8 @@ class RangeSpaceSolver(SaddleSolver):
         return ca.mtimes(self.inverse, r1 + ca.mtimes(c.T, negative)), -negative
 
 
-def _rows_on_massless(mass: ca.SX, jacobian: ca.SX) -> list[int]:
+def _rows_on(massless: tuple[int, ...], jacobian: ca.SX) -> list[int]:
     """Constraint rows that involve a coordinate without mass."""
-    massless = [k for k in range(mass.shape[0]) if mass[k, k].is_zero()]
     pattern = ca.sparsify(jacobian).sparsity()
     rows: set[int] = set()
     for k in massless:
@@ -53,5 +52,5 @@ def _rows_on_massless(mass: ca.SX, jacobian: ca.SX) -> list[int]:
 class RangeSpace(Formulation):
     """Eliminate accelerations first (5.11). The default: fastest in absolute coordinates."""
 
-    def solver(self, mass: ca.SX, jacobian: ca.SX) -> RangeSpaceSolver:
-        return RangeSpaceSolver(mass, jacobian)
+    def solver(self, mass: ca.SX, jacobian: ca.SX, massless: tuple[int, ...]) -> RangeSpaceSolver:
+        return RangeSpaceSolver(mass, jacobian, massless)

@@ -104,7 +104,7 @@ class Projection(Stabilization):
 
         mass, c = there(e.mass), there(e.jacobian)
         psi = there(e.velocity_constraints)
-        solver = formulation.solver(mass, c)
+        solver = formulation.solver(mass, c, e.massless)
         step, sigma_value = solver.solve(ca.SX.zeros(e.speed_count), -psi)
         residual = ca.vertcat(
             ca.mtimes(mass, v - e.v) + ca.mtimes(c.T, sigma), ca.substitute(psi, e.v, v)
@@ -127,7 +127,7 @@ class Projection(Stabilization):
         """Stage for ``(δ, μ)`` and the corrected position as an expression of ``δ``."""
         n, m = e.speed_count, e.constraint_count
         delta, mu = ca.SX.sym("delta", n), ca.SX.sym("mu", m)
-        solver = formulation.solver(e.mass, e.jacobian)
+        solver = formulation.solver(e.mass, e.jacobian, e.massless)
         lift = ca.jacobian(e.pose_rate, e.v)
         moved = e.y + ca.mtimes(lift, delta)
         violation = ca.substitute(e.constraints, e.y, moved)

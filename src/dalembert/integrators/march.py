@@ -80,6 +80,13 @@ class FixedMarch:
             self._chunks[count] = Kernel(_map_steps(self._single(), count, self.step))
         return self._chunks[count]
 
+    def prepare(self, count: int) -> None:
+        """Compile what ``count`` steps need."""
+        if count >= CHUNK:
+            self._chunk(CHUNK)
+        if count % CHUNK:
+            self._chunk(count % CHUNK)
+
     def _single(self) -> ca.Function:
         """``(x, t, h, flag, p) → x``; the flag says whether this step is corrected."""
         n, m = self.step.size, self.step.parameter_count
@@ -157,6 +164,10 @@ class AdaptiveMarch:
     def __init__(self, step: ExplicitStep, rtol: float, atol: float, controlled: int):
         self.step, self.rtol, self.atol, self.controlled = step, rtol, atol, controlled
         self._chunk_function: Kernel | None = None
+
+    def prepare(self) -> None:
+        """Compile the attempts."""
+        self._chunk()
 
     def _attempt(self) -> ca.Function:
         """``([t; h; last error; x], [end; longest; p]) → next, [t; h; error; accepted]``."""

@@ -24,6 +24,7 @@ from dalembert.symbolic.implicit import ImplicitFunction, Stage
 POSITION_TOLERANCE = 1e-11
 INDEPENDENCE = 0.05
 MISSING_WEIGHT = 1e-2
+SEARCH_SAMPLES = 361
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,7 @@ class Assembler:
     guesses : Guesses
     row_names : (m,) name of the joint or driver behind each row
     initial : prescribed measures, (expression − value) in y or v
+    searches : (coordinate, rows, range) of curve parameters without a guess
     """
 
     def __init__(
@@ -103,7 +105,9 @@ class Assembler:
         guesses: Guesses,
         row_names: list[str],
         initial: list[ca.SX],
+        searches: list[tuple[int, list[int], tuple[float, float]]],
     ):
+        self.searches = searches
         self.e, self.guesses, self.row_names = equations, guesses, row_names
         e = equations
         speeds = [ca.depends_on(r, e.v) for r in initial]
@@ -137,34 +141,56 @@ class Assembler:
                 angle = np.array([u == "rad" for u in self.guesses.units])
                 spread = np.where(missing, np.where(angle, np.pi / 2, 0.5), 0.02 * attempt)
                 start += spread * rng.uniform(-1, 1, start.size)
-            y, residual = self._gauss_newton(t, start, p)
+            y, residual = self.close(t, self._search(t, start, p), p)
             if residual < worst:
                 best, worst = y, residual
             if worst < POSITION_TOLERANCE:
                 return best
         raise self.failure(t, best, p)
 
-    def _gauss_newton(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, float]:
-        r, jacobian = self._evaluate(t, y, p)
-        norm = np.linalg.norm(r, np.inf) if r.size else 0.0
-        for _ in range(100):
-            if norm < 1e-14 or not np.isfinite(norm):
+    def _search(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Put a missing curve parameter where its curve is nearest."""
+        for index, rows, (low, high) in self.searches:
+            samples = np.linspace(low, high, SEARCH_SAMPLES)
+            table = np.tile(y[:, None], samples.size)
+            table[index] = samples
+            times, parameters = np.full(samples.size, t), np.tile(p[:, None], samples.size)
+            residual = self._position.map(samples.size)(times, table, parameters)[0].full()
+            y = table[:, np.argmin(np.linalg.norm(residual[rows], axis=0))]
+        return y
+
+    def close(
+        self, t: float, y: np.ndarray, p: np.ndarray, rows: list[int] | None = None
+    ) -> tuple[np.ndarray, float]:
+        """Nearby root of the constraints by Levenberg–Marquardt, and the violation left.
+
+        ``rows`` selects some of the equations. Given coordinates move less than missing ones.
+        """
+        keep = slice(None) if rows is None else rows
+        r, jacobian = (a[keep] for a in self._evaluate(t, y, p))
+        norm, damping = float(np.linalg.norm(r)), 1e-3
+        for _ in range(200):
+            if norm < 1e-15 or not np.isfinite(norm):
                 break
-            step = -_weighted_solve(jacobian, r, self.weight)
+            scaled = jacobian / self.weight
+            normal = scaled @ scaled.T
+            level = damping * norm * max(np.trace(normal) / max(r.size, 1), 1e-300)
+            lift = np.linalg.lstsq(normal + level * np.eye(r.size), r, rcond=1e-14)[0]
+            step = -(scaled.T @ lift) / self.weight
             step *= min(1.0, 1.0 / max(np.linalg.norm(step, np.inf), 1e-300))
-            scale, improved = 1.0, False
-            while scale > 1e-4:
-                trial = y + scale * step
-                r_trial, j_trial = self._evaluate(t, trial, p)
-                n_trial = np.linalg.norm(r_trial, np.inf)
-                if n_trial < norm * (1 - 0.1 * scale) or n_trial < 1e-15:
-                    improved = True
+            r_new, j_new = (a[keep] for a in self._evaluate(t, y + step, p))
+            new = float(np.linalg.norm(r_new))
+            if new < norm:
+                settled = norm < 1e-13 and new > 0.5 * norm
+                y, r, jacobian, norm, damping = y + step, r_new, j_new, new, damping / 5
+                if settled:
                     break
-                scale /= 2
-            if not improved:
+            elif damping > 1e12 or norm < 1e-13:
                 break
-            y, r, jacobian, norm = trial, r_trial, j_trial, n_trial
-        return y, float(norm) if np.isfinite(norm) else np.inf
+            else:
+                damping *= 4
+        worst = float(np.abs(r).max(initial=0.0))
+        return y, worst if np.isfinite(worst) else np.inf
 
     def _evaluate(self, t: float, y: np.ndarray, p: np.ndarray):
         r, jacobian = self._position(t, y, p)
@@ -182,13 +208,19 @@ class Assembler:
             largest,
         )
 
-    def choose_held(self, t: float, y: np.ndarray, p: np.ndarray, rows: list[int]) -> Held:
-        """Coordinates to hold so that with the independent rows the system is square."""
+    def choose_held(
+        self, t: float, y: np.ndarray, p: np.ndarray, rows: list[int], free: set[int]
+    ) -> Held:
+        """Coordinates to hold so that with the independent rows the system is square.
+
+        ``free`` lists given coordinates that cannot be had; they count as missing.
+        """
         _, jacobian = self._evaluate(t, y, p)
         m = self.e.constraint_count
         keep = [*rows, *range(m, jacobian.shape[0])]
-        chosen = independent_units(jacobian[keep], self.guesses.priority(self.guesses.pose))
-        constants = tuple(None if self.guesses.pose[k] is not None else float(y[k]) for k in chosen)
+        given = [None if k in free else g for k, g in enumerate(self.guesses.pose)]
+        chosen = independent_units(jacobian[keep], self.guesses.priority(given))
+        constants = tuple(None if given[k] is not None else float(y[k]) for k in chosen)
         return Held(tuple(chosen), constants)
 
     def position_residual(self, rows: list[int], held: Held) -> ca.SX:
@@ -244,7 +276,10 @@ class Assembler:
         c, psi0 = e.jacobian[rows, :], ca.substitute(e.velocity_constraints[rows], e.v, 0 * e.v)
         constant = [ca.SX(x) if x is not None else None for x in speeds.constants]
         if projected:
-            sigma = ca.SX.sym("sigma", len(rows))
+            demanded = ca.vertcat(e.velocity_constraints[rows], self.initial_speed)
+            psi0 = ca.substitute(demanded, e.v, ca.SX.zeros(e.speed_count))
+            c = ca.jacobian(demanded, e.v)
+            sigma = ca.SX.sym("sigma", demanded.numel())
             goal = stack(
                 g if c0 is None else c0 for g, c0 in zip(self.guesses.twist, constant, strict=True)
             )
@@ -275,19 +310,13 @@ class Assembler:
 
     def _metric(self) -> ca.SX:
         """Mass matrix, with a unit mass for coordinates that have none."""
-        mass = self.e.mass
-        zero = [mass[k, k].is_zero() for k in range(mass.shape[0])]
-        return mass + ca.diag(ca.SX([1.0 if z else 0.0 for z in zero]))
+        units = np.zeros(self.e.speed_count)
+        units[list(self.e.massless)] = 1.0
+        return self.e.mass + ca.diag(ca.SX(ca.DM(units)))
 
 
 def _filled(values: list) -> ca.SX:
     return stack(ca.SX(0) if v is None else v for v in values)
-
-
-def _weighted_solve(jacobian: np.ndarray, r: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Minimum-norm solution of ``J x = r`` in the metric ``diag(weight²)``."""
-    solution, *_ = np.linalg.lstsq(jacobian / weight, r, rcond=1e-10)
-    return solution / weight
 
 
 def independent_rows(matrix: np.ndarray, tolerance: float = 1e-8) -> list[int]:

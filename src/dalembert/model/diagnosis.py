@@ -45,7 +45,6 @@ class Diagnosis:
     gruebler: int
     free: int
     redundancies: tuple[Redundancy, ...]
-    singular_position: bool
     topology: Topology
     massless: tuple[str, ...]
     bodies: tuple[str, ...]
@@ -69,13 +68,6 @@ class Diagnosis:
         found = []
         for redundancy in self.redundancies:
             found.append(("warning", f"redundant: {redundancy}; these reactions are not unique"))
-        if self.singular_position:
-            found.append(
-                (
-                    "warning",
-                    "the start is a singular position: the mechanism has more freedom there",
-                )
-            )
         if self.massless:
             found.append(
                 (

@@ -26,6 +26,7 @@ class Equations:
     mass, bias, force : ``M`` (n, n), ``d`` (n,), ``f`` (n,)
     constraints : ``Φ`` (m,)
     powers : (2,) rates of dissipated energy and of energy input
+    massless : speeds whose mass is zero at the nominal parameters
     """
 
     t: ca.SX
@@ -40,10 +41,11 @@ class Equations:
     force: ca.SX
     constraints: ca.SX
     powers: ca.SX
+    massless: tuple[int, ...] = ()
 
     def with_rows(self, rows: list[int]) -> Equations:
         """The same system with some of its constraint equations only; other multipliers are 0."""
-        gone = [k for k in range(self.constraints.numel()) if k not in set(rows)]
+        gone = sorted(set(range(self.constraints.numel())) - set(rows))
         powers = self.powers
         if gone:
             powers = ca.substitute(powers, self.multiplier[gone], ca.SX.zeros(len(gone)))

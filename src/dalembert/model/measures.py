@@ -43,7 +43,7 @@ def element_measures(element: Element, everything: list[Coordinates]) -> Measure
 
 
 def constraint_measures(constraint: Constraint, rate) -> Measures:
-    found: Measures = {"violation": (ca.sqrt(ca.sumsqr(constraint.equations)), "m")}
+    found: Measures = {"violation": (ca.sqrt(ca.sumsqr(constraint.equations)), "m or rad")}
     for name, (coordinate, unit) in constraint.freedoms().items():
         found[name] = (coordinate, unit)
         found[f"{name}_rate"] = (rate(coordinate), f"{unit}/s")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ import numpy as np
 from dalembert.elements.base import Coordinates, ForceElement, rate_of
 from dalembert.elements.planar.drivers import Driver
 from dalembert.elements.planar.loads import Gravity
-from dalembert.errors import AssemblyError, ModelError
+from dalembert.errors import AssemblyError, ModelError, SingularityError
 from dalembert.model.assembly import (
     POSITION_TOLERANCE,
     AssembledState,
@@ -67,8 +68,48 @@ class Model:
             self.guesses,
             [c.name for c, _ in self._row_owner],
             [self.at_ground(m.sx - v.sx) for m, v in system.initial_conditions],
+            self._curve_searches(),
+        )
+        mass = np.diag(self.mass_matrix(self.nominal))
+        self.all_equations = replace(
+            self.all_equations, massless=tuple(int(k) for k in np.flatnonzero(mass == 0))
         )
         self._assemble(strict)
+
+    def mass_matrix(self, p: np.ndarray) -> np.ndarray:
+        """``M`` at the guessed position for parameter values ``p``."""
+        e = self.all_equations
+        function = self.compiled("mass", lambda: ca.Function("M", [e.y, e.p], [ca.densify(e.mass)]))
+        return function(np.zeros(e.coordinate_count), p).full()
+
+    def _hold_positions(self, y: np.ndarray, p: np.ndarray) -> None:
+        """Hold as many given coordinates as can be had, the first ones first."""
+        free: set[int] = set()
+        while True:
+            self.held = self._assembler.choose_held(0.0, y, p, self.rows, free)
+            self.functions.pop("square", None)
+            wanted = [
+                k for k, c in zip(self.held.indices, self.held.constants, strict=True) if c is None
+            ]
+            try:
+                self._follow(p, y, p, 0.0)
+            except AssemblyError:
+                if not wanted:
+                    raise
+                free.add(wanted[0])
+            else:
+                return
+
+    def _curve_searches(self) -> list[tuple[int, list[int], tuple[float, float]]]:
+        """Curve parameters without a guess: coordinate, equations, range."""
+        found = []
+        for constraint in self.constraints:
+            for part in constraint.own_coordinates():
+                if part.guesses()[0][0] is None:
+                    index = self.guesses.owners.index(part.name)
+                    rows = [k for k, (c, _) in enumerate(self._row_owner) if c is constraint]
+                    found.append((index, rows, part.interval))
+        return found
 
     # equations -----------------------------------------------------------------
     def at_ground(self, expression: ca.SX) -> ca.SX:
@@ -138,13 +179,15 @@ class Model:
         self._refuse_undefined(y, p)
         jacobian = self._joint_jacobian(0.0, y)
         rows = independent_rows(jacobian)
-        self.singular_position = False
         if len(rows) < jacobian.shape[0]:
             rows = self._rows_nearby(y, p, rows)
         self.rows = rows
         self._refuse_over_driving(rows)
         self.equations = self.all_equations.with_rows(rows)
-        self.held = assembler.choose_held(0.0, y, p, rows)
+        self._anchor = (p.copy(), y)
+        self._hold_positions(y, p)
+        y = self._follow(p, y, p, 0.0)
+        self._anchor = (p.copy(), y)
         self.held_speeds, miss = assembler.choose_held_speeds(0.0, y, p, rows)
         if miss and strict:
             name, value = max(miss.items(), key=lambda item: abs(item[1]))
@@ -154,7 +197,6 @@ class Model:
                 abs(value),
             )
         self.projected_speeds = bool(miss)
-        self._anchor = (p.copy(), y)
         self.start = self.assemble(p)
         self.diagnosis = self._diagnose(jacobian)
 
@@ -165,43 +207,64 @@ class Model:
         ).full()
 
     def _rows_nearby(self, y: np.ndarray, p: np.ndarray, rows: list[int]) -> list[int]:
-        """Tell redundancy, which stays, from a singular position, which a small motion leaves."""
-        jacobian = self._joint_jacobian(0.0, y)
-        kernel = np.linalg.svd(jacobian)[2][len(rows) :]
-        if kernel.size:
-            rng = np.random.default_rng(1)
-            moved = y + 1e-2 * kernel.T @ rng.standard_normal(kernel.shape[0])
-            moved, residual = self._assembler._gauss_newton(0.0, moved, p)
+        """Tell redundancy, which stays, from a singular position, which a small motion leaves.
+
+        Raises
+        ------
+        SingularityError
+            The start is a singular position: the motion from there is not determined.
+        """
+        joints = [k for k, (c, _) in enumerate(self._row_owner) if not isinstance(c, Driver)]
+        jacobian = self._joint_jacobian(0.0, y)[joints]
+        rank = len(independent_rows(jacobian))
+        kernel = np.linalg.svd(jacobian)[2][rank:]
+        rng = np.random.default_rng(1)
+        for size in (1e-2, 1e-3) if kernel.size else ():
+            moved = y + size * kernel.T @ rng.standard_normal(kernel.shape[0])
+            moved, residual = self._assembler.close(0.0, moved, p, joints)
             if residual < 1e-10:
-                generic = independent_rows(self._joint_jacobian(0.0, moved), 1e-6)
+                generic = independent_rows(self._joint_jacobian(0.0, moved), 1e-7)
                 if len(generic) > len(rows):
-                    self.singular_position = True
-                    return generic
+                    extra = ", ".join(
+                        dict.fromkeys(self._row_owner[k][0].name for k in set(generic) - set(rows))
+                    )
+                    raise SingularityError(
+                        "the start is a singular position (dead centre or branch point): "
+                        f"{extra} lose their independence there; start a little beside it"
+                    )
         return rows
 
     def _refuse_undefined(self, y: np.ndarray, p: np.ndarray) -> None:
         """Every element must have a value and a direction where the mechanism is assembled."""
         e = self.all_equations
-        inputs = [e.t, e.y, e.v, e.p]
+        whole = stack([ca.vec(e.jacobian.nz[:]), e.force])
+        if self._is_finite(whole, y, p):
+            return
         for element in (*self.constraints, *self.forces):
-            owners = element.parts() or self.coordinates
-            if isinstance(element, ForceElement):
-                works = element.works(lambda s, owners=owners: rate_of(s, owners, t.sx))
-                parts = [ca.jacobian(self.at_ground(s), e.y) for s, _ in works]
-                parts += [self.at_ground(q) for _, q in works]
-            else:
-                parts = [ca.jacobian(self.at_ground(element.equations), e.y)]
-            column = stack(ca.vec(part) for part in parts)
-            unknown = free_symbols(column) - free_symbols(ca.vertcat(*inputs))
-            if unknown:  # accelerations or multipliers: nothing can be said before a run
-                continue
-            values = ca.Function("defined", inputs, [column])(0.0, y, np.zeros(y.size), p)
-            if not np.all(np.isfinite(values.full())):
+            if not self._is_finite(self._definition(element), y, p):
                 raise ModelError(
                     "has no defined direction or value at the assembled position (two points that "
                     "coincide, a root or a division by zero?); move its points or mend its formula",
                     element.name,
                 )
+
+    def _definition(self, element) -> ca.SX:
+        """Directions and values an element is made of."""
+        y = self.all_equations.y
+        if not isinstance(element, ForceElement):
+            return ca.vec(ca.jacobian(self.at_ground(element.equations), y))
+        owners = element.parts() or self.coordinates
+        works = element.works(lambda s: rate_of(s, owners, t.sx))
+        parts = [ca.vec(ca.jacobian(self.at_ground(s), y)) for s, _ in works]
+        return stack(parts + [self.at_ground(q) for _, q in works])
+
+    def _is_finite(self, column: ca.SX, y: np.ndarray, p: np.ndarray) -> bool:
+        e = self.all_equations
+        inputs = [e.t, e.y, e.v, e.p]
+        if free_symbols(column) - free_symbols(ca.vertcat(*inputs)):
+            return True  # accelerations or multipliers: nothing can be said before a run
+        values = ca.Function("defined", inputs, [column])(0.0, y, np.zeros(y.size), p)
+        return bool(np.all(np.isfinite(values.full())))
 
     def _refuse_over_driving(self, rows: list[int]) -> None:
         kept = set(rows)
@@ -313,7 +376,6 @@ class Model:
             gruebler=n - joint_rows,
             free=n - len(self.rows),
             redundancies=redundancies,
-            singular_position=self.singular_position,
             topology=analyse_topology(self.bodies, self.constraints, touched),
             massless=self._massless(jacobian),
             bodies=tuple(b.name for b in self.bodies),
@@ -336,10 +398,7 @@ class Model:
 
     def _massless(self, jacobian: np.ndarray) -> tuple[str, ...]:
         """Bodies that take part in a free motion without kinetic energy."""
-        mass = self.compiled(
-            "mass",
-            lambda: ca.Function("M", [self.equations.y, self.equations.p], [self.equations.mass]),
-        )(self.start.y, self.nominal).full()
+        mass = self.mass_matrix(self.nominal)
         basis = np.linalg.svd(jacobian[self.rows])[2][len(self.rows) :].T
         if not basis.size:
             return ()
@@ -386,6 +445,9 @@ class Model:
         KeyError
             Unknown name, with the nearest known ones.
         """
+        return self.compiled(("measure", name), lambda: self._named_measure(name))
+
+    def _named_measure(self, name: str) -> Expression:
         found = self._system_measure(name)
         if found is None:
             found = self.system.lookup(name)
@@ -399,11 +461,13 @@ class Model:
     def measurable(self, expression: ca.SX) -> ca.SX:
         """Ground at rest, multipliers of redundant equations zero."""
         fixed = self.at_ground(expression)
-        gone = [k for k in range(len(self._row_owner)) if k not in set(self.rows)]
-        if gone:
-            symbols = self.all_equations.multiplier[gone]
-            fixed = ca.substitute(fixed, symbols, ca.SX.zeros(len(gone)))
-        return fixed
+        gone = self._redundant_multipliers
+        return ca.substitute(fixed, gone, ca.SX.zeros(gone.numel())) if gone.numel() else fixed
+
+    @cached_property
+    def _redundant_multipliers(self) -> ca.SX:
+        rows = sorted(set(range(len(self._row_owner))) - set(self.rows))
+        return self.all_equations.multiplier[rows] if rows else ca.SX(0, 1)
 
     def _system_measure(self, name: str) -> Expression | None:
         e = self.equations
@@ -425,6 +489,9 @@ class Model:
 
     def formula(self, text: str) -> Expression:
         """A formula of measures, parameters and ``t``."""
+        return self.compiled(("formula", text), lambda: self._parsed(text))
+
+    def _parsed(self, text: str) -> Expression:
         made = self.system.formula(text)
         return Expression(self.measurable(made.sx), text, made.unit)
 

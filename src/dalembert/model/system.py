@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement
+from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement, rate_of
 from dalembert.elements.planar.body import Body, Ground
 from dalembert.elements.planar.loads import Gravity
 from dalembert.errors import ExpressionError, ModelError
@@ -186,25 +187,33 @@ class System:
                 )
 
     def _check_symbols(self) -> None:
-        """Numbers may depend on parameters only; laws on t too; forces on everything."""
+        """What formulas may depend on: lengths on parameters, joints on poses, forces on speeds."""
         parameters = set(self.parameters)
+        poses = {"t"} | _names(c.pose for c in (*self.coordinates, self.ground))
+        states = poses | _names(c.twist for c in (*self.coordinates, self.ground))
         for element in self.elements.values():
-            for entity, formula, _ in element.checked_quantities():
-                foreign = free_symbols(formula.sx) - parameters
-                if isinstance(element, ForceElement) or entity.endswith(".formula"):
-                    continue
-                if isinstance(element, Constraint) and foreign <= {"t"} and ".law" in entity:
-                    continue
-                if foreign:
-                    raise ExpressionError(
-                        f"depends on {', '.join(sorted(foreign))}; only parameters of this system "
-                        "are allowed here",
-                        entity,
-                    )
+            if isinstance(element, Constraint):
+                self._allow(element.name, element.equations, parameters | poses, "positions and t")
+            elif isinstance(element, ForceElement):
+                owners = element.parts() or self.coordinates
+                works = element.works(lambda s, owners=owners: rate_of(s, owners, t.sx))
+                for s, q in works:
+                    self._allow(element.name, s, parameters | poses, "positions and t")
+                    self._allow(element.name, q, parameters | states, "positions, speeds and t")
+            else:
+                for entity, formula, _ in element.checked_quantities():
+                    self._allow(entity, formula.sx, parameters, "")
         for name, formula in self.derived_parameters.items():
-            foreign = free_symbols(formula.sx) - parameters
-            if foreign:
-                raise ExpressionError(f"depends on {', '.join(sorted(foreign))}", name)
+            self._allow(name, formula.sx, parameters, "")
+
+    @staticmethod
+    def _allow(entity: str, formula: ca.SX, allowed: set[str], also: str) -> None:
+        foreign = free_symbols(formula) - allowed
+        if foreign:
+            what = f"parameters of this system, {also}" if also else "parameters of this system"
+            raise ExpressionError(
+                f"depends on {', '.join(sorted(foreign))}; only {what} are allowed here", entity
+            )
 
     def _check_values(self) -> None:
         symbols = stack(p.sx for p in self.parameters.values())
@@ -216,6 +225,14 @@ class System:
                 numbers = ca.Function("q", [symbols], [formula.sx])(values).full().ravel()
                 for number in numbers:
                     _check_number(float(number), entity, meta)
+            for formula, wrong in element.conditions():
+                found = ca.Function("c", [symbols], [formula])(values)
+                if not float(found) >= 0:
+                    raise ModelError(wrong, element.name)
+
+
+def _names(columns: Iterable[ca.SX]) -> set[str]:
+    return {name for column in columns for name in free_symbols(column)}
 
 
 def _check_number(number: float, entity: str, meta: dict) -> None:

@@ -93,12 +93,8 @@ class Motion:
     def expression(self, measure: str | Expression) -> Expression:
         if isinstance(measure, Expression):
             return measure
-        try:
-            return self.model[measure]
-        except KeyError:
-            if any(c in measure for c in "+-*/( "):
-                return self.model.formula(measure)
-            raise
+        written = any(c in measure for c in "+-*/( ")
+        return self.model.formula(measure) if written else self.model[measure]
 
     def __getitem__(self, measure: str | Expression) -> xr.DataArray:
         """A measure by name, or a formula of measures, as a labelled array over time.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.motion import Motion
+from dalembert.results.motion import DATA_ONLY, Motion
 from dalembert.results.scene import motion_scene
 
 MAX_FRAMES = 4000
@@ -49,6 +49,7 @@ def report_payload(
     }
     if trace is not None:
         payload["trace"] = list(trace)
+        payload["scene"]["points"].sort(key=lambda point: point["name"] not in trace)
     return payload
 
 
@@ -79,7 +80,7 @@ def _series(motion: Motion, keep: np.ndarray) -> list[dict[str, Any]]:
         found.append(
             {
                 "name": name,
-                "unit": str(data[variable].attrs.get("units", "")),
+                "unit": _unit(motion, str(data[variable].attrs.get("units", "")), name),
                 "group": group,
                 "values": [None if not np.isfinite(v) else float(v) for v in values],
             }
@@ -112,6 +113,12 @@ def _series(motion: Motion, keep: np.ndarray) -> list[dict[str, Any]]:
     for variable in ("position_violation", "velocity_violation"):
         put(variable, variable, "violations")
     return found
+
+
+def _unit(motion: Motion, unit: str, name: str) -> str:
+    """The unit of one series; a variable may hold forces and moments side by side."""
+    mixed = " or " in unit and name not in DATA_ONLY
+    return motion.model[name].unit if mixed else unit
 
 
 def _asked(motion: Motion, name: str, keep: np.ndarray) -> dict[str, Any]:

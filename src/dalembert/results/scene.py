@@ -92,9 +92,11 @@ class _Scene:
             extra = [p for p in points if abs(p[1]) > 1e-9 * self.size]
             if extra:
                 ends = [self.local(body.start), self.local(body.end)]
-                shapes.insert(0, {"kind": "polygon", "points": _around([*ends, *map(list, extra)])})
+                shapes.insert(0, {"kind": "polygon", "points": _hull([*ends, *map(list, extra)])})
         elif len(points) >= 3:
-            shapes.insert(0, {"kind": "polygon", "points": _around([list(p) for p in points])})
+            corners = _hull([list(p) for p in points])
+            polygon = {"kind": "polygon", "points": corners}
+            shapes.insert(0, polygon if len(corners) > 2 else self.bar(*corners))
         elif len(points) == 2:
             shapes.insert(0, self.bar(list(points[0]), list(points[1])))
         elif len(points) == 1 and not shapes and np.linalg.norm(points[0]) > 1e-9 * self.size:
@@ -157,8 +159,11 @@ class _Scene:
 
     def curve(self, joint: PointOnCurve) -> None:
         low, high = joint.curve.interval()
-        u = np.linspace(low, high, CURVE_SAMPLES)
-        points = np.array([self.number(joint.curve.position(ca.SX(value))) for value in u])
+        u = ca.SX.sym("u")
+        place = ca.Function("curve", [u, self.model.equations.p], [joint.curve.position(u)])
+        samples = np.linspace(low, high, CURVE_SAMPLES)[None, :]
+        parameters = np.tile(self.motion.parameters[:, None], CURVE_SAMPLES)
+        points = place.map(CURVE_SAMPLES)(samples, parameters).full().T
         shape = {"kind": "curve", "points": points.tolist(), "closed": bool(joint.curve.closed)}
         self.shapes[joint.body_i.name].append(shape)
         radius = float(self.number(joint.radius.sx)[0])
@@ -207,7 +212,9 @@ class _Scene:
             if np.isfinite(force).any():
                 described["force_x"] = force[:, 0].tolist()
                 described["force_y"] = force[:, 1].tolist()
-                described["moment"] = at["reaction_moment"].values[self.keep].tolist()
+                moment = at["reaction_moment"].values[self.keep]
+                lever = 1e-9 * self.size * np.nanmax(np.abs(force))
+                described["moment"] = np.where(np.abs(moment) > lever, moment, 0.0).tolist()
         return described
 
     def links(self) -> list[dict]:
@@ -233,8 +240,20 @@ def _named(sx: ca.SX):
     return Expression(sx, "displacement", "m")
 
 
-def _around(points: list[list[float]]) -> list[list[float]]:
-    """Points in the order in which they lie around their middle."""
-    array = np.array(points)
-    middle = array.mean(axis=0)
-    return array[np.argsort(np.arctan2(*(array - middle).T[::-1]))].tolist()
+def _hull(points: list[list[float]]) -> list[list[float]]:
+    """Corners of the convex hull, anticlockwise; only the two ends of points in a line."""
+    ordered = sorted({(float(x), float(y)) for x, y in points})
+    size = max(np.ptp(np.array(ordered), axis=0).max(), 1e-300)
+
+    def chain(path: list) -> list:
+        kept: list = []
+        for p in path:
+            while len(kept) > 1:
+                (ax, ay), (bx, by) = kept[-2:]
+                if (bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax) > 1e-12 * size**2:
+                    break
+                kept.pop()
+            kept.append(p)
+        return kept
+
+    return [list(p) for p in chain(ordered)[:-1] + chain(ordered[::-1])[:-1]]

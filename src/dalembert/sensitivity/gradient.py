@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.equilibrium import Equilibrium
 from dalembert.analysis.kinematics import Kinematics
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, as_responses
@@ -49,11 +50,9 @@ class Adjoint:
 class Automatic:
     """Adjoint unless there are fewer parameters than responses."""
 
-    def gradient(
-        self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
-    ) -> np.ndarray:
-        chosen = Direct() if len(columns) < len(responses) else Adjoint()
-        return chosen.gradient(motion, responses, columns)
+    def choose(self, responses: int, parameters: int) -> Direct | Adjoint:
+        """The cheaper method for these numbers."""
+        return Direct() if parameters < responses else Adjoint()
 
 
 METHODS = {
@@ -68,7 +67,7 @@ def _engine(sample: Sample) -> MarchGradient | PointwiseGradient:
     analysis = sample.motion.analysis
     if isinstance(analysis, Dynamics):
         return MarchGradient(sample)
-    if isinstance(analysis, Kinematics):
+    if isinstance(analysis, (Kinematics, Equilibrium)):
         return PointwiseGradient(sample)
     raise UnsupportedError(
         f"gradients of {type(analysis).__name__} are not available; use method='finite-difference'"
@@ -109,6 +108,8 @@ def sensitivity(
         if method not in METHODS:
             raise AnalysisError(f"unknown method {method!r}; choose one of {', '.join(METHODS)}")
         method = METHODS[method]
+    if isinstance(method, Automatic):
+        method = method.choose(len(listed), len(chosen))
     _refuse_unfinished(motion)
     values = method.gradient(motion, listed, [names.index(n) for n in chosen])
     units = [_unit(motion, r) for r in listed]

@@ -18,16 +18,14 @@ class PointwiseGradient:
 
     def __init__(self, sample: Sample):
         motion = sample.motion
-        configuration: ImplicitFunction = motion.record.kernel.configuration
         measure = motion.model.measurable(sample.measure.sx)
         self.sample, self.motion = sample, motion
-        self.measured = ImplicitFunction(
-            "measured", configuration.inputs, configuration.stages, [measure]
-        )
+        self.measured: ImplicitFunction = motion.record.kernel.measured(measure)
 
     def _arguments(self) -> tuple:
         s = self.motion.trajectory
-        return s.t, s.y, np.tile(self.motion.parameters[:, None], s.t.size)
+        near = self.motion.record.kernel.near(s)
+        return s.t, near, np.tile(self.motion.parameters[:, None], s.t.size)
 
     def adjoint(self) -> np.ndarray:
         """(np,) gradient by one adjoint solve per instant."""

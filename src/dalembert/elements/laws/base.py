@@ -27,6 +27,10 @@ class Law:
         """``f(t)`` as an expression."""
         raise NotImplementedError
 
+    def conditions(self) -> list[tuple[ca.SX, str]]:
+        """(expression of parameters that must not be negative, what is wrong if it is)."""
+        return []
+
     def checked_quantities(self, owner: str) -> list[tuple[str, Expression, dict]]:
         return [
             (f"{owner}.{field.name}", getattr(self, field.name), field.metadata)

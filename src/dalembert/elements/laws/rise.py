@@ -41,6 +41,15 @@ class Rise(Law):
             height = height - self._clipped(after / self.fall.sx)
         return self.start.sx + self.height.sx * height
 
+    def conditions(self) -> list[tuple[ca.SX, str]]:
+        if self.period is None:
+            return []
+        if self.fall is None:
+            return [(ca.SX(-1), "a law with a period must return; give fall=")]
+        used = self.duration.sx + self.dwell.sx + self.fall.sx
+        text = "duration + dwell + fall exceed the period; lengthen it"
+        return [(self.period.sx - used + 1e-12 * self.period.sx, text)]
+
     def _clipped(self, x: ca.SX) -> ca.SX:
         inside = self.profile(x)
         return ca.if_else(x <= 0, 0, ca.if_else(x >= 1, 1, inside))

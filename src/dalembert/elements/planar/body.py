@@ -297,3 +297,16 @@ class Particle(Body):
             if getattr(self, field) is not None:
                 raise ModelError(f"a particle has no {field}; use a Body", self.name)
         super().__post_init__()
+
+    def point(self, x, y=None) -> Point:
+        """The particle itself: its only point is (0, 0).
+
+        Raises
+        ------
+        ModelError
+            Any other point.
+        """
+        made = super().point(x, y)
+        if not made.local.sx.is_zero():
+            raise ModelError("a particle has no point but (0, 0); use a Body", self.name)
+        return made

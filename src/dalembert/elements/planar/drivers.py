@@ -44,6 +44,13 @@ class Driver:
             "power": (effort * rate(self.coordinate()), "W"),
         }
 
+    def conditions(self) -> list[tuple[ca.SX, str]]:
+        wanted = list(self.law.conditions())
+        if self.positive:
+            start = ca.substitute(self.law.value(t.sx), t.sx, 0)
+            wanted.append((start - 1e-12, "its law asks for no distance at the start"))
+        return wanted
+
     def checked_quantities(self):
         return [*super().checked_quantities(), *self.law.checked_quantities(f"{self.name}.law")]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import casadi as ca
@@ -55,9 +56,17 @@ class GearPair(PointJoint):
         # from its initial direction in the carrier: the angle stays far from its branch cut
         line = carried + ca.atan2(cross(reference, local), ca.dot(reference, local))
         sense = -1 if self.internal else 1
-        rolled = self.radius_i.sx * (self.point_i.body.pose_angle - line)
-        rolled += sense * self.radius_j.sx * (self.point_j.body.pose_angle - line)
-        return rolled - initial_value(rolled, bodies).sx
+        rolled = self.radius_i.sx * self.point_i.body.pose_angle
+        rolled += sense * self.radius_j.sx * self.point_j.body.pose_angle
+        rolled -= initial_value(rolled - self.centres * line, bodies).sx
+        # the gears' own turns tell how often the line of centres has gone round
+        turn = rolled / self.centres - line
+        return self.centres * (turn - 2 * math.pi * ca.floor(turn / (2 * math.pi) + 0.5))
+
+    @property
+    def centres(self) -> ca.SX:
+        """``r_i ± r_j``: distance of the centres, with its sign."""
+        return self.radius_i.sx + (-1 if self.internal else 1) * self.radius_j.sx
 
 
 @dataclass(eq=False)

@@ -95,8 +95,25 @@ class PointJoint(Pair, Constraint):
         return self.point_j.position.sx - self.point_i.position.sx
 
     @property
+    def turning(self) -> dict[str, tuple[ca.SX, str]]:
+        """The relative rotation as a free motion, where both bodies have one."""
+        rotates = all(body.rotates for body in self.ends())
+        return {"angle": (self.turn, "rad")} if rotates else {}
+
+    @property
     def turn(self) -> ca.SX:
-        """Angle of the second body relative to the first."""
+        """Angle of the second body relative to the first.
+
+        Raises
+        ------
+        ModelError
+            One of them is a particle.
+        """
+        for body in self.ends():
+            if not body.rotates:
+                raise ModelError(
+                    f"{body.name} is a particle and has no angle; use a Body here", self.name
+                )
         return self.point_j.body.pose_angle - self.point_i.body.pose_angle
 
 

@@ -19,4 +19,4 @@ class Revolute(PointJoint):
         return self.between
 
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
-        return {"angle": (self.turn, "rad")}
+        return self.turning

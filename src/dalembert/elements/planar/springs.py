@@ -21,6 +21,8 @@ from dalembert.elements.planar.joint import need_body, need_point, refuse_same_b
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression
 
+SMALLEST_LENGTH = 1e-30
+
 
 class SpringDamper:
     """What translational and rotational springs share: a force along one coordinate ``s``.
@@ -121,6 +123,11 @@ class Spring(SpringDamper, PointPair):
     law: Callable | None = option(
         "additional force, formula of extension and rate", default=None, kind="spring-law"
     )
+
+    def coordinate(self) -> ca.SX:
+        if self.free_length.sx.is_zero():  # its force has a limit at length zero
+            return ca.sqrt(ca.sumsqr(self.between()) + SMALLEST_LENGTH**2)
+        return super().coordinate()
 
     def relaxed(self) -> ca.SX:
         return self.free_length.sx

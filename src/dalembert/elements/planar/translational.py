@@ -78,4 +78,4 @@ class PinInSlot(SlidingJoint):
         return self.offset
 
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
-        return {"displacement": (self.displacement, "m"), "angle": (self.turn, "rad")}
+        return {"displacement": (self.displacement, "m"), **self.turning}

@@ -36,6 +36,7 @@ class Motion {
     this.points = list(scene.points).filter((p) => this.has(p.body)).map((p, index) => ({
       name: String(p.name ?? ""), body: this.find(p.body), point: xy(p.point), index, traced: false,
     }));
+    this.asked = Array.isArray(payload.trace) ? payload.trace.map(String) : null;
     this.series = list(payload.series).map((s) => ({
       name: String(s.name ?? ""), unit: unitOf(s), group: String(s.group || "other"), values: floats(s.values, this.n),
     }));

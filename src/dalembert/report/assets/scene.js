@@ -141,7 +141,7 @@ class Scene {
     this.greatest = { force, moment };
   }
 
-  // Up to three moving points are traced; of many, the one with the longest way.
+  // The points asked for; else up to three moving ones; of many, the one with the longest way.
   defaultTraces() {
     for (const point of this.motion.points) {
       point.way = this.motion.path(point.body, point.point);
@@ -153,7 +153,8 @@ class Scene {
       }
     }
     const moving = this.motion.points.filter((p) => p.length > 1e-6 * (this.box.x1 - this.box.x0));
-    const chosen = moving.length <= 3 ? moving : [...moving].sort((a, b) => b.length - a.length).slice(0, 1);
+    const asked = this.motion.asked;
+    const chosen = asked ? this.motion.points.filter((p) => asked.includes(p.name)) : moving.length <= 3 ? moving : [...moving].sort((a, b) => b.length - a.length).slice(0, 1);
     for (const point of chosen) point.traced = true;
   }
 

@@ -1,0 +1,378 @@
+"""Every example runs, keeps its joints closed, has exact gradients and a number found elsewhere.
+
+The numbers come from closed forms, from the one equation of a mechanism with one freedom, from
+published solutions, or from a calculation by hand; none is recorded from our own output.
+"""
+
+from __future__ import annotations
+
+import importlib
+import math
+import sys
+from functools import cache
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import minimize
+
+import dalembert as da
+from dalembert.io.model_file import load_model_file
+from dalembert.io.tasks import make_analysis, make_design, make_responses, report_choices
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+FILES = sorted(path.stem for path in EXAMPLES.glob("*.toml"))
+SCRIPTS = sorted(path.stem for path in EXAMPLES.glob("*.py") if path.stem != "style")
+G = 9.81
+
+
+@cache
+def file(name: str):
+    return load_model_file(EXAMPLES / f"{name}.toml")
+
+
+@cache
+def model(name: str) -> da.Model:
+    return file(name).model()
+
+
+@cache
+def motion(name: str) -> da.Motion:
+    """The file's analysis, as the command line runs it."""
+    return make_analysis(file(name), model(name)).run(model(name))
+
+
+def value(name: str, response: str) -> float:
+    return da.evaluate(motion(name), make_responses(file(name), model(name))[response])
+
+
+@cache
+def script(name: str):
+    mpl.use("Agg")
+    if str(EXAMPLES) not in sys.path:
+        sys.path.insert(0, str(EXAMPLES))
+    return importlib.import_module(name)
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("gallery")
+
+
+@cache
+def numbers(name: str, folder: Path) -> dict[str, float]:
+    """What the script prints; it draws its picture too."""
+    found = script(name).main(folder)
+    assert all(math.isfinite(number) for number in found.values())
+    assert (folder / f"{name}.png").stat().st_size > 10_000
+    return found
+
+
+# every file --------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", FILES)
+def test_file_runs_and_reports(name: str, tmp_path: Path) -> None:
+    run = motion(name)
+    assert run.status.success
+    assert not [text for level, text in run.model.diagnosis.messages if level == "warning"]
+    page = run.report(tmp_path / "page.html", **report_choices(file(name), model(name)))
+    assert page.stat().st_size > 50_000
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_joints_stay_closed(name: str) -> None:
+    run = motion(name)
+    assert float(run["position_violation"].max()) <= 1e-12
+    assert float(run["velocity_violation"].max()) <= 1e-12 * (1 + np.abs(run.trajectory.v).max())
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_gradients_agree(name: str) -> None:
+    responses = list(make_responses(file(name), model(name)).values())
+    assert len(responses) >= 2
+    assert len(model(name).parameters) >= 3
+    adjoint, direct, differences = (
+        da.sensitivity(motion(name), responses, method=method).values
+        for method in ("adjoint", "direct", "finite-difference")
+    )
+    p = motion(name).parameters
+    scale = np.where(p == 0.0, 1.0, np.abs(p))
+    largest = np.abs(adjoint * scale).max(axis=1, keepdims=True)
+    assert (largest > 0).all()
+    assert (np.abs(adjoint - direct) * scale / largest).max() <= 1e-9
+    assert (np.abs(adjoint - differences) * scale / largest).max() <= 1e-6
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_file_and_script_are_the_same_mechanism(name: str) -> None:
+    build = getattr(script("carts"), name) if name.startswith("cart_") else script(name).build
+    twin = build().build()
+    assert {n: p.value for n, p in twin.parameters.items()} == {
+        n: p.value for n, p in model(name).parameters.items()
+    }
+    again = make_analysis(file(name), twin).run(twin).trajectory
+    kept = motion(name).trajectory
+    np.testing.assert_allclose(again.y, kept.y, atol=1e-9 * (1 + np.abs(kept.y).max()))
+
+
+def test_every_script_has_its_number() -> None:
+    tests = Path(__file__).read_text(encoding="utf-8")
+    assert [name for name in SCRIPTS if f'numbers("{name}", pictures)' not in tests] == []
+
+
+# mechanisms of one freedom: J(q) q'' + J'(q) q'^2 / 2 + V'(q) = Q --------------------------------
+def slope(function, q):
+    """Derivative by the complex step."""
+    return np.imag(function(q + 1e-30j)) / 1e-30
+
+
+def reduced_motion(inertia, potential, q: float, speed: float, time: float) -> float:
+    def rate(_, s):
+        force = -slope(potential, s[0]) - slope(inertia, s[0]) * s[1] ** 2 / 2
+        return s[1], force / np.real(inertia(s[0]))
+
+    return solve_ivp(rate, (0, time), (q, speed), method="DOP853", rtol=1e-12, atol=1e-12).y[0, -1]
+
+
+class FourBar:
+    """Uniform bars; the coupler's end lies to the left of the line from crank pin to pivot O2."""
+
+    def __init__(self, lengths, masses, pivot, side: int):
+        self.l, self.m, self.pivot, self.side = lengths, masses, pivot, side
+
+    def place(self, q):
+        (a, b, c), (ox, oy) = self.l, self.pivot
+        ax, ay = a * np.cos(q), a * np.sin(q)
+        dx, dy = ox - ax, oy - ay
+        square = dx * dx + dy * dy
+        along = (square + b * b - c * c) / (2 * square)
+        across = self.side * np.sqrt(b * b / square - along**2)
+        return ax, ay, along * dx - across * dy, along * dy + across * dx
+
+    def inertia(self, q):
+        ax, ay, dx, dy = self.place(q)
+        rx, ry = ax + dx - self.pivot[0], ay + dy - self.pivot[1]
+        vx, vy = -ay, ax
+        turn = dx * ry - dy * rx
+        w2, w3 = -(vx * rx + vy * ry) / turn, -(vx * dx + vy * dy) / turn
+        (a, b, c), (m1, m2, m3) = self.l, self.m
+        coupler = (vx - w2 * dy / 2) ** 2 + (vy + w2 * dx / 2) ** 2 + (b * w2) ** 2 / 12
+        return m1 * a * a / 3 + m2 * coupler + m3 * (c * w3) ** 2 / 3
+
+    def potential(self, q):
+        _, ay, _, dy = self.place(q)
+        m1, m2, m3 = self.m
+        return G * (m1 * ay / 2 + m2 * (ay + dy / 2) + m3 * (self.pivot[1] + ay + dy) / 2)
+
+
+def slider_crank(q, r: float, l: float):
+    """Distance of the slider from the crank shaft and its derivative by the crank angle."""
+    root = np.sqrt(l * l - (r * np.sin(q)) ** 2)
+    return r * np.cos(q) + root, -r * np.sin(q) * (1 + r * np.cos(q) / root)
+
+
+def slider_crank_inertia(q, r, l, crank, rod, slider):
+    x, dx = slider_crank(q, r, l)
+    w = -r * np.cos(q) / (x - r * np.cos(q))
+    middle = ((dx - r * np.sin(q)) / 2) ** 2 + (r * np.cos(q) / 2) ** 2
+    return crank * r * r / 3 + rod * (middle + (l * w) ** 2 / 12) + slider * dx**2
+
+
+def test_four_bar_follows_its_one_equation(pictures: Path) -> None:
+    bars = FourBar((0.3, 1.0, 0.6), (1.5, 5.0, 3.0), (1.0, 0.0), 1)
+    angle = reduced_motion(bars.inertia, bars.potential, math.pi / 2, 1.0, 8.0)
+    assert value("four_bar", "angle") == pytest.approx(angle, abs=1e-3)  # step of 5 ms
+    fine = da.solve_dynamics(
+        model("four_bar"), 8.0, outputs=3, integrator=da.DormandPrince(1e-11, 1e-11)
+    )
+    assert float(fine["crank.angle"][-1]) == pytest.approx(angle, abs=1e-7)
+    assert numbers("four_bar", pictures)["energy error"] < 1e-4
+
+
+def test_violation_grows_is_held_is_removed(pictures: Path) -> None:
+    found = numbers("four_bar_violation", pictures)
+    assert found["violation a"] > 0.1
+    assert 1e-5 < found["violation b"] < 5e-3
+    assert found["violation c"] < 1e-12
+    assert found["energy a"] > 10 * max(found["energy b"], found["energy c"])
+    bars = FourBar((0.3, 1.0, 0.6), (1.5, 5.0, 3.0), (0.0, 1.0), 1)
+    angle = reduced_motion(bars.inertia, bars.potential, math.pi, 1.0, 8.0)
+    assert found["reference angle"] == pytest.approx(angle, abs=1e-5)
+
+
+def test_slider_crank_torque_is_that_of_virtual_work(pictures: Path) -> None:
+    r, l, speed = 0.05, 0.18, 20 * math.pi
+    run = motion("slider_crank")
+    q = speed * run.time
+    x, dx = slider_crank(q, r, l)
+    assert np.abs(run["piston.x"].values - x).max() < 1e-13
+    gas = -1500 * (1 + np.tanh(dx * speed / 0.2)) / 2
+    inertia = slope(lambda q: slider_crank_inertia(q, r, l, 0.9, 0.6, 0.8), q) * speed**2 / 2
+    torque = inertia + G * (0.9 + 0.6) * r / 2 * np.cos(q) - gas * dx
+    np.testing.assert_allclose(run["motor.effort"].values, torque, atol=1e-9)
+    assert numbers("slider_crank", pictures)["piston_speed"] == pytest.approx(
+        (dx * speed).max(), rel=1e-12
+    )
+
+
+def test_shaper_has_its_time_ratio_and_stroke(pictures: Path) -> None:
+    found, half = numbers("quick_return_shaper", pictures), math.asin(0.1 / 0.3)
+    assert found["time_ratio"] == pytest.approx(
+        (math.pi + 2 * half) / (math.pi - 2 * half), abs=1e-10
+    )
+    assert found["stroke"] == pytest.approx(2 * 0.55 * 0.1 / 0.3, abs=1e-12)
+
+
+def test_sewing_machine_counts_and_loops(pictures: Path) -> None:
+    found = numbers("sewing_machine", pictures)
+    assert (found["coordinates"], found["equations"], found["degrees of freedom"]) == (18, 17, 1)
+    assert found["needle stroke"] == pytest.approx(2 * 0.015, abs=1e-12)
+    run = motion("sewing_machine")
+    q = run["crank.angle"].values
+    needle = 0.015 * np.sin(q) - np.sqrt(0.045**2 - (0.015 * np.cos(q)) ** 2) - 0.06
+    assert np.abs(run["needle_bar.needle.y"].values - needle).max() < 1e-14
+    a, o = 0.011 * np.exp(1j * (q + 0.9)), -0.026 + 0.03j  # the plane as complex numbers
+    d = o - a
+    cosine = (abs(d) ** 2 + 0.026**2 - 0.03**2) / (2 * 0.026 * abs(d))
+    lever = d / abs(d) * (cosine - 1j * np.sqrt(1 - cosine**2))  # the pin lies right of the line
+    eye = a + lever * (0.06 + 0.012j)
+    assert np.abs(run["take_up.eye.x"].values - eye.real).max() < 1e-14
+    assert np.abs(run["take_up.eye.y"].values - eye.imag).max() < 1e-14
+
+
+def test_cam_lifts_by_its_law(pictures: Path) -> None:
+    run = motion("cam_follower")
+    for degrees, lift in (
+        (0, 0.0),
+        (60, 0.0075),
+        (120, 0.015),
+        (150, 0.015),
+        (240, 0.0075),
+        (330, 0.0),
+    ):
+        found = float(run.at([degrees / 3600])["follower.y"][0])
+        assert found - 0.042 == pytest.approx(lift, abs=1e-7)
+    x = 30 / 120
+    found = float(run.at([30 / 3600])["follower.y"][0])
+    assert found - 0.042 == pytest.approx(0.015 * (10 * x**3 - 15 * x**4 + 6 * x**5), abs=1e-7)
+    at_rest = (
+        4000 * (0.075 - (0.16 - 0.06 - 0.057)) + 0.4 * G
+    )  # spring and weight on the upper dwell
+    assert float(run.at([150 / 3600])["contact.force_norm"][0]) == pytest.approx(at_rest, rel=1e-3)
+    assert numbers("cam_follower", pictures)["lift error"] < 2e-7
+
+
+def test_n_four_bar_follows_its_one_equation(pictures: Path) -> None:
+    factor = (1.5 + 2) / (1 + 2) * G
+
+    def rate(_, s):
+        return s[1], -factor * math.cos(s[0])
+
+    solved = solve_ivp(rate, (0, 0.6), (math.pi / 2, -1.0), method="DOP853", rtol=1e-13, atol=1e-13)
+    angle = solved.y[0, -1]
+    assert value("n_four_bar", "x") == pytest.approx(math.cos(angle), abs=1e-11)
+    assert value("n_four_bar", "y") == pytest.approx(math.sin(angle), abs=1e-11)
+    speed = float(motion("n_four_bar")["crank2.angular_velocity"][-1])
+    assert speed**2 == pytest.approx(1 + 2 * factor * (1 - math.sin(angle)), rel=1e-10)
+    assert max(numbers("n_four_bar", pictures).values()) < 1e-10
+
+
+def test_spring_pendulum_modes_and_motion(pictures: Path) -> None:
+    found = numbers("spring_pendulum", pictures)
+    assert found["bounce [Hz]"] == pytest.approx(math.sqrt(39.24) / (2 * math.pi), rel=1e-10)
+    assert found["swing [Hz]"] == pytest.approx(math.sqrt(G) / (2 * math.pi), rel=1e-10)  # 1 m long
+
+    def rate(_, s):
+        pull = 39.24 * (1 - 0.75 / math.hypot(s[0], s[1]))
+        return s[2], s[3], -pull * s[0], -pull * s[1] - G
+
+    exact = solve_ivp(
+        rate, (0, 30), (0.03, -1.15, 0, 0), method="DOP853", rtol=1e-12, atol=1e-12
+    ).y[:, -1]
+    assert value("spring_pendulum", "x") == pytest.approx(exact[0], abs=2e-5)
+    assert value("spring_pendulum", "y") == pytest.approx(exact[1], abs=2e-5)
+
+
+def test_sliding_pendulum_against_published(pictures: Path) -> None:
+    published = (0.290985380740065, -0.177394633452164, 0.286809855735754, 1.71766036161997)
+    exact = (0.29098559552745, -0.17739580965382, 0.28680948821451, 1.7176631355987)
+    found = list(numbers("sliding_pendulum", pictures).values())
+    np.testing.assert_allclose(found, published, atol=1e-5)
+    np.testing.assert_allclose(found, exact, atol=1e-8)
+    assert value("sliding_pendulum", "x") == pytest.approx(exact[0], abs=1e-8)
+    assert value("sliding_pendulum", "angle") == pytest.approx(exact[1], abs=1e-8)
+
+
+def test_carts_against_published_and_closed_form(pictures: Path) -> None:
+    found = numbers("carts", pictures)
+    assert found["A x(10)"] == pytest.approx(0.5 + 0.2 * math.pi * 10, abs=1e-12)
+    assert value("cart_a", "load") == pytest.approx(24 * G / 2, rel=1e-12)
+    for time, x in ((1, 0.598174778658534), (2, 1.12831856753888), (10, 6.15485457322214)):
+        assert found[f"B x({time})"] == pytest.approx(x, rel=1e-5)
+    top, tau = 0.4 * math.pi, 124 * 0.4 * math.pi / 200
+    for time, x, v in (
+        (1, 1.04883558873404, 0.908468573453447),
+        (10, 12.087308510222, 1.25663365699492),
+    ):
+        assert found[f"C x({time})"] == pytest.approx(x, rel=1e-6)
+        assert found[f"C v({time})"] == pytest.approx(v, rel=1e-6)
+        assert found[f"C v({time})"] == pytest.approx(top * (1 - math.exp(-time / tau)), abs=1e-9)
+
+
+def test_path_is_found(pictures: Path) -> None:
+    found = numbers("path_optimization", pictures)
+    assert found["success"]
+    assert found["after"] < found["before"] / 1000
+    hidden = {
+        "l0": 0.08,
+        "l1": 0.04,
+        "l2": 0.1,
+        "l3": 0.1,
+        "a": 0.2,
+        "b": 0,
+        "phase": 0,
+        "x": 0,
+        "y": 0,
+    }
+    for name, length in hidden.items():  # the linkage that the path was made with
+        assert found[name] == pytest.approx(length, abs=1e-4)
+
+
+def test_spring_smooths_the_torque_as_well_as_any(pictures: Path) -> None:
+    r, l, speed = 0.06, 0.22, 6 * math.pi
+    time = np.linspace(0, 1 / 3, 241)
+    q = speed * time + math.pi / 2  # from the downward line of the plunger
+
+    def torque(k: float, free: float, foot: float):
+        x, dx = slider_crank(q, r, l)
+        inertia = slope(lambda q: slider_crank_inertia(q, r, l, 1.5, 1.2, 9.0), q) * speed**2 / 2
+        weight = G * ((1.5 + 1.2) / 2 * r * np.sin(q) - (1.2 / 2 + 9.0) * dx)
+        return inertia + weight - k * (-foot - x - free) * dx
+
+    def rms(design) -> float:
+        return math.sqrt(np.mean(torque(*design)[:-1] ** 2))
+
+    run = motion("smooth_torque")
+    np.testing.assert_allclose(run["motor.effort"].values, torque(100, 0.35, -0.6), atol=1e-10)
+    found = numbers("smooth_torque", pictures)
+    best = minimize(
+        lambda s: rms((s[0] * 1e3, s[1], -0.6)),
+        (2, 0.4),
+        method="Nelder-Mead",
+        options={"xatol": 1e-9, "fatol": 1e-12, "maxiter": 2000},
+    )
+    assert found["before"] == pytest.approx(rms((100, 0.35, -0.6)), rel=1e-6)
+    assert found["after"] == pytest.approx(best.fun, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", [n for n in FILES if file(n).document.optimize is not None])
+def test_files_optimise(name: str) -> None:
+    design = make_design(file(name), model(name))
+    best = da.optimize(model(name), analysis=make_analysis(file(name), model(name)), **design)
+    assert best.success
+    assert best.violation <= 1e-9
+    if name == "path_optimization":
+        assert best.fun < 1e-6 * best.history[0].objective
+    else:
+        assert best.fun < best.history[0].objective
