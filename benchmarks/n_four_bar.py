@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import math
 import time
+from functools import partial
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -23,6 +24,7 @@ from dalembert import planar
 
 GRAVITY = 9.81
 DURATION = 1.0
+ERROR = 1e-6
 
 
 def build(count: int) -> da.Model:
@@ -51,7 +53,11 @@ def exact(count: int, end: float) -> np.ndarray:
     ratio = ((count + 1) / 2 + count) / ((count + 1) / 3 + count)
     done = solve_ivp(
         lambda t, s: [s[1], -ratio * GRAVITY * math.cos(s[0])],
-        (0, end), [math.pi / 2, -1.0], method="DOP853", rtol=1e-13, atol=1e-14,
+        (0, end),
+        [math.pi / 2, -1.0],
+        method="DOP853",
+        rtol=1e-13,
+        atol=1e-14,
     )
     return np.array([math.cos(done.y[0, -1]), math.sin(done.y[0, -1])])
 
@@ -68,13 +74,14 @@ def run_exudyn(count: int, steps: int) -> tuple[float, np.ndarray]:
     """The same mechanism in Exudyn; seconds for the solver alone."""
     import exudyn as exu
     from exudyn.itemInterface import (
+        LoadMassProportional,
+        MarkerBodyMass,
         MarkerBodyPosition,
+        NodeRigidBody2D,
         ObjectGround,
         ObjectJointRevolute2D,
         ObjectRigidBody2D,
-        NodeRigidBody2D,
     )
-    from exudyn.utilities import LoadForceVector, MarkerBodyMass  # noqa: F401
 
     container = exu.SystemContainer()
     system = container.AddSystem()
@@ -84,12 +91,8 @@ def run_exudyn(count: int, steps: int) -> tuple[float, np.ndarray]:
         node = system.AddNode(
             NodeRigidBody2D(referenceCoordinates=[x, y, angle], initialVelocities=speeds)
         )
-        body = system.AddObject(
-            ObjectRigidBody2D(physicsMass=1.0, physicsInertia=1 / 12, nodeNumber=node)
-        )
+        body = system.AddObject(ObjectRigidBody2D(mass=1.0, inertia=1 / 12, nodeNumber=node))
         weight = system.AddMarker(MarkerBodyMass(bodyNumber=body))
-        from exudyn.itemInterface import LoadMassProportional
-
         system.AddLoad(LoadMassProportional(markerNumber=weight, loadVector=[0, -GRAVITY, 0]))
         return body
 
@@ -117,7 +120,7 @@ def run_exudyn(count: int, steps: int) -> tuple[float, np.ndarray]:
     settings.timeIntegration.endTime = DURATION
     settings.timeIntegration.newton.useModifiedNewton = True
     settings.timeIntegration.generalizedAlpha.spectralRadius = 0.9
-    settings.solutionSettings.writeSolutionToFile = False
+    settings.solution.file.write = False
     settings.timeIntegration.verboseMode = 0
     if count >= 10:
         settings.linearSolverType = exu.LinearSolverType.EigenSparse
@@ -132,8 +135,10 @@ def run_exudyn(count: int, steps: int) -> tuple[float, np.ndarray]:
 
 def time_per_step(counts: list[int], repeats: int) -> None:
     print("time per step, best of several in turns")
-    print(f"{'N':>4} {'bodies':>7} {'RK4 [µs]':>10} {'+ projection':>13} {'Exudyn [µs]':>12} "
-          f"{'ratio':>7} {'with proj.':>11}")
+    print(
+        f"{'N':>4} {'bodies':>7} {'RK4 [µs]':>10} {'+ projection':>13} {'Exudyn [µs]':>12} "
+        f"{'ratio':>7} {'with proj.':>11}"
+    )
     for count in counts:
         model = build(count)
         steps = max(200, 4000 // count)
@@ -142,27 +147,56 @@ def time_per_step(counts: list[int], repeats: int) -> None:
             plain = min(plain, run_ours(model, steps, da.Stabilization())[0] / steps)
             projected = min(projected, run_ours(model, steps, da.Projection())[0] / steps)
             theirs = min(theirs, run_exudyn(count, steps)[0] / steps)
-        print(f"{count:>4} {2 * count + 1:>7} {plain * 1e6:>10.2f} {projected * 1e6:>13.2f} "
-              f"{theirs * 1e6:>12.2f} {theirs / plain:>7.2f} {theirs / projected:>11.2f}")
+        print(
+            f"{count:>4} {2 * count + 1:>7} {plain * 1e6:>10.2f} {projected * 1e6:>13.2f} "
+            f"{theirs * 1e6:>12.2f} {theirs / plain:>7.2f} {theirs / projected:>11.2f}"
+        )
+
+
+def steps_needed(run, reference: np.ndarray, steps: int) -> tuple[float, int]:
+    """Double the steps until the error is small enough; the time and the steps of that run."""
+    while True:
+        elapsed, top = run(steps)
+        if np.abs(top - reference).max() <= ERROR or steps > 200_000:
+            return min(elapsed, run(steps)[0]), steps
+        steps *= 2
 
 
 def time_to_error(counts: list[int]) -> None:
-    print("\ntime to an error of at most 1e-6 m in the first crank's top after 1 s")
+    print(f"\ntime to an error of at most {ERROR:g} m in the first crank's top after 1 s")
     print(f"{'N':>4} {'ours [ms]':>10} {'steps':>7} {'Exudyn [ms]':>12} {'steps':>7} {'ratio':>7}")
     for count in counts:
         model, reference = build(count), exact(count, DURATION)
+        ours, n_ours = steps_needed(
+            partial(run_ours, model, stabilization=da.Projection()), reference, 10
+        )
+        theirs, n_theirs = steps_needed(partial(run_exudyn, count), reference, 500)
+        print(
+            f"{count:>4} {ours * 1e3:>10.3f} {n_ours:>7} {theirs * 1e3:>12.2f} {n_theirs:>7} "
+            f"{theirs / ours:>7.1f}"
+        )
 
-        def needed(run, steps: int):
-            while True:
-                elapsed, top = run(steps)
-                if np.abs(top - reference).max() <= 1e-6 or steps > 200_000:
-                    return min(elapsed, run(steps)[0]), steps
-                steps *= 2
 
-        ours, n_ours = needed(lambda s: run_ours(model, s, da.Projection()), 10)
-        theirs, n_theirs = needed(lambda s: run_exudyn(count, s), 500)
-        print(f"{count:>4} {ours * 1e3:>10.3f} {n_ours:>7} {theirs * 1e3:>12.2f} {n_theirs:>7} "
-              f"{theirs / ours:>7.1f}")
+def gradient_cost(counts: list[int], repeats: int) -> None:
+    print("\nwhole adjoint gradient (run included) over the run, RK4 + range space + projection")
+    print(f"{'N':>4} {'parameters':>11} {'run [ms]':>9} {'run + gradient [ms]':>20} {'ratio':>6}")
+    for count in counts:
+        model, steps = build(count), max(200, 4000 // count)
+        analysis = da.Dynamics(duration=DURATION, step=DURATION / steps)
+        angle = da.final("c0.angle")
+        da.sensitivity(analysis.run(model), angle, method="adjoint")  # compiles
+        run = both = math.inf
+        for _ in range(repeats):
+            begin = time.perf_counter()
+            motion = analysis.run(model)
+            middle = time.perf_counter()
+            da.sensitivity(motion, angle, method="adjoint")
+            end = time.perf_counter()
+            run, both = min(run, middle - begin), min(both, end - begin)
+        print(
+            f"{count:>4} {model.nominal.size:>11} {run * 1e3:>9.2f} {both * 1e3:>20.2f} "
+            f"{both / run:>6.2f}"
+        )
 
 
 if __name__ == "__main__":
@@ -172,3 +206,4 @@ if __name__ == "__main__":
     options = parser.parse_args()
     time_per_step(options.n, options.repeats)
     time_to_error(options.n)
+    gradient_cost(options.n, options.repeats)

@@ -115,7 +115,7 @@ BAD: dict[str, tuple[str, list[str]]] = {
         edited("inertia = 0.1\n", ""),
         ["bodies.disc", "inertia is missing", "Particle"],
     ),
-    "length missing": (edited('length = "l1"\n', ""), ["bodies.crank", "length is missing"]),
+    "length missing": (edited('length = "l1"\n', ""), ["bodies.crank", "length: is missing"]),
     "length zero": (edited('"l1"', "0.0"), ["bodies.crank.length", "above 0"]),
     "length of what moves": (
         edited('length = "l1"', 'length = "disc.x"'),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -23,8 +24,9 @@ FOUR_BAR = Path(__file__).parents[1] / "examples" / "four_bar.toml"
 def model(tmp_path) -> Path:
     """The example, shortened."""
     path = tmp_path / "four_bar.toml"
-    text = FOUR_BAR.read_text(encoding="utf-8").replace("duration = 4.0", "duration = 0.5")
-    path.write_text(text.replace("outputs = 201", "outputs = 26"), encoding="utf-8")
+    text = FOUR_BAR.read_text(encoding="utf-8")
+    text = re.sub(r"(?m)^duration = .*$", "duration = 0.5", text)
+    path.write_text(re.sub(r"(?m)^outputs = .*$", "outputs = 26", text), encoding="utf-8")
     return path
 
 

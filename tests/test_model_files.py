@@ -83,7 +83,7 @@ LAW_TABLES = {
     "Harmonic": "amplitude = 1, frequency = 2",
     "HarmonicRise": "height = 1, duration = 2",
     "CycloidalRise": "height = 1, duration = 2, fall = 1",
-    "Polynomial345Rise": "height = 1, duration = 2, period = 4",
+    "Polynomial345Rise": "height = 1, duration = 2, fall = 1, period = 4",
     "Polynomial4567Rise": "height = 1, duration = 2",
     "Table": "times = [0, 1, 2], values = [0, 1, 0], periodic = true",
 }

@@ -15,6 +15,10 @@ from dalembert.responses.base import Response, as_responses
 from dalembert.results.motion import Motion
 
 
+FEASIBLE = 1e-6
+"""Violation of a limit that counts as none, in the limit's unit."""
+
+
 @dataclass(frozen=True)
 class Limit:
     """``lower ≤ response ≤ upper``; equal limits make an equation.
@@ -224,8 +228,8 @@ class _Slsqp:
 
         def after(z: np.ndarray) -> None:
             found = self.problem.evaluate(self.unscale(z))
-            if found is None:
-                return
+            if found is None or not self.improves(found, history[-1]):
+                return  # SciPy reports trial designs too
             self.best = found
             history.append(self.iterate(self.unscale(z), found))
             self.tell(progress, history)
@@ -253,6 +257,14 @@ class _Slsqp:
 
     def iterate(self, x: np.ndarray, found) -> Iterate:
         return Iterate(self.problem.parameters(x), float(found.values[0]), self.violation(found))
+
+    def improves(self, found, last: Iterate) -> bool:
+        """Nearer to the limits, or a better objective at no greater violation."""
+        violation = self.violation(found)
+        if violation < 0.999 * last.violation and last.violation > FEASIBLE:
+            return True
+        better = self.sign * found.values[0] < self.sign * last.objective
+        return bool(better and violation <= max(last.violation, FEASIBLE))
 
     def violation(self, found) -> float:
         worst = 0.0

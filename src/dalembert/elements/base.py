@@ -38,8 +38,11 @@ def quantity(
     size: int = 1,
     minimum: float = -math.inf,
     above: float = -math.inf,
+    keyword: bool = False,
 ) -> Any:
     """Field that holds a number (or ``size`` numbers) or a formula.
+
+    ``keyword`` makes a field without default one that must be given by name.
 
     ``minimum`` is allowed itself, ``above`` is not; both are checked at the parameters' values.
     """
@@ -51,7 +54,7 @@ def quantity(
         "minimum": minimum,
         "above": above,
     }
-    return dataclasses.field(default=default, metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata, kw_only=keyword)
 
 
 def option(description: str, *, default: Any = dataclasses.MISSING, kind: str = "option") -> Any:

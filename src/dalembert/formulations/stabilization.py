@@ -141,9 +141,9 @@ class Projection(Stabilization):
         turned = ca.jacobian(violation, delta)  # C at the corrected position
 
         def solve(rhs: ca.SX, transposed: bool = False) -> ca.SX:
-            # the factors belong to the incoming position; two refinements make up for that
+            # the factors belong to the incoming position; a few refinements make up for that
             total = solver.solve_stacked(rhs)
-            for _ in range(2):
+            for _ in range(3):
                 x, z = total[:n], total[n:]
                 if transposed:
                     rest = ca.vertcat(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -16,6 +17,12 @@ def quadrature_weights(times: np.ndarray) -> np.ndarray:
     Each interval takes the mean of the parabolas through it and its left and its right
     neighbour; two samples make a trapezium.
     """
+    return _weights(np.ascontiguousarray(times, dtype=float).tobytes())
+
+
+@lru_cache(maxsize=64)
+def _weights(buffer: bytes) -> np.ndarray:
+    times = np.frombuffer(buffer)
     count = times.size
     h = np.diff(times)
     weights = np.zeros(count)

@@ -272,11 +272,9 @@ class Bar(Body):
     length : [m]
     """
 
-    length: Scalar = quantity("m", "length", default=None, above=0.0)
+    length: Scalar = quantity("m", "length", above=0.0, keyword=True)
 
     def __post_init__(self) -> None:
-        if self.length is None:
-            raise ModelError("length is missing; give length=", self.name)
         length = as_expression(self.length, f"{self.name}.length", "m")
         if self.mass is not None and self.inertia is None:
             self.inertia = as_expression(self.mass, f"{self.name}.mass") * length**2 / 12

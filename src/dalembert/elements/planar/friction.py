@@ -94,7 +94,7 @@ class Stop(ForceElement):
     coordinate: Scalar = quantity("m | rad", "formula of positions that is limited")
     lower: Scalar = quantity("m | rad", "lower limit", default=None)
     upper: Scalar = quantity("m | rad", "upper limit", default=None)
-    stiffness: Scalar = quantity("N/m | N m/rad", "stiffness", default=None, above=0.0)
+    stiffness: Scalar = quantity("N/m | N m/rad", "stiffness", above=0.0, keyword=True)
     damping: Scalar = quantity("s/m | s/rad", "Hunt-Crossley damping", default=0.0, minimum=0.0)
     exponent: Scalar = quantity("", "exponent of the penetration", default=1.0, minimum=1.0)
     conservative = True
@@ -103,8 +103,6 @@ class Stop(ForceElement):
         super().__post_init__()
         if self.lower is None and self.upper is None:
             raise ModelError("give a lower or an upper limit", self.name)
-        if self.stiffness is None:
-            raise ModelError("stiffness is missing; give stiffness=", self.name)
 
     def penetrations(self) -> list[tuple[ca.SX, int]]:
         """(penetration, sense of its growth along the coordinate) of each limit given."""

@@ -30,15 +30,13 @@ class GearPair(PointJoint):
     carrier : body that carries both centres; the ground if none is given
     """
 
-    radius_i: Scalar = quantity("m", "pitch radius of the first gear", default=None, above=0.0)
-    radius_j: Scalar = quantity("m", "pitch radius of the second gear", default=None, above=0.0)
+    radius_i: Scalar = quantity("m", "pitch radius of the first gear", above=0.0, keyword=True)
+    radius_j: Scalar = quantity("m", "pitch radius of the second gear", above=0.0, keyword=True)
     internal: bool = option("the second gear is a ring with inner teeth", default=False)
     carrier: Body = option("body that carries both centres", default=None, kind="body")
     kind = "gear"
 
     def __post_init__(self) -> None:
-        if self.radius_i is None or self.radius_j is None:
-            raise ModelError("radius_i and radius_j are both needed", self.name)
         if self.carrier is not None:
             self.carrier = need_body(self.carrier, self.name, "carrier")
         super().__post_init__()
@@ -83,13 +81,11 @@ class RackAndPinion(SlidingJoint):
     side : +1 pinion on the left of the axis, −1 on its right
     """
 
-    radius: Scalar = quantity("m", "pitch radius", default=None, above=0.0)
+    radius: Scalar = quantity("m", "pitch radius", above=0.0, keyword=True)
     side: int = option("+1: left of the axis, -1: right of it", default=1)
     kind = "rack"
 
     def __post_init__(self) -> None:
-        if self.radius is None:
-            raise ModelError("radius is missing; give radius=", self.name)
         if self.side not in (1, -1):
             raise ModelError(f"side must be 1 or -1, got {self.side!r}", self.name)
         super().__post_init__()

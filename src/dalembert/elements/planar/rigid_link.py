@@ -21,15 +21,8 @@ class RigidLink(PointJoint):
     length : distance of the points [m]
     """
 
-    length: Scalar = quantity("m", "distance of the two points", default=None, above=0.0)
+    length: Scalar = quantity("m", "distance of the two points", above=0.0, keyword=True)
     kind = "rigid_link"
-
-    def __post_init__(self) -> None:
-        if self.length is None:
-            from dalembert.errors import ModelError
-
-            raise ModelError("length is missing; give length=", self.name)
-        super().__post_init__()
 
     def residual(self) -> ca.SX:
         d = self.between
