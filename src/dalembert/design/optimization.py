@@ -14,7 +14,6 @@ from dalembert.model.model import Model
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.motion import Motion
 
-
 FEASIBLE = 1e-6
 """Violation of a limit that counts as none, in the limit's unit."""
 
