@@ -115,7 +115,7 @@ def test_every_law_can_be_written(name, tmp_path, schema):
     law = f'law = {{ type = "{name}", {LAW_TABLES[name]} }}'
     text = f'{HEAD}[drivers.new]\ntype = "RotationalDriver"\nconnect = ["ground", "a"]\n{law}\n'
     model = load(written(tmp_path, text)).build()
-    assert type(model.system.elements["new"].law) is LAWS[name]
+    assert type(model.parts.elements["new"].law) is LAWS[name]
     schema.validate(tomllib.loads(text))
 
 

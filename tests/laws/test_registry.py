@@ -50,7 +50,7 @@ def test_every_strategy_is_listed(base, table):
 @pytest.mark.parametrize("name", CASES)
 def test_every_number_given_is_a_parameter(name):
     """So that gradients tested over the registry reach every quantity of every element."""
-    for element in model_of(name).system.elements.values():
+    for element in model_of(name).parts.elements.values():
         for entity, formula, _ in element.checked_quantities():
             zero = formula.sx.is_constant() and not any(
                 formula.sx[k].nonzeros()[0] for k in range(len(formula))

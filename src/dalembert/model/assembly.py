@@ -121,7 +121,7 @@ class Assembler:
         self._velocity = ca.Function(
             "velocity", [e.t, e.y, e.v, e.p], [psi, ca.jacobian(psi, e.v), e.mass], {"cse": True}
         )
-        self._guess = ca.Function(
+        self.guess = ca.Function(
             "guess",
             [e.p],
             [_filled(guesses.pose), _filled(guesses.twist)],
@@ -131,7 +131,7 @@ class Assembler:
     # positions ---------------------------------------------------------------
     def project(self, t: float, p: np.ndarray, attempts: int = 12) -> np.ndarray:
         """Nearest assembled configuration to the guesses, from several starts if need be."""
-        guess = self._guess(p)[0].full().ravel()
+        guess = self.guess(p)[0].full().ravel()
         missing = np.array([g is None for g in self.guesses.pose])
         rng = np.random.default_rng(0)
         best, worst = guess, np.inf
@@ -243,7 +243,7 @@ class Assembler:
         m = self.e.constraint_count
         keep = [*rows, *range(m, jacobian.shape[0])]
         chosen = independent_units(jacobian[keep], self.guesses.priority(self.guesses.twist))
-        given = self._guess(p)[1].full().ravel()
+        given = self.guess(p)[1].full().ravel()
         matrix = np.vstack([jacobian[keep], np.eye(n)[chosen]])
         rhs = np.concatenate([-psi.ravel()[keep], given[chosen]])
         v = np.linalg.solve(matrix, rhs) if n else np.zeros(0)

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
-from dalembert.model.topology import Topology
+import numpy as np
+
+from dalembert.elements.planar.drivers import Driver
+from dalembert.model.closure import Closure
+from dalembert.model.description import Description
+from dalembert.model.topology import Topology, analyse_topology
 
 
 @dataclass(frozen=True)
@@ -93,3 +98,59 @@ class Diagnosis:
             "summary": self.summary,
             "messages": [{"level": level, "text": text} for level, text in self.messages],
         }
+
+
+def diagnose(d: Description, closure: Closure, mass: np.ndarray) -> Diagnosis:
+    """Examine a closed mechanism; ``mass`` is its mass matrix."""
+    is_driver = np.array([isinstance(c, Driver) for c, _ in closure.owners], dtype=bool)
+    kept = np.zeros(len(closure.owners), dtype=bool)
+    kept[closure.rows] = True
+    n = closure.all_equations.coordinate_count
+    own = sum(c.pose.numel() for k in d.constraints for c in k.own_coordinates())
+    joint_rows = int(np.sum(~is_driver))
+    independent_joint_rows = int(np.sum(kept & ~is_driver))
+    redundancies = tuple(_redundancy(closure, k) for k in range(len(closure.owners)) if not kept[k])
+    touched = {b.name for c in d.constraints for b in c.parts()}
+    touched |= {b.name for f in d.forces if f.name != "gravity" for b in f.parts()}
+    return Diagnosis(
+        coordinates=n - own,
+        joint_equations=joint_rows - own,
+        driver_equations=int(np.sum(is_driver)),
+        degrees_of_freedom=n - independent_joint_rows,
+        gruebler=n - joint_rows,
+        free=n - len(closure.rows),
+        redundancies=redundancies,
+        topology=analyse_topology(d.bodies, d.constraints, touched),
+        massless=_massless(closure, mass),
+        bodies=tuple(b.name for b in d.bodies),
+        joints=tuple(c.name for c in d.constraints if not isinstance(c, Driver)),
+        drivers=tuple(c.name for c in d.constraints if isinstance(c, Driver)),
+        forces=tuple(f.name for f in d.forces),
+        corrections=closure.start.corrections,
+        velocity_corrections=closure.start.velocity_corrections,
+    )
+
+
+def _redundancy(closure: Closure, row: int) -> Redundancy:
+    constraint, component = closure.owners[row]
+    weights, *_ = np.linalg.lstsq(
+        closure.jacobian[closure.rows].T, closure.jacobian[row], rcond=None
+    )
+    shared = [
+        closure.owners[k][0].name
+        for k, w in zip(closure.rows, weights, strict=True)
+        if abs(w) > 1e-9 and closure.owners[k][0] is not constraint
+    ]
+    return Redundancy(constraint.name, component, tuple(dict.fromkeys(shared)))
+
+
+def _massless(closure: Closure, mass: np.ndarray) -> tuple[str, ...]:
+    """Bodies that take part in a free motion without kinetic energy."""
+    basis = np.linalg.svd(closure.jacobian[closure.rows])[2][len(closure.rows) :].T
+    if not basis.size:
+        return ()
+    values, vectors = np.linalg.eigh(basis.T @ mass @ basis)
+    scale = max(np.abs(mass).max(), 1e-300)
+    lost = basis @ vectors[:, values < 1e-12 * scale]
+    moving = np.abs(lost).max(axis=1, initial=0.0) > 1e-6
+    return tuple(dict.fromkeys(o for o, m in zip(closure.guesses.owners, moving, strict=True) if m))

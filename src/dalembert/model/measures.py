@@ -6,8 +6,6 @@ of the whole system; a vector's components are ``.x`` and ``.y``.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import casadi as ca
 
 from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement, rate_of
@@ -15,9 +13,6 @@ from dalembert.elements.planar.body import Body
 from dalembert.elements.planar.drivers import Driver
 from dalembert.elements.planar.joint import Pair
 from dalembert.symbolic.expression import Expression, t
-
-if TYPE_CHECKING:
-    from dalembert.model.system import System
 
 Measures = dict[str, tuple[ca.SX, str]]
 
@@ -59,13 +54,15 @@ def constraint_measures(constraint: Constraint, rate) -> Measures:
     return found
 
 
-def find_measure(system: System, name: str) -> Expression | None:
+def find_measure(
+    elements: dict[str, Element], everything: list[Coordinates], name: str
+) -> Expression | None:
     """The measure behind a dotted name, None if there is none."""
     owner, _, quantity = name.partition(".")
-    element = system.elements.get(owner)
+    element = elements.get(owner)
     if element is None or not quantity:
         return None
-    known = element_measures(element, system.coordinates)
+    known = element_measures(element, everything)
     if quantity in known:
         sx, unit = known[quantity]
         return Expression(sx, name, unit)

@@ -214,7 +214,7 @@ def _add_states(data: dict, coords: dict, motion: Motion) -> None:
     text = {"units": "m or rad (per second for speeds)"}
     data["coordinates"] = (("time", "coordinate"), s.y.T, {"long_name": "coordinates y", **text})
     data["speeds"] = (("time", "coordinate"), s.v.T, {"long_name": "speeds v", **text})
-    owners = [model._row_owner[k] for k in model.rows]
+    owners = model.independent_rows
     coords["equation"] = [f"{c.name}[{k}]" for c, k in owners]
     data["multiplier"] = (
         ("time", "equation"),

@@ -50,7 +50,7 @@ class _Scene:
             self.shape_of_joint(constraint)
         for body in self.model.bodies:
             self.outline(body)
-        gravity = self.model.system.gravity
+        gravity = self.model.parts.gravity
         return {
             "gravity": None if gravity is None else self.number(gravity.sx).tolist(),
             "bodies": [self.body(b) for b in self.model.bodies],

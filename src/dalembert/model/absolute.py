@@ -1,0 +1,73 @@
+"""Absolute coordinates: every body brings its own pose and twist."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from dalembert.elements.base import rate_of
+from dalembert.elements.planar.body import Ground
+from dalembert.elements.planar.loads import Gravity
+from dalembert.model.description import Description
+from dalembert.model.equations import Equations
+from dalembert.symbolic.expression import stack, t
+
+
+def at_ground(ground: Ground, expression: ca.SX) -> ca.SX:
+    """The expression with the ground at rest in the origin."""
+    symbols = ca.vertcat(ground.pose, ground.twist, ground.acceleration_symbols)
+    return ca.substitute(expression, symbols, ca.SX.zeros(symbols.numel()))
+
+
+def absolute_equations(d: Description) -> tuple[Equations, ca.SX]:
+    """Equations of a mechanism in the coordinates of its bodies, and its potential energy.
+
+    ``f = Σ (∂ṡ/∂v)ᵀ Q`` by virtual work over all forces; ``M`` block by block.
+    """
+    groups = d.coordinates
+    y = stack(c.pose for c in groups)
+    v = stack(c.twist for c in groups)
+
+    def fixed(expression: ca.SX) -> ca.SX:
+        return at_ground(d.ground, expression)
+
+    constraints = fixed(stack(c.equations for c in d.constraints))
+    multiplier = stack(c.multiplier for c in d.constraints)
+    coordinates, efforts, losses = [], [], ca.SX(0)
+    potential, released = ca.SX(0), ca.SX(0)  # released: power that is not from storage
+    for element in d.forces:
+        owners = element.parts() or groups
+
+        def rate(s: ca.SX, owners=owners) -> ca.SX:
+            return rate_of(s, owners, t.sx)
+
+        works = element.works(rate)
+        coordinates += [s for s, _ in works]
+        efforts += [q for _, q in works]
+        for s, q in element.dissipation(rate):
+            losses -= q * rate(s)
+        stored = element.potential()
+        if stored is not None:
+            potential += stored
+        if not isinstance(element, Gravity):  # whose work is its potential's, exactly
+            released += sum((q * rate(s) for s, q in works), ca.SX(0))
+            released += 0 if stored is None else rate(stored)
+    effort, losses = fixed(stack(efforts)), fixed(losses)
+    potential = fixed(potential)
+    rates = rate_of(fixed(stack(coordinates)), groups, t.sx)
+    delivered = ca.dot(multiplier, ca.jacobian(constraints, t.sx))  # by drivers: C v = −Φ_t
+    applied = fixed(released)
+    equations = Equations(
+        t=t.sx,
+        y=y,
+        v=v,
+        p=stack(p.sx for p in d.parameters.values()),
+        a=stack(c.acceleration_symbols for c in groups),
+        multiplier=multiplier,
+        pose_rate=stack(c.pose_rate for c in groups),
+        mass=ca.sparsify(ca.diagcat(*(c.mass_matrix() for c in groups))),
+        bias=ca.SX.zeros(v.numel()),
+        force=ca.jtimes(rates, v, effort, True) if effort.numel() else ca.SX.zeros(v.numel()),
+        constraints=constraints,
+        powers=ca.vertcat(losses, applied + losses + delivered),
+    )
+    return equations, potential

@@ -1,0 +1,101 @@
+"""What a mechanism consists of, and how its names are read."""
+
+from __future__ import annotations
+
+from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement
+from dalembert.elements.planar.body import Body, Ground
+from dalembert.elements.planar.loads import Gravity
+from dalembert.errors import ModelError
+from dalembert.model.measures import element_measures, find_measure
+from dalembert.symbolic.expression import Expression, as_expression, t
+from dalembert.symbolic.parameter import Parameter
+from dalembert.symbolic.parser import parse_formula
+
+
+class Description:
+    """The parts of a mechanism by name; the builder fills it, the model keeps a copy.
+
+    Parameters
+    ----------
+    name : str
+    gravity : (2,) acceleration of gravity [m/s²]; none by default
+    description : str
+    """
+
+    def __init__(self, name: str, gravity=None, description: str = ""):
+        self.name = name
+        self.description = description
+        self.gravity = None if gravity is None else as_expression(gravity, "gravity", "m/s^2", 2)
+        self.ground = Ground()
+        self.parameters: dict[str, Parameter] = {}
+        self.derived_parameters: dict[str, Expression] = {}
+        self.elements: dict[str, Element] = {}
+        self.initial_conditions: list[tuple[Expression, Expression]] = []
+
+    def copy(self) -> Description:
+        """The same parts; adding to one leaves the other as it is."""
+        made = Description(self.name, self.gravity, self.description)
+        made.ground = self.ground
+        made.parameters = dict(self.parameters)
+        made.derived_parameters = dict(self.derived_parameters)
+        made.elements = dict(self.elements)
+        made.initial_conditions = list(self.initial_conditions)
+        return made
+
+    @property
+    def bodies(self) -> list[Body]:
+        return [e for e in self.elements.values() if isinstance(e, Body)]
+
+    @property
+    def constraints(self) -> list[Constraint]:
+        return [e for e in self.elements.values() if isinstance(e, Constraint)]
+
+    @property
+    def forces(self) -> list[ForceElement]:
+        own = [e for e in self.elements.values() if isinstance(e, ForceElement)]
+        if self.gravity is not None:
+            own.insert(0, Gravity(self.gravity, self.bodies))
+        return own
+
+    @property
+    def coordinates(self) -> list[Coordinates]:
+        """All groups of coordinates: bodies, then those that constraints bring along."""
+        own = [c for constraint in self.constraints for c in constraint.own_coordinates()]
+        return [*self.bodies, *own]
+
+    def body(self, name: str) -> Body:
+        """The body (or the ground) of this name."""
+        if name == "ground":
+            return self.ground
+        found = self.elements.get(name)
+        if not isinstance(found, Body):
+            known = ", ".join(b.name for b in self.bodies) or "none"
+            raise ModelError(f"unknown body {name!r} (known: ground, {known})")
+        return found
+
+    def lookup(self, name: str) -> Expression | None:
+        """The parameter, time or measure behind a name of a formula."""
+        if name == "t":
+            return t
+        if name in self.parameters:
+            return self.parameters[name]
+        if name in self.derived_parameters:
+            return self.derived_parameters[name]
+        return find_measure(self.elements, self.coordinates, name)
+
+    def formula(self, text: str, local: dict[str, Expression] | None = None) -> Expression:
+        """Parse the text of a formula in parameters, ``t`` and measures."""
+
+        def lookup(name: str) -> Expression | None:
+            return local[name] if local and name in local else self.lookup(name)
+
+        known = [*self.parameters, *self.derived_parameters, "t", *(local or {})]
+        return parse_formula(text, lookup, lambda: [*known, *self.measure_names()])
+
+    def measure_names(self) -> list[str]:
+        """All names that formulas may use for quantities of elements."""
+        return [
+            f"{name}.{quantity}"
+            for name, element in self.elements.items()
+            for quantity in element_measures(element, self.coordinates)
+        ]
