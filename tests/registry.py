@@ -439,20 +439,17 @@ def _start(c, name):
     return Frame(np.array([getattr(c.p, f"{name}_{w}") for w in ("x0", "y0", "angle0")]))
 
 
-def _meshed(internal: bool, carrier: bool):
+def _meshed(internal: bool, on_arm: bool):
     """Arc rolled off gear a equals the arc rolled off gear b, seen from the line of centres."""
 
-    def rolled(a, b, frame, p):
-        centres = b.at((p.Q_x, p.Q_y)) - a.at((p.P_x, p.P_y))
-        line = frame.phi + direction(turn(-frame.phi, centres)) if frame else direction(centres)
+    def rolled(a, b, p):
+        line = direction(b.at((p.Q_x, p.Q_y)) - a.at((p.P_x, p.P_y)))
         inside = -1 if internal else 1
         return p.ra * (a.phi - line) + inside * p.rb * (b.phi - line)
 
     def residual(c):
-        now = rolled(c.a, c.b, c.arm if carrier else None, c.p)
-        begin = rolled(_start(c, "a"), _start(c, "b"), _start(c, "arm") if carrier else None, c.p)
-        gear = np.atleast_1d(now - begin)
-        if not carrier:
+        gear = np.atleast_1d(rolled(c.a, c.b, c.p) - rolled(_start(c, "a"), _start(c, "b"), c.p))
+        if not on_arm:
             return gear
         pins = [P(c) - c.arm.at((c.p.A_x, c.p.A_y)), Q(c) - c.arm.at((c.p.B_x, c.p.B_y))]
         return np.concatenate([*pins, gear])
@@ -476,7 +473,7 @@ def _planetary(internal: bool):
         q.add(planar.Revolute("A", q.point(arm, "A", -0.3, 0.05), i))
         q.add(planar.Revolute("B", q.point(arm, "B", 0.35, -0.02), j))
         ra, rb = q.numbers(ra=0.2, rb=0.5)
-        q.add(planar.GearPair("J", i, j, radius_i=ra, radius_j=rb, internal=internal, carrier=arm))
+        q.add(planar.GearPair("J", i, j, radius_i=ra, radius_j=rb, internal=internal))
 
     return build
 
@@ -486,7 +483,7 @@ for _internal in (False, True):
     case(f"{_kind_name} gears", planar.GearPair, residual=_meshed(_internal, False))(
         _gears(_internal)
     )
-    case(f"{_kind_name} gears on carrier", planar.GearPair, residual=_meshed(_internal, True))(
+    case(f"{_kind_name} gears on an arm", planar.GearPair, residual=_meshed(_internal, True))(
         _planetary(_internal)
     )
 

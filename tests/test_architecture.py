@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import grimp
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -19,6 +20,21 @@ def test_imports_run_downward_only():
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_no_import_cycles():
+    graph = grimp.build_graph("dalembert", cache_dir=None)
+    done: set[str] = set()
+
+    def visit(module: str, path: tuple[str, ...]) -> None:
+        assert module not in path, " → ".join((*path[path.index(module) :], module))
+        if module not in done:
+            for imported in graph.find_modules_directly_imported_by(module):
+                visit(imported, (*path, module))
+            done.add(module)
+
+    for module in graph.modules:
+        visit(module, ())
 
 
 def test_style():

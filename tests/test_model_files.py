@@ -51,11 +51,10 @@ ELEMENTS = {
         "RigidLink": TWO_POINTS + "length = 1.0",
         "PointOnCurve": 'connect = ["a", "b"]\nradius = 0.1\n'
         'curve = { type = "SplineCurve", points = [[0.1, 0], [0, 0.1], [-0.1, 0], [0, -0.1]] }',
-        "GearPair": TWO_POINTS
-        + 'radius_i = 0.1\nradius_j = "k"\ncarrier = "ground"\ninternal = true',
+        "GearPair": TWO_POINTS + 'radius_i = 0.1\nradius_j = "k"\ninternal = true',
         "RackAndPinion": TWO_POINTS + "radius = 0.1\nside = -1",
         "RollingDisc": TWO_POINTS + "radius = 0.1",
-        "Coupling": TWO_BODIES + "ratio = -2",
+        "Coupling": TWO_BODIES + 'ratio = -2\ncarrier = "ground"',
         "UserConstraint": 'formula = "a.angle - k*b.angle"\nunit = "rad"',
     },
     "drivers": {

@@ -16,7 +16,8 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
-from dalembert.results.motion import Motion, Trajectory
+from dalembert.results.motion import Motion
+from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.factor import QrFactor
 from dalembert.symbolic.implicit import ImplicitFunction, Stage

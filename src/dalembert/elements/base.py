@@ -76,6 +76,7 @@ class Coordinates:
     twist: ca.SX
     acceleration_symbols: ca.SX
     pose_rate: ca.SX
+    interval: tuple[float, float] = (-math.inf, math.inf)
     coordinate_names: tuple[str, ...]
     coordinate_units: tuple[str, ...]
 

@@ -14,7 +14,7 @@ from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import RESPONSES
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
-from dalembert.results.motion import DATA_ONLY
+from dalembert.results.labelled import DATA_ONLY
 
 
 def make_responses(file: ModelFile, model: Model) -> dict[str, Response]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 import casadi as ca
+import numpy as np
 
 from dalembert.elements.base import Constraint, ForceElement, rate_of
 from dalembert.errors import ExpressionError, ModelError
@@ -61,7 +62,7 @@ def _allow(entity: str, formula: ca.SX, allowed: set[str], also: str) -> None:
         )
 
 
-def check_values(d: Description, values: Sequence[float]) -> None:
+def check_values(d: Description, values: Sequence[float] | np.ndarray) -> None:
     """Numbers must be finite and within their limits at the given parameter values."""
     symbols = stack(p.sx for p in d.parameters.values())
     for element in d.elements.values():

@@ -34,7 +34,8 @@ def analyse_topology(
         for c in constraints
         if isinstance(c, Pair) and not isinstance(c, Driver)
     ]
-    neighbours: dict[str, list[tuple[str, str]]] = {"ground": []} | {b.name: [] for b in bodies}
+    names = ["ground", *(b.name for b in bodies)]
+    neighbours: dict[str, list[tuple[str, str]]] = {name: [] for name in names}
     for joint, i, j in edges:
         neighbours[i].append((j, joint))
         neighbours[j].append((i, joint))
@@ -62,9 +63,8 @@ def analyse_topology(
             one = [n for n in path[i] if n not in shared]
             other = [n for n in path[j] if n not in shared]
             loops.append((*one, joint, *reversed(other)))
-    names = [b.name for b in bodies]
     return Topology(
         loops=tuple(loops),
-        unconnected=tuple(n for n in names if n not in touched),
-        floating=tuple(n for n in names if n not in grounded),
+        unconnected=tuple(n for n in names[1:] if n not in touched),
+        floating=tuple(n for n in names[1:] if n not in grounded),
     )

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.results.motion import Motion
+from dalembert.results.labelled import LabelledRecording
 from dalembert.results.scene import motion_scene
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31")
@@ -15,7 +15,7 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8
 class Drawing:
     """The mechanism in a pair of axes; ``show(k)`` moves it to instant ``k``."""
 
-    def __init__(self, motion: Motion, ax, keep: np.ndarray):
+    def __init__(self, motion: LabelledRecording, ax, keep: np.ndarray):
         self.ax, self.scene = ax, motion_scene(motion, keep)
         self.parts: list[tuple[Any, str, np.ndarray]] = []
         for shape in self.scene["ground"]["shapes"]:
@@ -97,7 +97,7 @@ def placed(points: np.ndarray, pose: np.ndarray) -> np.ndarray:
     return points @ np.array([[c, s], [-s, c]]) + pose[:2]
 
 
-def animate(motion: Motion, *, fps: int = 30, speed: float = 1.0, ax=None):
+def animate(motion: LabelledRecording, *, fps: int = 30, speed: float = 1.0, ax=None):
     """Matplotlib animation in real time (times ``speed``)."""
     import matplotlib.pyplot as plt
     from matplotlib.animation import FuncAnimation

@@ -13,7 +13,7 @@ from dalembert.elements.planar.drivers import Driver
 from dalembert.elements.planar.joint import Pair
 from dalembert.model.measures import element_measures
 from dalembert.model.model import Model
-from dalembert.results.motion import Motion
+from dalembert.results.recording import Recording
 from dalembert.symbolic.expression import t
 from dalembert.symbolic.kernel import Kernel
 
@@ -165,7 +165,7 @@ def _scalars(model: Model) -> list[Variable]:
     return [Variable(n, text, unit, None, (n,), (sx,)) for n, text, unit, sx in entries]
 
 
-def motion_dataset(motion: Motion) -> xr.Dataset:
+def motion_dataset(motion: Recording) -> xr.Dataset:
     """Evaluate all variables along the motion."""
     model, s = motion.model, motion.trajectory
     layout = model.compiled("layout", lambda: variables(model))
@@ -192,7 +192,7 @@ def motion_dataset(motion: Motion) -> xr.Dataset:
     return xr.Dataset(data, coords, attrs=_attributes(motion))
 
 
-def _evaluate(model: Model, layout: list[Variable], motion: Motion) -> np.ndarray:
+def _evaluate(model: Model, layout: list[Variable], motion: Recording) -> np.ndarray:
     e, s = model.equations, motion.trajectory
 
     def make() -> ca.Function:
@@ -208,7 +208,7 @@ def _evaluate(model: Model, layout: list[Variable], motion: Motion) -> np.ndarra
     return table
 
 
-def _add_states(data: dict, coords: dict, motion: Motion) -> None:
+def _add_states(data: dict, coords: dict, motion: Recording) -> None:
     model, s = motion.model, motion.trajectory
     coords["coordinate"] = list(model.guesses.names)
     text = {"units": "m or rad (per second for speeds)"}
@@ -223,7 +223,7 @@ def _add_states(data: dict, coords: dict, motion: Motion) -> None:
     )
 
 
-def _add_energies(data: dict, motion: Motion) -> None:
+def _add_energies(data: dict, motion: Recording) -> None:
     kinetic, potential = data["kinetic_energy"][1], data["potential_energy"][1]
     dissipated, given = motion.trajectory.work
     total = kinetic + potential
@@ -237,7 +237,7 @@ def _add_energies(data: dict, motion: Motion) -> None:
         data[name] = ("time", values, {"units": "J", "long_name": text})
 
 
-def _attributes(motion: Motion) -> dict:
+def _attributes(motion: Recording) -> dict:
     numbers = {
         f"parameter_{name}": float(value)
         for name, value in zip(motion.model.parameters, motion.parameters, strict=True)

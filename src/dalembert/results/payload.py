@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.motion import DATA_ONLY, Motion
+from dalembert.results.labelled import DATA_ONLY, LabelledRecording
 from dalembert.results.scene import motion_scene
 
 MAX_FRAMES = 4000
 
 
 def report_payload(
-    motion: Motion,
+    motion: LabelledRecording,
     plots: Sequence[Sequence[str]] | None,
     trace: Sequence[str] | None,
 ) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def report_payload(
     return payload
 
 
-def _subtitle(motion: Motion) -> str:
+def _subtitle(motion: LabelledRecording) -> str:
     kind = type(motion.analysis).__name__
     spoken = {
         "Dynamics": "dynamics",
@@ -65,7 +65,7 @@ def _subtitle(motion: Motion) -> str:
     return ", ".join([spoken, " + ".join(str(u) for u in used if u)]).rstrip(", ")
 
 
-def _series(motion: Motion, keep: np.ndarray) -> list[dict[str, Any]]:
+def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]:
     """All scalar quantities by their measure names, grouped for the picker."""
     data = motion.data
     found: list[dict[str, Any]] = []
@@ -115,13 +115,13 @@ def _series(motion: Motion, keep: np.ndarray) -> list[dict[str, Any]]:
     return found
 
 
-def _unit(motion: Motion, unit: str, name: str) -> str:
+def _unit(motion: LabelledRecording, unit: str, name: str) -> str:
     """The unit of one series; a variable may hold forces and moments side by side."""
     mixed = " or " in unit and name not in DATA_ONLY
     return motion.model[name].unit if mixed else unit
 
 
-def _asked(motion: Motion, name: str, keep: np.ndarray) -> dict[str, Any]:
+def _asked(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, Any]:
     """A measure or formula that is not among the usual series.
 
     Raises
@@ -183,7 +183,7 @@ ENERGIES = (
 )
 
 
-def _default_plots(motion: Motion, names: set[str]) -> list[list[str]]:
+def _default_plots(motion: LabelledRecording, names: set[str]) -> list[list[str]]:
     diagnosis = motion.model.diagnosis
     rotating = [b.name for b in motion.model.bodies if b.rotates]
     angles = [f"{b}.angle" for b in rotating[:4] if f"{b}.angle" in names]
@@ -201,7 +201,7 @@ def _default_plots(motion: Motion, names: set[str]) -> list[list[str]]:
     return plots
 
 
-def _diagnosis(motion: Motion) -> dict[str, Any]:
+def _diagnosis(motion: LabelledRecording) -> dict[str, Any]:
     d = motion.model.diagnosis
     items = [
         ("degrees of freedom", d.degrees_of_freedom),
@@ -223,7 +223,7 @@ def _diagnosis(motion: Motion) -> dict[str, Any]:
     }
 
 
-def _statistics(motion: Motion) -> list[dict[str, str]]:
+def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:
     rows = [("status", motion.status.outcome.value), *motion.statistics.items()]
     data = motion.data
     for name, label in (
@@ -240,7 +240,7 @@ def _statistics(motion: Motion) -> list[dict[str, str]]:
     ]
 
 
-def _parameters(motion: Motion) -> list[dict[str, Any]]:
+def _parameters(motion: LabelledRecording) -> list[dict[str, Any]]:
     rows = []
     for parameter, value in zip(motion.model.parameters.values(), motion.parameters, strict=True):
         low, high = parameter.bounds

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dalembert.results.motion import Motion
+from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.expression import Expression
 
 
-def plot_measures(motion: Motion, measures: Sequence[str | Expression], ax=None):
+def plot_measures(motion: LabelledRecording, measures: Sequence[str | Expression], ax=None):
     """Measures over time in one pair of axes; units on the axis, events as lines."""
     import matplotlib.pyplot as plt
 

@@ -15,20 +15,20 @@ from dalembert.elements.planar.point_on_curve import PointOnCurve
 from dalembert.elements.planar.rigid_link import RigidLink
 from dalembert.elements.planar.springs import Actuator, Bushing, PointPair, Spring
 from dalembert.elements.planar.translational import PinInSlot, SlidingJoint, Translational
-from dalembert.results.motion import Motion
+from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.expression import Expression
 
 LINKS = {Spring: "spring", Actuator: "actuator", Bushing: "bushing"}
 CURVE_SAMPLES = 181
 
 
-def motion_scene(motion: Motion, keep: np.ndarray) -> dict[str, Any]:
+def motion_scene(motion: LabelledRecording, keep: np.ndarray) -> dict[str, Any]:
     """Drawing and poses at the instants ``keep``."""
     return _Scene(motion, keep).build()
 
 
 class _Scene:
-    def __init__(self, motion: Motion, keep: np.ndarray):
+    def __init__(self, motion: LabelledRecording, keep: np.ndarray):
         self.motion, self.model, self.keep = motion, motion.model, keep
         self.data = motion.data
         e = self.model.equations

@@ -10,13 +10,13 @@ import xarray as xr
 
 from dalembert.errors import FileError
 from dalembert.results.atomic import atomic_path
-from dalembert.results.motion import Motion
+from dalembert.results.labelled import LabelledRecording
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-def save_motion(motion: Motion, path: str | Path, plots=None, trace=None) -> Path:
+def save_motion(motion: LabelledRecording, path: str | Path, plots=None, trace=None) -> Path:
     """NetCDF with the dataset and, as the text ``report``, what its report is drawn from."""
     from dalembert.results.payload import report_payload
 

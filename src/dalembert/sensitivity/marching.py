@@ -10,7 +10,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics import DynamicsKernel
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.integrators.march import Steps
 from dalembert.integrators.step import ExplicitStep
 from dalembert.sensitivity.samples import Sample

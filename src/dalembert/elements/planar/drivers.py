@@ -7,11 +7,12 @@ force it exerts along the coordinate, ``−λ``: positive effort pushes the coor
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
 from dalembert.elements.base import Constraint, Coordinates, Vector, option, quantity
-from dalembert.elements.laws.base import Law, as_law
+from dalembert.elements.laws.base import as_law
 from dalembert.elements.planar.body import Point, unit_vector
 from dalembert.elements.planar.joint import (
     BodyJoint,
@@ -25,7 +26,7 @@ from dalembert.symbolic.expression import t
 class Driver:
     """Prescribes ``coordinate() = law(t)``."""
 
-    law: Law
+    law: Any
     name: str
     multiplier: ca.SX
     positive = False
@@ -65,7 +66,7 @@ class RotationalDriver(Driver, BodyJoint):
     law : Law, number or formula in t [rad]
     """
 
-    law: object = option("motion law", kind="law")
+    law: Any = option("motion law", kind="law")
     kind = "driver"
 
     def coordinate(self) -> ca.SX:
@@ -82,7 +83,7 @@ class TranslationalDriver(Driver, SlidingJoint):
     law : Law, number or formula in t [m]
     """
 
-    law: object = option("motion law", kind="law", default=None)
+    law: Any = option("motion law", kind="law", default=None)
     kind = "driver"
 
     def coordinate(self) -> ca.SX:
@@ -98,7 +99,7 @@ class DistanceDriver(Driver, PointJoint):
     law : Law, number or formula in t [m], always positive
     """
 
-    law: object = option("motion law", kind="law")
+    law: Any = option("motion law", kind="law")
     kind = "driver"
     positive = True
 
@@ -118,7 +119,7 @@ class CoordinateDriver(Driver, Constraint):
     """
 
     point: Point
-    law: object = option("motion law", kind="law")
+    law: Any = option("motion law", kind="law")
     direction: Vector = quantity("", "direction in inertial axes", default=(1.0, 0.0), size=2)
     kind = "driver"
 

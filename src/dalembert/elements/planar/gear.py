@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Coordinates, Scalar, option, quantity
-from dalembert.elements.planar.body import Body, cross, rotation
+from dalembert.elements.planar.body import Body, cross
 from dalembert.elements.planar.joint import BodyJoint, PointJoint, initial_value, need_body
 from dalembert.elements.planar.translational import SlidingJoint
 from dalembert.errors import ModelError
@@ -27,32 +27,19 @@ class GearPair(PointJoint):
     point_i, point_j : centres of the gears, points of the two gear bodies
     radius_i, radius_j : pitch radii [m]
     internal : gear j is a ring with inner teeth
-    carrier : body that carries both centres; the ground if none is given
     """
 
     radius_i: Scalar = quantity("m", "pitch radius of the first gear", above=0.0, keyword=True)
     radius_j: Scalar = quantity("m", "pitch radius of the second gear", above=0.0, keyword=True)
     internal: bool = option("the second gear is a ring with inner teeth", default=False)
-    carrier: Body = option("body that carries both centres", default=None, kind="body")
     kind = "gear"
 
-    def __post_init__(self) -> None:
-        if self.carrier is not None:
-            self.carrier = need_body(self.carrier, self.name, "carrier")
-        super().__post_init__()
-
-    def parts(self) -> list[Coordinates]:
-        return [*super().parts(), *([self.carrier] if self.carrier is not None else [])]
-
     def residual(self) -> ca.SX:
-        bodies = [b for b in (*self.ends(), self.carrier) if b is not None]
-        carried = self.carrier.pose_angle if self.carrier is not None else ca.SX(0)
-        local = ca.mtimes(rotation(carried).T, self.between)
-        start = initial_value(local, bodies).sx
+        bodies = list(self.ends())
+        start = initial_value(self.between, bodies).sx
         degenerate = start.is_constant() and float(ca.norm_2(start)) < 1e-12
         reference = ca.SX([1, 0]) if degenerate else start
-        # from its initial direction in the carrier: the angle stays far from its branch cut
-        line = carried + ca.atan2(cross(reference, local), ca.dot(reference, local))
+        line = ca.atan2(cross(reference, self.between), ca.dot(reference, self.between))
         sense = -1 if self.internal else 1
         rolled = self.radius_i.sx * self.point_i.body.pose_angle
         rolled += sense * self.radius_j.sx * self.point_j.body.pose_angle

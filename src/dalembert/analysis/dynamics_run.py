@@ -1,0 +1,247 @@
+"""Integrating the equations of motion: start, march, events, outputs, status."""
+
+from __future__ import annotations
+
+import time as clock
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.dynamics_kernel import Branches, DynamicsRecord, place_outputs
+from dalembert.analysis.events import Event, as_events, locate
+from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.timeline import (
+    check_driver_laws,
+    checked_span,
+    checked_step,
+    output_times,
+    uniform_grid,
+)
+from dalembert.errors import AssemblyError, SingularityError
+from dalembert.formulations.kkt import Kkt
+from dalembert.integrators.march import Steps, Watch
+from dalembert.model.model import Model
+from dalembert.results.motion import Motion
+from dalembert.results.recording import EventRecord, Trajectory
+from dalembert.results.status import Outcome, Status
+
+
+class DynamicsRun:
+    """One execution of a dynamic analysis.
+
+    Parameters
+    ----------
+    analysis : strategy object with the fields of ``Dynamics``
+    model : Model
+    parameters : new values, or the whole vector
+    """
+
+    def __init__(self, analysis: Any, model: Model, parameters):
+        self.analysis, self.model = analysis, model
+        self.start, self.end = checked_span(analysis.duration, analysis.t_span)
+        self.step = checked_step(analysis.step, self.start, self.end)
+        self.requested = output_times(analysis.outputs, self.start, self.end)
+        self.p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        self.events = as_events(analysis.events)
+        if model.diagnosis.massless:
+            raise SingularityError(
+                f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; "
+                "give mass and inertia to the bodies that move there, or constrain them"
+            )
+        check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
+        self._refuse_lost_mass()
+        self.kernel = analysis.kernel(model)
+
+    def _refuse_lost_mass(self) -> None:
+        """A mass that was not zero when the model was built must not become zero."""
+        mass = np.diag(self.model.mass_matrix(self.p))
+        lost = set(np.flatnonzero(mass == 0)) - set(self.model.equations.massless)
+        if lost and not isinstance(self.analysis.formulation, Kkt):
+            names = ", ".join(self.model.guesses.names[k] for k in sorted(lost))
+            raise SingularityError(
+                f"the inertia of {names} is zero with these parameters but was not when the model "
+                "was built; build it with this value, or use formulation=Kkt()"
+            )
+
+    def initial_state(self) -> np.ndarray:
+        state = self.model.assemble(self.p, self.start)
+        if self.analysis.strict and state.projected_speeds:
+            raise AssemblyError(
+                "initial speeds are inconsistent with the joints: "
+                + ", ".join(
+                    f"{n} changed by {c:.3g}" for n, c in state.velocity_corrections.items()
+                )
+            )
+        return np.concatenate([state.y, state.v, np.zeros(2)])
+
+    def execute(self, progress) -> Motion:
+        x0 = self.initial_state()
+        begin = clock.perf_counter()
+        self.prepare()
+        prepared, begin = clock.perf_counter() - begin, clock.perf_counter()
+        with progress_reporter(progress, f"integrating {self.model.name}") as report:
+            steps = self.march(x0, Watch(report, self.terminal_crossing))
+        elapsed = clock.perf_counter() - begin
+        happened, ends = self.find_events(steps)
+        if ends is not None:
+            steps = self.cut_at(steps, ends)
+        times, branches = self.outputs(steps)
+        states = self.kernel.branch_states(steps, branches, self.p)
+        trajectory = self.kernel.trajectory(times, states, self.p)
+        motion = Motion(
+            model=self.model,
+            analysis=self.analysis,
+            parameters=self.p,
+            trajectory=trajectory,
+            status=self.status(steps, trajectory, ends, happened),
+            statistics=self.statistics(steps, prepared, elapsed),
+            events=happened,
+            record=DynamicsRecord(self.kernel, steps, branches),
+        )
+        return motion
+
+    def prepare(self) -> None:
+        """Compile the march, so that its time is its own."""
+        if self.kernel.adaptive is not None:
+            self.kernel.adaptive.prepare()
+        else:
+            self.kernel.fixed.prepare(uniform_grid(self.start, self.end, self.step).size - 1)
+
+    # marching ----------------------------------------------------------------------
+    def march(self, x0: np.ndarray, watch: Watch) -> Steps:
+        kernel = self.kernel
+        if kernel.adaptive is None:
+            return kernel.fixed.run(
+                uniform_grid(self.start, self.end, self.step), x0, self.p, watch
+            )
+        integrator = self.analysis.integrator
+        longest = getattr(integrator, "max_step", None) or (self.end - self.start) / 4
+        first = min(self.step, longest) if self.analysis.step else 1e-4 * (self.end - self.start)
+        return kernel.adaptive.run(self.start, self.end, x0, self.p, first, longest, watch)
+
+    # events ------------------------------------------------------------------------
+    def event_function(self, event: Event) -> ca.Function:
+        """``(t, x, p) → value`` of an event's measure, accelerations and multipliers included."""
+        expression = self.model.measurable(event.expression(self.model).sx)
+        e = self.model.equations
+        made = self.kernel.formulation.acceleration(e, self.kernel.xi, [expression], "event")
+        return made.function
+
+    def terminal_crossing(self, times: np.ndarray, states: np.ndarray) -> bool:
+        return any(
+            event.terminal and event.crossings(self.event_values(name, times, states)).size
+            for name, event in self.events.items()
+        )
+
+    def event_values(self, name: str, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        function = self.event_functions[name]
+        table = function.map(times.size)(times, states, np.tile(self.p[:, None], times.size))
+        return table.full().ravel()
+
+    @cached_property
+    def event_functions(self) -> dict[str, ca.Function]:
+        return {name: self.event_function(event) for name, event in self.events.items()}
+
+    def find_events(self, steps: Steps) -> tuple[list[EventRecord], tuple[int, float] | None]:
+        """All crossings up to the first terminal one; its step and length, if there is one."""
+        found: list[tuple[float, str, int, float]] = []
+        times = np.append(steps.t[: steps.count], steps.end)
+        for name, event in self.events.items() if steps.count else ():
+            values = self.event_values(name, times, steps.x)
+            for k in event.crossings(values):
+                length = locate(
+                    lambda s, k=k, n=name: self.value_inside(n, steps, k, s), 0.0, steps.h[k]
+                )
+                found.append((steps.t[k] + length, name, int(k), length))
+        found.sort()
+        for i, (_, name, k, length) in enumerate(found):
+            if self.events[name].terminal:
+                return [EventRecord(n, float(t)) for t, n, _, _ in found[: i + 1]], (k, length)
+        return [EventRecord(n, float(t)) for t, n, _, _ in found], None
+
+    def value_inside(self, name: str, steps: Steps, k: int, length: float) -> float:
+        x = steps.x[:, k]
+        if length > 0:
+            x = self.kernel.step.function(steps.t[k], length, x, self.p)
+        return float(self.event_functions[name](steps.t[k] + length, x, self.p))
+
+    def cut_at(self, steps: Steps, end: tuple[int, float]) -> Steps:
+        """Shorten the step in which the terminal event happens."""
+        k, length = end
+        cut = steps.cut(k + 1)
+        cut.h = cut.h.copy()
+        cut.h[k] = max(length, 1e-15)
+        cut.corrected[k] = True
+        last = self.kernel.step.function(steps.t[k], cut.h[k], steps.x[:, k], self.p).full()
+        cut.x = np.hstack([cut.x[:, :-1], last])
+        return cut
+
+    # outputs -----------------------------------------------------------------------
+    def outputs(self, steps: Steps) -> tuple[np.ndarray, Branches]:
+        count = steps.count
+        if self.requested is None or count == 0:
+            times = np.append(steps.t[:count], steps.end)
+            index = np.minimum(np.arange(count + 1), max(count - 1, 0))
+            length = np.zeros(count + 1)
+            if count:
+                length[-1] = steps.h[-1]
+            return times, Branches(index, length)
+        slack = 1e-12 * max(1.0, abs(steps.end))
+        times = self.requested[self.requested <= steps.end + slack]
+        if steps.end < self.requested[-1] - slack and (not times.size or times[-1] < steps.end):
+            times = np.append(times, steps.end)  # where the run ended early is an output too
+        return times, place_outputs(steps, times)
+
+    # reporting ---------------------------------------------------------------------
+    def status(self, steps: Steps, s: Trajectory, ends, happened: list[EventRecord]) -> Status:
+        residual = _largest_violation(self.model, s, self.p)
+        time = float(s.t[-1])
+        if ends is not None:
+            last = happened[-1]
+            text = f"{last.name} at t = {last.time:.9g} s"
+            return Status(Outcome.TERMINATED, text, time, residual)
+        if steps.interrupted:
+            return Status(Outcome.INTERRUPTED, f"stopped at t = {time:g} s", time, residual)
+        if steps.message:
+            hint = "the mechanism may be at a singular position, or the step too long"
+            text = f"{steps.message} after t = {steps.end:.9g} s; {hint}"
+            return Status(Outcome.DIVERGED, text, time, residual)
+        if not np.all(np.isfinite(s.a)) or not np.all(np.isfinite(s.multiplier)):
+            k = int(np.argmin(np.isfinite(s.a).all(axis=0) & np.isfinite(s.multiplier).all(axis=0)))
+            text = f"accelerations have no unique value at t = {s.t[k]:.9g} s"
+            return Status(Outcome.SINGULAR, text, time, residual)
+        projects = self.kernel.step.correction is not None
+        if projects and residual > 1e-6:
+            text = f"the projection left a violation of {residual:.3g}; use a shorter step"
+            return Status(Outcome.NOT_CONVERGED, text, time, residual)
+        return Status(Outcome.COMPLETED, f"reached t = {time:g} s", time, residual)
+
+    def statistics(self, steps: Steps, prepared: float, elapsed: float) -> dict[str, Any]:
+        names = (self.analysis.formulation, self.analysis.stabilization, self.analysis.integrator)
+        made = {
+            "formulation": type(names[0]).__name__,
+            "stabilization": type(names[1]).__name__,
+            "integrator": type(names[2]).__name__,
+            "steps": steps.count,
+            "rejected steps": steps.rejected,
+            "preparation time [s]": round(prepared, 6),
+            "integration time [s]": round(elapsed, 6),
+        }
+        if steps.count:
+            made["time per step [µs]"] = round(1e6 * elapsed / steps.count, 2)
+            made["shortest step [s]"] = float(steps.h.min())
+            made["longest step [s]"] = float(steps.h.max())
+        return made
+
+
+def _largest_violation(model: Model, s: Trajectory, p: np.ndarray) -> float:
+    e = model.equations
+    if not e.constraint_count or not s.t.size:
+        return 0.0
+    function = model.compiled(
+        "violation", lambda: ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(e.constraints)])
+    )
+    values = function.map(s.t.size)(s.t, s.y, np.tile(p[:, None], s.t.size)).full()
+    return float(np.max(values))

@@ -1,0 +1,141 @@
+"""Compiled functions of a driven mechanism: its configuration at one time, and chunks of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.model.equations import Equations
+from dalembert.model.model import Model
+from dalembert.results.recording import Trajectory
+from dalembert.symbolic.factor import QrFactor
+from dalembert.symbolic.implicit import ImplicitFunction, Stage
+from dalembert.symbolic.kernel import Kernel
+
+ITERATIONS = 5
+
+
+class KinematicsKernel:
+    """Compiled functions of one fully driven model."""
+
+    def __init__(self, model: Model):
+        self.model = model
+        self.e: Equations = model.equations
+        free = model.diagnosis.free
+        if free:
+            n = "degree" if free == 1 else "degrees"
+            raise AnalysisError(
+                f"the drivers leave {free} {n} of freedom undetermined; add {free} driver(s), "
+                "or use solve_dynamics"
+            )
+
+    @cached_property
+    def configuration(self) -> ImplicitFunction:
+        """``(t, y_near, p) → (y, v, v̇, λ)``, every stage with its exact derivative."""
+        e = self.e
+        near = ca.SX.sym("y_near", e.coordinate_count)
+        c = e.jacobian
+        by_y = ca.jacobian(e.constraints, e.y)
+        position_factor = QrFactor(by_y)
+        factor = QrFactor(c)
+        value = near
+        for _ in range(ITERATIONS):
+            step = position_factor.solve(e.constraints)
+            value = value - ca.substitute(step, e.y, value)
+        psi0 = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
+        stages = [
+            Stage(
+                e.y, e.constraints, value, position_factor.solve, position_factor.solve_transposed
+            ),
+            Stage(
+                e.v,
+                e.velocity_constraints,
+                factor.solve(-psi0),
+                factor.solve,
+                factor.solve_transposed,
+            ),
+            Stage(
+                e.a,
+                ca.mtimes(c, e.a) - e.constraint_acceleration,
+                factor.solve(e.constraint_acceleration),
+                factor.solve,
+                factor.solve_transposed,
+            ),
+            Stage(
+                e.multiplier,
+                ca.mtimes(e.mass, e.a) + e.bias - self._force(e) + ca.mtimes(c.T, e.multiplier),
+                factor.solve_transposed(self._force(e) - e.bias - ca.mtimes(e.mass, e.a)),
+                factor.solve_transposed,
+                factor.solve,
+            ),
+        ]
+        return ImplicitFunction(
+            "configuration", [e.t, near, e.p], stages, [e.y, e.v, e.a, e.multiplier]
+        )
+
+    @staticmethod
+    def _force(e: Equations) -> ca.SX:
+        return e.force
+
+    def measured(self, measure: ca.SX) -> ImplicitFunction:
+        """A measure of the configuration."""
+        found = self.configuration
+        return ImplicitFunction("measured", found.inputs, found.stages, [measure])
+
+    def near(self, s: Trajectory) -> np.ndarray:
+        """Where the configuration is differentiated."""
+        return s.y
+
+    @cached_property
+    def single(self) -> ca.Function:
+        """``([y; v; v̇; …], t, h, p) → next; regularity, residual, prediction error``."""
+        e = self.e
+        n, m = e.speed_count, e.constraint_count
+        last, h = ca.SX.sym("last", 3 * n + m + 3), ca.SX.sym("h")
+        y, v, a = last[:n], last[n : 2 * n], last[2 * n : 3 * n]
+        predicted = y + h * v + h**2 / 2 * a
+        new = self.configuration.function(e.t, predicted, e.p)
+        residual = ca.norm_inf(ca.Function("r", [e.t, e.y, e.p], [e.constraints])(e.t, new[0], e.p))
+        change = ca.norm_inf(new[0] - predicted)
+        pivots = ca.fabs(QrFactor(e.jacobian).pivots)
+        regular = ca.mmin(pivots) / ca.mmax(pivots)
+        regular = ca.Function("s", [e.t, e.y, e.p], [regular])(e.t, new[0], e.p)
+        return ca.Function(
+            "kinematic_step",
+            [last, e.t, h, e.p],
+            [ca.vertcat(*new, regular, residual, change)],
+            {"cse": True},
+        )
+
+    def chunk(self, count: int) -> Kernel:
+        """``count`` steps in one call."""
+
+        def make() -> Kernel:
+            last = ca.MX.sym("last", self.single.size1_in(0))
+            t, h = ca.MX.sym("t", 1, count), ca.MX.sym("h", 1, count)
+            p = ca.MX.sym("p", self.e.p.numel())
+            out = self.single.mapaccum(count)(last, t, h, ca.repmat(p, 1, count))
+            return Kernel(ca.Function("kinematic_chunk", [last, t, h, p], [out]))
+
+        return self.model.compiled(("kinematic_chunk", count), make)
+
+    @cached_property
+    def jacobian(self) -> ca.Function:
+        """``(t, y, p) → Φ, ∂Φ/∂y, ∂Φ/∂t``."""
+        e = self.e
+        return ca.Function(
+            "driven",
+            [e.t, e.y, e.p],
+            [e.constraints, ca.jacobian(e.constraints, e.y), ca.jacobian(e.constraints, e.t)],
+        )
+
+
+@dataclass(frozen=True)
+class KinematicsRecord:
+    """What a gradient needs: the kernel; each output stands for itself."""
+
+    kernel: KinematicsKernel

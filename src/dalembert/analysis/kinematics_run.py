@@ -1,0 +1,279 @@
+"""Moving a driven mechanism through time on one branch, to its end or its dead centre."""
+
+from __future__ import annotations
+
+import time as clock
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.critical import Fold, find_fold
+from dalembert.analysis.kinematics_kernel import KinematicsKernel, KinematicsRecord
+from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.timeline import (
+    check_driver_laws,
+    checked_span,
+    checked_step,
+    output_times,
+    uniform_grid,
+)
+from dalembert.errors import AnalysisError
+from dalembert.model.model import Model
+from dalembert.results.motion import Motion
+from dalembert.results.recording import EventRecord, Trajectory
+from dalembert.results.status import Outcome, Status
+
+CHUNK = 200
+TOLERANCE = 1e-10
+LARGEST_TURN = 0.1
+"""Longest correction of a prediction, relative to the scale of the coordinates."""
+REGULAR = 1e-5
+"""Smallest pivot ratio of a trusted Jacobian: the error of its velocities is ε over its square."""
+SMALLEST_FRACTION = 2.0**-30
+
+
+class KinematicsRun:
+    """One execution of a kinematic analysis.
+
+    Parameters
+    ----------
+    analysis : strategy object with the fields of ``Kinematics``
+    model : Model
+    parameters : new values, or the whole vector
+    """
+
+    def __init__(self, analysis: Any, model: Model, parameters):
+        self.analysis, self.model = analysis, model
+        self.p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        self.start, self.end = checked_span(analysis.duration, analysis.t_span)
+        requested = output_times(analysis.outputs, self.start, self.end)
+        step = checked_step(analysis.step, self.start, self.end)
+        grid = uniform_grid(self.start, self.end, step)
+        self.grid = grid if requested is None else np.union1d(grid, requested)
+        self.requested = grid if requested is None else requested
+        self.kernel = model.compiled("kinematics", lambda: KinematicsKernel(model))
+        check_driver_laws(model, self.grid, self.p)
+        self.typical = min(step, float(np.median(np.diff(self.grid))))
+        self.n = model.equations.coordinate_count
+        self.fold: Fold | None = None
+        self.substeps = 0
+        self.message, self.interrupted = "", False
+
+    def execute(self, progress) -> Motion:
+        begin = clock.perf_counter()
+        first = self.first_configuration()
+        with progress_reporter(progress, f"moving {self.model.name}") as report:
+            times, table = self.march(first, report)
+        keep = np.isin(times, self.requested)
+        trajectory = self.trajectory(times, table, keep)
+        events = self.branch_points(times, table)
+        if self.fold is not None:
+            events.append(EventRecord("dead centre", self.fold.time))
+        statistics = {
+            "positions": int(keep.sum()),
+            "steps": int(times.size - 1),
+            "substeps": self.substeps,
+            "computation time [s]": round(clock.perf_counter() - begin, 6),
+        }
+        return Motion(
+            self.model,
+            self.analysis,
+            self.p,
+            trajectory,
+            self.status(trajectory, table),
+            statistics,
+            sorted(events, key=lambda e: e.time),
+            KinematicsRecord(self.kernel),
+        )
+
+    def first_configuration(self) -> np.ndarray:
+        state = self.model.assemble(self.p, self.start)
+        column = np.zeros(self.kernel.single.size1_in(0))
+        column[: self.n] = state.y
+        first = self.kernel.single(column, self.start, 0.0, self.p).full().ravel()
+        if not np.all(np.isfinite(first)) or first[-3] < REGULAR * 1e-3:
+            raise AnalysisError(
+                f"at t = {self.start:g} s the mechanism stands in a singular position (dead centre "
+                "or branch point): its velocities are not determined; begin at another time"
+            )
+        return first
+
+    # marching ----------------------------------------------------------------------
+    def march(self, first: np.ndarray, report) -> tuple[np.ndarray, np.ndarray]:
+        columns, times, done = [first.reshape(-1, 1)], [self.grid[:1]], 0
+        h = np.diff(self.grid)
+        try:
+            while done < h.size:
+                count = min(CHUNK, h.size - done)
+                part = slice(done, done + count)
+                (out,) = self.kernel.chunk(count)(
+                    columns[-1][:, -1], self.grid[part] + h[part], h[part], self.p
+                )
+                good = self.trusted(np.hstack([columns[-1][:, -1:], out]), h[part])
+                valid = count if good.all() else int(np.argmin(good))
+                columns.append(out[:, :valid])
+                times.append(self.grid[done + 1 : done + 1 + valid])
+                done += valid
+                if valid < count:
+                    bridge = self.bridge(
+                        columns, times, float(self.grid[done]), float(self.grid[done + 1])
+                    )
+                    if bridge is None:
+                        break
+                    columns.append(bridge.reshape(-1, 1))
+                    times.append(self.grid[done + 1 : done + 2])
+                    done += 1
+                report(done / h.size)
+        except KeyboardInterrupt:
+            self.message, self.interrupted = "interrupted", True
+        return np.concatenate(times), np.hstack([c for c in columns if c.size])
+
+    def trusted(self, table: np.ndarray, h: np.ndarray) -> np.ndarray:
+        """Steps that converged with a correction small against the motion of the step."""
+        regular, residual, change = table[-3, 1:], table[-2, 1:], table[-1, 1:]
+        moved = np.abs(np.diff(table[: self.n], axis=1)).max(axis=0)
+        finite = np.all(np.isfinite(table[:, 1:]), axis=0)
+        small = change <= np.maximum(LARGEST_TURN * moved, 1e-9)
+        with np.errstate(invalid="ignore"):
+            sound = finite & (residual < TOLERANCE) & (regular > REGULAR)
+            return sound & (small | (change < 1e-3 * np.abs(h)))
+
+    def bridge(self, columns, times, low: float, high: float) -> np.ndarray | None:
+        """Cross a difficult interval; None where the motion ends."""
+        last = next(c for c in reversed(columns) if c.size)[:, -1]
+        crossed = self.cross(last, low, high)
+        if crossed is not None:
+            return crossed
+        now, h, span = low, high - low, high - low
+        while now < high:
+            target = high if now + h >= high - 1e-15 else now + h
+            new = self.advance(last, now, target)
+            if new is not None:
+                last, now, h = new, target, 2 * h
+                self.substeps += 1
+                continue
+            h /= 2
+            if h < SMALLEST_FRACTION * span:
+                self.end_of_motion(last, now)
+                return None
+        return last
+
+    def advance(self, last: np.ndarray, now: float, target: float) -> np.ndarray | None:
+        """The configuration at ``target`` if it is a trusted continuation, else None."""
+        new = self.kernel.single(last, target, target - now, self.p).full().ravel()
+        trusted = self.trusted(np.column_stack([last, new]), np.array([target - now]))[0]
+        return new if trusted else None
+
+    def cross(self, last: np.ndarray, low: float, high: float) -> np.ndarray | None:
+        """Configuration at ``high`` where just this instant is a branch point.
+
+        The motion is smooth there but the Jacobian singular: step a little over it and
+        interpolate, which is exact to the fourth power of that little.
+        """
+        for fraction in (0.1, 0.5, 0.02):
+            little = fraction * self.typical
+            if little > high - low:
+                continue
+            after = self.advance(last, low, high + little)
+            before = self.advance(last, low, high - little)
+            if after is not None and before is not None:
+                return self.between(before, after, 2 * little)
+        return None
+
+    def between(self, before: np.ndarray, after: np.ndarray, gap: float) -> np.ndarray:
+        n = self.n
+        middle = (before + after) / 2
+        for low in (0, n):  # positions, then speeds: cubic Hermite at the middle
+            rate = slice(low + n, low + 2 * n)
+            middle[low : low + n] += gap / 8 * (before[rate] - after[rate])
+        return middle
+
+    def end_of_motion(self, last: np.ndarray, now: float) -> None:
+        y = last[: self.n]
+        self.fold = find_fold(self.kernel.jacobian, now, y, self.p)
+        if self.fold is not None:
+            self.message = (
+                f"dead centre at t = {self.fold.time:.9g} s: beyond it no position satisfies the "
+                "drivers"
+            )
+        else:
+            self.message = f"no continuous position was found after t = {now:.9g} s"
+
+    # what was found ----------------------------------------------------------------
+    def branch_points(self, times: np.ndarray, table: np.ndarray) -> list[EventRecord]:
+        """Times at which the Jacobian's determinant changes sign: branches meet there."""
+        if times.size < 2 or self.n > 400:
+            return []
+        mapped = self.kernel.jacobian.map(times.size)
+        p = np.tile(self.p[:, None], times.size)
+        flat = np.asarray(mapped(times, table[: self.n], p)[1].full())
+        stack = flat.reshape(self.n, times.size, self.n).transpose(1, 0, 2)
+        signs = np.linalg.slogdet(stack)[0]
+        found = []
+        for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
+            found.append(EventRecord("branch point", self.locate_branch(times, table, int(k))))
+        return found
+
+    def locate_branch(self, times: np.ndarray, table: np.ndarray, k: int) -> float:
+        low, high = times[k], times[k + 1]
+        sign = None
+        for _ in range(60):
+            middle = (low + high) / 2
+            new = self.kernel.single(table[:, k], middle, middle - times[k], self.p).full().ravel()
+            jac = self.kernel.jacobian(middle, new[: self.n], self.p)[1].full()
+            if not np.all(np.isfinite(jac)):
+                break
+            here = np.linalg.slogdet(jac)[0]
+            if sign is None:
+                base = self.kernel.jacobian(times[k], table[: self.n, k], self.p)[1].full()
+                sign = np.linalg.slogdet(base)[0]
+            low, high = (middle, high) if here == sign else (low, middle)
+            if high - low < 1e-12:
+                break
+        return float((low + high) / 2)
+
+    def trajectory(self, times: np.ndarray, table: np.ndarray, keep: np.ndarray) -> Trajectory:
+        n, m = self.n, self.model.equations.constraint_count
+        rows = table[:, keep]
+        multiplier = rows[3 * n : 3 * n + m]
+        if not self.analysis.efforts:
+            multiplier = np.full_like(multiplier, np.nan)
+        work = self.work(times, table)[:, keep]
+        return Trajectory(
+            times[keep], rows[:n], rows[n : 2 * n], rows[2 * n : 3 * n], multiplier, work
+        )
+
+    def work(self, times: np.ndarray, table: np.ndarray) -> np.ndarray:
+        """Energy dissipated and put in, by integrating the powers over the positions computed."""
+        if not self.analysis.efforts:
+            return np.full((2, times.size), np.nan)
+        if times.size < 2:
+            return np.zeros((2, times.size))
+        from scipy.integrate import cumulative_simpson
+
+        e, n, m = self.model.equations, self.n, self.model.equations.constraint_count
+        function = self.model.compiled(
+            "powers",
+            lambda: ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [e.powers]),
+        )
+        powers = function.map(times.size)(
+            times,
+            table[:n],
+            table[n : 2 * n],
+            table[2 * n : 3 * n],
+            table[3 * n : 3 * n + m],
+            np.tile(self.p[:, None], times.size),
+        ).full()
+        return cumulative_simpson(powers, x=times, axis=1, initial=0.0)
+
+    def status(self, s: Trajectory, table: np.ndarray) -> Status:
+        residual = float(np.nanmax(table[-2])) if table.size else 0.0
+        time = float(s.t[-1]) if s.t.size else self.start
+        if self.interrupted:
+            return Status(Outcome.INTERRUPTED, f"stopped at t = {time:g} s", time, residual)
+        if self.fold is not None:
+            return Status(Outcome.LOCKED, self.message, time, residual)
+        if self.message:
+            return Status(Outcome.SINGULAR, self.message, time, residual)
+        return Status(Outcome.COMPLETED, f"reached t = {time:g} s", time, residual)

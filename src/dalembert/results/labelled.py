@@ -1,0 +1,61 @@
+"""A recording with everything that can be measured on it under its name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from dalembert.results.recording import Recording
+from dalembert.symbolic.expression import Expression
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+DATA_ONLY = {
+    "energy",
+    "dissipated_energy",
+    "input_energy",
+    "balance_error",
+    "position_violation",
+    "velocity_violation",
+}
+
+
+@dataclass(eq=False)
+class LabelledRecording(Recording):
+    """Recording whose quantities are labelled arrays."""
+
+    def __getitem__(self, measure: str | Expression) -> xr.DataArray:
+        """A measure by name, or a formula of measures, as a labelled array over time.
+
+        Raises
+        ------
+        KeyError
+            Unknown name, with the nearest known ones.
+        """
+        import xarray as xr
+
+        if isinstance(measure, str) and measure in DATA_ONLY:
+            return self.data[measure]
+        expression = self.expression(measure)
+        values = self.values(expression)
+        dims = ["time"] if values.ndim == 1 else ["time", "axis"]
+        name = expression.name or (measure if isinstance(measure, str) else "measure")
+        coords: dict[str, Any] = {"time": ("time", self.time, {"units": "s"})}
+        if values.ndim == 2:
+            coords["axis"] = list("xy")
+        return xr.DataArray(
+            values,
+            dims=dims,
+            coords=coords,
+            name=name,
+            attrs={"units": expression.unit, "long_name": name},
+        )
+
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """Everything, labelled: poses, speeds, reactions, efforts, energies, violations."""
+        from dalembert.results.dataset import motion_dataset
+
+        return motion_dataset(self)

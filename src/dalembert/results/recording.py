@@ -1,0 +1,100 @@
+"""What an analysis over time leaves: states, how they came about, and measures of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Self
+
+import casadi as ca
+import numpy as np
+
+from dalembert.model.model import Model
+from dalembert.results.status import Status
+from dalembert.symbolic.expression import Expression
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """States at the output times, columns by time.
+
+    Attributes
+    ----------
+    t : (K,) ; y, v, a : (n, K) ; multiplier : (m, K) ; work : (2, K) dissipated energy and input
+    """
+
+    t: np.ndarray
+    y: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    multiplier: np.ndarray
+    work: np.ndarray
+
+
+@dataclass(frozen=True)
+class EventRecord:
+    """An event that happened."""
+
+    name: str
+    time: float
+
+
+@dataclass(eq=False)
+class Recording:
+    """States of a mechanism over time, and any measure of them.
+
+    Attributes
+    ----------
+    model : Model the motion belongs to
+    analysis : the analysis that made it, e.g. ``Dynamics(...)``
+    parameters : (np,) parameter values used
+    trajectory : Trajectory
+    status : Status
+    statistics : name → number or text, for people
+    events : what happened when
+    record : what a gradient needs of the run (steps taken, branches to the outputs)
+    """
+
+    model: Model
+    analysis: Any
+    parameters: np.ndarray
+    trajectory: Trajectory
+    status: Status
+    statistics: dict[str, Any] = field(default_factory=dict)
+    events: list[EventRecord] = field(default_factory=list)
+    record: Any = None
+
+    @property
+    def time(self) -> np.ndarray:
+        """(K,) output times [s]."""
+        return self.trajectory.t
+
+    def values(self, measure: str | Expression) -> np.ndarray:
+        """(K,) or (K, size) values of a measure, a formula or an expression."""
+        expression = self.expression(measure)
+        e, s = self.model.equations, self.trajectory
+        function = ca.Function(
+            "measure",
+            [e.t, e.y, e.v, e.a, e.multiplier, e.p],
+            [ca.densify(self.model.measurable(expression.sx))],
+        )
+        if not s.t.size:
+            return np.zeros((0,))
+        table = function.map(s.t.size)(
+            s.t, s.y, s.v, s.a, s.multiplier, np.tile(self.parameters[:, None], s.t.size)
+        ).full()
+        return table[0] if table.shape[0] == 1 else table.T
+
+    def expression(self, measure: str | Expression) -> Expression:
+        if isinstance(measure, Expression):
+            return measure
+        written = any(c in measure for c in "+-*/( ")
+        return self.model.formula(measure) if written else self.model[measure]
+
+    def at(self, times: np.ndarray) -> Self:
+        """The same motion sampled at other times, by the steps that were taken."""
+        return self.analysis.resample(self, np.asarray(times, dtype=float))
+
+    def __repr__(self) -> str:
+        span = f"{self.time[0]:g}…{self.time[-1]:g} s" if self.time.size else "no times"
+        kind = type(self).__name__
+        return f"<{kind} of {self.model.name!r}: {self.time.size} times, {span}, {self.status}>"
