@@ -22,7 +22,7 @@ DATA_ONLY = {
 }
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class LabelledRecording(Recording):
     """Recording whose quantities are labelled arrays."""
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Motion(LabelledRecording):
     """Motion of a mechanism: its data, files, pictures and report."""
 

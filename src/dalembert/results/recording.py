@@ -38,7 +38,7 @@ class EventRecord:
     time: float
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Recording:
     """States of a mechanism over time, and any measure of them.
 

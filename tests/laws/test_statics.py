@@ -1,0 +1,81 @@
+"""Equilibrium and modes: balance of moments, exact gradients, closed-form frequencies."""
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+
+GRAVITY = 9.81
+
+
+def propped_bar() -> da.Model:
+    """A bar on a pin, held by an inclined spring; everything a parameter."""
+    system = da.System("propped bar", gravity=(0.0, -GRAVITY))
+    length = system.parameter("length", 1.2, unit="m")
+    mass = system.parameter("mass", 3.0, unit="kg")
+    stiffness = system.parameter("stiffness", 400.0, unit="N/m")
+    free = system.parameter("free", 0.5, unit="m")
+    anchor = system.parameter("anchor", 1.0, unit="m")
+    bar = system.add(planar.Bar("bar", length=length, mass=mass, angle=0.2))
+    system.add(planar.Revolute("pin", system.ground.center, bar.start))
+    top = system.ground.point(0.3, anchor)
+    system.add(planar.Spring("spring", top, bar.end, stiffness=stiffness, free_length=free))
+    return system.build()
+
+
+def test_moments_balance_about_the_pin():
+    rest = da.solve_equilibrium(propped_bar())
+    assert rest.status.success
+    assert rest.statistics["stable"]
+    end = rest["bar.end.position"].values[0]
+    pull = rest["spring.force"].values[0] * (np.array([0.3, 1.0]) - end)
+    pull /= np.linalg.norm(np.array([0.3, 1.0]) - end)
+    moment = end[0] * pull[1] - end[1] * pull[0] - 3.0 * GRAVITY * end[0] / 2
+    assert moment == pytest.approx(0.0, abs=1e-8)
+
+
+def test_gradients_of_an_equilibrium():
+    """Direct = adjoint to round-off, both equal to Richardson differences."""
+    rest = da.solve_equilibrium(propped_bar())
+    responses = [da.final("bar.angle"), da.final("spring.force"), da.final("pin.force_norm")]
+    adjoint, direct, differences = (
+        da.sensitivity(rest, responses, method=method).values
+        for method in ("adjoint", "direct", "finite-difference")
+    )
+    scale = np.abs(adjoint).max(axis=1, keepdims=True)
+    assert np.all(np.abs(adjoint - direct) <= 1e-9 * scale)
+    assert np.all(np.abs(adjoint - differences) <= 1e-6 * scale)
+
+
+def test_modes_of_two_masses_on_springs():
+    """ω² = k/m (3 ± √5)/2 for two equal masses on two equal springs in line."""
+    system = da.System("chain")
+    blocks = []
+    last = system.ground.center
+    for k in (1, 2):
+        block = system.add(planar.Particle(f"m{k}", mass=2.0, position=(float(k), 0.0)))
+        system.add(planar.Spring(f"k{k}", last, block.center, stiffness=50.0, free_length=1.0))
+        rail = system.add(planar.UserConstraint(f"rail{k}", block.y))
+        assert rail.units() == ["m"]
+        blocks.append(block)
+        last = block.center
+    modes = da.linearize(system.build())
+    expected = np.sqrt(25.0 * (3 + np.array([-1, 1]) * np.sqrt(5)) / 2) / (2 * np.pi)
+    assert modes.frequencies == pytest.approx(expected, rel=1e-10)
+    assert modes.stable
+
+
+def test_damping_ratio_and_growth():
+    """s = −ζω ± iω√(1 − ζ²) of a damped pendulum, and a positive exponent when it stands."""
+    for angle, standing in ((-np.pi / 2, False), (np.pi / 2, True)):
+        system = da.System("pendulum", gravity=(0.0, -GRAVITY))
+        rod = system.add(planar.Bar("rod", length=1.0, mass=2.0, angle=angle))
+        joint = system.add(planar.Revolute("pin", system.ground.center, rod.start))
+        system.add(planar.JointFriction("rub", joint, viscous=0.3))
+        modes = da.linearize(system.build(), equilibrium=False)
+        inertia, restoring = 2.0 / 3, 2.0 * GRAVITY / 2 * (-1 if standing else 1)
+        roots = np.roots([inertia, 0.3, restoring])
+        for value in modes.eigenvalues:
+            assert np.abs(roots - value).min() == pytest.approx(0.0, abs=1e-10)
+        assert modes.stable is not standing
