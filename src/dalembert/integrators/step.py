@@ -58,8 +58,12 @@ class ExplicitStep:
         return max(self.used) + 1
 
     def advance(self, h, x, slopes) -> ca.SX:
-        """``x + h Σ b_i k_i``."""
-        return x + h * sum((self.tableau.b[i] * slopes[i] for i in self.used), ca.SX(0))
+        """``x + h Σ b_i k_i``; slopes of equal weight are added first."""
+        groups: dict[float, ca.SX] = {}
+        for i in self.used:
+            weight = self.tableau.b[i]
+            groups[weight] = groups[weight] + slopes[i] if weight in groups else slopes[i]
+        return x + sum(((h * weight) * total for weight, total in groups.items()), ca.SX(0))
 
     def correct(self, t, x, p) -> ca.SX:
         return x if self.correction is None else self.correction.function(t, x, p)

@@ -31,8 +31,16 @@ class Direct:
     def gradient(
         self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
-        samples = [take_sample(motion, r) for r in responses]
-        return np.array([_engine(s).direct()[list(columns)] for s in samples])
+        engines = [_engine(take_sample(motion, r)) for r in responses]
+        rows: list[np.ndarray] = []
+        changes: list[np.ndarray] = []  # all responses look at the same steps
+        for engine in engines:
+            if isinstance(engine, MarchGradient):
+                changes = changes or engine.march_tangents()
+                rows.append(engine.direct(changes))
+            else:
+                rows.append(engine.direct())
+        return np.array(rows)[:, list(columns)]
 
 
 @dataclass(frozen=True)

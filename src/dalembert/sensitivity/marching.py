@@ -137,9 +137,8 @@ class MarchGradient:
         return parts[2].full().ravel()
 
     # direct --------------------------------------------------------------------------
-    def direct(self) -> np.ndarray:
-        """(np,) gradient by carrying ``∂x/∂p`` along."""
-        changes = self._march_tangents()
+    def direct(self, changes: list[np.ndarray]) -> np.ndarray:
+        """(np,) gradient from ``∂x/∂p`` at every step, as ``march_tangents`` gives it."""
         count, m = self.motion.time.size, self.p.size
         k, length = self.branches.index, self.branches.length
         weights = self.sample.weights
@@ -160,7 +159,7 @@ class MarchGradient:
         assert count == weights.size
         return gradient
 
-    def _march_tangents(self) -> list[np.ndarray]:
+    def march_tangents(self) -> list[np.ndarray]:
         """``∂x_k/∂p`` (n, np) at the beginning of every step and at the end."""
         m, steps, e = self.p.size, self.steps, self.model.equations
         n = e.coordinate_count

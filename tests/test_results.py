@@ -1,0 +1,89 @@
+"""Results: labels and units on everything, and the way to files and back."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import dalembert as da
+from dalembert import planar
+
+
+@pytest.fixture(scope="module")
+def motion() -> da.Motion:
+    """A driven crank with a spring and a damper: every kind of variable."""
+    system = da.System("everything", gravity=(0.0, -9.81))
+    speed = system.parameter("speed", 6.0, unit="rad/s")
+    crank = system.add(planar.Bar("crank", length=0.2, mass=1.0, angle=0.3))
+    bob = system.add(planar.Particle("bob", mass=0.5, position=(0.5, 0.0)))
+    system.add(planar.Revolute("pin", system.ground.center, crank.start))
+    system.add(planar.RotationalDriver("motor", system.ground, crank, 0.3 + speed * da.t))
+    system.add(
+        planar.Spring("spring", crank.end, bob.center, stiffness=80.0, damping=1.0, free_length=0.3)
+    )
+    return da.solve_dynamics(system.build(), 0.5, step=0.005)
+
+
+def test_everything_has_a_unit_and_a_name(motion):
+    for name, variable in motion.data.data_vars.items():
+        assert variable.attrs.get("units"), name
+        assert variable.attrs.get("long_name"), name
+    assert motion.data["time"].attrs["units"] == "s"
+    assert motion.data.attrs["parameter_speed"] == 6.0
+
+
+def test_dataset_and_measures_are_the_same(motion):
+    data = motion.data
+    pairs = [
+        (motion["crank.angle"], data["angle"].sel(body="crank")),
+        (motion["crank.end.velocity"], data["point_velocity"].sel(point="crank.end")),
+        (motion["pin.force"], data["reaction_force"].sel(joint="pin")),
+        (motion["motor.effort"], data["driver_effort"].sel(driver="motor")),
+        (motion["spring.length"], data["element_length"].sel(element_length_of="spring")),
+    ]
+    for measure, variable in pairs:
+        np.testing.assert_allclose(measure.values, variable.values, rtol=1e-13, atol=1e-15)
+
+
+def test_netcdf_round_trip(motion, tmp_path):
+    path = motion.save(tmp_path / "run.nc")
+    loaded = da.load_results(path)
+    xr.testing.assert_identical(loaded.drop_vars("report"), motion.data)
+
+
+def test_table_and_csv(motion, tmp_path):
+    table = motion.to_dataframe()
+    assert table.index.name == "time"
+    assert table["angle[crank]"].iloc[-1] == pytest.approx(0.3 + 6.0 * 0.5)
+    written = np.genfromtxt(motion.to_csv(tmp_path / "run.csv"), delimiter=",", names=True)
+    np.testing.assert_allclose(written["time"], motion.time)
+
+
+def test_energy_balance_converges_with_the_integrator(motion):
+    """Half the step, a sixteenth of the error (fourth order); motor and damper both work."""
+    finer = da.solve_dynamics(motion.model, 0.5, step=0.0025)
+    errors = [float(np.abs(m.data["balance_error"]).max()) for m in (motion, finer)]
+    assert errors[0] / errors[1] > 12
+    assert float(finer.data["dissipated_energy"][-1]) > 1e-3
+    assert abs(float(finer.data["input_energy"][-1])) > 1e-3
+
+
+def test_pictures(motion, tmp_path):
+    import matplotlib.pyplot as plt
+
+    axes = motion.plot("crank.angle", "spring.length")
+    assert len(axes.lines) == 2
+    film = motion.animate(fps=10)
+    film.save(tmp_path / "film.gif", writer="pillow")
+    assert (tmp_path / "film.gif").stat().st_size > 5000
+    assert "<" in film.to_jshtml()
+    plt.close("all")
+
+
+def test_a_failed_write_leaves_nothing_behind(motion, tmp_path):
+    with pytest.raises(da.FileError, match="cannot be written"):
+        motion.save(tmp_path / "nowhere" / "run.nc")
+    assert list(tmp_path.iterdir()) == []
