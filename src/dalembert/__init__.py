@@ -21,6 +21,16 @@ from dalembert.analysis import (
 from dalembert.design import Limit, Optimum, optimize
 from dalembert.elements import laws, planar
 from dalembert.elements.curves import FormulaCurve, SplineCurve, u
+from dalembert.elements.laws import (
+    CycloidalRise,
+    Formula,
+    Harmonic,
+    HarmonicRise,
+    Polynomial,
+    Polynomial345Rise,
+    Polynomial4567Rise,
+    Table,
+)
 from dalembert.errors import (
     AnalysisError,
     AssemblyError,
@@ -116,6 +126,7 @@ __all__ = [
     "AssemblyError",
     "At",
     "Baumgarte",
+    "CycloidalRise",
     "DalembertError",
     "Direct",
     "DormandPrince",
@@ -127,7 +138,10 @@ __all__ = [
     "FileError",
     "Final",
     "FiniteDifference",
+    "Formula",
     "FormulaCurve",
+    "Harmonic",
+    "HarmonicRise",
     "Integral",
     "InverseDynamics",
     "Kinematics",
@@ -143,6 +157,9 @@ __all__ = [
     "Optimum",
     "Outcome",
     "Parameter",
+    "Polynomial",
+    "Polynomial345Rise",
+    "Polynomial4567Rise",
     "Projection",
     "RKGill",
     "RangeSpace",
@@ -153,6 +170,7 @@ __all__ = [
     "Stabilization",
     "Status",
     "System",
+    "Table",
     "UnsupportedError",
     "absolute",
     "acos",

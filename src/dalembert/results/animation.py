@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.animation import FuncAnimation
 
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.scene import motion_scene
@@ -97,11 +99,15 @@ def placed(points: np.ndarray, pose: np.ndarray) -> np.ndarray:
     return points @ np.array([[c, s], [-s, c]]) + pose[:2]
 
 
-def animate(motion: LabelledRecording, *, fps: int = 30, speed: float = 1.0, ax=None):
-    """Matplotlib animation in real time (times ``speed``)."""
-    import matplotlib.pyplot as plt
-    from matplotlib.animation import FuncAnimation
+class Film(FuncAnimation):
+    """Animation that notebooks show by themselves, with a player."""
 
+    def _repr_html_(self) -> str:
+        return self.to_jshtml()
+
+
+def animate(motion: LabelledRecording, *, fps: int = 30, speed: float = 1.0, ax=None) -> Film:
+    """Matplotlib animation in real time (times ``speed``); ``save`` writes it as a film."""
     span = motion.time[-1] - motion.time[0]
     frames = int(np.clip(fps * span / speed, 2, 600))
     wanted = np.linspace(motion.time[0], motion.time[-1], frames)
@@ -110,7 +116,7 @@ def animate(motion: LabelledRecording, *, fps: int = 30, speed: float = 1.0, ax=
         _, ax = plt.subplots(layout="constrained")
     drawing = Drawing(motion, ax, keep)
     ax.set_title(motion.model.name)
-    return FuncAnimation(
+    film = Film(
         ax.figure,
         drawing.show,
         frames=frames,
@@ -118,3 +124,5 @@ def animate(motion: LabelledRecording, *, fps: int = 30, speed: float = 1.0, ax=
         blit=True,
         cache_frame_data=False,
     )
+    plt.close(ax.figure)  # notebooks would show the still picture as well
+    return film
