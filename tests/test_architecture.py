@@ -48,6 +48,13 @@ def test_style():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_types():
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 @pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT / "src")))
 def test_every_module_says_what_it_is(path):
     text = path.read_text(encoding="utf-8")

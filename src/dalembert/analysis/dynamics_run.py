@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import casadi as ca
@@ -151,9 +151,8 @@ class DynamicsRun:
         for name, event in self.events.items() if steps.count else ():
             values = self.event_values(name, times, steps.x)
             for k in event.crossings(values):
-                length = locate(
-                    lambda s, k=k, n=name: self.value_inside(n, steps, k, s), 0.0, steps.h[k]
-                )
+                inside = partial(self.value_inside, name, steps, int(k))
+                length = locate(inside, 0.0, float(steps.h[k]))
                 found.append((steps.t[k] + length, name, int(k), length))
         found.sort()
         for i, (_, name, k, length) in enumerate(found):

@@ -143,6 +143,7 @@ class _Slsqp:
     def __init__(self, model, minimize, maximize, limits, vary, analysis, start, method):
         self.model, self.limits = model, limits
         self.sign = 1.0 if minimize is not None else -1.0
+        self.last = 0.0
         self.names = self._names(vary)
         objective = minimize if minimize is not None else maximize
         unique = {id(r): r for r in (objective, *(limit.response for limit in limits))}

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -142,7 +142,7 @@ class Element:
         for field in self.quantity_fields():
             yield field.name, field.metadata
 
-    def checked_quantities(self) -> list[tuple[str, Expression, dict]]:
+    def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
         """(``element.field``, formula, metadata) of the numbers given, to be checked at build."""
         return [
             (f"{self.name}.{field}", getattr(self, field), meta)
@@ -201,6 +201,10 @@ class ForceElement(Element):
 
     def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
         """Pairs (coordinate ``s``, generalised force ``Q``) with virtual work ``Q δs``."""
+        raise NotImplementedError
+
+    def coordinate(self) -> ca.SX:
+        """The coordinate it acts along, where that is a single one."""
         raise NotImplementedError
 
     def potential(self) -> ca.SX | None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import casadi as ca
 import numpy as np
@@ -54,7 +56,7 @@ class SplineCurve(Curve):
     def __post_init__(self) -> None:
         points = [
             as_expression(p, f"SplineCurve point {k + 1}", "m", 2)
-            for k, p in enumerate(self.points)
+            for k, p in enumerate(cast(Sequence, self.points))
         ]
         if len(points) < 3:
             raise ModelError(f"needs at least 3 points, got {len(points)}", "SplineCurve")

@@ -94,6 +94,10 @@ class FixedMarch:
             x, p = ca.SX.sym("x", n), ca.SX.sym("p", m)
             t, h, flag = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("flag")
             return ca.Function("single", [x, t, h, flag, p], [self.step.function(t, h, x, p)])
+        return self._branching(n, m)
+
+    def _branching(self, n: int, m: int) -> ca.Function:
+        """The step with or without its correction, of which only one is evaluated."""
         x, p = ca.MX.sym("x", n), ca.MX.sym("p", m)
         t, h, flag = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("flag")
         branch = ca.Function.if_else("branch", self.step.function, self.step.uncorrected)

@@ -42,7 +42,8 @@ class ExplicitStep:
 
     def stages(self, t, h, x, p, count: int | None = None) -> tuple[list[ca.SX], list[ca.SX]]:
         """Stage states ``X_i`` and slopes ``k_i``."""
-        states, slopes = [], []
+        states: list[ca.SX] = []
+        slopes: list[ca.SX] = []
         for i in range(self.tableau.stages if count is None else count):
             state = x
             for a, k in zip(self.tableau.a[i - 1] if i else (), slopes, strict=True):

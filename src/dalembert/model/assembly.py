@@ -177,7 +177,7 @@ class Assembler:
             level = damping * norm * max(np.trace(normal) / max(r.size, 1), 1e-300)
             lift = np.linalg.lstsq(normal + level * np.eye(r.size), r, rcond=1e-14)[0]
             step = -(scaled.T @ lift) / self.weight
-            step *= min(1.0, 1.0 / max(np.linalg.norm(step, np.inf), 1e-300))
+            step *= min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-300))
             r_new, j_new = (a[keep] for a in self._evaluate(t, y + step, p))
             new = float(np.linalg.norm(r_new))
             if new < norm:

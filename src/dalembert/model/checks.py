@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 
 import casadi as ca
 import numpy as np
@@ -41,9 +42,8 @@ def check_symbols(d: Description) -> None:
         if isinstance(element, Constraint):
             _allow(element.name, element.equations, parameters | poses, "positions and t")
         elif isinstance(element, ForceElement):
-            owners = element.parts() or d.coordinates
-            works = element.works(lambda s, owners=owners: rate_of(s, owners, t.sx))
-            for s, q in works:
+            rate = partial(rate_of, owners=element.parts() or d.coordinates, time=t.sx)
+            for s, q in element.works(rate):
                 _allow(element.name, s, parameters | poses, "positions and t")
                 _allow(element.name, q, parameters | states, "positions, speeds and t")
         else:
@@ -72,8 +72,8 @@ def check_values(d: Description, values: Sequence[float] | np.ndarray) -> None:
             numbers = ca.Function("q", [symbols], [formula.sx])(values).full().ravel()
             for number in numbers:
                 _check_number(float(number), entity, meta)
-        for formula, wrong in element.conditions():
-            found = ca.Function("c", [symbols], [formula])(values)
+        for condition, wrong in element.conditions():
+            found = ca.Function("c", [symbols], [condition])(values)
             if not float(found) >= 0:
                 raise ModelError(wrong, element.name)
 
@@ -82,7 +82,7 @@ def _names(columns: Iterable[ca.SX]) -> set[str]:
     return {name for column in columns for name in free_symbols(column)}
 
 
-def _check_number(number: float, entity: str, meta: dict) -> None:
+def _check_number(number: float, entity: str, meta: Mapping) -> None:
     unit = f" {meta['unit']}" if meta["unit"] else ""
     if not math.isfinite(number):
         raise ModelError(f"its value is {number}; give a finite number", entity)

@@ -102,10 +102,10 @@ def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]
     for driver in data["driver"].values if "driver" in data.coords else ():
         put(f"{driver}.effort", "driver_effort", "drivers", driver=driver)
         put(f"{driver}.power", "driver_power", "drivers", driver=driver)
-    for variable in data.data_vars:
-        if str(variable).startswith("element_"):
+    for variable in map(str, data.data_vars):
+        if variable.startswith("element_"):
             dimension = data[variable].dims[1]
-            quantity = str(variable).removeprefix("element_").split("_of")[0]
+            quantity = variable.removeprefix("element_").split("_of")[0]
             for element in data[dimension].values:
                 put(f"{element}.{quantity}", str(variable), "forces", **{str(dimension): element})
     for variable in ENERGIES:

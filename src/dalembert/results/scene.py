@@ -35,10 +35,9 @@ class _Scene:
         self.number = lambda sx: np.asarray(
             ca.Function("n", [e.p], [ca.densify(sx)])(motion.parameters).full()
         ).ravel()
-        self.points: dict[str, list[tuple[float, float]]] = {"ground": []}
-        self.shapes: dict[str, list[dict]] = {b.name: [] for b in self.model.bodies} | {
-            "ground": []
-        }
+        names = ["ground", *(b.name for b in self.model.bodies)]
+        self.points: dict[str, list[tuple[float, ...]]] = {name: [] for name in names}
+        self.shapes: dict[str, list[dict]] = {name: [] for name in names}
 
     def local(self, point: Point) -> list[float]:
         return self.number(point.local.sx).tolist()

@@ -63,7 +63,10 @@ class Automatic:
         return Direct() if parameters < responses else Adjoint()
 
 
-METHODS = {
+Strategy = Direct | Adjoint | Automatic | FiniteDifference
+Method = str | Strategy
+
+METHODS: dict[str, Strategy] = {
     "auto": Automatic(),
     "adjoint": Adjoint(),
     "direct": Direct(),
@@ -86,7 +89,7 @@ def sensitivity(
     motion: Motion,
     responses: Response | Sequence[Response],
     wrt: Sequence[str] | None = None,
-    method: str | Direct | Adjoint | Automatic | FiniteDifference = "auto",
+    method: Method = "auto",
 ) -> xr.DataArray:
     """Gradient of responses with respect to parameters, ``response × parameter``.
 
@@ -112,14 +115,9 @@ def sensitivity(
     for name in chosen:
         if name not in names:
             raise AnalysisError(f"unknown parameter {name!r} (known: {', '.join(names) or 'none'})")
-    if isinstance(method, str):
-        if method not in METHODS:
-            raise AnalysisError(f"unknown method {method!r}; choose one of {', '.join(METHODS)}")
-        method = METHODS[method]
-    if isinstance(method, Automatic):
-        method = method.choose(len(listed), len(chosen))
+    strategy = _strategy(method, len(listed), len(chosen))
     _refuse_unfinished(motion)
-    values = method.gradient(motion, listed, [names.index(n) for n in chosen])
+    values = strategy.gradient(motion, listed, [names.index(n) for n in chosen])
     units = [_unit(motion, r) for r in listed]
     return xr.DataArray(
         values.reshape(len(listed), len(chosen)),
@@ -131,8 +129,18 @@ def sensitivity(
             "parameter_unit": ("parameter", [motion.model.parameters[n].unit for n in chosen]),
         },
         name="gradient",
-        attrs={"method": type(method).__name__, "model": motion.model.name},
+        attrs={"method": type(strategy).__name__, "model": motion.model.name},
     )
+
+
+def _strategy(
+    method: Method, responses: int, parameters: int
+) -> Direct | Adjoint | FiniteDifference:
+    if isinstance(method, str):
+        if method not in METHODS:
+            raise AnalysisError(f"unknown method {method!r}; choose one of {', '.join(METHODS)}")
+        method = METHODS[method]
+    return method.choose(responses, parameters) if isinstance(method, Automatic) else method
 
 
 def _unit(motion: Motion, response: Response) -> str:

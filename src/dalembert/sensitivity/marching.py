@@ -7,6 +7,8 @@ collects the weight of the parameters on its way to the initial state.
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 
@@ -111,7 +113,7 @@ class MarchGradient:
         def make() -> ca.Function:
             n, m = self.step.size, self.p.size
             both = self.kernel.fixed.period > 1 and self.step.correction is not None
-            kind = ca.MX if both else ca.SX
+            kind: Any = ca.MX if both else ca.SX
             carried, x, inject = kind.sym("c", n + m), kind.sym("x", n), kind.sym("i", n)
             t, h, flag, p = kind.sym("t"), kind.sym("h"), kind.sym("flag"), kind.sym("p", m)
             adjoint = self.step.adjoint

@@ -6,6 +6,8 @@ arrays are handed over as memory.
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 
@@ -27,6 +29,7 @@ class Kernel:
         self._shapes = [function.size_out(i) for i in range(function.n_out())]
 
     def __call__(self, *arguments) -> list[np.ndarray]:
+        buffer: Any
         buffer, trigger = self.function.buffer()
         kept = []
         for i, (argument, size) in enumerate(zip(arguments, self._sizes, strict=True)):
@@ -38,9 +41,9 @@ class Kernel:
                     f"{self.function.name()}: argument {i} has {flat.size} entries, needs {size}"
                 )
             kept.append(flat)
-            buffer.set_arg(i, memoryview(flat))
+            buffer.set_arg(i, memoryview(flat.data))
         results = [np.zeros(rows * columns) for rows, columns in self._shapes]
         for i, result in enumerate(results):
-            buffer.set_res(i, memoryview(result))
+            buffer.set_res(i, memoryview(result.data))
         trigger()
         return [r.reshape(shape, order="F") for r, shape in zip(results, self._shapes, strict=True)]

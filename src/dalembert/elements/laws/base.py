@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -31,7 +32,7 @@ class Law:
         """(expression of parameters that must not be negative, what is wrong if it is)."""
         return []
 
-    def checked_quantities(self, owner: str) -> list[tuple[str, Expression, dict]]:
+    def checked_quantities(self, owner: str) -> list[tuple[str, Expression, Mapping]]:
         return [
             (f"{owner}.{field.name}", getattr(self, field.name), field.metadata)
             for field in dataclasses.fields(self)

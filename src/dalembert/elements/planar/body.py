@@ -7,6 +7,7 @@ speeds are their rates. A point fixed in the body is at ``r_P = r + A(φ) s'`` (
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -240,7 +241,7 @@ class Body(Element, Coordinates):
 
         return entries(position, angle), entries(velocity, angular_velocity)
 
-    def checked_quantities(self) -> list[tuple[str, Expression, dict]]:
+    def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
         given = dict(zip(GUESSES, self.initial, strict=True))
         found = []
         for field, meta in self.quantities():

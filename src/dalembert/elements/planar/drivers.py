@@ -23,7 +23,7 @@ from dalembert.elements.planar.translational import SlidingJoint
 from dalembert.symbolic.expression import t
 
 
-class Driver:
+class Driver(Constraint):
     """Prescribes ``coordinate() = law(t)``."""
 
     law: Any
@@ -31,6 +31,10 @@ class Driver:
     multiplier: ca.SX
     positive = False
     """The law must stay above zero."""
+
+    def coordinate(self) -> ca.SX:
+        """The coordinate that is prescribed."""
+        raise NotImplementedError
 
     def residual(self) -> ca.SX:
         self.law = as_law(self.law, f"{self.name}.law")

@@ -53,22 +53,22 @@ class JointFriction(ForceElement):
                 f"{self.joint.name} has no motion {self.motion!r}; it has {', '.join(free)}",
                 self.name,
             )
-        self.coordinate, self.coordinate_unit = free[self.motion]
+        self.sliding, self.sliding_unit = free[self.motion]
 
     def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        speed = rate(self.coordinate)
+        speed = rate(self.sliding)
         friction = self.coulomb.sx * ca.tanh(speed / self.transition.sx) + self.viscous.sx * speed
-        return [(self.coordinate, -friction)]
+        return [(self.sliding, -friction)]
 
     def dissipation(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
         return self.works(rate)
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        unit = "N m" if self.coordinate_unit == "rad" else "N"
-        name = "moment" if self.coordinate_unit == "rad" else "force"
+        unit = "N m" if self.sliding_unit == "rad" else "N"
+        name = "moment" if self.sliding_unit == "rad" else "force"
         return {
             name: (self.works(rate)[0][1], unit),
-            "rate": (rate(self.coordinate), f"{self.coordinate_unit}/s"),
+            "rate": (rate(self.sliding), f"{self.sliding_unit}/s"),
         }
 
     def parts(self) -> list[Coordinates]:

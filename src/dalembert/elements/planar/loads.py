@@ -95,7 +95,7 @@ class Moment(ForceElement):
         }
 
     def parts(self) -> list[Coordinates]:
-        return [self.body] + ([self.reaction_on] if self.reaction_on is not None else [])
+        return [b for b in (self.body, self.reaction_on) if b is not None]
 
 
 class Gravity(ForceElement):

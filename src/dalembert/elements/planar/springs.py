@@ -24,7 +24,7 @@ from dalembert.symbolic.expression import Expression, as_expression
 SMALLEST_LENGTH = 1e-30
 
 
-class SpringDamper:
+class SpringDamper(ForceElement):
     """What translational and rotational springs share: a force along one coordinate ``s``.
 
     ``F = k (s − s0) + c ṡ``, or any ``law(s − s0, ṡ)``; it acts against the coordinate, so that
