@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
 import stat
 from collections.abc import Iterator
@@ -15,7 +16,7 @@ import pytest
 from browser import chromium, visit
 from report_payload import crowd, four_bar, gallery
 
-from dalembert.report import page as report_page
+from dalembert.errors import FileError
 from dalembert.report.page import render_page, write_page
 
 HOSTILE = (
@@ -81,8 +82,8 @@ def test_write_page_replaces_the_file_in_one_go(
     def refuse(*_: Any) -> None:
         raise OSError("disk full")
 
-    monkeypatch.setattr(report_page.os, "replace", refuse)
-    with pytest.raises(OSError, match="disk full"):
+    monkeypatch.setattr(os, "replace", refuse)
+    with pytest.raises(FileError, match="cannot be written"):
         write_page(four_bar(frames=7), target)
     assert target.read_text(encoding="utf-8") == before
     assert [p.name for p in tmp_path.iterdir()] == ["report.html"]

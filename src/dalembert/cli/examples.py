@@ -65,8 +65,8 @@ def example_folder() -> Path:
 
 
 def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> Path:
+    from dalembert.atomic import atomic_path
     from dalembert.io.messages import nearest
-    from dalembert.results.atomic import atomic_path
 
     if name not in known:
         raise FileError(f"no example {name!r}{nearest(name, known)}; known: {', '.join(known)}")

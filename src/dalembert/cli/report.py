@@ -21,15 +21,13 @@ def report(results: Path, /, *, output: Path | None = None, as_json: AsJson = Fa
     """
     from dalembert.io.reading import refuse_missing
     from dalembert.report.page import write_page
-    from dalembert.results.atomic import atomic_path
     from dalembert.results.store import load_dataset, report_of
 
     with wrong_input():
         refuse_missing(results)
         payload = report_of(load_dataset(results))
         page = output or results.with_suffix(".report.html")
-        with atomic_path(page) as temporary:
-            write_page(payload, temporary)
+        write_page(payload, page)
     if as_json:
         emit({"ok": True, "files": [str(page)]})
     else:

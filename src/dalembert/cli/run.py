@@ -102,7 +102,7 @@ def _write_motion(motion: Motion, base: Path, report: bool, csv: bool, choices: 
 
 
 def _write_modes(modes: Modes, base: Path, csv: bool) -> list[Path]:
-    from dalembert.results.atomic import atomic_path
+    from dalembert.atomic import atomic_path
     from dalembert.results.store import save_dataset
 
     files = [save_dataset(modes.data, base.with_name(f"{base.name}.nc"))]

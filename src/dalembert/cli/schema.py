@@ -18,8 +18,8 @@ def schema(*, output: Path | None = None, as_json: AsJson = False) -> int:
     as_json
         With --output, tell what was written as JSON; the schema itself always is JSON.
     """
+    from dalembert.atomic import atomic_path
     from dalembert.io.schema import json_schema
-    from dalembert.results.atomic import atomic_path
 
     made = json_schema()
     if output is None:

@@ -73,7 +73,7 @@ def _method(name: str) -> str:
 
 
 def _write(gradient: xr.DataArray, path: Path) -> Path:
-    from dalembert.results.atomic import atomic_path
+    from dalembert.atomic import atomic_path
 
     with atomic_path(path) as temporary:
         gradient.to_pandas().to_csv(temporary)

@@ -12,11 +12,12 @@ import json
 import math
 import os
 import re
-import tempfile
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
+
+from dalembert.atomic import atomic_path
 
 __all__ = ["render_page", "write_page"]
 
@@ -56,18 +57,10 @@ def render_page(payload: dict[str, Any]) -> str:
 
 def write_page(payload: dict[str, Any], path: str | os.PathLike[str]) -> Path:
     """Write the page of ``payload`` to ``path``, all of it or nothing; return the path."""
-    target = Path(path)
     text = render_page(payload)
-    handle, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".tmp", dir=target.parent)
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-        os.chmod(name, 0o666 & ~_umask())
-        os.replace(name, target)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
-    return target
+    with atomic_path(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+    return Path(path)
 
 
 def _asset(name: str) -> str:
@@ -106,9 +99,3 @@ def _numbers(values: Sequence[float | None]) -> str:
     known = tuple(math.nan if value is None else value for value in values)
     text = ",".join([f"%.{DIGITS}g"] * len(known)) % known
     return re.sub(r"-?(?:nan|inf)", "null", text) if "n" in text else text
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

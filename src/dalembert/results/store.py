@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from dalembert.atomic import atomic_path
 from dalembert.errors import FileError
-from dalembert.results.atomic import atomic_path
 from dalembert.results.labelled import LabelledRecording
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from dalembert.errors import FileError
 
 
 @contextmanager
-def atomic_path(target: str | Path) -> Iterator[Path]:
+def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
     """A temporary path beside ``target`` that becomes it on success and vanishes on failure.
 
     Raises
