@@ -50,7 +50,3 @@ class SingularityError(AnalysisError):
 
 class UnsupportedError(DalembertError):
     """A combination of choices that cannot work; names one that does."""
-
-
-class MissingDependency(DalembertError):
-    """An optional library is needed; names the command that installs it."""

@@ -207,3 +207,18 @@ def test_outputs_after_a_terminal_event_are_left_out():
     )
     assert motion.status.outcome is da.Outcome.TERMINATED
     assert motion.time[-1] == pytest.approx(np.sqrt(2 / 9.81), abs=1e-12)
+
+
+def test_a_prescribed_speed_survives_inconsistent_guesses():
+    """``system.initial`` is met exactly where given speeds contradict the joints."""
+    system = da.System("pendulum")
+    rod = system.add(
+        planar.Bar(
+            "rod", length=1.0, mass=1.0, angle=0.4, velocity=(1.0, 1.0), angular_velocity=-2.0
+        )
+    )
+    system.add(planar.Revolute("pin", system.ground.center, rod.start))
+    system.initial(rod.angular_velocity, 3.0)
+    model = system.build()
+    assert model.start.projected_speeds
+    assert model.start.v[2] == pytest.approx(3.0, abs=1e-12)

@@ -67,8 +67,8 @@ class KinematicsKernel:
             ),
             Stage(
                 e.multiplier,
-                ca.mtimes(e.mass, e.a) + e.bias - self._force(e) + ca.mtimes(c.T, e.multiplier),
-                factor.solve_transposed(self._force(e) - e.bias - ca.mtimes(e.mass, e.a)),
+                ca.mtimes(e.mass, e.a) + e.bias - e.force + ca.mtimes(c.T, e.multiplier),
+                factor.solve_transposed(e.force - e.bias - ca.mtimes(e.mass, e.a)),
                 factor.solve_transposed,
                 factor.solve,
             ),
@@ -76,10 +76,6 @@ class KinematicsKernel:
         return ImplicitFunction(
             "configuration", [e.t, near, e.p], stages, [e.y, e.v, e.a, e.multiplier]
         )
-
-    @staticmethod
-    def _force(e: Equations) -> ca.SX:
-        return e.force
 
     def measured(self, measure: ca.SX) -> ImplicitFunction:
         """A measure of the configuration."""

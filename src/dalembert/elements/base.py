@@ -196,9 +196,6 @@ class Constraint(Element):
 class ForceElement(Element):
     """Applied force, stated through virtual work."""
 
-    conservative = False
-    dissipative = False
-
     def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
         """Pairs (coordinate ``s``, generalised force ``Q``) with virtual work ``Q δs``."""
         raise NotImplementedError

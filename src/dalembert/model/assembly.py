@@ -273,28 +273,24 @@ class Assembler:
         residual = self.position_residual(rows, held)
         factor = QrFactor(ca.jacobian(residual, e.y))
         position = Stage(e.y, residual, start, factor.solve, factor.solve_transposed)
-        c, psi0 = e.jacobian[rows, :], ca.substitute(e.velocity_constraints[rows], e.v, 0 * e.v)
+        demanded = ca.vertcat(e.velocity_constraints[rows], self.initial_speed)
         constant = [ca.SX(x) if x is not None else None for x in speeds.constants]
         if projected:
-            demanded = ca.vertcat(e.velocity_constraints[rows], self.initial_speed)
-            psi0 = ca.substitute(demanded, e.v, ca.SX.zeros(e.speed_count))
             c = ca.jacobian(demanded, e.v)
             sigma = ca.SX.sym("sigma", demanded.numel())
             goal = stack(
                 g if c0 is None else c0 for g, c0 in zip(self.guesses.twist, constant, strict=True)
             )
-            metric = self._metric()
             unknown = ca.vertcat(e.v, sigma)
-            equations = ca.vertcat(
-                ca.mtimes(metric, e.v - goal) + ca.mtimes(c.T, sigma), ca.mtimes(c, e.v) + psi0
-            )
+            balance = ca.mtimes(self._metric(), e.v - goal) + ca.mtimes(c.T, sigma)
+            equations = ca.vertcat(balance, demanded)
         else:
             pinned = stack(
                 e.v[k] - (self.guesses.twist[k] if c0 is None else c0)
                 for k, c0 in zip(speeds.indices, constant, strict=True)
             )
             unknown = e.v
-            equations = ca.vertcat(ca.mtimes(c, e.v) + psi0, self.initial_speed, pinned)
+            equations = ca.vertcat(demanded, pinned)
         speed_factor = QrFactor(ca.jacobian(equations, unknown))
         at_zero = ca.substitute(equations, unknown, ca.SX.zeros(unknown.numel()))
         velocity = Stage(

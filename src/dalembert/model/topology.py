@@ -17,7 +17,6 @@ class Topology:
 
     loops: tuple[tuple[str, ...], ...]
     unconnected: tuple[str, ...]
-    floating: tuple[str, ...]
 
 
 def analyse_topology(
@@ -41,7 +40,6 @@ def analyse_topology(
         neighbours[j].append((i, joint))
     path: dict[str, tuple[str, ...]] = {}  # joints from the root of its component to a body
     used: set[str] = set()
-    grounded: set[str] = set()
     for root in neighbours:
         if root in path:
             continue
@@ -49,8 +47,6 @@ def analyse_topology(
         queue = deque([root])
         while queue:
             here = queue.popleft()
-            if root == "ground":
-                grounded.add(here)
             for there, joint in neighbours[here]:
                 if there not in path:
                     path[there] = (*path[here], joint)
@@ -66,5 +62,4 @@ def analyse_topology(
     return Topology(
         loops=tuple(loops),
         unconnected=tuple(n for n in names[1:] if n not in touched),
-        floating=tuple(n for n in names[1:] if n not in grounded),
     )

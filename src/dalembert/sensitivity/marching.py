@@ -35,7 +35,10 @@ class MarchGradient:
         self.p = self.motion.parameters
         self.step: ExplicitStep = self.kernel.step
         self.states = self.kernel.branch_states(self.steps, self.branches, self.p)
-        self.measured = _measured(self.kernel, self.model.measurable(sample.measure.sx))
+        self.measured = self.model.compiled(
+            ("measured", self.kernel, sample.measure),
+            lambda: _measured(self.kernel, self.model.measurable(sample.measure.sx)),
+        )
 
     # adjoint -------------------------------------------------------------------------
     def adjoint(self) -> np.ndarray:
@@ -141,7 +144,7 @@ class MarchGradient:
     # direct --------------------------------------------------------------------------
     def direct(self, changes: list[np.ndarray]) -> np.ndarray:
         """(np,) gradient from ``∂x/∂p`` at every step, as ``march_tangents`` gives it."""
-        count, m = self.motion.time.size, self.p.size
+        m = self.p.size
         k, length = self.branches.index, self.branches.length
         weights = self.sample.weights
         gradient = np.zeros(m)
@@ -158,7 +161,6 @@ class MarchGradient:
                 self.motion.time[j], self.states[:, j], self.p, 0, dx, np.eye(m)
             )
             gradient += weights[j] * rates.full().ravel()
-        assert count == weights.size
         return gradient
 
     def march_tangents(self) -> list[np.ndarray]:

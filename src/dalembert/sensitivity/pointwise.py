@@ -18,9 +18,12 @@ class PointwiseGradient:
 
     def __init__(self, sample: Sample):
         motion = sample.motion
-        measure = motion.model.measurable(sample.measure.sx)
+        model, kernel = motion.model, motion.record.kernel
         self.sample, self.motion = sample, motion
-        self.measured: ImplicitFunction = motion.record.kernel.measured(measure)
+        self.measured: ImplicitFunction = model.compiled(
+            ("measured", kernel, sample.measure),
+            lambda: kernel.measured(model.measurable(sample.measure.sx)),
+        )
 
     def _arguments(self) -> tuple:
         s = self.motion.trajectory
@@ -29,14 +32,12 @@ class PointwiseGradient:
 
     def adjoint(self) -> np.ndarray:
         """(np,) gradient by one adjoint solve per instant."""
-        count = self.motion.time.size
         weights = self.sample.weights.reshape(1, -1)
         active = np.flatnonzero(weights.ravel())
         if not active.size:
             return np.zeros(self.motion.parameters.size)
         t, y, p = self._arguments()
         mapped = self.measured.adjoint.map(active.size)
-        assert weights.size == count
         return (
             mapped(t[active], y[:, active], p[:, active], weights[:, active])[2].full().sum(axis=1)
         )

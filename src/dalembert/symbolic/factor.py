@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import pairwise
 
 import casadi as ca
-import numpy as np
 
 
 class LdlFactor:
@@ -62,11 +61,3 @@ def block_inverse(matrix: ca.SX) -> ca.SX:
 def _connected_blocks(sparsity: ca.Sparsity) -> list[list[int]]:
     _, order, edges = (sparsity + ca.Sparsity.diag(sparsity.size1())).scc()
     return [sorted(order[a:b]) for a, b in pairwise(edges)]
-
-
-def numeric_rank(matrix: np.ndarray, tolerance: float = 1e-9) -> int:
-    """Rank by singular values relative to the largest."""
-    if not matrix.size:
-        return 0
-    values = np.linalg.svd(matrix, compute_uv=False)
-    return int(np.sum(values > tolerance * max(values[0], 1e-300)))

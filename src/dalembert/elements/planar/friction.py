@@ -97,7 +97,6 @@ class Stop(ForceElement):
     stiffness: Scalar = quantity("N/m | N m/rad", "stiffness", above=0.0, keyword=True)
     damping: Scalar = quantity("s/m | s/rad", "Hunt-Crossley damping", default=0.0, minimum=0.0)
     exponent: Scalar = quantity("", "exponent of the penetration", default=1.0, minimum=1.0)
-    conservative = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

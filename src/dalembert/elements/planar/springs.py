@@ -32,7 +32,6 @@ class SpringDamper(ForceElement):
     """
 
     name: str
-    conservative = True
     coordinate_name = "length"
     coordinate_unit = "m"
     force_name = "force"
@@ -227,7 +226,6 @@ class Bushing(PointPair):
     damping: Vector = quantity("N s/m", "damping", default=(0.0, 0.0), size=2)
     rotational_stiffness: Scalar = quantity("N m/rad", "rotational stiffness", default=0.0)
     rotational_damping: Scalar = quantity("N m s/rad", "rotational damping", default=0.0)
-    conservative = True
 
     def coordinates(self) -> list[tuple[ca.SX, ca.SX, ca.SX]]:
         """(coordinate, stiffness, damping) of the three deformations."""
