@@ -24,6 +24,7 @@ from dalembert.io import schema, tables
 from dalembert.io.fields import FROM_FILE, connected, is_needed, kind_of, written
 from dalembert.io.strategies import (
     ANALYSES,
+    COORDINATES,
     FORMULATIONS,
     INTEGRATORS,
     RESPONSES,
@@ -51,6 +52,8 @@ HOLDS = {
     "points": "table",
     "law": "law",
     "curve": "curve",
+    "names": "list of names",
+    "coordinates": "coordinates",
     "formulation": "formulation",
     "stabilization": "stabilisation",
     "integrator": "integrator",
@@ -350,6 +353,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "laws": lambda: records(LAWS),
     "curves": lambda: records(CURVES),
     "analyses": lambda: records(ANALYSES),
+    "coordinates": lambda: records(COORDINATES),
     "formulations": lambda: records(FORMULATIONS),
     "stabilizations": lambda: records(STABILIZATIONS),
     "integrators": lambda: records(INTEGRATORS),

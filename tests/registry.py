@@ -33,7 +33,14 @@ STABILIZATIONS = {
     "Baumgarte": da.Baumgarte(),
     "Projection": da.Projection(),
 }
-INTEGRATORS = {"RK4": da.RK4(), "RKGill": da.RKGill(), "DormandPrince": da.DormandPrince()}
+INTEGRATORS = {
+    "Euler": da.Euler(),
+    "Heun": da.Heun(),
+    "RK4": da.RK4(),
+    "RKGill": da.RKGill(),
+    "DormandPrince": da.DormandPrince(),
+    "DormandPrince853": da.DormandPrince853(),
+}
 
 
 @dataclass(frozen=True)

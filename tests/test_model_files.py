@@ -14,7 +14,7 @@ from dalembert import planar
 from dalembert.elements.registry import BODIES, CURVES, DRIVERS, FORCES, JOINTS, LAWS
 from dalembert.io import json_schema, load, load_model_file
 from dalembert.io.analyses import make_analysis
-from dalembert.io.strategies import ANALYSES, FORMULATIONS, INTEGRATORS, RESPONSES, STABILIZATIONS
+from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES
 from dalembert.io.tasks import make_design, make_gradient
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
@@ -126,18 +126,10 @@ def test_every_curve_can_be_written(name, tmp_path, schema):
     schema.validate(tomllib.loads(text))
 
 
-STRATEGIES = [
-    (key, name)
-    for key, registry in {
-        "formulation": FORMULATIONS,
-        "stabilization": STABILIZATIONS,
-        "integrator": INTEGRATORS,
-    }.items()
-    for name in registry
-]
+NAMED = [(key, name) for key, registry in STRATEGIES.items() for name in registry]
 
 
-@pytest.mark.parametrize(("key", "name"), STRATEGIES)
+@pytest.mark.parametrize(("key", "name"), NAMED)
 @pytest.mark.parametrize("form", ["{!r}", "{{ type = {!r} }}"])
 def test_every_strategy_can_be_named(key, name, form, tmp_path, schema):
     text = f'{HEAD}[analysis]\ntype = "Dynamics"\nduration = 1\n{key} = {form.format(name)}\n'

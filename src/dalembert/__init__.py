@@ -42,7 +42,8 @@ from dalembert.errors import (
     UnsupportedError,
 )
 from dalembert.formulations import Baumgarte, Kkt, Projection, RangeSpace, Stabilization
-from dalembert.integrators import RK4, DormandPrince, RKGill
+from dalembert.integrators import RK4, DormandPrince, DormandPrince853, Euler, Heun, RKGill
+from dalembert.model.coordinates import AbsoluteCoordinates
 from dalembert.model.model import Model
 from dalembert.model.system import System
 from dalembert.responses import (
@@ -121,6 +122,7 @@ def load_results(path):
 
 __all__ = [
     "RK4",
+    "AbsoluteCoordinates",
     "Adjoint",
     "AnalysisError",
     "AssemblyError",
@@ -130,8 +132,10 @@ __all__ = [
     "DalembertError",
     "Direct",
     "DormandPrince",
+    "DormandPrince853",
     "Dynamics",
     "Equilibrium",
+    "Euler",
     "Event",
     "Expression",
     "ExpressionError",
@@ -142,6 +146,7 @@ __all__ = [
     "FormulaCurve",
     "Harmonic",
     "HarmonicRise",
+    "Heun",
     "Integral",
     "InverseDynamics",
     "Kinematics",

@@ -36,9 +36,9 @@ def flat(outputs) -> np.ndarray:
 def test_step(name):
     """One projected Runge–Kutta step: ⟨w, T d⟩ = ⟨Tᵀ w, d⟩ to 1e-12, T d by differences."""
     model, rng = model_of(name), np.random.default_rng(5)
-    step = Dynamics(1.0).kernel(model).step
-    p, n = model.nominal, step.size
-    x = np.concatenate([model.start.y, model.start.v, [0.0, 0.0]])
+    kernel, p = Dynamics(1.0).kernel(model), model.nominal
+    x, mode = kernel.initial(model.start, 0.0, p)
+    step, n = kernel.variants[mode].step, x.size
     dx, dp, w = rng.standard_normal(n), relative_parameters(p, rng), rng.standard_normal(n)
     change = step.tangent(0.0, STEP, x, p, dx, dp).full().ravel()
     x_bar, p_bar = (a.full().ravel() for a in step.adjoint(0.0, STEP, x, p, w))

@@ -18,7 +18,7 @@ def functions_of(name: str) -> ca.Function:
     """``(t, y, v, p) → f, ∂V/∂y, powers``."""
     model = model_of(name)
     e = model.all_equations
-    outputs = [e.force, ca.gradient(model.potential, e.y), model.potential]
+    outputs = [e.force, ca.gradient(model.equations.potential, e.y), model.equations.potential]
     return ca.Function("forces", [e.t, e.y, e.v, e.p], outputs)
 
 

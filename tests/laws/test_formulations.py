@@ -58,7 +58,7 @@ def reactions(model, y, v, a, multiplier) -> tuple[np.ndarray, np.ndarray]:
     """Forces (joints, 2) and moments (joints,) of all joints."""
     e = model.equations
     found = [c.reaction() for c in model.constraints if isinstance(c, Pair)]
-    columns = [model.measurable(ca.vertcat(*pair)) for pair in found]
+    columns = [model.at_ground(ca.vertcat(*pair)) for pair in found]
     function = ca.Function("r", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [ca.horzcat(*columns)])
     table = function(0.0, y, v, a, multiplier, model.nominal).full()
     return table[:2].T, table[2]

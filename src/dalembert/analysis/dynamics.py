@@ -15,8 +15,10 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
-from dalembert.integrators.march import Steps
-from dalembert.integrators.runge_kutta import RK4, ExplicitRungeKutta
+from dalembert.integrators.base import Integrator
+from dalembert.integrators.runge_kutta import RK4
+from dalembert.integrators.steps import Steps
+from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 
@@ -32,6 +34,7 @@ class Dynamics:
     step : step length of fixed-step integrators, by default a thousandth of the run; first step
         of adaptive ones [s]
     outputs : number of equally spaced times, or the times [s]; default every step
+    coordinates : in which coordinates the equations are integrated
     formulation : how accelerations and multipliers are found
     stabilization : how violations of the constraints are kept small
     integrator : how time advances
@@ -44,19 +47,20 @@ class Dynamics:
     step: float | None = None
     outputs: int | Sequence[float] | None = None
     t_span: tuple[float, float] | None = None
+    coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
     formulation: Formulation = field(default_factory=RangeSpace)
     stabilization: Stabilization = field(default_factory=Projection)
-    integrator: ExplicitRungeKutta = field(default_factory=RK4)
+    integrator: Integrator = field(default_factory=RK4)
     events: Events | None = None
     strict: bool = False
     backend: str = "vm"
 
     def kernel(self, model: Model) -> DynamicsKernel:
         """Compiled functions, made once per model and choice of strategies."""
-        key = ("dynamics", self.formulation, self.stabilization, self.integrator)
+        choices = (self.coordinates, self.formulation, self.stabilization, self.integrator)
         return model.compiled(
-            key,
-            lambda: DynamicsKernel(model, self.formulation, self.stabilization, self.integrator),
+            ("dynamics", *choices),
+            lambda: DynamicsKernel(model, *choices),
         )
 
     def run(
@@ -88,8 +92,7 @@ class Dynamics:
         """
         steps: Steps = motion.record.steps
         branches = place_outputs(steps, times)
-        states = motion.record.kernel.branch_states(steps, branches, motion.parameters)
-        trajectory = motion.record.kernel.trajectory(times, states, motion.parameters)
+        trajectory = motion.record.kernel.trajectory(times, steps, branches, motion.parameters)
         record = DynamicsRecord(motion.record.kernel, steps, branches)
         return replace(motion, trajectory=trajectory, record=record)
 
@@ -98,10 +101,9 @@ class Dynamics:
         record: DynamicsRecord = motion.record
         kernel, old = record.kernel, record.steps
         state = motion.model.assemble(p, float(old.t[0]))
-        x0 = np.concatenate([state.y, state.v, np.zeros(2)])
+        x0, _ = kernel.initial(state, float(old.t[0]), p)
         steps = kernel.fixed.repeat(old, x0, p)
-        states = kernel.branch_states(steps, record.branches, p)
-        trajectory = kernel.trajectory(motion.time, states, p)
+        trajectory = kernel.trajectory(motion.time, steps, record.branches, p)
         return replace(
             motion,
             parameters=p,

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
+import casadi as ca
 import numpy as np
 
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation, state_rate
 from dalembert.formulations.stabilization import Stabilization
-from dalembert.integrators.march import AdaptiveMarch, FixedMarch, Steps
-from dalembert.integrators.runge_kutta import DormandPrince, ExplicitRungeKutta
-from dalembert.integrators.step import ExplicitStep
+from dalembert.integrators.adaptive import AdaptiveMarch
+from dalembert.integrators.base import Attempt, Integrator, Problem
+from dalembert.integrators.march import FixedMarch
+from dalembert.integrators.step import Step
+from dalembert.integrators.steps import Steps
+from dalembert.model.assembly import AssembledState
+from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
+from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.kernel import Kernel
 
 
@@ -23,6 +31,12 @@ class Branches:
 
     index: np.ndarray
     length: np.ndarray
+
+    def ends_of(self, steps: Steps) -> np.ndarray:
+        """Whether an output is the end of its step."""
+        if not steps.count:
+            return np.zeros(self.index.size, dtype=bool)
+        return (self.length > 0) & np.isclose(self.length, steps.h[self.index], rtol=1e-12, atol=0)
 
 
 @dataclass(frozen=True)
@@ -34,63 +48,197 @@ class DynamicsRecord:
     branches: Branches
 
 
+class Variant:
+    """Functions of one definite formulation, e.g. with one partition of the speeds."""
+
+    def __init__(self, kernel: DynamicsKernel, formulation: Formulation):
+        self.kernel, self.formulation = kernel, formulation
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The equations as integrators take them."""
+        kernel, formulation = self.kernel, self.formulation
+        e, stabilization = kernel.equations, kernel.stabilization
+        explicit = not kernel.integrator.implicit and formulation.gives_accelerations
+        return Problem(
+            rate=formulation.acceleration(e, kernel.xi, [state_rate(e)], "state_rate")
+            if explicit
+            else None,
+            make_system=lambda: formulation.semi_explicit(e, kernel.xi),
+            correction=stabilization.correction(e, formulation),
+            controlled=e.coordinate_count + e.speed_count,
+            positions=e.coordinate_count,
+            tangential=stabilization.tangential(e, formulation)
+            if kernel.integrator.adaptive
+            else None,
+        )
+
+    @cached_property
+    def step(self) -> Step:
+        return self.kernel.integrator.step(self.problem)
+
+    @cached_property
+    def attempt(self) -> Attempt | None:
+        return self.kernel.integrator.attempt(self.problem, self.step)
+
+    def measured(self, outputs: list[ca.SX], name: str = "measured") -> ImplicitFunction:
+        """``(t, x, p) → outputs``, expressions of the bodies' states and multipliers."""
+        kernel = self.kernel
+        seen = [kernel.view.lift(expression) for expression in outputs]
+        return self.formulation.acceleration(kernel.equations, kernel.xi, seen, name)
+
+    @cached_property
+    def bodies(self) -> ca.Function:
+        """``(t, x, p) → y, v, v̇, λ`` of all bodies and equations."""
+        e = self.kernel.model.all_equations
+        return self.measured([e.y, e.v, e.a, e.multiplier], "bodies").function
+
+    @cached_property
+    def conditioning(self) -> tuple[ca.Function, float] | None:
+        """``(t, y, p) → value`` and the limit above which another variant is chosen."""
+        e = self.kernel.equations
+        found = self.formulation.conditioning(e)
+        if found is None:
+            return None
+        return ca.Function("conditioning", [e.t, e.y, e.p], [found[0]]), found[1]
+
+
 class DynamicsKernel:
     """Compiled functions of one model under one choice of strategies."""
 
     def __init__(
         self,
         model: Model,
+        coordinates: Coordinates,
         formulation: Formulation,
         stabilization: Stabilization,
-        integrator: ExplicitRungeKutta,
+        integrator: Integrator,
     ):
-        e = model.equations
         self.model, self.formulation, self.stabilization = model, formulation, stabilization
-        self.xi = stabilization.constraint_acceleration(e)
-        rhs = formulation.acceleration(e, self.xi, [state_rate(e)], "state_rate")
-        correction = stabilization.correction(e, formulation)
-        self.step = ExplicitStep(integrator.tableau, rhs, correction)
-        self.acceleration = formulation.acceleration(e, self.xi).function
-        self.fixed = FixedMarch(self.step, stabilization.period)
-        self.adaptive: AdaptiveMarch | None = None
-        if isinstance(integrator, DormandPrince):
-            controlled = e.coordinate_count + e.speed_count
-            self.adaptive = AdaptiveMarch(self.step, integrator.rtol, integrator.atol, controlled)
+        self.integrator = integrator
+        self.view = coordinates.view(model, formulation.every_equation)
+        self.equations = self.view.equations
+        self.xi = stabilization.constraint_acceleration(self.equations)
+        self.variants: list[Variant] = []
+        self.fixed = FixedMarch(lambda mode: self.variants[mode].step, stabilization.period)
+        self.adaptive = AdaptiveMarch(self._attempt) if integrator.adaptive else None
+
+    def _attempt(self, mode: int) -> Attempt:
+        found = self.variants[mode].attempt
+        if found is None:
+            raise UnsupportedError(f"{self.integrator.name} has no error control")
+        return found
+
+    # variants -----------------------------------------------------------------------
+    def choose(self, t: float, x: np.ndarray, p: np.ndarray) -> int:
+        """The variant for a state."""
+        y = x[: self.equations.coordinate_count]
+        chosen = self.formulation.choose(self.equations, t, y, p)
+        for mode, variant in enumerate(self.variants):
+            if variant.formulation == chosen:
+                return mode
+        self.variants.append(Variant(self, chosen))
+        return len(self.variants) - 1
+
+    def switch(
+        self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray
+    ) -> tuple[int, int]:
+        """How many of these steps to keep, and the variant after them."""
+        count, watched = times.size - 1, self.variants[mode].conditioning
+        if watched is None:
+            return count, mode
+        function, limit = watched
+        y = states[: self.equations.coordinate_count]
+        values = function.map(times.size)(times, y, np.tile(p[:, None], times.size))
+        bad = np.flatnonzero(~(values.full().ravel() <= limit))
+        if not bad.size:
+            return count, mode
+        kept = max(int(bad[0]) - 1, 0)  # the last state that was still good
+        following = self.choose(float(times[kept]), states[:, kept], p)
+        return (count, mode) if following == mode else (kept, following)
+
+    # states -------------------------------------------------------------------------
+    @cached_property
+    def start(self) -> ImplicitFunction:
+        """``(t, y, v, p)`` of the bodies → state ``x = [q; u; work]`` without memory."""
+        reduce, e = self.view.reduce, self.equations
+        t, _, _, p = reduce.inputs
+        q, u = reduce.outputs
+        energy = self.stabilization.reference_energy(e)
+        stored = ca.substitute(energy, ca.vertcat(e.t, e.y, e.v, e.p), ca.vertcat(t, q, u, p))
+        return ImplicitFunction(
+            "start", reduce.inputs, [], [ca.vertcat(q, u, ca.SX(0), ca.densify(stored))]
+        )
+
+    def initial(self, state: AssembledState, t: float, p: np.ndarray) -> tuple[np.ndarray, int]:
+        """State with memory at the start, and its variant."""
+        x = self.start.function(t, state.y, state.v, p).full().ravel()
+        mode = self.choose(t, x, p)
+        begin = self.variants[mode].step.begin
+        if begin is not None:
+            x = np.concatenate([x, begin(t, x, p).full().ravel()])
+        return x, mode
 
     def branch_states(self, steps: Steps, branches: Branches, p: np.ndarray) -> np.ndarray:
         """States at the outputs: ends of steps as they are, others by a partial step."""
-        k, length = branches.index, branches.length
+        k = branches.index
         states = steps.x[:, k].copy()
-        inside = np.flatnonzero(length > 0)
-        if inside.size:
-            full = np.isclose(length[inside], steps.h[k[inside]], rtol=1e-12, atol=0)
-            states[:, inside[full]] = steps.x[:, k[inside[full]] + 1]
-            part = inside[~full]
-            if part.size:
-                (states[:, part],) = Kernel(self.step.function.map(part.size))(
-                    steps.t[k[part]],
-                    length[part],
-                    steps.x[:, k[part]],
-                    np.tile(p[:, None], part.size),
-                )
+        ends = branches.ends_of(steps)
+        states[:, ends] = steps.x[:, k[ends] + 1]
+        inside = np.flatnonzero((branches.length > 0) & ~ends)
+        for mode in np.unique(steps.mode[k[inside]]):
+            part = inside[steps.mode[k[inside]] == mode]
+            (states[:, part],) = Kernel(self.variants[mode].step.function.map(part.size))(
+                steps.t[k[part]],
+                branches.length[part],
+                steps.x[:, k[part]],
+                np.tile(p[:, None], part.size),
+            )
         return states
 
-    def trajectory(self, times: np.ndarray, states: np.ndarray, p: np.ndarray) -> Trajectory:
-        """Accelerations and multipliers at the given states."""
-        e = self.model.equations
-        n, count = e.coordinate_count, times.size
-        a, multiplier = Kernel(self.acceleration.map(count))(
-            times, states, np.tile(p[:, None], count)
-        )
-        speeds = slice(n, n + e.speed_count)
-        return Trajectory(
-            times,
-            states[:n],
-            states[speeds],
-            a,
-            multiplier,
-            states[-2:],
-        )
+    def modes(self, steps: Steps, branches: Branches) -> np.ndarray:
+        """Variant of each output."""
+        if not steps.count:
+            return np.full(branches.index.size, len(self.variants) - 1)
+        following = np.minimum(branches.index + 1, steps.count - 1)
+        return steps.mode[np.where(branches.ends_of(steps), following, branches.index)]
+
+    def mapped(
+        self,
+        function_of: Callable[[Variant], ca.Function],
+        modes: np.ndarray,
+        times: np.ndarray,
+        states: np.ndarray,
+        p: np.ndarray,
+        *more: np.ndarray,
+    ) -> list[np.ndarray]:
+        """``(t, x, p, …)`` functions of the variants over outputs, each by its own variant."""
+        results: list[np.ndarray] = []
+        size = self.variants[0].step.state_size
+        for mode in np.unique(modes):
+            part = np.flatnonzero(modes == mode)
+            function = function_of(self.variants[mode])
+            found = Kernel(function.map(part.size))(
+                times[part],
+                states[:size, part],
+                np.tile(p[:, None], part.size),
+                *(column[:, part] for column in more),
+            )
+            results = results or [np.zeros((r.shape[0], modes.size)) for r in found]
+            for whole, piece in zip(results, found, strict=True):
+                whole[:, part] = piece
+        return results
+
+    def trajectory(
+        self, times: np.ndarray, steps: Steps, branches: Branches, p: np.ndarray
+    ) -> Trajectory:
+        """Poses, speeds, accelerations and multipliers of all bodies at the outputs."""
+        states = self.branch_states(steps, branches, p)
+        modes = self.modes(steps, branches)
+        y, v, a, multiplier = self.mapped(lambda s: s.bodies, modes, times, states, p)
+        n = self.equations.coordinate_count + self.equations.speed_count
+        work = states[n : n + 2] - steps.x[n : n + 2, :1]
+        return Trajectory(times, y, v, a, multiplier, work)
 
 
 def place_outputs(steps: Steps, times: np.ndarray) -> Branches:

@@ -9,8 +9,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import Branches, DynamicsRecord, place_outputs
-from dalembert.analysis.events import Event, as_events, locate
+from dalembert.analysis.dynamics_kernel import (
+    Branches,
+    DynamicsRecord,
+    Variant,
+    place_outputs,
+)
+from dalembert.analysis.events import as_events, locate
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
     check_driver_laws,
@@ -21,7 +26,7 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.errors import AssemblyError, SingularityError
 from dalembert.formulations.kkt import Kkt
-from dalembert.integrators.march import Steps, Watch
+from dalembert.integrators.steps import Steps, Watch
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord, Trajectory
@@ -65,7 +70,7 @@ class DynamicsRun:
                 "was built; build it with this value, or use formulation=Kkt()"
             )
 
-    def initial_state(self) -> np.ndarray:
+    def initial_state(self) -> tuple[np.ndarray, int]:
         state = self.model.assemble(self.p, self.start)
         if self.analysis.strict and state.projected_speeds:
             raise AssemblyError(
@@ -74,22 +79,21 @@ class DynamicsRun:
                     f"{n} changed by {c:.3g}" for n, c in state.velocity_corrections.items()
                 )
             )
-        return np.concatenate([state.y, state.v, np.zeros(2)])
+        return self.kernel.initial(state, self.start, self.p)
 
     def execute(self, progress) -> Motion:
-        x0 = self.initial_state()
         begin = clock.perf_counter()
-        self.prepare()
+        x0, mode = self.initial_state()
+        self.prepare(mode)
         prepared, begin = clock.perf_counter() - begin, clock.perf_counter()
         with progress_reporter(progress, f"integrating {self.model.name}") as report:
-            steps = self.march(x0, Watch(report, self.terminal_crossing))
+            steps = self.march(x0, mode, Watch(report, self.terminal_crossing, self.switch))
         elapsed = clock.perf_counter() - begin
         happened, ends = self.find_events(steps)
         if ends is not None:
             steps = self.cut_at(steps, ends)
         times, branches = self.outputs(steps)
-        states = self.kernel.branch_states(steps, branches, self.p)
-        trajectory = self.kernel.trajectory(times, states, self.p)
+        trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         motion = Motion(
             model=self.model,
             analysis=self.analysis,
@@ -102,54 +106,67 @@ class DynamicsRun:
         )
         return motion
 
-    def prepare(self) -> None:
+    def prepare(self, mode: int) -> None:
         """Compile the march, so that its time is its own."""
         if self.kernel.adaptive is not None:
-            self.kernel.adaptive.prepare()
+            self.kernel.adaptive.prepare(mode)
         else:
-            self.kernel.fixed.prepare(uniform_grid(self.start, self.end, self.step).size - 1)
+            count = uniform_grid(self.start, self.end, self.step).size - 1
+            self.kernel.fixed.prepare(count, mode)
 
     # marching ----------------------------------------------------------------------
-    def march(self, x0: np.ndarray, watch: Watch) -> Steps:
+    def march(self, x0: np.ndarray, mode: int, watch: Watch) -> Steps:
         kernel = self.kernel
         if kernel.adaptive is None:
-            return kernel.fixed.run(
-                uniform_grid(self.start, self.end, self.step), x0, self.p, watch
-            )
-        integrator = self.analysis.integrator
-        longest = getattr(integrator, "max_step", None) or (self.end - self.start) / 4
+            grid = uniform_grid(self.start, self.end, self.step)
+            return kernel.fixed.run(grid, x0, self.p, mode, watch)
+        longest = kernel.integrator.longest_step or (self.end - self.start) / 4
         first = min(self.step, longest) if self.analysis.step else 1e-4 * (self.end - self.start)
-        return kernel.adaptive.run(self.start, self.end, x0, self.p, first, longest, watch)
+        return kernel.adaptive.run(self.start, self.end, x0, self.p, first, longest, mode, watch)
+
+    def switch(self, times: np.ndarray, states: np.ndarray, mode: int) -> tuple[int, int]:
+        return self.kernel.switch(times, states, mode, self.p)
 
     # events ------------------------------------------------------------------------
-    def event_function(self, event: Event) -> ca.Function:
-        """``(t, x, p) → value`` of an event's measure, accelerations and multipliers included."""
-        expression = self.model.measurable(event.expression(self.model).sx)
-        e = self.model.equations
-        made = self.kernel.formulation.acceleration(e, self.kernel.xi, [expression], "event")
-        return made.function
-
     def terminal_crossing(self, times: np.ndarray, states: np.ndarray) -> bool:
+        # any variant will do: all give the same accelerations
+        modes = np.full(times.size, len(self.kernel.variants) - 1)
         return any(
-            event.terminal and event.crossings(self.event_values(name, times, states)).size
+            event.terminal and event.crossings(self.event_values(name, times, states, modes)).size
             for name, event in self.events.items()
         )
 
-    def event_values(self, name: str, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-        function = self.event_functions[name]
-        table = function.map(times.size)(times, states, np.tile(self.p[:, None], times.size))
-        return table.full().ravel()
+    def event_values(
+        self, name: str, times: np.ndarray, states: np.ndarray, modes: np.ndarray
+    ) -> np.ndarray:
+        """Values of an event's measure, accelerations and multipliers included."""
+        functions = self.event_functions[name]
+
+        def function_of(variant: Variant) -> ca.Function:
+            if variant not in functions:
+                functions[variant] = variant.measured([self.measures[name]], "event").function
+            return functions[variant]
+
+        return self.kernel.mapped(function_of, modes, times, states, self.p)[0].ravel()
 
     @cached_property
-    def event_functions(self) -> dict[str, ca.Function]:
-        return {name: self.event_function(event) for name, event in self.events.items()}
+    def measures(self) -> dict[str, ca.SX]:
+        return {
+            name: self.model.at_ground(event.expression(self.model).sx)
+            for name, event in self.events.items()
+        }
+
+    @cached_property
+    def event_functions(self) -> dict[str, dict[Variant, ca.Function]]:
+        return {name: {} for name in self.events}
 
     def find_events(self, steps: Steps) -> tuple[list[EventRecord], tuple[int, float] | None]:
         """All crossings up to the first terminal one; its step and length, if there is one."""
         found: list[tuple[float, str, int, float]] = []
         times = np.append(steps.t[: steps.count], steps.end)
         for name, event in self.events.items() if steps.count else ():
-            values = self.event_values(name, times, steps.x)
+            modes = np.append(steps.mode, steps.mode[-1:])
+            values = self.event_values(name, times, steps.x, modes)
             for k in event.crossings(values):
                 inside = partial(self.value_inside, name, steps, int(k))
                 length = locate(inside, 0.0, float(steps.h[k]))
@@ -161,10 +178,11 @@ class DynamicsRun:
         return [EventRecord(n, float(t)) for t, n, _, _ in found], None
 
     def value_inside(self, name: str, steps: Steps, k: int, length: float) -> float:
-        x = steps.x[:, k]
+        x, step = steps.x[:, k], self.kernel.variants[steps.mode[k]].step
         if length > 0:
-            x = self.kernel.step.function(steps.t[k], length, x, self.p)
-        return float(self.event_functions[name](steps.t[k] + length, x, self.p))
+            x = step.function(steps.t[k], length, x, self.p).full().ravel()
+        time = np.array([steps.t[k] + length])
+        return float(self.event_values(name, time, x[:, None], steps.mode[k : k + 1])[0])
 
     def cut_at(self, steps: Steps, end: tuple[int, float]) -> Steps:
         """Shorten the step in which the terminal event happens."""
@@ -173,7 +191,8 @@ class DynamicsRun:
         cut.h = cut.h.copy()
         cut.h[k] = max(length, 1e-15)
         cut.corrected[k] = True
-        last = self.kernel.step.function(steps.t[k], cut.h[k], steps.x[:, k], self.p).full()
+        step = self.kernel.variants[steps.mode[k]].step
+        last = step.function(steps.t[k], cut.h[k], steps.x[:, k], self.p).full()
         cut.x = np.hstack([cut.x[:, :-1], last])
         return cut
 
@@ -211,23 +230,27 @@ class DynamicsRun:
             k = int(np.argmin(np.isfinite(s.a).all(axis=0) & np.isfinite(s.multiplier).all(axis=0)))
             text = f"accelerations have no unique value at t = {s.t[k]:.9g} s"
             return Status(Outcome.SINGULAR, text, time, residual)
-        projects = self.kernel.step.correction is not None
+        projects = self.kernel.variants[0].step.corrects
         if projects and residual > 1e-6:
             text = f"the projection left a violation of {residual:.3g}; use a shorter step"
             return Status(Outcome.NOT_CONVERGED, text, time, residual)
         return Status(Outcome.COMPLETED, f"reached t = {time:g} s", time, residual)
 
     def statistics(self, steps: Steps, prepared: float, elapsed: float) -> dict[str, Any]:
-        names = (self.analysis.formulation, self.analysis.stabilization, self.analysis.integrator)
-        made = {
-            "formulation": type(names[0]).__name__,
-            "stabilization": type(names[1]).__name__,
-            "integrator": type(names[2]).__name__,
+        """What was done, for people."""
+        a = self.analysis
+        made: dict[str, Any] = {
+            name: type(getattr(a, name)).__name__
+            for name in ("coordinates", "formulation", "stabilization", "integrator")
+        }
+        made |= {
             "steps": steps.count,
             "rejected steps": steps.rejected,
             "preparation time [s]": round(prepared, 6),
             "integration time [s]": round(elapsed, 6),
         }
+        if np.unique(steps.mode).size > 1:
+            made["changes of variant"] = int(np.sum(np.diff(steps.mode) != 0))
         if steps.count:
             made["time per step [µs]"] = round(1e6 * elapsed / steps.count, 2)
             made["shortest step [s]"] = float(steps.h.min())

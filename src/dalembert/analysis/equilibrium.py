@@ -34,14 +34,13 @@ class StaticsKernel:
         at_rest = ca.substitute(e.force - e.bias, e.v, ca.SX.zeros(e.speed_count))
         forces = at_rest - ca.mtimes(e.jacobian.T, e.multiplier)
         self.balance = forces
-        lift = ca.jacobian(e.pose_rate, e.v)
         self.static = ca.Function(
             "static",
             [e.t, e.y, e.multiplier, e.p],
             [
                 at_rest,
                 e.jacobian,
-                -ca.mtimes(ca.jacobian(forces, e.y), lift),
+                -ca.mtimes(ca.jacobian(forces, e.y), e.lift),
                 e.mass,
                 e.constraints,
             ],
@@ -63,13 +62,13 @@ class StaticsKernel:
         """A measure of the equilibrium; speeds and accelerations are zero."""
         e = self.model.equations
         still = ca.vertcat(e.v, e.a)
-        at_rest = ca.substitute(measure, still, ca.SX.zeros(still.numel()))
+        at_rest = ca.substitute(e.without_dropped(measure), still, ca.SX.zeros(still.numel()))
         found = self.configuration
         return ImplicitFunction("measured", found.inputs, found.stages, [at_rest])
 
     def near(self, s: Trajectory) -> np.ndarray:
         """Where the configuration is differentiated."""
-        return np.vstack([s.y, s.multiplier])
+        return np.vstack([s.y, s.multiplier[self.model.closure.rows]])
 
 
 @dataclass(frozen=True)
@@ -198,7 +197,7 @@ class _Search:
             y.reshape(column),
             np.zeros((n, 1)),
             np.zeros((n, 1)),
-            multiplier.reshape(column),
+            self.model.all_multipliers(multiplier.reshape(column)),
             np.zeros((2, 1)),
         )
         return Motion(

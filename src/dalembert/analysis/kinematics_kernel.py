@@ -67,8 +67,8 @@ class KinematicsKernel:
             ),
             Stage(
                 e.multiplier,
-                ca.mtimes(e.mass, e.a) + e.bias - e.force + ca.mtimes(c.T, e.multiplier),
-                factor.solve_transposed(e.force - e.bias - ca.mtimes(e.mass, e.a)),
+                e.inertia.times(e.a) + e.bias - e.force + ca.mtimes(c.T, e.multiplier),
+                factor.solve_transposed(e.force - e.bias - e.inertia.times(e.a)),
                 factor.solve_transposed,
                 factor.solve,
             ),
@@ -80,7 +80,8 @@ class KinematicsKernel:
     def measured(self, measure: ca.SX) -> ImplicitFunction:
         """A measure of the configuration."""
         found = self.configuration
-        return ImplicitFunction("measured", found.inputs, found.stages, [measure])
+        seen = self.e.without_dropped(measure)
+        return ImplicitFunction("measured", found.inputs, found.stages, [seen])
 
     def near(self, s: Trajectory) -> np.ndarray:
         """Where the configuration is differentiated."""

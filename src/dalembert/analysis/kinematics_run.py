@@ -236,7 +236,7 @@ class KinematicsRun:
     def trajectory(self, times: np.ndarray, table: np.ndarray, keep: np.ndarray) -> Trajectory:
         n, m = self.n, self.model.equations.constraint_count
         rows = table[:, keep]
-        multiplier = rows[3 * n : 3 * n + m]
+        multiplier = self.model.all_multipliers(rows[3 * n : 3 * n + m])
         if not self.analysis.efforts:
             multiplier = np.full_like(multiplier, np.nan)
         work = self.work(times, table)[:, keep]

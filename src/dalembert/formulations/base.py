@@ -13,16 +13,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from dalembert.model.equations import Equations
+from dalembert.model.inertia import Inertia
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
+from dalembert.symbolic.semi_explicit import SemiExplicit
 
 
 class SaddleSolver:
-    """Solves ``M x + Cᵀ z = r1``, ``C x = r2`` with factors that are computed once.
+    """Solves ``M x + Cᵀ z = r1``, ``C x − ρ z = r2`` with factors that are computed once.
 
     Made from ``M`` (n, n) and ``C`` (m, n).
+
+    Attributes
+    ----------
+    softness : ``ρ``, zero where the constraints hold exactly
     """
+
+    speed_count: int
+    softness: ca.SX | float = 0.0
 
     def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
         """``(x, z)``; the matrix is symmetric, so this is its transposed solve too."""
@@ -30,18 +40,48 @@ class SaddleSolver:
 
     def solve_stacked(self, rhs: ca.SX) -> ca.SX:
         n = self.speed_count
-        return ca.vertcat(*self.solve(rhs[:n], rhs[n:]))
-
-    speed_count: int
+        return ca.vertcat(*self.solve(rhs[:n, :], rhs[n:, :]))
 
 
 @dataclass(frozen=True)
 class Formulation:
-    """Strategy object: how accelerations and multipliers are found."""
+    """Strategy object: how accelerations and multipliers are found.
 
-    def solver(self, mass: ca.SX, jacobian: ca.SX, massless: tuple[int, ...]) -> SaddleSolver:
+    To write a new one, give ``solver``; the rest has defaults.
+    """
+
+    @property
+    def every_equation(self) -> bool:
+        """Takes redundant equations too, and passes through singular positions."""
+        return False
+
+    @property
+    def gives_accelerations(self) -> bool:
+        """Can be integrated as ``ẋ = F(t, x, p)``, so by explicit methods."""
+        return True
+
+    def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> SaddleSolver:
+        """Factors of the saddle matrix."""
         raise NotImplementedError
 
+    def constraint_acceleration(self, e: Equations, xi: ca.SX) -> ca.SX:
+        """``ξ`` with what the formulation itself adds to it."""
+        return xi
+
+    # choices that a run may change ------------------------------------------------------
+    def choose(self, e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> Formulation:
+        """The formulation made definite for a position, e.g. with a partition of the speeds."""
+        return self
+
+    def conditioning(self, e: Equations) -> tuple[ca.SX, float] | None:
+        """Expression of (t, y, p) and the value above which ``choose`` is asked again."""
+        return None
+
+    def consistent_speeds(self, e: Equations) -> Stage | None:
+        """Stage whose unknowns replace ``v``, where not all speeds are states."""
+        return None
+
+    # what integrators are given -----------------------------------------------------------
     def acceleration(
         self,
         e: Equations,
@@ -58,16 +98,43 @@ class Formulation:
         outputs : expressions of t, y, v, v̇, λ, p; by default ``[v̇, λ]``
         """
         c = e.jacobian
-        solver = self.solver(e.mass, c, e.massless)
+        xi = self.constraint_acceleration(e, xi)
+        solver = self.solver(e.inertia, c, e.massless)
         unknown = ca.vertcat(e.a, e.multiplier)
         residual = ca.vertcat(
-            ca.mtimes(e.mass, e.a) + e.bias - e.force + ca.mtimes(c.T, e.multiplier),
-            ca.mtimes(c, e.a) - xi,
+            e.inertia.times(e.a) + e.bias - e.force + ca.mtimes(c.T, e.multiplier),
+            ca.mtimes(c, e.a) - solver.softness * e.multiplier - xi,
         )
         value = ca.vertcat(*solver.solve(e.force - e.bias, xi))
-        stage = Stage(unknown, residual, value, solver.solve_stacked, solver.solve_stacked)
-        inputs = [e.t, state_symbols(e), e.p]
-        return ImplicitFunction(name, inputs, [stage], outputs or [e.a, e.multiplier])
+        outputs = outputs or [e.a, e.multiplier]
+        stages = []
+        speeds = self.consistent_speeds(e)
+        if speeds is not None:
+            stages.append(speeds)
+            residual, value, *outputs = ca.substitute(
+                [residual, value, *outputs], [e.v], [speeds.unknown]
+            )
+        stages.append(Stage(unknown, residual, value, solver.solve_stacked, solver.solve_stacked))
+        return ImplicitFunction(name, [e.t, state_symbols(e), e.p], stages, outputs)
+
+    def semi_explicit(self, e: Equations, xi: ca.SX) -> SemiExplicit:
+        """Index-1 form (5.2): ``v̇`` and ``λ`` are algebraic, the elimination is left to Newton."""
+        xi = self.constraint_acceleration(e, xi)
+        softness = self.solver(e.inertia, e.jacobian, e.massless).softness
+        algebraic = ca.vertcat(
+            dynamic_equations(e), ca.mtimes(e.jacobian, e.a) - softness * e.multiplier - xi
+        )
+        z = ca.vertcat(e.a, e.multiplier)
+        level = (0,) * z.numel()
+        start = self.acceleration(e, e.constraint_acceleration, [z], "algebraic_start")
+        return SemiExplicit(
+            e.t, state_symbols(e), z, e.p, state_rate(e), algebraic, level, level, 1, start
+        )
+
+
+def dynamic_equations(e: Equations) -> ca.SX:
+    """``M v̇ + d − f + Cᵀ λ`` (4.22)."""
+    return e.inertia.times(e.a) + e.bias - e.force + ca.mtimes(e.jacobian.T, e.multiplier)
 
 
 def state_symbols(e: Equations) -> ca.SX:

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.formulations.base import Formulation, SaddleSolver
+from dalembert.model.inertia import Inertia
 from dalembert.symbolic.factor import QrFactor
 
 
 class KktSolver(SaddleSolver):
     """Sparse Householder QR of the whole saddle matrix."""
 
-    def __init__(self, mass: ca.SX, jacobian: ca.SX):
+    def __init__(self, inertia: Inertia, jacobian: ca.SX):
+        mass = inertia.matrix
         self.speed_count = mass.shape[0]
         m = jacobian.shape[0]
         matrix = ca.vertcat(ca.horzcat(mass, jacobian.T), ca.horzcat(jacobian, ca.SX(m, m)))
@@ -21,12 +23,12 @@ class KktSolver(SaddleSolver):
 
     def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
         solution = self.factor.solve(ca.vertcat(r1, r2))
-        return solution[: self.speed_count], solution[self.speed_count :]
+        return solution[: self.speed_count, :], solution[self.speed_count :, :]
 
 
 @dataclass(frozen=True)
 class Kkt(Formulation):
     """Solve (5.7) directly. Takes massless bodies; costs more than ``RangeSpace``."""
 
-    def solver(self, mass: ca.SX, jacobian: ca.SX, massless: tuple[int, ...]) -> KktSolver:
-        return KktSolver(mass, jacobian)
+    def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> KktSolver:
+        return KktSolver(inertia, jacobian)

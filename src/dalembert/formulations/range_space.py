@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.formulations.base import Formulation, SaddleSolver
-from dalembert.symbolic.factor import LdlFactor, block_inverse
+from dalembert.model.inertia import BlockInertia, Inertia
+from dalembert.symbolic.factor import LdlFactor
 
 
 class RangeSpaceSolver(SaddleSolver):
@@ -18,25 +19,26 @@ class RangeSpaceSolver(SaddleSolver):
     ``S x = r2`` holds on it.
     """
 
-    def __init__(self, mass: ca.SX, jacobian: ca.SX, massless: tuple[int, ...]):
-        self.speed_count = mass.shape[0]
+    def __init__(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]):
+        self.speed_count = inertia.size
         self.jacobian = jacobian
         self.rows = _rows_on(massless, jacobian)
         self.weight = ca.SX(0)
         if self.rows:
+            mass = inertia.matrix
             present = [mass[k, k] for k in range(mass.shape[0]) if k not in massless]
             self.weight = sum(present, ca.SX(0)) / max(len(present), 1) if present else ca.SX(1)
             s = jacobian[self.rows, :]
-            mass = mass + self.weight * ca.mtimes(s.T, s)
-        self.inverse = block_inverse(mass)
-        self.factor = LdlFactor(ca.mtimes([jacobian, self.inverse, jacobian.T]))
+            inertia = BlockInertia(mass + self.weight * ca.mtimes(s.T, s))
+        self.inertia = inertia
+        self.factor = LdlFactor(ca.mtimes(jacobian, inertia.solve(jacobian.T)))
 
     def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
         c = self.jacobian
         if self.rows:
             r1 = r1 + self.weight * ca.mtimes(c[self.rows, :].T, r2[self.rows])
-        negative = self.factor.solve(r2 - ca.mtimes(c, ca.mtimes(self.inverse, r1)))
-        return ca.mtimes(self.inverse, r1 + ca.mtimes(c.T, negative)), -negative
+        negative = self.factor.solve(r2 - ca.mtimes(c, self.inertia.solve(r1)))
+        return self.inertia.solve(r1 + ca.mtimes(c.T, negative)), -negative
 
 
 def _rows_on(massless: tuple[int, ...], jacobian: ca.SX) -> list[int]:
@@ -52,5 +54,7 @@ def _rows_on(massless: tuple[int, ...], jacobian: ca.SX) -> list[int]:
 class RangeSpace(Formulation):
     """Eliminate accelerations first (5.11). The default: fastest in absolute coordinates."""
 
-    def solver(self, mass: ca.SX, jacobian: ca.SX, massless: tuple[int, ...]) -> RangeSpaceSolver:
-        return RangeSpaceSolver(mass, jacobian, massless)
+    def solver(
+        self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]
+    ) -> RangeSpaceSolver:
+        return RangeSpaceSolver(inertia, jacobian, massless)

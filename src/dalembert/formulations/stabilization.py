@@ -29,6 +29,14 @@ class Stabilization:
         """``(t, x, p) → x`` applied to the state after a step, or None."""
         return None
 
+    def tangential(self, e: Equations, formulation: Formulation) -> ca.Function | None:
+        """``(t, x, p, error) → error`` less what the correction takes away, or None."""
+        return None
+
+    def reference_energy(self, e: Equations) -> ca.SX:
+        """Start value of the energy that should be there; zero where nobody asks."""
+        return ca.SX(0)
+
 
 @dataclass(frozen=True)
 class Baumgarte(Stabilization):
@@ -102,12 +110,12 @@ class Projection(Stabilization):
         def there(expression: ca.SX) -> ca.SX:
             return ca.substitute(expression, e.y, moved)
 
-        mass, c = there(e.mass), there(e.jacobian)
+        inertia, c = e.inertia.substitute(e.y, moved), there(e.jacobian)
         psi = there(e.velocity_constraints)
-        solver = formulation.solver(mass, c, e.massless)
+        solver = formulation.solver(inertia, c, e.massless)
         step, sigma_value = solver.solve(ca.SX.zeros(e.speed_count), -psi)
         residual = ca.vertcat(
-            ca.mtimes(mass, v - e.v) + ca.mtimes(c.T, sigma), ca.substitute(psi, e.v, v)
+            inertia.times(v - e.v) + ca.mtimes(c.T, sigma), ca.substitute(psi, e.v, v)
         )
         velocity = Stage(
             ca.vertcat(v, sigma),
@@ -123,15 +131,29 @@ class Projection(Stabilization):
             [ca.vertcat(moved, v, WORK)],
         )
 
+    def tangential(self, e: Equations, formulation: Formulation) -> ca.Function | None:
+        """Errors along the constraints: ``M e + Cᵀ μ = M ẽ``, ``C e = 0`` for both levels."""
+        m = e.constraint_count
+        if m == 0 or e.coordinate_count != e.speed_count:
+            return None
+        n = e.speed_count
+        error = ca.SX.sym("error", 2 * n + 2)
+        solver = formulation.solver(e.inertia, e.jacobian, e.massless)
+
+        def along(part: ca.SX) -> ca.SX:
+            return solver.solve(e.inertia.times(part), ca.SX.zeros(m))[0]
+
+        kept = ca.vertcat(along(error[:n]), along(error[n : 2 * n]), error[2 * n :])
+        return ca.Function("tangential", [e.t, state_symbols(e), e.p, error], [kept])
+
     def _position_stage(self, e: Equations, formulation: Formulation) -> tuple[Stage, ca.SX]:
         """Stage for ``(δ, μ)`` and the corrected position as an expression of ``δ``."""
         n, m = e.speed_count, e.constraint_count
         delta, mu = ca.SX.sym("delta", n), ca.SX.sym("mu", m)
-        solver = formulation.solver(e.mass, e.jacobian, e.massless)
-        lift = ca.jacobian(e.pose_rate, e.v)
-        moved = e.y + ca.mtimes(lift, delta)
+        solver = formulation.solver(e.inertia, e.jacobian, e.massless)
+        moved = e.y + ca.mtimes(e.lift, delta)
         violation = ca.substitute(e.constraints, e.y, moved)
-        residual = ca.vertcat(ca.mtimes(e.mass, delta) + ca.mtimes(e.jacobian.T, mu), violation)
+        residual = ca.vertcat(e.inertia.times(delta) + ca.mtimes(e.jacobian.T, mu), violation)
         value_delta, value_mu = ca.SX.zeros(n), ca.SX.zeros(m)
         for _ in range(self.iterations):
             open_by = ca.substitute(violation, delta, value_delta)
@@ -147,11 +169,11 @@ class Projection(Stabilization):
                 x, z = total[:n], total[n:]
                 if transposed:
                     rest = ca.vertcat(
-                        ca.mtimes(e.mass, x) + ca.mtimes(turned.T, z), ca.mtimes(e.jacobian, x)
+                        e.inertia.times(x) + ca.mtimes(turned.T, z), ca.mtimes(e.jacobian, x)
                     )
                 else:
                     rest = ca.vertcat(
-                        ca.mtimes(e.mass, x) + ca.mtimes(e.jacobian.T, z), ca.mtimes(turned, x)
+                        e.inertia.times(x) + ca.mtimes(e.jacobian.T, z), ca.mtimes(turned, x)
                     )
                 total = total + solver.solve_stacked(rhs - rest)
             return total

@@ -2,9 +2,22 @@
 
 from dalembert.integrators.runge_kutta import (
     RK4,
+    AdaptiveRungeKutta,
     DormandPrince,
+    DormandPrince853,
+    Euler,
     ExplicitRungeKutta,
+    Heun,
     RKGill,
 )
 
-__all__ = ["RK4", "DormandPrince", "ExplicitRungeKutta", "RKGill"]
+__all__ = [
+    "RK4",
+    "AdaptiveRungeKutta",
+    "DormandPrince",
+    "DormandPrince853",
+    "Euler",
+    "ExplicitRungeKutta",
+    "Heun",
+    "RKGill",
+]

@@ -2,27 +2,66 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.tableau import CLASSICAL, DORMAND_PRINCE, GILL, ButcherTableau
+from dalembert.integrators.base import Attempt, Integrator, Problem
+from dalembert.integrators.dormand_prince_853 import DORMAND_PRINCE_853
+from dalembert.integrators.embedded import embedded_attempt
+from dalembert.integrators.explicit_step import ExplicitStep
+from dalembert.integrators.step import Step
+from dalembert.integrators.tableau import (
+    CLASSICAL,
+    DORMAND_PRINCE,
+    EXPLICIT_EULER,
+    GILL,
+    HEUN,
+    ButcherTableau,
+)
 
 
 @dataclass(frozen=True)
-class ExplicitRungeKutta:
+class ExplicitRungeKutta(Integrator, ABC):
     """Explicit method given by its tableau."""
 
     @property
+    @abstractmethod
     def tableau(self) -> ButcherTableau:
-        raise NotImplementedError
+        """Coefficients of the method."""
 
     @property
-    def adaptive(self) -> bool:
-        return False
+    def stability(self) -> Callable[[np.ndarray], np.ndarray]:
+        return self.tableau.stability
+
+    def step(self, problem: Problem) -> ExplicitStep:
+        if problem.rate is None:
+            raise UnsupportedError(
+                f"{self.name} is explicit and needs accelerations; with this formulation use an "
+                "implicit integrator such as Radau() or Bdf(), or use formulation=RangeSpace()"
+            )
+        return ExplicitStep(self.tableau, problem.rate, problem.correction)
+
+
+@dataclass(frozen=True)
+class Euler(ExplicitRungeKutta):
+    """Explicit method of order 1 with fixed steps (Euler 1768)."""
 
     @property
-    def name(self) -> str:
-        return type(self).__name__
+    def tableau(self) -> ButcherTableau:
+        return EXPLICIT_EULER
+
+
+@dataclass(frozen=True)
+class Heun(ExplicitRungeKutta):
+    """Explicit trapezoidal rule of order 2 with fixed steps (Heun 1900)."""
+
+    @property
+    def tableau(self) -> ButcherTableau:
+        return HEUN
 
 
 @dataclass(frozen=True)
@@ -44,14 +83,12 @@ class RKGill(ExplicitRungeKutta):
 
 
 @dataclass(frozen=True)
-class DormandPrince(ExplicitRungeKutta):
-    """Dormand–Prince 5(4) with step size control.
-
-    A step is accepted when ``max |e_i| / (atol + rtol |x_i|) ≤ 1`` over coordinates and speeds.
+class AdaptiveRungeKutta(ExplicitRungeKutta):
+    """Embedded method whose step length follows the estimated error of coordinates and speeds.
 
     Parameters
     ----------
-    rtol : relative tolerance
+    rtol : relative tolerance [-]
     atol : absolute tolerance [m, rad, m/s, rad/s]
     max_step : longest step [s]; a quarter of the run if None
 
@@ -68,15 +105,67 @@ class DormandPrince(ExplicitRungeKutta):
     def __post_init__(self) -> None:
         if not (self.rtol > 0 and self.atol > 0):
             raise UnsupportedError(
-                f"DormandPrince(rtol={self.rtol}, atol={self.atol}): tolerances must be positive"
+                f"{self.name}(rtol={self.rtol}, atol={self.atol}): tolerances must be positive"
             )
         if self.max_step is not None and not self.max_step > 0:
-            raise UnsupportedError(f"DormandPrince(max_step={self.max_step}): must be positive")
+            raise UnsupportedError(f"{self.name}(max_step={self.max_step}): must be positive")
+
+    @property
+    def adaptive(self) -> bool:
+        return True
+
+    @property
+    def longest_step(self) -> float | None:
+        return self.max_step
+
+    def attempt(self, problem: Problem, step: Step) -> Attempt:
+        assert isinstance(step, ExplicitStep)
+        return embedded_attempt(problem, step, self.rtol, self.atol)
+
+
+@dataclass(frozen=True)
+class DormandPrince(AdaptiveRungeKutta):
+    """Dormand–Prince 5(4) with step size control.
+
+    A step is accepted when ``max |e_i| / (atol + rtol |x_i|) ≤ 1`` over coordinates and speeds.
+
+    Parameters
+    ----------
+    rtol : relative tolerance [-]
+    atol : absolute tolerance [m, rad, m/s, rad/s]
+    max_step : longest step [s]; a quarter of the run if None
+
+    Raises
+    ------
+    UnsupportedError
+        A tolerance or ``max_step`` that is not positive.
+    """
 
     @property
     def tableau(self) -> ButcherTableau:
         return DORMAND_PRINCE
 
+
+@dataclass(frozen=True)
+class DormandPrince853(AdaptiveRungeKutta):
+    """Dormand–Prince 8(5,3) with step size control, for tolerances below about 1e-7.
+
+    A step is accepted when ``‖e₅‖² / √(‖e₅‖² + 0.01 ‖e₃‖²) ≤ 1``, with the norms of the estimates
+    of orders 5 and 3 over coordinates and speeds as in ``ButcherTableau`` (Hairer, Nørsett and
+    Wanner 1993, II.10).
+
+    Parameters
+    ----------
+    rtol : relative tolerance [-]
+    atol : absolute tolerance [m, rad, m/s, rad/s]
+    max_step : longest step [s]; a quarter of the run if None
+
+    Raises
+    ------
+    UnsupportedError
+        A tolerance or ``max_step`` that is not positive.
+    """
+
     @property
-    def adaptive(self) -> bool:
-        return True
+    def tableau(self) -> ButcherTableau:
+        return DORMAND_PRINCE_853

@@ -1,9 +1,4 @@
-"""One explicit Runge–Kutta step with its exact tangent and adjoint.
-
-Forward: ``k_i = F(t + c_i h, X_i, p)``, ``X_i = x + h Σ a_ij k_j``, ``x⁺ = P(x + h Σ b_i k_i)``
-with ``P`` the correction of the stabilisation. The adjoint runs the same sums backwards,
-``k̄_i = h b_i x̄ + h Σ_{j>i} a_ji X̄_j``, so it is the exact derivative of the step taken.
-"""
+"""One step of an integrator: ``(t, h, x, p) → x⁺`` with its exact derivatives."""
 
 from __future__ import annotations
 
@@ -11,112 +6,113 @@ from functools import cached_property
 
 import casadi as ca
 
-from dalembert.integrators.tableau import ButcherTableau
-from dalembert.symbolic.implicit import ImplicitFunction
+
+class Step:
+    """What marching and gradients need of a step.
+
+    ``x`` may be longer than the state of the system: methods with memory append it.
+
+    Attributes
+    ----------
+    size, parameter_count : lengths of x and p
+    state_size : length of the state of the system, the leading part of x
+    corrects : ends with a correction of the state
+    """
+
+    size: int
+    parameter_count: int
+    state_size: int
+    corrects: bool
+
+    @property
+    def function(self) -> ca.Function:
+        """``(t, h, x, p) → x⁺``."""
+        raise NotImplementedError
+
+    @property
+    def tangent(self) -> ca.Function:
+        """``(t, h, x, p, dx, dp) → dx⁺``."""
+        raise NotImplementedError
+
+    @property
+    def adjoint(self) -> ca.Function:
+        """``(t, h, x, p, x̄⁺) → (x̄, p̄)``."""
+        raise NotImplementedError
+
+    @property
+    def plain(self) -> Step:
+        """The same step without its correction."""
+        raise NotImplementedError
+
+    @property
+    def begin(self) -> ca.Function | None:
+        """``(t, x, p) → memory`` at the start, None for methods without."""
+        return None
 
 
-class ExplicitStep:
-    """``(t, h, x, p) → x⁺``.
+class GraphStep(Step):
+    """A step given as a function of the graph; CasADi differentiates it.
+
+    Solved equations inside (rootfinder nodes) are differentiated by the implicit function
+    theorem, so derivatives are exact as far as the equations are solved.
 
     Parameters
     ----------
-    tableau : ButcherTableau
-    rhs : ImplicitFunction ``(t, x, p) → ẋ``
-    correction : ImplicitFunction ``(t, x, p) → x``, or None
+    function : ``(t, h, x, p) → x⁺`` without correction
+    correction : ``(t, x, p) → x`` of the leading ``state_size`` entries, or None
+    begin : ``(t, x, p) → memory``, or None
     """
 
     def __init__(
-        self, tableau: ButcherTableau, rhs: ImplicitFunction, correction: ImplicitFunction | None
+        self,
+        function: ca.Function,
+        state_size: int,
+        correction: ca.Function | None = None,
+        begin: ca.Function | None = None,
     ):
-        self.tableau, self.rhs, self.correction = tableau, rhs, correction
-        _, self.size, self.parameter_count = rhs.input_sizes
-        self.used = [i for i in range(tableau.stages) if tableau.b[i] != 0]
-
-    def _symbols(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        return (
-            ca.SX.sym("t"),
-            ca.SX.sym("h"),
-            ca.SX.sym("x", self.size),
-            ca.SX.sym("p", self.parameter_count),
-        )
-
-    def stages(self, t, h, x, p, count: int | None = None) -> tuple[list[ca.SX], list[ca.SX]]:
-        """Stage states ``X_i`` and slopes ``k_i``."""
-        states: list[ca.SX] = []
-        slopes: list[ca.SX] = []
-        for i in range(self.tableau.stages if count is None else count):
-            state = x
-            for a, k in zip(self.tableau.a[i - 1] if i else (), slopes, strict=True):
-                if a != 0:
-                    state = state + (h * a) * k
-            states.append(state)
-            slopes.append(self.rhs.function(t + self.tableau.c[i] * h, state, p))
-        return states, slopes
+        self._bare, self._correction, self._begin = function, correction, begin
+        self.size, self.parameter_count = function.numel_in(2), function.numel_in(3)
+        self.state_size = state_size
+        self.corrects = correction is not None
 
     @property
-    def needed(self) -> int:
-        """Stages the new state depends on."""
-        return max(self.used) + 1
+    def begin(self) -> ca.Function | None:
+        return self._begin
 
-    def advance(self, h, x, slopes) -> ca.SX:
-        """``x + h Σ b_i k_i``; slopes of equal weight are added first."""
-        groups: dict[float, ca.SX] = {}
-        for i in self.used:
-            weight = self.tableau.b[i]
-            groups[weight] = groups[weight] + slopes[i] if weight in groups else slopes[i]
-        return x + sum(((h * weight) * total for weight, total in groups.items()), ca.SX(0))
+    @property
+    def plain(self) -> GraphStep:
+        return GraphStep(self._bare, self.state_size, None, self._begin)
 
-    def correct(self, t, x, p) -> ca.SX:
-        return x if self.correction is None else self.correction.function(t, x, p)
+    def _symbols(self) -> list[ca.MX]:
+        return [
+            ca.MX.sym("t"),
+            ca.MX.sym("h"),
+            ca.MX.sym("x", self.size),
+            ca.MX.sym("p", self.parameter_count),
+        ]
 
     @cached_property
     def function(self) -> ca.Function:
         t, h, x, p = self._symbols()
-        _, slopes = self.stages(t, h, x, p, self.needed)
-        new = self.correct(t + h, self.advance(h, x, slopes), p)
-        return ca.Function("step", [t, h, x, p], [new], {"cse": True})
-
-    @cached_property
-    def uncorrected(self) -> ca.Function:
-        """The step without the correction, for corrections that come every k-th step."""
-        return ExplicitStep(self.tableau, self.rhs, None).function
+        new = self._bare(t, h, x, p)
+        if self._correction is not None:
+            state = self._correction(t + h, new[: self.state_size], p)
+            new = ca.vertcat(state, new[self.state_size :])
+        return ca.Function("step", [t, h, x, p], [ca.densify(new)])
 
     @cached_property
     def tangent(self) -> ca.Function:
-        """``(t, h, x, p, dx, dp) → dx⁺``."""
         t, h, x, p = self._symbols()
-        dx, dp = ca.SX.sym("dx", self.size), ca.SX.sym("dp", self.parameter_count)
-        states, slopes = self.stages(t, h, x, p, self.needed)
-        rates: list[ca.SX] = []
-        for i, state in enumerate(states):
-            change = dx
-            for a, r in zip(self.tableau.a[i - 1] if i else (), rates, strict=True):
-                if a != 0:
-                    change = change + (h * a) * r
-            rates.append(self.rhs.tangent(t + self.tableau.c[i] * h, state, p, 0, change, dp))
-        change = self.advance(h, dx, rates)
-        if self.correction is not None:
-            new = self.advance(h, x, slopes)
-            change = self.correction.tangent(t + h, new, p, 0, change, dp)
-        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [change], {"cse": True})
+        dx, dp = ca.MX.sym("dx", self.size), ca.MX.sym("dp", self.parameter_count)
+        new = self.function(t, h, x, p)
+        change = self.function.forward(1)(t, h, x, p, new, 0, 0, dx, dp)
+        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [ca.densify(change)])
 
     @cached_property
     def adjoint(self) -> ca.Function:
-        """``(t, h, x, p, x̄⁺) → (x̄, p̄)``."""
         t, h, x, p = self._symbols()
-        weight = ca.SX.sym("w", self.size)
-        states, slopes = self.stages(t, h, x, p, self.needed)
-        end, p_bar = weight, ca.SX.zeros(self.parameter_count)
-        if self.correction is not None:
-            new = self.advance(h, x, slopes)
-            _, end, p_bar = self.correction.adjoint(t + h, new, p, weight)
-        x_bar = end
-        state_bars: dict[int, ca.SX] = {}
-        for i in reversed(range(len(states))):
-            seed = h * self.tableau.b[i] * end
-            for j, bar in state_bars.items():
-                if self.tableau.a[j - 1][i] != 0:
-                    seed = seed + (h * self.tableau.a[j - 1][i]) * bar
-            _, state_bars[i], more = self.rhs.adjoint(t + self.tableau.c[i] * h, states[i], p, seed)
-            x_bar, p_bar = x_bar + state_bars[i], p_bar + more
-        return ca.Function("step_adjoint", [t, h, x, p, weight], [x_bar, p_bar], {"cse": True})
+        weight = ca.MX.sym("w", self.size)
+        new = self.function(t, h, x, p)
+        _, _, x_bar, p_bar = self.function.reverse(1)(t, h, x, p, new, weight)
+        out = [ca.densify(x_bar), ca.densify(p_bar)]
+        return ca.Function("step_adjoint", [t, h, x, p, weight], out)

@@ -3,23 +3,42 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from functools import cached_property
+from math import fsum, sqrt
 
 import numpy as np
 
 from dalembert.errors import UnsupportedError
+
+ROUNDING = 1e-13
+"""Largest residual that rounding of published coefficients explains."""
 
 
 @dataclass(frozen=True)
 class ButcherTableau:
     """Explicit Runge–Kutta method.
 
-    Attributes
+    ``k_i = F(t + c_i h, x + h Σ a_ij k_j)``, ``x⁺ = x + h Σ b_i k_i``; the error estimate is
+    ``e = h Σ b_error_i k_i``. With a second estimate ``e_low`` of lower order, the two combine in
+    the norm and not component by component (Hairer, Nørsett and Wanner 1993, II.10):
+    ``err = ‖e‖² / √(‖e‖² + 0.01 ‖e_low‖²)`` with ``‖e‖² = (1/n) Σ (e_i / s_i)²``,
+    ``s_i = atol + rtol max(|x_i|, |x⁺_i|)``, and 0 where both norms are 0.
+
+    Parameters
     ----------
     a : rows of the strictly lower triangle
     b, c : weights and nodes
     order : of the solution that is carried on
     b_error : weights of the error estimate (solution minus embedded solution), if any
+    b_error_low : weights of the second estimate, by an embedded solution of lower order, if any
+    error_order : ``q`` where the estimate formed of all error weights falls as ``h^(q+1)``, so that
+        step lengths follow ``err^(−1/(q+1))``
+
+    Raises
+    ------
+    UnsupportedError
+        Wrong numbers of coefficients, row sums other than the nodes, weights that do not sum to 1,
+        error weights that do not sum to 0 or lack ``error_order``.
     """
 
     a: tuple[tuple[float, ...], ...]
@@ -27,20 +46,77 @@ class ButcherTableau:
     c: tuple[float, ...]
     order: int
     b_error: tuple[float, ...] | None = None
+    b_error_low: tuple[float, ...] | None = None
+    error_order: int | None = None
 
     def __post_init__(self) -> None:
-        rows = [sum(row) for row in self.a]
-        if not np.allclose(rows, self.c[1:], atol=1e-14) or self.c[0] != 0.0:
-            raise UnsupportedError(f"tableau: row sums {rows} differ from nodes {self.c[1:]}")
-        if not np.isclose(sum(self.b), 1.0, atol=1e-14):
-            raise UnsupportedError(f"tableau: weights sum to {sum(self.b)}, not 1")
-        if self.b_error is not None and not np.isclose(sum(self.b_error), 0.0, atol=1e-14):
-            raise UnsupportedError("tableau: error weights do not sum to 0")
+        lengths = [len(row) for row in self.a]
+        if lengths != list(range(1, self.stages)) or len(self.c) != self.stages:
+            raise UnsupportedError(
+                f"tableau: {self.stages} weights need rows of lengths 1…{self.stages - 1} and as "
+                f"many nodes, not rows of lengths {lengths} and {len(self.c)} nodes"
+            )
+        rows = [fsum(row) for row in ((), *self.a)]
+        if not np.allclose(rows, self.c, rtol=0, atol=ROUNDING):
+            raise UnsupportedError(f"tableau: row sums {rows} differ from nodes {self.c}")
+        if abs(fsum(self.b) - 1) > ROUNDING:
+            raise UnsupportedError(f"tableau: weights sum to {fsum(self.b)}, not 1")
+        self._check_estimates()
+
+    def _check_estimates(self) -> None:
+        for name in ("b_error", "b_error_low"):
+            weights = getattr(self, name)
+            if weights is None:
+                continue
+            if len(weights) != self.stages:
+                raise UnsupportedError(
+                    f"tableau: {name} has {len(weights)} weights for {self.stages} stages"
+                )
+            if abs(fsum(weights)) > ROUNDING:
+                raise UnsupportedError(f"tableau: {name} sums to {fsum(weights)}, not 0")
+        if self.b_error is None and self.b_error_low is not None:
+            raise UnsupportedError("tableau: b_error_low needs b_error")
+        if (self.b_error is None) != (self.error_order is None):
+            raise UnsupportedError("tableau: give b_error and error_order, or neither")
 
     @property
     def stages(self) -> int:
         return len(self.b)
 
+    @cached_property
+    def _stability_coefficients(self) -> np.ndarray:
+        """``1, bᵀ1, bᵀA1, bᵀA²1, …``: powers of z beyond the number of stages vanish."""
+        a = np.zeros((self.stages, self.stages))
+        for i, row in enumerate(self.a, start=1):
+            a[i, :i] = row
+        power, coefficients = np.ones(self.stages), [1.0]
+        for _ in range(self.stages):
+            coefficients.append(float(np.dot(self.b, power)))
+            power = a @ power
+        return np.array(coefficients)
+
+    def stability(self, z: complex | np.ndarray) -> np.ndarray:
+        """Stability function ``R(z) = 1 + z bᵀ(I − zA)⁻¹1``, a polynomial for explicit methods.
+
+        A step of ``ẋ = λx`` multiplies by ``R(hλ)``: solutions grow where ``|R(hλ)| > 1``.
+
+        Parameters
+        ----------
+        z : step length times eigenvalue, any shape [-]
+
+        Returns
+        -------
+        array of complex numbers of the shape of ``z``
+        """
+        z = np.asarray(z, dtype=complex)
+        return np.polynomial.polynomial.polyval(z, self._stability_coefficients)
+
+
+EXPLICIT_EULER = ButcherTableau(a=(), b=(1,), c=(0,), order=1)
+"""Euler (1768)."""
+
+HEUN = ButcherTableau(a=((1,),), b=(1 / 2, 1 / 2), c=(0, 1), order=2)
+"""Heun (1900), the explicit trapezoidal rule."""
 
 CLASSICAL = ButcherTableau(
     a=((1 / 2,), (0, 1 / 2), (0, 0, 1)),
@@ -74,5 +150,6 @@ DORMAND_PRINCE = ButcherTableau(
     c=(0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1),
     order=5,
     b_error=tuple(x - y for x, y in zip(_B5, _B4, strict=True)),
+    error_order=4,
 )
 """Dormand and Prince (1980), 5(4)."""

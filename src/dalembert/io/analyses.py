@@ -11,16 +11,10 @@ from dalembert.analysis.timeline import checked_span, checked_step, output_times
 from dalembert.io.fields import kind_of, written
 from dalembert.io.messages import nearest
 from dalembert.io.model_file import ModelFile
-from dalembert.io.strategies import ANALYSES, FORMULATIONS, INTEGRATORS, STABILIZATIONS
+from dalembert.io.strategies import ANALYSES, STRATEGIES
 from dalembert.io.tables import EventTable
 from dalembert.model.model import Model
 from dalembert.symbolic.expression import Expression
-
-REGISTRIES = {
-    "formulation": FORMULATIONS,
-    "stabilization": STABILIZATIONS,
-    "integrator": INTEGRATORS,
-}
 
 
 def make_analysis(file: ModelFile, model: Model, kind: str | None = None) -> Any:
@@ -57,8 +51,8 @@ def _options(file: ModelFile, model: Model, cls: type, table: BaseModel | None) 
             continue
         given, kind = getattr(table, field.name), kind_of(field)
         with file.located("analysis", field.name):
-            if kind in REGISTRIES:
-                given = _strategy(REGISTRIES[kind], given)
+            if kind in STRATEGIES:
+                given = _strategy(STRATEGIES[kind], given)
             elif kind == "events":
                 given = {n: _event(file, model, n, e) for n, e in given.items()}
             elif kind == "interval":
@@ -75,7 +69,8 @@ def _strategy(registry: dict[str, type], given: str | BaseModel) -> Any:
 
 def given_options(table: BaseModel) -> dict[str, Any]:
     """The keys that a table gives, its type left out."""
-    return {k: getattr(table, k) for k in table.model_fields_set - {"type"}}
+    given = {k: getattr(table, k) for k in table.model_fields_set - {"type"}}
+    return {k: tuple(v) if isinstance(v, list) else v for k, v in given.items()}
 
 
 def _event(file: ModelFile, model: Model, name: str, given: Any) -> Event:

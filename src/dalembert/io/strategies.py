@@ -10,7 +10,15 @@ from dalembert.analysis.linearization import Linearization
 from dalembert.formulations.kkt import Kkt
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Baumgarte, Projection, Stabilization
-from dalembert.integrators.runge_kutta import RK4, DormandPrince, RKGill
+from dalembert.integrators.runge_kutta import (
+    RK4,
+    DormandPrince,
+    DormandPrince853,
+    Euler,
+    Heun,
+    RKGill,
+)
+from dalembert.model.coordinates import AbsoluteCoordinates
 from dalembert.responses.base import Response
 from dalembert.responses.extremes import Maximum, Minimum
 from dalembert.responses.integrals import Integral, Mean, Rms
@@ -24,7 +32,24 @@ STABILIZATIONS: dict[str, type] = {
     "Projection": Projection,
 }
 
-INTEGRATORS: dict[str, type] = {"RK4": RK4, "RKGill": RKGill, "DormandPrince": DormandPrince}
+INTEGRATORS: dict[str, type] = {
+    "Euler": Euler,
+    "Heun": Heun,
+    "RK4": RK4,
+    "RKGill": RKGill,
+    "DormandPrince": DormandPrince,
+    "DormandPrince853": DormandPrince853,
+}
+
+COORDINATES: dict[str, type] = {"AbsoluteCoordinates": AbsoluteCoordinates}
+
+STRATEGIES: dict[str, dict[str, type]] = {
+    "coordinates": COORDINATES,
+    "formulation": FORMULATIONS,
+    "stabilization": STABILIZATIONS,
+    "integrator": INTEGRATORS,
+}
+"""Kind of field → its registry."""
 
 ANALYSES: dict[str, type] = {
     "Dynamics": Dynamics,

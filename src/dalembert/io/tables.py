@@ -12,7 +12,7 @@ from dalembert.elements.registry import CURVES, LAWS
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.fields import FROM_FILE, connected, is_needed, kind_of, written
 from dalembert.io.messages import nearest
-from dalembert.io.strategies import FORMULATIONS, INTEGRATORS, STABILIZATIONS
+from dalembert.io.strategies import STRATEGIES
 from dalembert.io.values import (
     CountOrTimes,
     Entry,
@@ -84,15 +84,15 @@ def value_type(kind: str, size: int = 1) -> Any:
     }
     if kind in simple:
         return simple[kind]
+    if kind in STRATEGIES:
+        return named(STRATEGIES[kind])
     made = {
         "vector": lambda: list_of(Entry, size),
         "interval": lambda: list_of(Number, 2, "start, end"),
         "points": lambda: dict[str, Vector],  # type: ignore[valid-type]
         "law": lambda: one_of({n: table_of(n, c) for n, c in LAWS.items()}, plain=Entry),
         "curve": lambda: one_of({n: table_of(n, c) for n, c in CURVES.items()}),
-        "formulation": lambda: named(FORMULATIONS),
-        "stabilization": lambda: named(STABILIZATIONS),
-        "integrator": lambda: named(INTEGRATORS),
+        "names": lambda: list[Text],  # type: ignore[valid-type]
         "events": lambda: dict[str, table_or(EventTable, Entry)],  # type: ignore[misc]
     }
     return made[kind]()

@@ -9,6 +9,7 @@ from dalembert.elements.planar.body import Ground
 from dalembert.elements.planar.loads import Gravity
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
+from dalembert.model.inertia import BlockInertia
 from dalembert.symbolic.expression import stack, t
 
 
@@ -18,8 +19,8 @@ def at_ground(ground: Ground, expression: ca.SX) -> ca.SX:
     return ca.substitute(expression, symbols, ca.SX.zeros(symbols.numel()))
 
 
-def absolute_equations(d: Description) -> tuple[Equations, ca.SX]:
-    """Equations of a mechanism in the coordinates of its bodies, and its potential energy.
+def absolute_equations(d: Description) -> Equations:
+    """Equations of a mechanism in the coordinates of its bodies.
 
     ``f = Σ (∂ṡ/∂v)ᵀ Q`` by virtual work over all forces; ``M`` block by block.
     """
@@ -56,7 +57,7 @@ def absolute_equations(d: Description) -> tuple[Equations, ca.SX]:
     rates = rate_of(fixed(stack(coordinates)), groups, t.sx)
     delivered = ca.dot(multiplier, ca.jacobian(constraints, t.sx))  # by drivers: C v = −Φ_t
     applied = fixed(released)
-    equations = Equations(
+    return Equations(
         t=t.sx,
         y=y,
         v=v,
@@ -64,10 +65,10 @@ def absolute_equations(d: Description) -> tuple[Equations, ca.SX]:
         a=stack(c.acceleration_symbols for c in groups),
         multiplier=multiplier,
         pose_rate=stack(c.pose_rate for c in groups),
-        mass=ca.sparsify(ca.diagcat(*(c.mass_matrix() for c in groups))),
+        inertia=BlockInertia(ca.diagcat(*(c.mass_matrix() for c in groups))),
         bias=ca.SX.zeros(v.numel()),
         force=ca.jtimes(rates, v, effort, True) if effort.numel() else ca.SX.zeros(v.numel()),
         constraints=constraints,
+        potential=potential,
         powers=ca.vertcat(losses, applied + losses + delivered),
     )
-    return equations, potential

@@ -8,10 +8,12 @@ Formulations transform it; integrators never see a mechanism; sensitivities neve
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import casadi as ca
+
+from dalembert.model.inertia import Inertia
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,10 +25,13 @@ class Equations:
     t, y, v, p : SX symbols: time, coordinates, speeds, parameters
     a, multiplier : SX symbols of ``v̇`` and ``λ``, for measures
     pose_rate : SX, ``A(y) v``
-    mass, bias, force : ``M`` (n, n), ``d`` (n,), ``f`` (n,)
+    inertia : ``M`` (n, n)
+    bias, force : ``d`` (n,), ``f`` (n,)
     constraints : ``Φ`` (m,)
+    potential : energy stored in conservative forces
     powers : (2,) rates of dissipated energy and of energy input
     massless : speeds whose mass is zero at the nominal parameters
+    dropped : SX symbols of multipliers of equations left out as redundant
     """
 
     t: ca.SX
@@ -36,25 +41,39 @@ class Equations:
     a: ca.SX
     multiplier: ca.SX
     pose_rate: ca.SX
-    mass: ca.SX
+    inertia: Inertia
     bias: ca.SX
     force: ca.SX
     constraints: ca.SX
+    potential: ca.SX
     powers: ca.SX
     massless: tuple[int, ...] = ()
+    dropped: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
 
     def with_rows(self, rows: list[int]) -> Equations:
         """The same system with some of its constraint equations only; other multipliers are 0."""
-        gone = sorted(set(range(self.constraints.numel())) - set(rows))
-        powers = self.powers
-        if gone:
-            powers = ca.substitute(powers, self.multiplier[gone], ca.SX.zeros(len(gone)))
-        return replace(
+        gone = sorted(set(range(self.constraint_count)) - set(rows))
+        kept = replace(
             self,
-            constraints=self.constraints[rows],
-            multiplier=self.multiplier[rows],
-            powers=powers,
+            constraints=self.constraints[rows, :],
+            multiplier=self.multiplier[rows, :],
+            dropped=self.multiplier[gone, :],
         )
+        return replace(kept, powers=kept.without_dropped(self.powers))
+
+    def without_dropped(self, expression: ca.SX) -> ca.SX:
+        """The expression with the multipliers of equations left out at zero."""
+        return ca.substitute(expression, self.dropped, ca.SX.zeros(self.dropped.numel()))
+
+    @property
+    def mass(self) -> ca.SX:
+        """``M`` as a matrix."""
+        return self.inertia.matrix
+
+    @cached_property
+    def kinetic_energy(self) -> ca.SX:
+        """``T = vᵀ M v / 2``."""
+        return ca.dot(self.v, self.inertia.times(self.v)) / 2
 
     @property
     def coordinate_count(self) -> int:
@@ -69,10 +88,14 @@ class Equations:
         return self.constraints.numel()
 
     @cached_property
+    def lift(self) -> ca.SX:
+        """``A(y)`` (4.1)."""
+        return ca.jacobian(self.pose_rate, self.v)
+
+    @cached_property
     def jacobian(self) -> ca.SX:
         """``C = (∂Φ/∂y) A`` (4.13)."""
-        a = ca.jacobian(self.pose_rate, self.v)
-        return ca.sparsify(ca.mtimes(ca.jacobian(self.constraints, self.y), a))
+        return ca.sparsify(ca.mtimes(ca.jacobian(self.constraints, self.y), self.lift))
 
     def rate(self, expression: ca.SX) -> ca.SX:
         """Total time derivative of a position-level expression."""

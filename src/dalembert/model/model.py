@@ -10,7 +10,6 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Constraint
 from dalembert.errors import ModelError
 from dalembert.model.absolute import absolute_equations, at_ground
 from dalembert.model.assembly import AssembledState, Guesses
@@ -54,7 +53,7 @@ class Model:
         self.coordinates = parts.coordinates
         self.functions: dict = {}
         self.nominal = np.array([p.value for p in self.parameters.values()], dtype=float)
-        self.all_equations, self.potential = absolute_equations(parts)
+        self.all_equations = absolute_equations(parts)
         mass = self.mass_matrix(self.nominal)
         self.all_equations = replace(
             self.all_equations, massless=tuple(int(k) for k in np.flatnonzero(np.diag(mass) == 0))
@@ -79,9 +78,9 @@ class Model:
         return self.closure.initial_state
 
     @property
-    def independent_rows(self) -> list[tuple[Constraint, int]]:
-        """Constraint and component behind each independent equation."""
-        return [self.closure.owners[k] for k in self.closure.rows]
+    def equation_names(self) -> list[str]:
+        """Names of all constraint equations, ``joint[component]``."""
+        return [f"{constraint.name}[{k}]" for constraint, k in self.closure.owners]
 
     def assemble(self, p: np.ndarray, time: float = 0.0) -> AssembledState:
         """Consistent initial state for parameter values ``p``, on the branch of the nominal one.
@@ -145,31 +144,26 @@ class Model:
         if found is None:
             close = difflib.get_close_matches(name, self.measure_names, 3, 0.4)
             raise KeyError(f"no measure {name!r}; nearest: {', '.join(close) or 'none'}")
-        return Expression(self.measurable(found.sx), found.name or name, found.unit)
+        return Expression(self.at_ground(found.sx), found.name or name, found.unit)
 
     def at_ground(self, expression: ca.SX) -> ca.SX:
         """The expression with the ground at rest in the origin."""
         return at_ground(self.parts.ground, expression)
 
-    def measurable(self, expression: ca.SX) -> ca.SX:
-        """Ground at rest, multipliers of redundant equations zero."""
-        fixed = self.at_ground(expression)
-        gone = self._redundant_multipliers
-        return ca.substitute(fixed, gone, ca.SX.zeros(gone.numel())) if gone.numel() else fixed
-
-    @cached_property
-    def _redundant_multipliers(self) -> ca.SX:
-        rows = sorted(set(range(len(self.closure.owners))) - set(self.closure.rows))
-        return self.all_equations.multiplier[rows] if rows else ca.SX(0, 1)
+    def all_multipliers(self, independent: np.ndarray) -> np.ndarray:
+        """(M, K) multipliers of every equation, zero for redundant ones, from (m, K)."""
+        full = np.zeros((len(self.closure.owners), independent.shape[1]))
+        full[self.closure.rows] = independent
+        return full
 
     def _system_measure(self, name: str) -> Expression | None:
-        e = self.equations
+        e = self.all_equations
         if name not in SYSTEM_MEASURES:
             return None
         sx = {
             "time": lambda: e.t,
-            "kinetic_energy": lambda: ca.mtimes([e.v.T, e.mass, e.v]) / 2,
-            "potential_energy": lambda: self.potential,
+            "kinetic_energy": lambda: e.kinetic_energy,
+            "potential_energy": lambda: e.potential,
             "dissipated_power": lambda: e.powers[0],
             "input_power": lambda: e.powers[1],
         }[name]()
@@ -186,7 +180,7 @@ class Model:
 
     def _parsed(self, text: str) -> Expression:
         made = self.parts.formula(text)
-        return Expression(self.measurable(made.sx), text, made.unit)
+        return Expression(self.at_ground(made.sx), text, made.unit)
 
     def __repr__(self) -> str:
         return f"<Model {self.name!r}: {self.diagnosis.summary}>"

@@ -142,18 +142,17 @@ def _forces(model: Model) -> list[Variable]:
 
 
 def _scalars(model: Model) -> list[Variable]:
-    e = model.equations
-    rows = model.all_equations
-    speeds = rate_of(rows.constraints, model.coordinates, t.sx)
+    e = model.all_equations
+    speeds = rate_of(e.constraints, model.coordinates, t.sx)
     zero = ca.SX(0)
     entries = [
-        ("kinetic_energy", "kinetic energy", "J", ca.mtimes([e.v.T, e.mass, e.v]) / 2),
-        ("potential_energy", "potential energy", "J", model.potential),
+        ("kinetic_energy", "kinetic energy", "J", e.kinetic_energy),
+        ("potential_energy", "potential energy", "J", e.potential),
         (
             "position_violation",
             "largest violation of a constraint",
             "m or rad",
-            ca.norm_inf(rows.constraints) if rows.constraints.numel() else zero,
+            ca.norm_inf(e.constraints) if e.constraints.numel() else zero,
         ),
         (
             "velocity_violation",
@@ -193,10 +192,10 @@ def motion_dataset(motion: Recording) -> xr.Dataset:
 
 
 def _evaluate(model: Model, layout: list[Variable], motion: Recording) -> np.ndarray:
-    e, s = model.equations, motion.trajectory
+    e, s = model.all_equations, motion.trajectory
 
     def make() -> ca.Function:
-        columns = [model.measurable(ca.densify(c)) for v in layout for c in v.columns]
+        columns = [model.at_ground(ca.densify(c)) for v in layout for c in v.columns]
         inputs = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
         return ca.Function("outputs", inputs, [ca.densify(ca.vertcat(*columns))], {"cse": True})
 
@@ -214,8 +213,7 @@ def _add_states(data: dict, coords: dict, motion: Recording) -> None:
     text = {"units": "m or rad (per second for speeds)"}
     data["coordinates"] = (("time", "coordinate"), s.y.T, {"long_name": "coordinates y", **text})
     data["speeds"] = (("time", "coordinate"), s.v.T, {"long_name": "speeds v", **text})
-    owners = model.independent_rows
-    coords["equation"] = [f"{c.name}[{k}]" for c, k in owners]
+    coords["equation"] = model.equation_names
     data["multiplier"] = (
         ("time", "equation"),
         s.multiplier.T,

@@ -19,7 +19,8 @@ class Trajectory:
 
     Attributes
     ----------
-    t : (K,) ; y, v, a : (n, K) ; multiplier : (m, K) ; work : (2, K) dissipated energy and input
+    t : (K,) ; y, v, a : (n, K) of the bodies; multiplier : (M, K) of all equations, zero where
+    one is left out as redundant ; work : (2, K) dissipated energy and input
     """
 
     t: np.ndarray
@@ -71,11 +72,11 @@ class Recording:
     def values(self, measure: str | Expression) -> np.ndarray:
         """(K,) or (K, size) values of a measure, a formula or an expression."""
         expression = self.expression(measure)
-        e, s = self.model.equations, self.trajectory
+        e, s = self.model.all_equations, self.trajectory
         function = ca.Function(
             "measure",
             [e.t, e.y, e.v, e.a, e.multiplier, e.p],
-            [ca.densify(self.model.measurable(expression.sx))],
+            [ca.densify(self.model.at_ground(expression.sx))],
         )
         if not s.t.size:
             return np.zeros((0,))

@@ -22,7 +22,7 @@ class PointwiseGradient:
         self.sample, self.motion = sample, motion
         self.measured: ImplicitFunction = model.compiled(
             ("measured", kernel, sample.measure),
-            lambda: kernel.measured(model.measurable(sample.measure.sx)),
+            lambda: kernel.measured(model.at_ground(sample.measure.sx)),
         )
 
     def _arguments(self) -> tuple:

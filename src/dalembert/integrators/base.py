@@ -1,0 +1,104 @@
+"""What an integrator is, and what it is given.
+
+To write a new one: a frozen dataclass with ``step``, and for step size control ``attempt``.
+Integrators see states and systems of equations, never a mechanism.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.integrators.step import Step
+from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.semi_explicit import SemiExplicit
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """An initial value problem in the forms integrators want.
+
+    Attributes
+    ----------
+    rate : ``(t, x, p) → ẋ``; None where the formulation gives no accelerations
+    make_system : gives the same as a differential-algebraic ``system``
+    correction : ``(t, x, p) → x`` applied after a step, or None
+    controlled : how many leading entries of x the error control looks at
+    positions : how many of these are positions; speeds follow, then the rest
+    tangential : ``(t, x, p, error) → error`` along the constraints, or None
+    """
+
+    rate: ImplicitFunction | None
+    make_system: Callable[[], SemiExplicit]
+    correction: ImplicitFunction | None
+    controlled: int
+    positions: int
+    tangential: ca.Function | None = None
+
+    @cached_property
+    def system(self) -> SemiExplicit:
+        """The problem as a differential-algebraic system, for implicit methods."""
+        return self.make_system()
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """An attempted step of an adaptive integrator, as one function.
+
+    ``function`` maps ``([t; h; memory; x], [end; longest; p])`` to the next such column and to
+    ``[t; h; error; accepted]``; a refused attempt leaves t and x as they are.
+
+    Attributes
+    ----------
+    function : ca.Function
+    memory : initial values of what the controller remembers
+    """
+
+    function: ca.Function
+    memory: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """Strategy object: how time advances."""
+
+    @property
+    def name(self) -> str:
+        return type(self).__name__
+
+    @property
+    def implicit(self) -> bool:
+        """Solves equations in every step, so takes differential-algebraic systems."""
+        return False
+
+    @property
+    def adaptive(self) -> bool:
+        return False
+
+    @property
+    def longest_step(self) -> float | None:
+        """Longest step of an adaptive method [s], if limited."""
+        return None
+
+    @property
+    def stability(self) -> Callable[[np.ndarray], np.ndarray] | None:
+        """``R(z)`` with ``x⁺ = R(hλ) x`` for ``ẋ = λx``, None where it is not a one-step method."""
+        return None
+
+    def step(self, problem: Problem) -> Step:
+        """One step of given length.
+
+        Raises
+        ------
+        UnsupportedError
+            The problem has not the form this method needs.
+        """
+        raise NotImplementedError
+
+    def attempt(self, problem: Problem, step: Step) -> Attempt | None:
+        """One attempt with error control; None for methods of fixed step."""
+        return None

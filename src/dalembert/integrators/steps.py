@@ -1,0 +1,76 @@
+"""The steps a march has taken, and who watches it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass
+class Steps:
+    """Steps taken: ``x[:, k]`` at ``t[k]``, then a step of length ``h[k]``.
+
+    ``corrected[k]`` tells whether the step ended with the correction, ``mode[k]`` which variant of
+    the step was taken. The last column of ``x`` is the end of the last step. ``message`` is empty
+    when the end was reached.
+    """
+
+    t: np.ndarray
+    h: np.ndarray
+    x: np.ndarray
+    corrected: np.ndarray
+    mode: np.ndarray
+    rejected: int = 0
+    message: str = ""
+    interrupted: bool = False
+
+    @property
+    def count(self) -> int:
+        return self.h.size
+
+    @property
+    def end(self) -> float:
+        return float(self.t[-1] + self.h[-1]) if self.count else float(self.t[0])
+
+    def cut(self, count: int, message: str = "") -> Steps:
+        """The first ``count`` steps."""
+        t = self.t[: max(count, 1)] if count else self.t[:1]
+        return Steps(
+            t,
+            self.h[:count],
+            self.x[:, : count + 1],
+            self.corrected[:count],
+            self.mode[:count],
+            self.rejected,
+            message or self.message,
+            self.interrupted,
+        )
+
+
+def run_length(mode: np.ndarray, begin: int, longest: int) -> int:
+    """How many steps from ``begin`` on are of one mode, ``longest`` at most."""
+    part = mode[begin : begin + longest]
+    different = np.flatnonzero(part != part[0])
+    return int(different[0]) if different.size else part.size
+
+
+def _never_switch(times: np.ndarray, states: np.ndarray, mode: int) -> tuple[int, int]:
+    return times.size - 1, mode
+
+
+@dataclass
+class Watch:
+    """What to do after each chunk of states ``(t, x)``.
+
+    Attributes
+    ----------
+    progress : told the fraction done
+    stop : asked whether to end the march
+    switch : ``(times, states, mode)`` → how many of these steps to keep, and the mode after them
+    """
+
+    progress: Callable[[float], None] = lambda fraction: None
+    stop: Callable[[np.ndarray, np.ndarray], bool] = lambda times, states: False
+    switch: Callable[[np.ndarray, np.ndarray, int], tuple[int, int]] = _never_switch

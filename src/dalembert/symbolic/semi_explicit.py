@@ -1,0 +1,38 @@
+"""Differential-algebraic systems as implicit integrators take them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.symbolic.implicit import ImplicitFunction
+
+
+@dataclass(frozen=True, eq=False)
+class SemiExplicit:
+    """``ẋ = F(t, x, z, p)``, ``0 = G(t, x, z, p)``.
+
+    Attributes
+    ----------
+    t, x, z, p : SX symbols: time, differential and algebraic variables, parameters
+    rate : SX, ``F``
+    algebraic : SX, ``G``, as many equations as ``z``
+    depth : per equation of ``G``, how often it must be differentiated until accelerations appear:
+        0 for dynamic equations, 1 for velocity and 2 for position constraints; with steps of
+        length h they are scaled by ``h^-depth``
+    lag : per entry of ``z``, the same for the variable: 2 for the ``μ`` that holds positions
+    index : differentiation index
+    start : ``(t, x, p) → z``, consistent algebraic variables
+    """
+
+    t: ca.SX
+    x: ca.SX
+    z: ca.SX
+    p: ca.SX
+    rate: ca.SX
+    algebraic: ca.SX
+    depth: tuple[int, ...]
+    lag: tuple[int, ...]
+    index: int
+    start: ImplicitFunction
