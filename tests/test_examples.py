@@ -376,3 +376,44 @@ def test_files_optimise(name: str) -> None:
         assert best.fun < 1e-6 * best.history[0].objective
     else:
         assert best.fun < best.history[0].objective
+
+
+def test_spherical_particle_draws_its_ellipse(pictures: Path) -> None:
+    found = numbers("spherical_particle", pictures)
+    place, velocity = np.array([1.0, 0.2, 0.6]), np.array([-0.5, 2.2, 1.0])
+    end = place * math.cos(16) + velocity * math.sin(16) / 4  # sqrt(k/m) = 4 rad/s, 4 s
+    assert found["r(4 s) [m]"] == pytest.approx(np.linalg.norm(end), abs=1e-8)
+    assert found["largest error [m]"] < 1e-8
+    assert found["energy drift [J]"] < 1e-7
+
+
+def test_thrown_body_in_its_own_axes(pictures: Path) -> None:
+    found = numbers("body_about_a_point", pictures)
+    assert found["largest error of A [m]"] < 1e-7
+    steiner = 0.15 + 2.0 * (0.45**2 + 0.1**2)
+    assert found["moment of inertia about A [kg m^2]"] == pytest.approx(steiner, rel=1e-14)
+    assert found["angular velocity at the end [rad/s]"] == pytest.approx(7.0, abs=1e-8)
+
+
+def test_slider_and_link_by_momentum_and_energy(pictures: Path) -> None:
+    found = numbers("slider_and_link", pictures)
+    assert max(found["C D"], found["C γ − ξ"]) < 1e-13
+    assert found["implicit against explicit"] < 1e-8
+    m1, m2, inertia, arm = 2.0, 1.0, 0.03, 0.3
+    slider = -m2 * arm / (m1 + m2)  # speeds per unit of angular velocity
+    energy = (m1 * slider**2 + m2 * (slider + arm) ** 2 + inertia) / 2
+    square = m2 * G * arm / energy
+    speed = found["angular velocity at the lowest point [rad/s]"]
+    assert speed**2 == pytest.approx(square, rel=1e-8)
+    assert found["guide force at the lowest point [N]"] == pytest.approx(
+        m1 * G + m2 * (G + arm * square), rel=1e-7
+    )
+
+
+def test_pendulum_tension_is_the_physical_multiplier(pictures: Path) -> None:
+    found = numbers("pendulum_multipliers", pictures)
+    deepest = 1.5 * G * (3 - 2 * math.cos(1.2))
+    assert found["largest tension [N]"] == pytest.approx(deepest, abs=1e-3)  # among the outputs
+    assert found["error of the tension [N]"] < 1e-8
+    assert found["link against user constraint [N]"] < 1e-10
+    assert found["squared: ratio of the multipliers [1/m]"] == pytest.approx(1 / 1.6, rel=1e-12)

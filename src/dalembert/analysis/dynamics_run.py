@@ -9,6 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.choices import doubts
 from dalembert.analysis.dynamics_kernel import (
     Branches,
     DynamicsRecord,
@@ -81,6 +82,15 @@ class DynamicsRun:
             )
         return self.kernel.initial(state, self.start, self.p)
 
+    def doubts(self, motion: Motion) -> list[str]:
+        """Warnings about the choices made; an exchange of energy below round-off counts as none."""
+        a = self.analysis
+        exchanged = float(np.max(np.abs(motion.trajectory.work), initial=0.0))
+        if exchanged <= 1e-9 * np.max(motion.values("kinetic_energy"), initial=0.0):
+            exchanged = 0.0
+        e = self.kernel.equations
+        return doubts(e, a.formulation, a.stabilization, a.integrator, self.step, exchanged)
+
     def execute(self, progress) -> Motion:
         begin = clock.perf_counter()
         x0, mode = self.initial_state()
@@ -104,6 +114,7 @@ class DynamicsRun:
             events=happened,
             record=DynamicsRecord(self.kernel, steps, branches),
         )
+        motion.warnings = self.doubts(motion)
         return motion
 
     def prepare(self, mode: int) -> None:

@@ -129,6 +129,7 @@ def _motion_summary(motion: Motion) -> dict[str, Any]:
         "time": motion.status.time,
         "residual": motion.status.residual,
         "statistics": motion.statistics,
+        "warnings": list(motion.warnings),
         "events": [{"name": e.name, "time": e.time} for e in motion.events],
         "final": last,
         "largest": worst,
@@ -150,6 +151,8 @@ def _print(made: dict[str, Any], messages: list[tuple[str, str]]) -> None:
         out.print(
             f"  {level}: {text}", markup=False, style="yellow" if level == "warning" else None
         )
+    for text in made.get("warnings", []):
+        out.print(f"  warning: {text}", markup=False, style="yellow")
     out.print(f"  {made['status']}", markup=False, style="green" if made["ok"] else "red")
     pairs = made.get("statistics", {}) | made.get("final", {}) | made.get("largest", {})
     for name, value in pairs.items():

@@ -57,7 +57,7 @@ class Equations:
             self,
             constraints=self.constraints[rows, :],
             multiplier=self.multiplier[rows, :],
-            dropped=self.multiplier[gone, :],
+            dropped=ca.vertcat(self.dropped, self.multiplier[gone, :]),
         )
         return replace(kept, powers=kept.without_dropped(self.powers))
 

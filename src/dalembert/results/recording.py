@@ -52,6 +52,7 @@ class Recording:
     status : Status
     statistics : name → number or text, for people
     events : what happened when
+    warnings : doubts about the choices made, each with the number that shows it
     record : what a gradient needs of the run (steps taken, branches to the outputs)
     """
 
@@ -62,6 +63,7 @@ class Recording:
     status: Status
     statistics: dict[str, Any] = field(default_factory=dict)
     events: list[EventRecord] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
     record: Any = None
 
     @property
@@ -98,4 +100,6 @@ class Recording:
     def __repr__(self) -> str:
         span = f"{self.time[0]:g}…{self.time[-1]:g} s" if self.time.size else "no times"
         kind = type(self).__name__
-        return f"<{kind} of {self.model.name!r}: {self.time.size} times, {span}, {self.status}>"
+        doubts = f", {len(self.warnings)} warning(s)" if self.warnings else ""
+        size = self.time.size
+        return f"<{kind} of {self.model.name!r}: {size} times, {span}, {self.status}{doubts}>"

@@ -1,0 +1,80 @@
+"""Correction of the energy after the correction of the constraints (5.22–5.23)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.errors import UnsupportedError
+from dalembert.formulations.base import WORK, Formulation
+from dalembert.formulations.stabilization import Projection
+from dalembert.model.equations import Equations
+from dalembert.symbolic.implicit import ImplicitFunction
+
+APPLICABLE = 0.5
+"""Largest ``|Ψ_E| / T`` that is corrected; near a standstill the speeds cannot mend the energy."""
+
+
+@dataclass(frozen=True)
+class EnergyProjection(Projection):
+    """Projection (5.21), then ``v ← v √(1 − Ψ_E / T)`` with ``Ψ_E = T + V − E_ref`` (5.23).
+
+    ``E_ref`` is the initial energy plus the energy put in less the energy dissipated since. The
+    kinematic constraints stay satisfied, for scleronomic ones do not notice the length of v.
+
+    The correction does good for one degree of freedom without loss. One number cannot mend
+    several speeds: with more degrees of freedom the energy will look right while the motion is as
+    wrong as before, and where energy is put in or dissipated its reference is itself integrated.
+    Both are told as a warning.
+
+    Parameters
+    ----------
+    every : correct after every k-th step
+    iterations : of the position correction
+
+    Raises
+    ------
+    UnsupportedError
+        A constraint that moves with time: scaled speeds would violate it.
+    """
+
+    def correction(self, e: Equations, formulation: Formulation) -> ImplicitFunction | None:
+        if ca.depends_on(e.constraints, e.t):
+            raise UnsupportedError(
+                "EnergyProjection scales all speeds, but a driver or a constraint in time "
+                "prescribes some; use stabilization=Projection()"
+            )
+        found = super().correction(e, formulation)
+        moved = found.outputs[0] if found is not None else ca.vertcat(e.y, e.v, WORK)
+        n, k = e.coordinate_count, e.speed_count
+        y, v = moved[:n], moved[n : n + k]
+        energies = ca.vertcat(e.kinetic_energy, e.potential)
+        kinetic, potential = ca.vertsplit(
+            ca.substitute(energies, ca.vertcat(e.y, e.v), ca.vertcat(y, v))
+        )
+        excess = kinetic + potential - (WORK[1] - WORK[0])
+        applies = ca.fabs(excess) < APPLICABLE * kinetic
+        share = ca.if_else(applies, excess / ca.if_else(applies, kinetic, 1), 0)
+        outputs = [ca.vertcat(y, ca.sqrt(1 - share) * v, WORK)]
+        if found is None:
+            return ImplicitFunction("energy", [e.t, ca.vertcat(e.y, e.v, WORK), e.p], [], outputs)
+        return ImplicitFunction("energy", found.inputs, found.stages, outputs)
+
+    def reference_energy(self, e: Equations) -> ca.SX:
+        return e.kinetic_energy + e.potential
+
+    def doubts(self, e: Equations, exchanged: float) -> list[str]:
+        found = []
+        freedom = e.speed_count - e.constraint_count
+        if freedom > 1:
+            found.append(
+                f"EnergyProjection corrects {freedom} degrees of freedom by one number: the energy "
+                "will be right, the motion need not be (5.4.3); compare with a shorter step"
+            )
+        if exchanged > 0:
+            found.append(
+                f"EnergyProjection: up to {exchanged:.3g} J were put in or dissipated; this part "
+                "of the reference energy is integrated and no better than the motion"
+            )
+        return found

@@ -1,0 +1,115 @@
+"""One motion in two descriptions, book section 4.2.2; the new one is primed.
+
+    y = g(y', t),      v = B v' + b,      v̇ = B v̇' + γ,      γ = Ḃ v' + ḃ        (4.5)–(4.6)
+
+The equations of motion are projected onto the columns of B and keep their form:
+
+    M' = Bᵀ M B,      d' = Bᵀ (M γ + d),      f' = Bᵀ f,      C' = C B                  (4.8)
+
+B is square for another basis. With fewer new speeds it is the D of the explicit constraint
+equations (4.15)–(4.17), ``C D = 0``, and the same lines are the equations in joint coordinates
+(6.2), by velocity partitioning (6.8), and the general projective scheme (6.9). The constraints
+they satisfy already are left out by ``with_rows([])``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from dalembert.model.equations import Equations
+from dalembert.model.inertia import BlockInertia
+from dalembert.symbolic.factor import LdlFactor
+
+
+@dataclass(frozen=True, eq=False)
+class Transformation:
+    """A motion in new coordinates and speeds.
+
+    Attributes
+    ----------
+    t : SX symbol, time
+    y, v, a : SX symbols (n',), (k,), (k,): new coordinates ``y'``, speeds ``v'`` and ``v̇'``
+    pose_rate : SX (n',), ``ẏ'`` of ``t, y', v'``
+    old_y : SX (n_y,), ``g(y', t)``
+    old_v : SX (n,), ``B v' + b`` of ``t, y', v'``
+    """
+
+    t: ca.SX
+    y: ca.SX
+    v: ca.SX
+    a: ca.SX
+    pose_rate: ca.SX
+    old_y: ca.SX
+    old_v: ca.SX
+
+    @property
+    def basis(self) -> ca.SX:
+        """``B``, or ``D``: the directions of ``v`` that ``v'`` spans."""
+        return ca.jacobian(self.old_v, self.v)
+
+    @property
+    def gamma(self) -> ca.SX:
+        """``γ = Ḃ v' + ḃ`` (4.6), (4.17)."""
+        return self._rate(self.old_v, ca.SX.zeros(self.v.numel()))
+
+    @property
+    def old_a(self) -> ca.SX:
+        """``v̇ = B v̇' + γ``, the total time derivative of ``v``."""
+        return self._rate(self.old_v, self.a)
+
+    def _rate(self, expression: ca.SX, acceleration: ca.SX) -> ca.SX:
+        state = ca.vertcat(self.t, self.y, self.v)
+        return ca.jtimes(expression, state, ca.vertcat(1, self.pose_rate, acceleration))
+
+    def seen(self, equations: Equations, expression: ca.SX) -> ca.SX:
+        """An expression of ``y, v, v̇`` in the new description."""
+        return ca.substitute(expression, *self._exchange(equations))
+
+    def _exchange(self, e: Equations) -> tuple[ca.SX, ca.SX]:
+        return ca.vertcat(e.y, e.v, e.a), ca.vertcat(self.old_y, self.old_v, self.old_a)
+
+    def apply(self, equations: Equations) -> Equations:
+        """The equations of motion in the new description (4.8), (6.9).
+
+        Kinetic energy is ``v'ᵀ M' v' / 2`` where there is no drift. Speeds without mass stay
+        known as such where a new speed mixes only these. Drivers whose equations are left out
+        afterwards take the power they deliver with them.
+        """
+        e, b = equations, self.basis
+        mass = e.inertia.substitute(*self._exchange(e))
+        bias = mass.times(self.gamma) + self.seen(e, e.bias)
+        return replace(
+            e,
+            y=self.y,
+            v=self.v,
+            a=self.a,
+            pose_rate=self.pose_rate,
+            inertia=BlockInertia(ca.mtimes([b.T, mass.matrix, b])),
+            bias=ca.mtimes(b.T, bias),
+            force=ca.mtimes(b.T, self.seen(e, e.force)),
+            constraints=self.seen(e, e.constraints),
+            potential=self.seen(e, e.potential),
+            powers=self.seen(e, e.powers),
+            massless=_still_massless(e.massless, b),
+        )
+
+
+def consistent_speeds(mass: ca.SX, basis: ca.SX, speeds: ca.SX) -> ca.SX:
+    """``u = (Dᵀ M D)⁻¹ Dᵀ M v``: momenta projected onto the admissible motions (6.10)–(6.11).
+
+    Parameters
+    ----------
+    mass, basis : SX ``M`` (n, n), ``D`` (n, k)
+    speeds : SX ``v`` (n,), less the drift where constraints depend on time
+    """
+    momenta = ca.mtimes(basis.T, mass)
+    return LdlFactor(ca.mtimes(momenta, basis)).solve(ca.mtimes(momenta, speeds))
+
+
+def _still_massless(massless: tuple[int, ...], basis: ca.SX) -> tuple[int, ...]:
+    pattern = ca.sparsify(basis).sparsity()
+    rows, starts = pattern.row(), pattern.colind()
+    columns = [set(rows[starts[k] : starts[k + 1]]) for k in range(basis.shape[1])]
+    return tuple(k for k, met in enumerate(columns) if met and met <= set(massless))
