@@ -124,7 +124,8 @@ def shown_default(field: dataclasses.Field, needed: bool) -> str:
     if isinstance(default, (int, float)):
         return f"`{default:.6g}`"
     if isinstance(default, tuple):
-        return f"`[{', '.join(f'{x:g}' for x in default)}]`"
+        texts = (f'"{x}"' if isinstance(x, str) else f"{x:g}" for x in default)
+        return f"`[{', '.join(texts)}]`"
     if isinstance(default, str):
         return f'`"{default}"`'
     return f'`"{type(default).__name__}"`'
@@ -216,6 +217,7 @@ FIXED = {
             "forces": "name → force",
             "initial": "measure → number or formula that it has at the start, exactly",
             "analysis": "what `dalembert run` computes",
+            "compare": "what `dalembert compare` combines",
             "responses": "name → response",
             "sensitivity": "what `dalembert sensitivity` computes",
             "optimize": "what `dalembert optimize` computes",
@@ -246,6 +248,15 @@ FIXED = {
             "measure": "measure or formula that crosses zero",
             "terminal": "the run ends there",
             "direction": "`1` rising, `-1` falling, `0` both",
+        },
+    ),
+    "compare": (
+        schema.CompareTable,
+        {
+            "formulations": "names, or tables with `type` and keys; a sensible few by default",
+            "integrators": "the same",
+            "stabilizations": "the same; `Projection` by default",
+            "coordinates": "the same; `AbsoluteCoordinates` by default",
         },
     ),
     "sensitivity": (

@@ -27,11 +27,24 @@ from dalembert.elements.laws import (
     Table,
 )
 
-FORMULATIONS = {"Kkt": da.Kkt(), "RangeSpace": da.RangeSpace()}
+FORMULATIONS = {
+    "Kkt": da.Kkt(),
+    "RangeSpace": da.RangeSpace(),
+    "Dae": da.Dae(),
+    "AugmentedLagrangian": da.AugmentedLagrangian(),
+    "NullSpace": da.NullSpace(),
+    "NullSpace qr": da.NullSpace("qr"),
+    "NullSpace gram-schmidt": da.NullSpace("gram-schmidt"),
+    "NullSpace svd": da.NullSpace("svd"),
+    "VelocityPartitioning": da.VelocityPartitioning(),
+}
+SOFT = {"Penalty": da.Penalty()}
+"""Formulations that hold the constraints only nearly."""
 STABILIZATIONS = {
     "none": da.Stabilization(),
     "Baumgarte": da.Baumgarte(),
     "Projection": da.Projection(),
+    "EnergyProjection": da.EnergyProjection(),
 }
 INTEGRATORS = {
     "Euler": da.Euler(),
@@ -40,6 +53,15 @@ INTEGRATORS = {
     "RKGill": da.RKGill(),
     "DormandPrince": da.DormandPrince(),
     "DormandPrince853": da.DormandPrince853(),
+    "BackwardEuler": da.BackwardEuler(),
+    "Trapezoidal": da.Trapezoidal(),
+    "Newmark": da.Newmark(),
+    "HHT": da.HHT(),
+    "GeneralizedAlpha": da.GeneralizedAlpha(),
+    "Radau": da.Radau(),
+    "Bdf": da.Bdf(),
+    "Cvodes": da.Cvodes(),
+    "Ida": da.Ida(),
 }
 
 
@@ -168,6 +190,11 @@ def case(name: str, *covers, **more):
 def model_of(name: str) -> da.Model:
     """The model of a case, built once."""
     return CASES[name].model()
+
+
+def definite(formulation, model: da.Model):
+    """The formulation with what it chooses at the start of a run."""
+    return formulation.choose(model.equations, 0.0, model.start.y, model.nominal)
 
 
 # motion laws ---------------------------------------------------------------------------------

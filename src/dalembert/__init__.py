@@ -18,6 +18,7 @@ from dalembert.analysis import (
     solve_inverse_dynamics,
     solve_kinematics,
 )
+from dalembert.analysis.compare import compare
 from dalembert.design import Limit, Optimum, optimize
 from dalembert.elements import laws, planar
 from dalembert.elements.curves import FormulaCurve, SplineCurve, u
@@ -41,9 +42,38 @@ from dalembert.errors import (
     SingularityError,
     UnsupportedError,
 )
-from dalembert.formulations import Baumgarte, Kkt, Projection, RangeSpace, Stabilization
-from dalembert.integrators import RK4, DormandPrince, DormandPrince853, Euler, Heun, RKGill
+from dalembert.formulations import (
+    AugmentedLagrangian,
+    Baumgarte,
+    Dae,
+    EnergyProjection,
+    Kkt,
+    NullSpace,
+    Penalty,
+    Projection,
+    RangeSpace,
+    Stabilization,
+    VelocityPartitioning,
+)
+from dalembert.integrators import (
+    HHT,
+    RK4,
+    BackwardEuler,
+    Bdf,
+    Cvodes,
+    DormandPrince,
+    DormandPrince853,
+    Euler,
+    GeneralizedAlpha,
+    Heun,
+    Ida,
+    Newmark,
+    Radau,
+    RKGill,
+    Trapezoidal,
+)
 from dalembert.model.coordinates import AbsoluteCoordinates
+from dalembert.model.joint_coordinates import JointCoordinates
 from dalembert.model.model import Model
 from dalembert.model.system import System
 from dalembert.responses import (
@@ -64,6 +94,7 @@ from dalembert.responses import (
     minimum,
     rms,
 )
+from dalembert.results.comparison import Comparison
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome, Status
 from dalembert.sensitivity import Adjoint, Direct, FiniteDifference, sensitivity
@@ -121,19 +152,27 @@ def load_results(path):
 
 
 __all__ = [
+    "HHT",
     "RK4",
     "AbsoluteCoordinates",
     "Adjoint",
     "AnalysisError",
     "AssemblyError",
     "At",
+    "AugmentedLagrangian",
+    "BackwardEuler",
     "Baumgarte",
+    "Bdf",
+    "Comparison",
+    "Cvodes",
     "CycloidalRise",
+    "Dae",
     "DalembertError",
     "Direct",
     "DormandPrince",
     "DormandPrince853",
     "Dynamics",
+    "EnergyProjection",
     "Equilibrium",
     "Euler",
     "Event",
@@ -144,11 +183,14 @@ __all__ = [
     "FiniteDifference",
     "Formula",
     "FormulaCurve",
+    "GeneralizedAlpha",
     "Harmonic",
     "HarmonicRise",
     "Heun",
+    "Ida",
     "Integral",
     "InverseDynamics",
+    "JointCoordinates",
     "Kinematics",
     "Kkt",
     "Limit",
@@ -159,14 +201,18 @@ __all__ = [
     "Model",
     "ModelError",
     "Motion",
+    "Newmark",
+    "NullSpace",
     "Optimum",
     "Outcome",
     "Parameter",
+    "Penalty",
     "Polynomial",
     "Polynomial345Rise",
     "Polynomial4567Rise",
     "Projection",
     "RKGill",
+    "Radau",
     "RangeSpace",
     "Response",
     "Rms",
@@ -176,13 +222,16 @@ __all__ = [
     "Status",
     "System",
     "Table",
+    "Trapezoidal",
     "UnsupportedError",
+    "VelocityPartitioning",
     "absolute",
     "acos",
     "asin",
     "at",
     "atan",
     "atan2",
+    "compare",
     "cos",
     "cosh",
     "evaluate",

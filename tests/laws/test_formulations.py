@@ -7,7 +7,7 @@ import functools
 import casadi as ca
 import numpy as np
 import pytest
-from registry import CASES, FORMULATIONS, Observer, model_of
+from registry import CASES, FORMULATIONS, Observer, definite, model_of
 from twins import turn
 
 from dalembert.elements.planar.joint import Pair
@@ -20,7 +20,11 @@ def solution(model, formulation, t, y, v, p) -> tuple[np.ndarray, np.ndarray]:
     e = model.equations
     function = model.compiled(
         ("law", formulation),
-        lambda: FORMULATIONS[formulation].acceleration(e, e.constraint_acceleration).function,
+        lambda: (
+            definite(FORMULATIONS[formulation], model)
+            .acceleration(e, e.constraint_acceleration)
+            .function
+        ),
     )
     return tuple(a.full().ravel() for a in function(t, np.concatenate([y, v, [0, 0]]), p))
 

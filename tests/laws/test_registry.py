@@ -6,7 +6,16 @@ import inspect
 
 import casadi as ca
 import pytest
-from registry import CASES, FORMULATIONS, INTEGRATORS, LAWS, STABILIZATIONS, model_of
+from registry import (
+    CASES,
+    FORMULATIONS,
+    INTEGRATORS,
+    LAWS,
+    SOFT,
+    STABILIZATIONS,
+    definite,
+    model_of,
+)
 
 from dalembert.elements import planar, registry
 from dalembert.formulations.base import Formulation
@@ -15,6 +24,8 @@ from dalembert.integrators.base import Integrator
 
 COVERED = {kind for case in CASES.values() for kind in case.covers}
 NOT_ELEMENTS = {planar.Point}
+DEFINITE = {f"{n}, chosen": definite(f, model_of("revolute")) for n, f in FORMULATIONS.items()}
+"""What formulations become once they have chosen."""
 
 
 def test_every_exported_element_has_a_case():
@@ -35,13 +46,14 @@ def _concrete(kind: type) -> set[type]:
     """Exported strategies below a base class; the bases themselves only say what they are."""
     below = {kind}.union(*(_concrete(k) for k in kind.__subclasses__()))
     chosen = {k for k in below if "__annotations__" in vars(k) or not k.__subclasses__()}
-    return {k for k in chosen if not inspect.isabstract(k)}
+    ours = {k for k in chosen if k.__module__.startswith("dalembert.")}
+    return {k for k in ours if not inspect.isabstract(k)}
 
 
 @pytest.mark.parametrize(
     ("base", "table"),
     [
-        (Formulation, FORMULATIONS),
+        (Formulation, FORMULATIONS | SOFT | DEFINITE),
         (Stabilization, STABILIZATIONS),
         (Integrator, INTEGRATORS),
     ],

@@ -53,3 +53,21 @@ def test_state_and_multipliers_at_the_end():
     upright, link = motion.data.multiplier.values[0]
     assert -upright == pytest.approx(MULTIPLIERS[0], abs=1e-9)
     assert -link / (2 * L) == pytest.approx(MULTIPLIERS[1], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "formulation", [da.Dae(2), da.Dae(2, stabilized=True), da.Dae(3)], ids=["2", "stabilised", "3"]
+)
+@pytest.mark.parametrize("stabilization", [da.Stabilization(), da.Projection()], ids=repr)
+def test_backward_differentiation_of_every_index(formulation, stabilization):
+    """Positions and speeds at the end; the loads move at up to 100 rad/s, over 3 s."""
+    motion = da.solve_dynamics(
+        axle().build(),
+        3.0,
+        integrator=da.Bdf(1e-9, 1e-10),
+        formulation=formulation,
+        stabilization=stabilization,
+        outputs=[3.0],
+    )
+    np.testing.assert_allclose(motion.data.position[0], POSITION, atol=1e-6)
+    np.testing.assert_allclose(motion.data.velocity[0], VELOCITY, atol=1e-5)

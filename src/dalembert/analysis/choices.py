@@ -7,15 +7,14 @@ import numpy as np
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
-from dalembert.model.equations import Equations
 
 
 def doubts(
-    e: Equations,
     formulation: Formulation,
     stabilization: Stabilization,
     integrator: Integrator,
     step: float,
+    freedom: int,
     exchanged: float,
 ) -> list[str]:
     """Warnings about one choice of strategies.
@@ -23,12 +22,13 @@ def doubts(
     Parameters
     ----------
     step : length of the steps [s]
+    freedom : degrees of freedom that the drivers leave
     exchanged : largest energy put in or dissipated during the run [J]
 
     The violation of a constraint that is fed back follows ``Φ̈ + c₁Φ̇ + c₀Φ = 0``; with roots ``s`` a
     step of length h multiplies it by ``R(hs)``, which must not exceed one.
     """
-    found = [*stabilization.doubts(e, exchanged), *formulation.doubts(e, exchanged)]
+    found = [*stabilization.doubts(freedom, exchanged), *formulation.doubts(freedom, exchanged)]
     for name, feedback in (
         (_told(stabilization), stabilization.feedback),
         (_told(formulation), formulation.feedback),

@@ -9,14 +9,15 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation, state_rate
+from dalembert.formulations.consistency import with_consistent_speeds
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.adaptive import AdaptiveMarch
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.march import FixedMarch
 from dalembert.integrators.step import Step
-from dalembert.integrators.steps import Steps
+from dalembert.integrators.steps import Steps, Switch
 from dalembert.model.assembly import AssembledState
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
@@ -60,17 +61,21 @@ class Variant:
         kernel, formulation = self.kernel, self.formulation
         e, stabilization = kernel.equations, kernel.stabilization
         explicit = not kernel.integrator.implicit and formulation.gives_accelerations
+        correction = stabilization.correction(e, formulation)
         return Problem(
             rate=formulation.acceleration(e, kernel.xi, [state_rate(e)], "state_rate")
             if explicit
             else None,
             make_system=lambda: formulation.semi_explicit(e, kernel.xi),
-            correction=stabilization.correction(e, formulation),
+            correction=None
+            if correction is None
+            else with_consistent_speeds(e, formulation, correction),
             controlled=e.coordinate_count + e.speed_count,
             positions=e.coordinate_count,
             tangential=stabilization.tangential(e, formulation)
             if kernel.integrator.adaptive
             else None,
+            upkeep=with_consistent_speeds(e, formulation, None),
         )
 
     @cached_property
@@ -115,11 +120,12 @@ class DynamicsKernel:
         integrator: Integrator,
     ):
         self.model, self.formulation, self.stabilization = model, formulation, stabilization
-        self.integrator = integrator
+        self.coordinates, self.integrator = coordinates, integrator
         self.view = coordinates.view(model, formulation.every_equation)
         self.equations = self.view.equations
         self.xi = stabilization.constraint_acceleration(self.equations)
         self.variants: list[Variant] = []
+        self._mapped: dict[tuple[ca.Function, int], Kernel] = {}
         self.fixed = FixedMarch(lambda mode: self.variants[mode].step, stabilization.period)
         self.adaptive = AdaptiveMarch(self._attempt) if integrator.adaptive else None
 
@@ -140,22 +146,33 @@ class DynamicsKernel:
         self.variants.append(Variant(self, chosen))
         return len(self.variants) - 1
 
-    def switch(
-        self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray
-    ) -> tuple[int, int]:
+    def switch(self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray) -> Switch:
         """How many of these steps to keep, and the variant after them."""
-        count, watched = times.size - 1, self.variants[mode].conditioning
+        everything, watched = Switch(times.size - 1, mode), self.variants[mode].conditioning
         if watched is None:
-            return count, mode
+            return everything
         function, limit = watched
         y = states[: self.equations.coordinate_count]
-        values = function.map(times.size)(times, y, np.tile(p[:, None], times.size))
-        bad = np.flatnonzero(~(values.full().ravel() <= limit))
+        (values,) = self.over(function, times.size)(times, y, np.tile(p[:, None], times.size))
+        bad = np.flatnonzero(~(values.ravel() <= limit))
         if not bad.size:
-            return count, mode
-        kept = max(int(bad[0]) - 1, 0)  # the last state that was still good
-        following = self.choose(float(times[kept]), states[:, kept], p)
-        return (count, mode) if following == mode else (kept, following)
+            return everything
+        last_good = max(int(bad[0]) - 1, 0)
+        for kept in (last_good, int(bad[0])):
+            try:
+                following = self.choose(float(times[kept]), states[:, kept], p)
+            except SingularityError as error:
+                return Switch(last_good, mode, str(error))
+            if following != mode:
+                return Switch(kept, following)
+        return everything
+
+    def over(self, function: ca.Function, count: int) -> Kernel:
+        """The function for ``count`` columns at once; made once, for chunks ask again and again."""
+        key = (function, count)
+        if key not in self._mapped:
+            self._mapped[key] = Kernel(function.map(count))
+        return self._mapped[key]
 
     # states -------------------------------------------------------------------------
     @cached_property
@@ -218,7 +235,7 @@ class DynamicsKernel:
         for mode in np.unique(modes):
             part = np.flatnonzero(modes == mode)
             function = function_of(self.variants[mode])
-            found = Kernel(function.map(part.size))(
+            found = self.over(function, part.size)(
                 times[part],
                 states[:size, part],
                 np.tile(p[:, None], part.size),

@@ -16,6 +16,7 @@ from dalembert.analysis.dynamics_kernel import (
     Variant,
     place_outputs,
 )
+from dalembert.analysis.dynamics_status import Ending, statistics
 from dalembert.analysis.events import as_events, locate
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
@@ -27,11 +28,14 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.errors import AssemblyError, SingularityError
 from dalembert.formulations.kkt import Kkt
-from dalembert.integrators.steps import Steps, Watch
+from dalembert.integrators.steps import Steps, Switch, Watch
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord, Trajectory
-from dalembert.results.status import Outcome, Status
+from dalembert.results.status import Status
+
+SHORTEST = 1e-12
+"""Step length, relative to the time, at which an adaptive run is asked why it ended."""
 
 
 class DynamicsRun:
@@ -88,8 +92,8 @@ class DynamicsRun:
         exchanged = float(np.max(np.abs(motion.trajectory.work), initial=0.0))
         if exchanged <= 1e-9 * np.max(motion.values("kinetic_energy"), initial=0.0):
             exchanged = 0.0
-        e = self.kernel.equations
-        return doubts(e, a.formulation, a.stabilization, a.integrator, self.step, exchanged)
+        freedom = self.model.diagnosis.free
+        return doubts(a.formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
 
     def execute(self, progress) -> Motion:
         begin = clock.perf_counter()
@@ -109,8 +113,8 @@ class DynamicsRun:
             analysis=self.analysis,
             parameters=self.p,
             trajectory=trajectory,
-            status=self.status(steps, trajectory, ends, happened),
-            statistics=self.statistics(steps, prepared, elapsed),
+            status=self.status(steps, trajectory, happened if ends is not None else []),
+            statistics=statistics(self.kernel, steps, trajectory, self.p, (prepared, elapsed)),
             events=happened,
             record=DynamicsRecord(self.kernel, steps, branches),
         )
@@ -135,7 +139,7 @@ class DynamicsRun:
         first = min(self.step, longest) if self.analysis.step else 1e-4 * (self.end - self.start)
         return kernel.adaptive.run(self.start, self.end, x0, self.p, first, longest, mode, watch)
 
-    def switch(self, times: np.ndarray, states: np.ndarray, mode: int) -> tuple[int, int]:
+    def switch(self, times: np.ndarray, states: np.ndarray, mode: int) -> Switch:
         return self.kernel.switch(times, states, mode, self.p)
 
     # events ------------------------------------------------------------------------
@@ -223,58 +227,16 @@ class DynamicsRun:
             times = np.append(times, steps.end)  # where the run ended early is an output too
         return times, place_outputs(steps, times)
 
-    # reporting ---------------------------------------------------------------------
-    def status(self, steps: Steps, s: Trajectory, ends, happened: list[EventRecord]) -> Status:
-        residual = _largest_violation(self.model, s, self.p)
-        time = float(s.t[-1])
-        if ends is not None:
-            last = happened[-1]
-            text = f"{last.name} at t = {last.time:.9g} s"
-            return Status(Outcome.TERMINATED, text, time, residual)
-        if steps.interrupted:
-            return Status(Outcome.INTERRUPTED, f"stopped at t = {time:g} s", time, residual)
-        if steps.message:
-            hint = "the mechanism may be at a singular position, or the step too long"
-            text = f"{steps.message} after t = {steps.end:.9g} s; {hint}"
-            return Status(Outcome.DIVERGED, text, time, residual)
-        if not np.all(np.isfinite(s.a)) or not np.all(np.isfinite(s.multiplier)):
-            k = int(np.argmin(np.isfinite(s.a).all(axis=0) & np.isfinite(s.multiplier).all(axis=0)))
-            text = f"accelerations have no unique value at t = {s.t[k]:.9g} s"
-            return Status(Outcome.SINGULAR, text, time, residual)
-        projects = self.kernel.variants[0].step.corrects
-        if projects and residual > 1e-6:
-            text = f"the projection left a violation of {residual:.3g}; use a shorter step"
-            return Status(Outcome.NOT_CONVERGED, text, time, residual)
-        return Status(Outcome.COMPLETED, f"reached t = {time:g} s", time, residual)
+    def status(self, steps: Steps, s: Trajectory, ended_by: list[EventRecord]) -> Status:
+        """How the run ended; ``ended_by`` are the events up to a terminal one."""
+        ending = Ending(self.kernel, steps, s, self.p, self.following_length(steps))
+        if ended_by:
+            return ending.terminated(ended_by[-1].name, ended_by[-1].time)
+        return ending.status
 
-    def statistics(self, steps: Steps, prepared: float, elapsed: float) -> dict[str, Any]:
-        """What was done, for people."""
-        a = self.analysis
-        made: dict[str, Any] = {
-            name: type(getattr(a, name)).__name__
-            for name in ("coordinates", "formulation", "stabilization", "integrator")
-        }
-        made |= {
-            "steps": steps.count,
-            "rejected steps": steps.rejected,
-            "preparation time [s]": round(prepared, 6),
-            "integration time [s]": round(elapsed, 6),
-        }
-        if np.unique(steps.mode).size > 1:
-            made["changes of variant"] = int(np.sum(np.diff(steps.mode) != 0))
-        if steps.count:
-            made["time per step [µs]"] = round(1e6 * elapsed / steps.count, 2)
-            made["shortest step [s]"] = float(steps.h.min())
-            made["longest step [s]"] = float(steps.h.max())
-        return made
-
-
-def _largest_violation(model: Model, s: Trajectory, p: np.ndarray) -> float:
-    e = model.equations
-    if not e.constraint_count or not s.t.size:
-        return 0.0
-    function = model.compiled(
-        "violation", lambda: ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(e.constraints)])
-    )
-    values = function.map(s.t.size)(s.t, s.y, np.tile(p[:, None], s.t.size)).full()
-    return float(np.max(values))
+    def following_length(self, steps: Steps) -> float:
+        """Length of the step that comes, or would have come, after the last one."""
+        if self.kernel.adaptive is not None:
+            return SHORTEST * max(1.0, abs(steps.end))
+        lengths = np.diff(uniform_grid(self.start, self.end, self.step))
+        return float(lengths[min(steps.count, lengths.size - 1)])

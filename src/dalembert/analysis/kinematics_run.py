@@ -84,7 +84,7 @@ class KinematicsRun:
             self.status(trajectory, table),
             statistics,
             sorted(events, key=lambda e: e.time),
-            KinematicsRecord(self.kernel),
+            record=KinematicsRecord(self.kernel),
         )
 
     def first_configuration(self) -> np.ndarray:

@@ -18,6 +18,7 @@ COMMANDS = {
     "check": "Explain a model: its freedom, parts, parameters, and what is doubtful about it.",
     "run": "Run the analysis of a model file; writes results and an interactive report.",
     "sensitivity": "Derivatives of the responses of a model file by its parameters.",
+    "compare": "Compare formulations and integrators on a model: cost, violations, errors.",
     "optimize": "Find the parameter values that make a response of a model file best.",
     "report": "Write the interactive report of a result file.",
     "schema": "Print the JSON Schema of model files, for editors.",

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from dalembert.errors import UnsupportedError
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
@@ -37,6 +38,11 @@ class SaddleSolver:
     def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
         """``(x, z)``; the matrix is symmetric, so this is its transposed solve too."""
         raise NotImplementedError
+
+    @property
+    def corrector(self) -> SaddleSolver:
+        """The same factors with ``ρ = 0``, for corrections of a state; mostly the solver itself."""
+        return self
 
     def solve_stacked(self, rhs: ca.SX) -> ca.SX:
         n = self.speed_count
@@ -64,9 +70,33 @@ class Formulation:
         """Factors of the saddle matrix."""
         raise NotImplementedError
 
+    def saddle(self, e: Equations) -> SaddleSolver:
+        """The solver of accelerations and multipliers."""
+        return self.solver(e.inertia, e.jacobian, e.massless)
+
     def constraint_acceleration(self, e: Equations, xi: ca.SX) -> ca.SX:
         """``ξ`` with what the formulation itself adds to it."""
         return xi
+
+    @property
+    def feedback(self) -> tuple[float, float] | None:
+        """``(c₁, c₀)`` of ``Φ̈ + c₁Φ̇ + c₀Φ = 0`` where violations are fed back."""
+        return None
+
+    @property
+    def report(self) -> dict[str, float]:
+        """Numbers of this choice that belong to the statistics of a run."""
+        return {}
+
+    def doubts(self, freedom: int, exchanged: float) -> list[str]:
+        """What speaks against this choice.
+
+        Parameters
+        ----------
+        freedom : degrees of freedom that the drivers leave
+        exchanged : largest energy put in or dissipated during the run [J]
+        """
+        return []
 
     # choices that a run may change ------------------------------------------------------
     def choose(self, e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> Formulation:
@@ -99,7 +129,7 @@ class Formulation:
         """
         c = e.jacobian
         xi = self.constraint_acceleration(e, xi)
-        solver = self.solver(e.inertia, c, e.massless)
+        solver = self.saddle(e)
         unknown = ca.vertcat(e.a, e.multiplier)
         residual = ca.vertcat(
             e.inertia.times(e.a) + e.bias - e.force + ca.mtimes(c.T, e.multiplier),
@@ -118,9 +148,21 @@ class Formulation:
         return ImplicitFunction(name, [e.t, state_symbols(e), e.p], stages, outputs)
 
     def semi_explicit(self, e: Equations, xi: ca.SX) -> SemiExplicit:
-        """Index-1 form (5.2): ``v̇`` and ``λ`` are algebraic, the elimination is left to Newton."""
+        """Index-1 form (5.2): ``v̇`` and ``λ`` are algebraic, the elimination is left to Newton.
+
+        Raises
+        ------
+        UnsupportedError
+            Redundant equations that are to hold exactly: their multipliers have no unique value.
+        """
         xi = self.constraint_acceleration(e, xi)
-        softness = self.solver(e.inertia, e.jacobian, e.massless).softness
+        softness = self.saddle(e).softness
+        if self.every_equation and not isinstance(softness, ca.SX) and softness == 0:
+            raise UnsupportedError(
+                f"{type(self).__name__} solves redundant equations by its own iteration, which an "
+                "implicit integrator does not run; use formulation=RangeSpace() or Penalty(), or "
+                "an explicit integrator such as RK4()"
+            )
         algebraic = ca.vertcat(
             dynamic_equations(e), ca.mtimes(e.jacobian, e.a) - softness * e.multiplier - xi
         )

@@ -64,9 +64,8 @@ class EnergyProjection(Projection):
     def reference_energy(self, e: Equations) -> ca.SX:
         return e.kinetic_energy + e.potential
 
-    def doubts(self, e: Equations, exchanged: float) -> list[str]:
+    def doubts(self, freedom: int, exchanged: float) -> list[str]:
         found = []
-        freedom = e.speed_count - e.constraint_count
         if freedom > 1:
             found.append(
                 f"EnergyProjection corrects {freedom} degrees of freedom by one number: the energy "

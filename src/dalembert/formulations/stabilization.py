@@ -37,6 +37,21 @@ class Stabilization:
         """Start value of the energy that should be there; zero where nobody asks."""
         return ca.SX(0)
 
+    @property
+    def feedback(self) -> tuple[float, float] | None:
+        """``(c₁, c₀)`` of ``Φ̈ + c₁Φ̇ + c₀Φ = 0`` where violations are fed back."""
+        return None
+
+    def doubts(self, freedom: int, exchanged: float) -> list[str]:
+        """What speaks against this choice.
+
+        Parameters
+        ----------
+        freedom : degrees of freedom that the drivers leave
+        exchanged : largest energy put in or dissipated during the run [J]
+        """
+        return []
+
 
 @dataclass(frozen=True)
 class Baumgarte(Stabilization):
@@ -62,9 +77,13 @@ class Baumgarte(Stabilization):
                 f"Baumgarte(alpha={self.alpha}, beta={self.beta}): both gains must be positive"
             )
 
+    @property
+    def feedback(self) -> tuple[float, float]:
+        return self.alpha, self.alpha**2 / 4 if self.beta is None else self.beta
+
     def constraint_acceleration(self, e: Equations) -> ca.SX:
-        beta = self.alpha**2 / 4 if self.beta is None else self.beta
-        stabilised = e.constraint_acceleration - self.alpha * e.velocity_constraints
+        alpha, beta = self.feedback
+        stabilised = e.constraint_acceleration - alpha * e.velocity_constraints
         return stabilised - beta * e.constraints
 
 
@@ -112,7 +131,7 @@ class Projection(Stabilization):
 
         inertia, c = e.inertia.substitute(e.y, moved), there(e.jacobian)
         psi = there(e.velocity_constraints)
-        solver = formulation.solver(inertia, c, e.massless)
+        solver = formulation.solver(inertia, c, e.massless).corrector
         step, sigma_value = solver.solve(ca.SX.zeros(e.speed_count), -psi)
         residual = ca.vertcat(
             inertia.times(v - e.v) + ca.mtimes(c.T, sigma), ca.substitute(psi, e.v, v)
@@ -138,7 +157,7 @@ class Projection(Stabilization):
             return None
         n = e.speed_count
         error = ca.SX.sym("error", 2 * n + 2)
-        solver = formulation.solver(e.inertia, e.jacobian, e.massless)
+        solver = formulation.solver(e.inertia, e.jacobian, e.massless).corrector
 
         def along(part: ca.SX) -> ca.SX:
             return solver.solve(e.inertia.times(part), ca.SX.zeros(m))[0]
@@ -150,7 +169,7 @@ class Projection(Stabilization):
         """Stage for ``(δ, μ)`` and the corrected position as an expression of ``δ``."""
         n, m = e.speed_count, e.constraint_count
         delta, mu = ca.SX.sym("delta", n), ca.SX.sym("mu", m)
-        solver = formulation.solver(e.inertia, e.jacobian, e.massless)
+        solver = formulation.solver(e.inertia, e.jacobian, e.massless).corrector
         moved = e.y + ca.mtimes(e.lift, delta)
         violation = ca.substitute(e.constraints, e.y, moved)
         residual = ca.vertcat(e.inertia.times(delta) + ca.mtimes(e.jacobian.T, mu), violation)

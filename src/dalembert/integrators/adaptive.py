@@ -61,12 +61,14 @@ class AdaptiveMarch:
         try:
             while state[0] < end:
                 out, record = self._chunk(mode)(state, fixed)
-                out, record, following = self._keep(watch, out, record, last, head, mode)
+                out, record, following, message = self._keep(watch, out, record, last, head, mode)
                 taken = (record[3] > 0.5) & (record[1] > 0)
                 rejected += int(np.sum((record[3] < 0.5) & (record[1] > 0)))
                 modes = np.full(int(taken.sum()), mode)
                 parts.append((record[0, taken], record[1, taken], out[head:, taken], modes))
                 mode = following
+                if message:
+                    break
                 if not out.shape[1]:
                     continue
                 state = out[:, -1]
@@ -92,16 +94,17 @@ class AdaptiveMarch:
 
     @staticmethod
     def _keep(watch: Watch, out, record, last, head: int, mode: int):
-        """The attempts to keep, and the mode after them."""
+        """The attempts to keep, the mode after them, and why to end there, if so."""
         taken = np.flatnonzero((record[3] > 0.5) & (record[1] > 0))
         if not taken.size or not np.all(np.isfinite(out[:, taken])):
-            return out, record, mode
+            return out, record, mode, ""
         times = np.append(record[0, taken], record[0, taken[-1]] + record[1, taken[-1]])
-        kept, following = watch.switch(times, np.hstack([last, out[head:, taken]]), mode)
-        if following == mode or kept == taken.size:
-            return out, record, following
+        columns = np.hstack([last, out[head:, taken]])
+        kept, following, reason = watch.switch(times, columns, mode)
+        if kept == taken.size:
+            return out, record, following, reason
         stop = taken[kept]  # everything from this attempt on is done again in the new mode
-        return out[:, :stop], record[:, :stop], following
+        return out[:, :stop], record[:, :stop], following, reason
 
 
 def _collect(parts, start: float, x0: np.ndarray, rejected: int) -> Steps:

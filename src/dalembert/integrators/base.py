@@ -27,6 +27,7 @@ class Problem:
     rate : ``(t, x, p) → ẋ``; None where the formulation gives no accelerations
     make_system : gives the same as a differential-algebraic ``system``
     correction : ``(t, x, p) → x`` applied after a step, or None
+    upkeep : the same for steps without correction: what states need after every step, or None
     controlled : how many leading entries of x the error control looks at
     positions : how many of these are positions; speeds follow, then the rest
     tangential : ``(t, x, p, error) → error`` along the constraints, or None
@@ -38,6 +39,7 @@ class Problem:
     controlled: int
     positions: int
     tangential: ca.Function | None = None
+    upkeep: ImplicitFunction | None = None
 
     @cached_property
     def system(self) -> SemiExplicit:

@@ -24,12 +24,18 @@ class ExplicitStep(Step):
     tableau : ButcherTableau
     rhs : ImplicitFunction ``(t, x, p) → ẋ``
     correction : ImplicitFunction ``(t, x, p) → x``, or None
+    upkeep : the same for a step without correction, or None
     """
 
     def __init__(
-        self, tableau: ButcherTableau, rhs: ImplicitFunction, correction: ImplicitFunction | None
+        self,
+        tableau: ButcherTableau,
+        rhs: ImplicitFunction,
+        correction: ImplicitFunction | None,
+        upkeep: ImplicitFunction | None = None,
     ):
-        self.tableau, self.rhs, self.correction = tableau, rhs, correction
+        self.tableau, self.rhs, self.upkeep = tableau, rhs, upkeep
+        self.finish = upkeep if correction is None else correction
         _, self.size, self.parameter_count = rhs.input_sizes
         self.state_size = self.size
         self.corrects = correction is not None
@@ -71,7 +77,7 @@ class ExplicitStep(Step):
 
     def correct(self, t, x, p) -> ca.SX:
         """The state after the correction."""
-        return x if self.correction is None else self.correction.function(t, x, p)
+        return x if self.finish is None else self.finish.function(t, x, p)
 
     @cached_property
     def function(self) -> ca.Function:
@@ -82,7 +88,7 @@ class ExplicitStep(Step):
 
     @cached_property
     def plain(self) -> ExplicitStep:
-        return ExplicitStep(self.tableau, self.rhs, None)
+        return ExplicitStep(self.tableau, self.rhs, None, self.upkeep)
 
     @cached_property
     def tangent(self) -> ca.Function:
@@ -98,9 +104,9 @@ class ExplicitStep(Step):
                     change = change + (h * a) * r
             rates.append(self.rhs.tangent(t + self.tableau.c[i] * h, state, p, 0, change, dp))
         change = self.advance(h, dx, rates)
-        if self.correction is not None:
+        if self.finish is not None:
             new = self.advance(h, x, slopes)
-            change = self.correction.tangent(t + h, new, p, 0, change, dp)
+            change = self.finish.tangent(t + h, new, p, 0, change, dp)
         return ca.Function("step_tangent", [t, h, x, p, dx, dp], [change], {"cse": True})
 
     @cached_property
@@ -110,9 +116,9 @@ class ExplicitStep(Step):
         weight = ca.SX.sym("w", self.size)
         states, slopes = self.stages(t, h, x, p, self.needed)
         end, p_bar = weight, ca.SX.zeros(self.parameter_count)
-        if self.correction is not None:
+        if self.finish is not None:
             new = self.advance(h, x, slopes)
-            _, end, p_bar = self.correction.adjoint(t + h, new, p, weight)
+            _, end, p_bar = self.finish.adjoint(t + h, new, p, weight)
         x_bar = end
         state_bars: dict[int, ca.SX] = {}
         for i in reversed(range(len(states))):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import redirect_stderr
+from io import StringIO
 from typing import Any
 
 import casadi as ca
@@ -13,6 +15,8 @@ from dalembert.integrators.steps import Steps, Watch, run_length
 from dalembert.symbolic.kernel import Kernel
 
 CHUNK = 500
+SHORT_CHUNK = 64
+"""After a change of variant, for steps beyond the next change are taken in vain."""
 
 
 class FixedMarch:
@@ -50,25 +54,28 @@ class FixedMarch:
 
     def _march(self, times, h, corrected, mode, x0, p, watch: Watch | None) -> Steps:
         columns, done, message, interrupted = [x0.reshape(-1, 1)], 0, "", False
-        mode = mode.copy()
+        mode, longest = mode.copy(), CHUNK
         try:
             while done < h.size:
-                count = run_length(mode, done, CHUNK)
+                count = run_length(mode, done, longest)
+                longest = min(2 * longest, CHUNK)
                 part = slice(done, done + count)
-                (out,) = self._chunk(count, int(mode[done]))(
-                    columns[-1][:, -1], times[part], h[part], corrected[part], p
-                )
+                given = (times[part], h[part], corrected[part])
+                out, reason = self._advance(int(mode[done]), columns[-1][:, -1], given, p)
                 good = np.all(np.isfinite(out), axis=0)
                 valid = count if good.all() else int(np.argmin(good))
                 ends = np.append(times[done : done + valid], (times[part] + h[part])[valid - 1])
                 states = np.hstack([columns[-1][:, -1:], out[:, :valid]])
                 if watch is not None and valid:
-                    kept, mode[done:] = self._keep(watch, ends, states, mode, done)
-                    valid, good = (kept, good[:kept]) if kept < valid else (valid, good)
+                    kept, following, message = watch.switch(ends, states, int(mode[done]))
+                    mode[done + kept :] = following
+                    if kept < valid:
+                        valid, good, longest = kept, good[:kept], SHORT_CHUNK
                 columns.append(out[:, :valid])
                 done += valid
                 if not good.all():
-                    message = "the state is no longer finite"
+                    message = reason or "the state is no longer finite"
+                if message:
                     break
                 if watch is not None:
                     watch.progress(done / h.size)
@@ -86,15 +93,21 @@ class FixedMarch:
             interrupted=interrupted,
         )
 
-    @staticmethod
-    def _keep(watch: Watch, ends, states, mode: np.ndarray, done: int) -> tuple[int, np.ndarray]:
-        """How many of the steps to keep, and the modes from ``done`` on."""
-        now = int(mode[done])
-        kept, following = watch.switch(ends, states, now)
-        modes = mode[done:].copy()
-        if following != now:
-            modes[kept:] = following
-        return kept, modes
+    def _advance(self, mode: int, x: np.ndarray, given, p: np.ndarray) -> tuple[np.ndarray, str]:
+        """States after a chunk of steps; NaN, and why, from where a solver inside gave up."""
+        count = given[0].size
+        with redirect_stderr(StringIO()):  # CasADi prints all arguments of what fails
+            try:
+                return self._chunk(count, mode)(x, *given, p)[0], ""
+            except RuntimeError:  # it tells neither where nor what was done before
+                out = np.full((x.size, count), np.nan)
+            for k in range(count):
+                try:
+                    (x,) = self._chunk(1, mode)(x.ravel(), *(column[k] for column in given), p)
+                except RuntimeError as error:
+                    return out, f"a step failed: {str(error).strip().rpartition(': ')[2]}"
+                out[:, k] = x.ravel()
+        return out, ""
 
     def _chunk(self, count: int, mode: int) -> Kernel:
         key = (count, mode)

@@ -43,7 +43,7 @@ class ExplicitRungeKutta(Integrator, ABC):
                 f"{self.name} is explicit and needs accelerations; with this formulation use an "
                 "implicit integrator such as Radau() or Bdf(), or use formulation=RangeSpace()"
             )
-        return ExplicitStep(self.tableau, problem.rate, problem.correction)
+        return ExplicitStep(self.tableau, problem.rate, problem.correction, problem.upkeep)
 
 
 @dataclass(frozen=True)

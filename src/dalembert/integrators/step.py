@@ -6,6 +6,8 @@ from functools import cached_property
 
 import casadi as ca
 
+from dalembert.symbolic.implicit import ImplicitFunction
+
 
 class Step:
     """What marching and gradients need of a step.
@@ -49,6 +51,11 @@ class Step:
         """``(t, x, p) → memory`` at the start, None for methods without."""
         return None
 
+    @property
+    def residual(self) -> ca.Function | None:
+        """``(t, h, x, p)`` → relative residual of the equations solved in the step, if any."""
+        return None
+
 
 class GraphStep(Step):
     """A step given as a function of the graph; CasADi differentiates it.
@@ -61,6 +68,8 @@ class GraphStep(Step):
     function : ``(t, h, x, p) → x⁺`` without correction
     correction : ``(t, x, p) → x`` of the leading ``state_size`` entries, or None
     begin : ``(t, x, p) → memory``, or None
+    residual : ``(t, h, x, p)`` → relative residual of the equations solved, or None
+    upkeep : like ``correction``, for steps without it, or None
     """
 
     def __init__(
@@ -69,8 +78,11 @@ class GraphStep(Step):
         state_size: int,
         correction: ca.Function | None = None,
         begin: ca.Function | None = None,
+        residual: ca.Function | None = None,
+        upkeep: ca.Function | None = None,
     ):
-        self._bare, self._correction, self._begin = function, correction, begin
+        self._bare, self._begin, self._residual, self._upkeep = function, begin, residual, upkeep
+        self._finish = upkeep if correction is None else correction
         self.size, self.parameter_count = function.numel_in(2), function.numel_in(3)
         self.state_size = state_size
         self.corrects = correction is not None
@@ -80,8 +92,14 @@ class GraphStep(Step):
         return self._begin
 
     @property
+    def residual(self) -> ca.Function | None:
+        return self._residual
+
+    @property
     def plain(self) -> GraphStep:
-        return GraphStep(self._bare, self.state_size, None, self._begin)
+        return GraphStep(
+            self._bare, self.state_size, None, self._begin, self._residual, self._upkeep
+        )
 
     def _symbols(self) -> list[ca.MX]:
         return [
@@ -94,11 +112,14 @@ class GraphStep(Step):
     @cached_property
     def function(self) -> ca.Function:
         t, h, x, p = self._symbols()
-        new = self._bare(t, h, x, p)
-        if self._correction is not None:
-            state = self._correction(t + h, new[: self.state_size], p)
-            new = ca.vertcat(state, new[self.state_size :])
+        new = self.finished(t + h, self._bare(t, h, x, p), p)
         return ca.Function("step", [t, h, x, p], [ca.densify(new)])
+
+    def finished(self, t: ca.MX, x: ca.MX, p: ca.MX) -> ca.MX:
+        """The state, with what is done to it after every step."""
+        if self._finish is None:
+            return x
+        return ca.vertcat(self._finish(t, x[: self.state_size], p), x[self.state_size :])
 
     @cached_property
     def tangent(self) -> ca.Function:
@@ -116,3 +137,8 @@ class GraphStep(Step):
         _, _, x_bar, p_bar = self.function.reverse(1)(t, h, x, p, new, weight)
         out = [ca.densify(x_bar), ca.densify(p_bar)]
         return ca.Function("step_adjoint", [t, h, x, p, weight], out)
+
+
+def graph_of(correction: ImplicitFunction | None) -> ca.Function | None:
+    """The function of a correction, if there is one."""
+    return None if correction is None else correction.function

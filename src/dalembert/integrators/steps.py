@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -56,8 +57,19 @@ def run_length(mode: np.ndarray, begin: int, longest: int) -> int:
     return int(different[0]) if different.size else part.size
 
 
-def _never_switch(times: np.ndarray, states: np.ndarray, mode: int) -> tuple[int, int]:
-    return times.size - 1, mode
+class Switch(NamedTuple):
+    """What to do with the steps of a chunk: how many to keep, and the mode after them.
+
+    With a ``reason`` the march ends there.
+    """
+
+    kept: int
+    mode: int
+    reason: str = ""
+
+
+def _never_switch(times: np.ndarray, states: np.ndarray, mode: int) -> Switch:
+    return Switch(times.size - 1, mode)
 
 
 @dataclass
@@ -68,9 +80,9 @@ class Watch:
     ----------
     progress : told the fraction done
     stop : asked whether to end the march
-    switch : ``(times, states, mode)`` → how many of these steps to keep, and the mode after them
+    switch : ``(times, states, mode)`` → Switch
     """
 
     progress: Callable[[float], None] = lambda fraction: None
     stop: Callable[[np.ndarray, np.ndarray], bool] = lambda times, states: False
-    switch: Callable[[np.ndarray, np.ndarray, int], tuple[int, int]] = _never_switch
+    switch: Callable[[np.ndarray, np.ndarray, int], Switch] = _never_switch

@@ -52,7 +52,7 @@ def _options(file: ModelFile, model: Model, cls: type, table: BaseModel | None) 
         given, kind = getattr(table, field.name), kind_of(field)
         with file.located("analysis", field.name):
             if kind in STRATEGIES:
-                given = _strategy(STRATEGIES[kind], given)
+                given = make_strategy(STRATEGIES[kind], given)
             elif kind == "events":
                 given = {n: _event(file, model, n, e) for n, e in given.items()}
             elif kind == "interval":
@@ -61,7 +61,8 @@ def _options(file: ModelFile, model: Model, cls: type, table: BaseModel | None) 
     return made
 
 
-def _strategy(registry: dict[str, type], given: str | BaseModel) -> Any:
+def make_strategy(registry: dict[str, type], given: str | BaseModel) -> Any:
+    """A strategy from its name, or from a table with its type and its options."""
     if isinstance(given, str):
         return registry[given]()
     return registry[given.type](**given_options(given))  # type: ignore[attr-defined]

@@ -10,7 +10,7 @@ from dalembert.elements.registry import BODIES, DRIVERS, FORCES, JOINTS
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.messages import nearest
 from dalembert.io.strategies import ANALYSES, RESPONSES
-from dalembert.io.tables import Vector, table_of
+from dalembert.io.tables import Vector, table_of, value_type
 from dalembert.io.values import Bound, Entry, Integer, Number, Text, list_of, shown
 from dalembert.sensitivity.gradient import METHODS
 
@@ -91,6 +91,29 @@ class OptimizeTable(Record):
     tolerance: Number = 1e-8
 
 
+_COORDINATES, _FORMULATION = value_type("coordinates"), value_type("formulation")
+_STABILIZATION, _INTEGRATOR = value_type("stabilization"), value_type("integrator")
+
+
+class CompareTable(Record):
+    """What ``dalembert compare`` combines."""
+
+    formulations: list[_FORMULATION] = Field(default_factory=list)  # type: ignore[valid-type]
+    integrators: list[_INTEGRATOR] = Field(default_factory=list)  # type: ignore[valid-type]
+    stabilizations: list[_STABILIZATION] = Field(default_factory=list)  # type: ignore[valid-type]
+    coordinates: list[_COORDINATES] = Field(default_factory=list)  # type: ignore[valid-type]
+    steps: list[Number] = Field(
+        default_factory=list, description="of integrators with fixed steps [s]"
+    )
+    tolerances: list[Number] = Field(
+        default_factory=list, description="of integrators that control their steps"
+    )
+    measure: Text = Field(
+        default=None, description="whose error is told; all coordinates by default"
+    )
+    repeat: Integer = Field(default=1, description="how often each run is timed")
+
+
 class ReportTable(Record):
     """What the report shows first."""
 
@@ -133,6 +156,7 @@ class Document(Record):
     responses: dict[str, _RESPONSE] = Field(default_factory=dict)  # type: ignore[valid-type]
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
     optimize: OptimizeTable = None  # type: ignore[assignment]
+    compare: CompareTable = Field(default_factory=CompareTable)
     report: ReportTable = Field(default_factory=ReportTable)
 
 

@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.compare import Comparing
 from dalembert.design.optimization import Limit
 from dalembert.errors import ModelError
-from dalembert.io.analyses import given_options, make_analysis, read_measure
+from dalembert.io.analyses import given_options, make_analysis, make_strategy, read_measure
 from dalembert.io.messages import nearest
 from dalembert.io.model_file import ModelFile
-from dalembert.io.strategies import RESPONSES
+from dalembert.io.strategies import RESPONSES, STRATEGIES
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
 from dalembert.results.labelled import DATA_ONLY
+
+COMPARED = {
+    "formulations": "formulation",
+    "integrators": "integrator",
+    "stabilizations": "stabilization",
+    "coordinates": "coordinates",
+}
+"""Key of ``[compare]`` → kind of strategy."""
 
 
 def make_responses(file: ModelFile, model: Model) -> dict[str, Response]:
@@ -120,6 +130,42 @@ def make_design(file: ModelFile, model: Model) -> dict[str, Any]:
     return design | {key: getattr(asked, key) for key in keys}
 
 
+def make_comparison(file: ModelFile, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of ``compare`` that ``[compare]`` and the times of ``[analysis]`` give.
+
+    Parameters
+    ----------
+    given : what is known without the file, and not read from it
+
+    Raises
+    ------
+    ModelError
+        No duration, or options that cannot work, with their place.
+    """
+    asked, table, made = file.document.compare, file.document.analysis, {}
+    for key in sorted(asked.model_fields_set - set(given)):
+        values = getattr(asked, key)
+        registry = STRATEGIES.get(COMPARED.get(key, ""))
+        with file.located("compare", key):
+            made[key] = [make_strategy(registry, v) for v in values] if registry else values
+    if "duration" in given:
+        return made
+    if table is None or table.type != "Dynamics":
+        raise file.located.error(
+            'is needed: add a table [analysis] with type = "Dynamics" and duration = …, '
+            "or give a duration",
+            "analysis",
+        )
+    for key in ("duration", "t_span", "outputs"):
+        if key in table.model_fields_set:
+            made[key] = getattr(table, key)
+    if "t_span" in made:
+        made["t_span"] = tuple(made["t_span"])
+    with file.located("compare"):
+        Comparing(**made)
+    return made
+
+
 def report_choices(file: ModelFile, model: Model) -> dict[str, Any]:
     """What the report shows first: ``plots`` and ``trace``, each name checked."""
     report = file.document.report
@@ -146,6 +192,11 @@ def check_tasks(file: ModelFile, model: Model) -> None:
     report_choices(file, model)
     if file.document.analysis is not None:
         make_analysis(file, model)
+    if "compare" in file.document.model_fields_set:
+        make_comparison(file, {})
+        if file.document.compare.measure is not None:
+            with file.located("compare", "measure"):
+                read_measure(model, file.document.compare.measure)
     if "sensitivity" in file.document.model_fields_set:
         make_gradient(file, model)
     if file.document.optimize is not None:

@@ -61,8 +61,10 @@ def _subtitle(motion: LabelledRecording) -> str:
         "InverseDynamics": "inverse dynamics",
         "Equilibrium": "static equilibrium",
     }.get(kind, kind)
-    used = [motion.statistics.get(k) for k in ("integrator", "formulation", "stabilization")]
-    return ", ".join([spoken, " + ".join(str(u) for u in used if u)]).rstrip(", ")
+    choices = ("integrator", "formulation", "stabilization", "coordinates")
+    used = [str(motion.statistics[k]) for k in choices if k in motion.statistics]
+    told = " + ".join(u for u in used if u != "AbsoluteCoordinates")
+    return ", ".join([spoken, told]).rstrip(", ")
 
 
 def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]:
@@ -214,6 +216,7 @@ def _diagnosis(motion: LabelledRecording) -> dict[str, Any]:
         ("loops", "; ".join("–".join(loop) for loop in d.topology.loops) or "none"),
     ]
     messages = [{"level": level, "text": text} for level, text in d.messages]
+    messages[:0] = [{"level": "warning", "text": text} for text in motion.warnings]
     level = "info" if motion.status.success else "error"
     messages.insert(0, {"level": level, "text": str(motion.status)})
     return {

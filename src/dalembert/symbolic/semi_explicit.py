@@ -21,7 +21,8 @@ class SemiExplicit:
     depth : per equation of ``G``, how often it must be differentiated until accelerations appear:
         0 for dynamic equations, 1 for velocity and 2 for position constraints; with steps of
         length h they are scaled by ``h^-depth``
-    lag : per entry of ``z``, the same for the variable: 2 for the ``μ`` that holds positions
+    lag : per entry of ``z``, the same for the variable: 0 for accelerations and forces, 1 for the
+        ``μ`` that shifts speeds; it is scaled by ``h^lag``
     index : differentiation index
     start : ``(t, x, p) → z``, consistent algebraic variables
     """

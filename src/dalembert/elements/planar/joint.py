@@ -118,6 +118,28 @@ class PointJoint(Pair, Constraint):
 
 
 @dataclass(eq=False)
+class TreeJoint(PointJoint):
+    """A joint that can carry a body: its constraint equations are known explicitly, too.
+
+    With the joint coordinates q and the open-constraint coordinates z of its equations (7.7),
+
+        φ_j = φ_i + turn,      r_jP = r_iP + opening(q, z, φ_i),      Φ(y(q, z)) = z.
+    """
+
+    def joint_coordinates(self) -> dict[str, tuple[ca.SX, str]]:
+        """What it leaves free beside a turn: name → (expression of the poses, unit)."""
+        return {}
+
+    def fixed_turn(self, z: ca.SX) -> ca.SX | None:
+        """``φ_j − φ_i`` where the joint prescribes it; None where the turn is free."""
+        return None
+
+    def opening(self, q: ca.SX, z: ca.SX, angle_i: ca.SX) -> ca.SX:
+        """Vector from point_i to point_j, inertial axes."""
+        raise NotImplementedError
+
+
+@dataclass(eq=False)
 class BodyJoint(Pair, Constraint):
     """Constraint between the angles of two bodies (the moment acts anywhere).
 

@@ -6,17 +6,20 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.planar.joint import PointJoint
+from dalembert.elements.planar.joint import TreeJoint
 
 
 @dataclass(eq=False)
-class Revolute(PointJoint):
+class Revolute(TreeJoint):
     """Pin: two points coincide, ``Φ = r_j + A_j s_j' − r_i − A_i s_i' = 0`` (1.18)."""
 
     kind = "revolute"
 
     def residual(self) -> ca.SX:
         return self.between
+
+    def opening(self, q: ca.SX, z: ca.SX, angle_i: ca.SX) -> ca.SX:
+        return z
 
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
         return self.turning

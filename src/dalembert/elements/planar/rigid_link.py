@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.elements.planar.joint import PointJoint
+from dalembert.elements.planar.joint import TreeJoint
 
 
 @dataclass(eq=False)
-class RigidLink(PointJoint):
+class RigidLink(TreeJoint):
     """Constant distance between two points (revolute–revolute), ``Φ = |r_jP − r_iP| − length``.
 
     The multiplier is the force in the link [N], positive in tension.
@@ -27,3 +27,9 @@ class RigidLink(PointJoint):
     def residual(self) -> ca.SX:
         d = self.between
         return ca.sqrt(ca.sumsqr(d)) - self.length.sx
+
+    def joint_coordinates(self) -> dict[str, tuple[ca.SX, str]]:
+        return {"direction": (ca.atan2(self.between[1], self.between[0]), "rad")}
+
+    def opening(self, q: ca.SX, z: ca.SX, angle_i: ca.SX) -> ca.SX:
+        return (self.length.sx + z) * ca.vertcat(ca.cos(q), ca.sin(q))

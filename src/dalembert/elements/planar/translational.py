@@ -8,7 +8,7 @@ import casadi as ca
 
 from dalembert.elements.base import Scalar, Vector, quantity
 from dalembert.elements.planar.body import perpendicular, rotation, unit_vector
-from dalembert.elements.planar.joint import PointJoint
+from dalembert.elements.planar.joint import PointJoint, TreeJoint
 
 
 @dataclass(eq=False)
@@ -27,8 +27,11 @@ class SlidingJoint(PointJoint):
     @property
     def direction(self) -> ca.SX:
         """Unit vector along the line, inertial axes."""
-        local = unit_vector(self.axis.sx, f"{self.name}.axis")
-        return ca.mtimes(rotation(self.point_i.body.pose_angle), local)
+        return self.direction_at(self.point_i.body.pose_angle)
+
+    def direction_at(self, angle_i: ca.SX) -> ca.SX:
+        """The unit vector for an angle of the first body."""
+        return ca.mtimes(rotation(angle_i), unit_vector(self.axis.sx, f"{self.name}.axis"))
 
     @property
     def displacement(self) -> ca.SX:
@@ -42,7 +45,19 @@ class SlidingJoint(PointJoint):
 
 
 @dataclass(eq=False)
-class Translational(SlidingJoint):
+class GuidingJoint(SlidingJoint, TreeJoint):
+    """A joint that keeps the point on the line; its first coordinate is the displacement."""
+
+    def joint_coordinates(self) -> dict[str, tuple[ca.SX, str]]:
+        return {"displacement": (self.displacement, "m")}
+
+    def opening(self, q: ca.SX, z: ca.SX, angle_i: ca.SX) -> ca.SX:
+        along = self.direction_at(angle_i)
+        return q * along + z[0] * perpendicular(along)
+
+
+@dataclass(eq=False)
+class Translational(GuidingJoint):
     """Slider: point_j on a line of body i, no relative rotation (1.26).
 
     ``Φ = [n_iᵀ (r_jP − r_iP); φ_j − φ_i − angle] = 0``, n_i the unit normal of the line.
@@ -64,9 +79,12 @@ class Translational(SlidingJoint):
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
         return {"displacement": (self.displacement, "m")}
 
+    def fixed_turn(self, z: ca.SX) -> ca.SX:
+        return self.angle.sx + z[1]
+
 
 @dataclass(eq=False)
-class PinInSlot(SlidingJoint):
+class PinInSlot(GuidingJoint):
     """Pin of body j in a straight slot of body i (revolute–translational).
 
     ``Φ = n_iᵀ (r_jP − r_iP) = 0``; the bodies may turn against each other.

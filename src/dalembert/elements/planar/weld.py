@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.elements.planar.joint import PointJoint
+from dalembert.elements.planar.joint import TreeJoint
 
 
 @dataclass(eq=False)
-class Weld(PointJoint):
+class Weld(TreeJoint):
     """Two points coincide and the bodies do not turn against each other.
 
     ``Φ = [r_jP − r_iP; φ_j − φ_i − angle] = 0``; with the ground this is (1.27).
@@ -26,6 +26,12 @@ class Weld(PointJoint):
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.between, self.turn - self.angle.sx)
+
+    def fixed_turn(self, z: ca.SX) -> ca.SX:
+        return self.angle.sx + z[2]
+
+    def opening(self, q: ca.SX, z: ca.SX, angle_i: ca.SX) -> ca.SX:
+        return z[:2]
 
     def units(self) -> list[str]:
         return ["m", "m", "rad"]

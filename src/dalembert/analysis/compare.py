@@ -1,0 +1,181 @@
+"""Formulations, coordinates, stabilizations and integrators compared on one mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.combinations import (
+    TOLERANCES,
+    Combination,
+    checked_values,
+    combinations,
+    usual_steps,
+)
+from dalembert.analysis.comparison_run import ComparisonRun
+from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.observation import KINDS, Observation, observe
+from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.reference import Reference, find_reference
+from dalembert.analysis.timeline import checked_span, output_times
+from dalembert.errors import AnalysisError
+from dalembert.model.model import Model
+from dalembert.results.comparison import Comparison, comparison_of
+from dalembert.results.motion import Motion
+
+
+@dataclass(frozen=True)
+class Comparing:
+    """A comparison as a strategy object, its choices checked; parameters as in ``compare``."""
+
+    duration: float | None = None
+    formulations: Any = None
+    integrators: Any = None
+    stabilizations: Any = None
+    coordinates: Any = None
+    steps: Any = None
+    tolerances: Any = TOLERANCES
+    measure: Any = None
+    reference: Dynamics | Motion | None = None
+    repeat: int = 1
+    t_span: tuple[float, float] | None = None
+    outputs: int | Sequence[float] = 201
+
+    def __post_init__(self) -> None:
+        start, end = self.span
+        output_times(self.outputs, start, end)
+        if isinstance(self.repeat, bool) or not isinstance(self.repeat, int) or self.repeat < 1:
+            raise AnalysisError(f"repeat is {self.repeat!r}; time each run at least once")
+        if not (self.reference is None or isinstance(self.reference, (Dynamics, Motion))):
+            raise AnalysisError(
+                f"reference: expected Dynamics(...) or a motion, got {self.reference!r}"
+            )
+        checked_values(self.tolerances, "tolerances")
+        longest = checked_values(self.steps, "steps")[0] if self.steps is not None else 0.0
+        if longest > end - start:
+            raise AnalysisError(f"step {longest:g} s is longer than the run of {end - start:g} s")
+        self.grid((1.0,))
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Start and end [s]."""
+        return checked_span(self.duration, self.t_span)
+
+    def grid(self, usual: Sequence[float]) -> list[Combination]:
+        """Everything to run; ``usual`` are the steps where none are given."""
+        return combinations(
+            self.coordinates,
+            self.formulations,
+            self.stabilizations,
+            self.integrators,
+            usual if self.steps is None else checked_values(self.steps, "steps"),
+            checked_values(self.tolerances, "tolerances"),
+        )
+
+    def run(
+        self,
+        model: Model,
+        parameters: Mapping[str, float] | None = None,
+        progress: bool | Callable[[float], None] = False,
+    ) -> Comparison:
+        """Find the reference, then run every combination.
+
+        Raises
+        ------
+        AnalysisError
+            The reference run fails, or there is no such measure.
+        """
+        p, observed = model.values(parameters), observe(model, self.measure)
+        span = Dynamics(t_span=self.span, outputs=output_times(self.outputs, *self.span))  # type: ignore[arg-type]
+        exact = find_reference(model, span, p, observed, self.reference)
+        grid = self.grid(usual_steps(exact.step))
+        runs = ComparisonRun(model, span, p, observed, exact, self.repeat)
+        with progress_reporter(progress, f"comparing {len(grid)} runs of {model.name}") as report:
+            for k, combination in enumerate(grid):
+                runs.add(combination)
+                report((k + 1) / len(grid))
+                if runs.interrupted:
+                    break
+        about = self._about(model, observed, exact) | {"complete": int(not runs.interrupted)}
+        return comparison_of(runs.rows, about)
+
+    def _about(self, model: Model, observed: Observation, exact: Reference) -> dict[str, Any]:
+        made: dict[str, Any] = {
+            "model": model.name,
+            "start": self.span[0],
+            "end": self.span[1],
+            "measure": observed.name,
+            "measure_unit": observed.unit,
+            "reference": exact.text,
+            "kinetic_energy": exact.energy,
+            "repeat": self.repeat,
+        }
+        for kind in KINDS:
+            largest, last = exact.uncertainty.get(kind, (np.nan, np.nan))
+            made |= {f"uncertainty_{kind}": largest, f"uncertainty_{kind}_final": last}
+        return made
+
+
+def compare(
+    model: Model,
+    duration: float | None = None,
+    *,
+    formulations: Any = None,
+    integrators: Any = None,
+    stabilizations: Any = None,
+    coordinates: Any = None,
+    steps: float | Sequence[float] | None = None,
+    tolerances: float | Sequence[float] = TOLERANCES,
+    measure: Any = None,
+    parameters: Mapping[str, float] | None = None,
+    reference: Dynamics | Motion | None = None,
+    repeat: int = 1,
+    progress: bool | Callable[[float], None] = False,
+    t_span: tuple[float, float] | None = None,
+    outputs: int | Sequence[float] = 201,
+) -> Comparison:
+    """Run every combination of strategies: what it costs, and how far off it is.
+
+    Errors are the largest difference from a reference over the outputs. The reference is checked
+    by a second run with another formulation and tolerance; errors below the difference of the two
+    are marked, for they mean nothing. A combination that cannot work stays, with the reason.
+
+    Parameters
+    ----------
+    model : Model
+    duration : [s]; or ``t_span``, (start, end)
+    formulations, integrators, stabilizations, coordinates : names or strategy objects, one or
+        several; by default those that suit most mechanisms
+    steps : of integrators with fixed steps [s]; by default four about what the motion asks for
+    tolerances : relative and absolute, of integrators that control their steps
+    measure : name, formula or expression whose error is told; by default all coordinates
+    parameters : new values of parameters, without rebuilding
+    reference : ``Dynamics(...)`` or a motion that errors are measured against
+    repeat : how often each run is timed after a first one; the shortest time counts
+    progress : True for a bar, or a function of the fraction done
+    outputs : number of equally spaced times of comparison, or the times [s]
+
+    Raises
+    ------
+    UnsupportedError
+        An unknown name.
+    AnalysisError
+        Numbers that cannot work, or a reference run that fails.
+    """
+    return Comparing(
+        duration,
+        formulations,
+        integrators,
+        stabilizations,
+        coordinates,
+        steps,
+        tolerances,
+        measure,
+        reference,
+        repeat,
+        t_span,
+        outputs,
+    ).run(model, parameters, progress)

@@ -1,0 +1,121 @@
+"""The rows of a comparison: each run timed from a cold start and measured."""
+
+from __future__ import annotations
+
+import time as clock
+from copy import copy
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.combinations import Combination
+from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.observation import Observation, differences
+from dalembert.analysis.reference import Reference
+from dalembert.errors import DalembertError, UnsupportedError
+from dalembert.model.model import Model
+from dalembert.results.motion import Motion
+from dalembert.results.status import Outcome
+
+
+class ComparisonRun:
+    """Runs of one model over the same times.
+
+    Parameters
+    ----------
+    model : Model
+    span : ``Dynamics`` with the times
+    p : parameter values
+    observed : what errors are taken of
+    exact : Reference
+    repeat : how often each run is timed once it has run
+
+    Attributes
+    ----------
+    rows : one per run
+    unsupported : choices that cannot work
+    interrupted : the user stopped the last run
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        span: Dynamics,
+        p: np.ndarray,
+        observed: Observation,
+        exact: Reference,
+        repeat: int,
+    ):
+        self.model, self.span, self.p = model, span, p
+        self.observed, self.exact, self.repeat = observed, exact, repeat
+        self.rows: list[dict[str, Any]] = []
+        self.unsupported: list[dict[str, str]] = []
+        self.interrupted = False
+
+    def add(self, combination: Combination) -> None:
+        """Costs, violations and errors of a combination, or why there are none.
+
+        What cannot work at one step will not at another, so it is told once.
+        """
+        names = combination.labels
+        if names in self.unsupported:
+            return
+        row: dict[str, Any] = {
+            **names,
+            "step": combination.step,
+            "tolerance": combination.tolerance,
+        }
+        self.rows.append(row)
+        try:
+            motion, costs = self.timed(replace(self.span, **combination.strategies))
+            row |= costs | self.quality(motion)
+            row |= {"outcome": motion.status.outcome.value, "message": motion.status.message}
+            self.interrupted = motion.status.outcome is Outcome.INTERRUPTED
+        except (DalembertError, RuntimeError) as error:  # CasADi raises RuntimeError
+            row |= {"outcome": type(error).__name__, "message": " ".join(str(error).split())}
+            if isinstance(error, UnsupportedError):
+                row |= {"step": None, "tolerance": None}
+                self.unsupported.append(names)
+        except KeyboardInterrupt:
+            self.rows.pop()
+            self.interrupted = True
+
+    def timed(self, analysis: Dynamics) -> tuple[Motion, dict[str, Any]]:
+        """A run from a cold start, and the shortest time of its integration.
+
+        Changes of variant compile during the first run, which is why it is not the only one."""
+        cold = copy(self.model)
+        cold.functions = {}  # so that preparation is seen, and freed after the run
+        begin = clock.perf_counter()
+        analysis.kernel(cold)
+        building = clock.perf_counter() - begin
+        motion = analysis.run(cold, self.p)
+        brief = replace(analysis, outputs=self.span.outputs[-1:])  # type: ignore[index]
+        again = range(self.repeat if motion.status.success else 0)
+        runs = [motion, *(brief.run(cold, self.p) for _ in again)]
+        shortest = min(run.statistics["integration time [s]"] for run in runs)
+        count = motion.statistics["steps"]
+        return replace(motion, model=self.model), {
+            "steps": count,
+            "rejected": motion.statistics["rejected steps"],
+            "time": shortest,
+            "time_per_step": 1e6 * shortest / count if motion.status.success else None,
+            "preparation": building + motion.statistics["preparation time [s]"],
+        }
+
+    def quality(self, motion: Motion) -> dict[str, Any]:
+        """Violations, energy and errors, where the end was reached."""
+        if motion.status.outcome not in (Outcome.COMPLETED, Outcome.NOT_CONVERGED):
+            return {}
+        largest = {
+            name: float(np.max(abs(motion.data[name].values), initial=0.0))
+            for name in ("position_violation", "velocity_violation", "balance_error")
+        }
+        energy_error = largest.pop("balance_error") / self.exact.energy
+        made: dict[str, Any] = {**largest, "energy_error": energy_error}
+        found = differences(self.observed.of(motion), self.exact.values)
+        for kind, (most, last) in found.items():
+            made[f"error_{kind}"], made[f"error_{kind}_final"] = most, last
+        trusted = self.exact.uncertainty["position"][0]
+        return made | {"below_uncertainty": made["error_position"] <= trusted}

@@ -1,0 +1,170 @@
+"""How a dynamic run ended, and what is told about it."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.singular_positions import near_singular_position
+from dalembert.integrators.steps import Steps
+from dalembert.model.model import Model
+from dalembert.results.recording import Trajectory
+from dalembert.results.status import Outcome, Status
+
+LOST = 1e-6
+"""Violation of a constraint at which a run that corrects them has failed."""
+
+
+class Ending:
+    """The end of a run, examined.
+
+    Parameters
+    ----------
+    kernel, steps, trajectory : of the run
+    p : (np,) parameters
+    following : length of the step that comes, or would have come, after the last one [s]
+    """
+
+    def __init__(
+        self,
+        kernel: DynamicsKernel,
+        steps: Steps,
+        trajectory: Trajectory,
+        p: np.ndarray,
+        following: float,
+    ):
+        self.kernel, self.steps, self.s, self.p = kernel, steps, trajectory, p
+        self.following = following
+        self.time = float(trajectory.t[-1])
+
+    @cached_property
+    def violations(self) -> np.ndarray:
+        """Largest violation of a position constraint at every output."""
+        return _violations(self.kernel.model, self.s, self.p)
+
+    def _ends(self, outcome: Outcome, text: str) -> Status:
+        return Status(outcome, text, self.time, float(np.max(self.violations, initial=0.0)))
+
+    def terminated(self, name: str, time: float) -> Status:
+        """Ended by an event."""
+        return self._ends(Outcome.TERMINATED, f"{name} at t = {time:.9g} s")
+
+    @property
+    def status(self) -> Status:
+        """Outcome, message and residual."""
+        steps, s = self.steps, self.s
+        residual = float(np.max(self.violations, initial=0.0))
+        if steps.interrupted:
+            return self._ends(Outcome.INTERRUPTED, f"stopped at t = {self.time:g} s")
+        unsolved = self.unsolved() if steps.message else ""
+        if unsolved:
+            return self._ends(Outcome.NOT_CONVERGED, unsolved)
+        lost = steps.message or not residual <= LOST
+        singular = self.singular_position() if lost else ""
+        if singular:
+            return self._ends(Outcome.SINGULAR, singular)
+        if steps.message:
+            hint = "the mechanism may be at a singular position, or the step too long"
+            text = f"{steps.message} after t = {steps.end:.9g} s; {hint}"
+            return self._ends(Outcome.DIVERGED, text)
+        finite = np.isfinite(s.a).all(axis=0) & np.isfinite(s.multiplier).all(axis=0)
+        if not finite.all():
+            text = f"accelerations have no unique value at t = {s.t[np.argmin(finite)]:.9g} s"
+            return self._ends(Outcome.SINGULAR, text)
+        if self.kernel.variants[0].step.corrects and residual > LOST:
+            text = f"the projection left a violation of {residual:.3g}; use a shorter step"
+            return self._ends(Outcome.NOT_CONVERGED, text)
+        return self._ends(Outcome.COMPLETED, f"reached t = {self.time:g} s")
+
+    def unsolved(self) -> str:
+        """What Newton's method left open in the step that failed, or nothing."""
+        steps = self.steps
+        step = self.kernel.variants[steps.mode[-1] if steps.count else -1].step
+        if step.residual is None:
+            return ""
+        where = (steps.end, self.following, steps.x[:, -1], self.p)
+        if np.all(np.isfinite(step.function(*where).full())):
+            return ""
+        left = float(step.residual(*where))
+        return (
+            f"Newton's method did not converge at t = {steps.end:.9g} s (relative residual "
+            f"{left:.3g}); use a shorter step, or look for a singular position there"
+        )
+
+    def singular_position(self) -> str:
+        """What to say where a run lost its constraints at a singular position; else empty."""
+        if self.kernel.formulation.every_equation:
+            return ""
+        lost = ~(self.violations < LOST)
+        lost_at = float(self.s.t[np.argmax(lost)] if lost.any() else self.s.t[-1])
+        found = near_singular_position(self.kernel.equations, self.steps, self.p, lost_at)
+        if found is None:
+            return ""
+        time, smallest = found
+        return (
+            f"the constraints were lost at t = {time:.6g} s near a singular position, where the "
+            f"smallest singular value of C is {smallest:.2g}; formulation=AugmentedLagrangian() "
+            "passes through such positions"
+        )
+
+
+def statistics(
+    kernel: DynamicsKernel,
+    steps: Steps,
+    s: Trajectory,
+    p: np.ndarray,
+    times: tuple[float, float],
+) -> dict[str, Any]:
+    """What was done, for people; ``times`` of preparation and integration [s]."""
+    prepared, elapsed = times
+    choices = {
+        "coordinates": kernel.coordinates,
+        "formulation": kernel.formulation,
+        "stabilization": kernel.stabilization,
+        "integrator": kernel.integrator,
+    }
+    made: dict[str, Any] = {name: type(choice).__name__ for name, choice in choices.items()}
+    made |= {
+        "steps": steps.count,
+        "rejected steps": steps.rejected,
+        "preparation time [s]": round(prepared, 6),
+        "integration time [s]": round(elapsed, 6),
+    }
+    made |= kernel.formulation.report
+    if kernel.formulation.every_equation:  # whose multipliers are iterated or only nearly right
+        made["largest |C v̇ − ξ|"] = _acceleration_residual(kernel, s, p)
+    if np.unique(steps.mode).size > 1:
+        made["changes of variant"] = int(np.sum(np.diff(steps.mode) != 0))
+    if steps.count:
+        made["time per step [µs]"] = round(1e6 * elapsed / steps.count, 2)
+        made["shortest step [s]"] = float(steps.h.min())
+        made["longest step [s]"] = float(steps.h.max())
+    return made
+
+
+def _acceleration_residual(kernel: DynamicsKernel, s: Trajectory, p: np.ndarray) -> float:
+    """Largest ``|C v̇ − ξ|`` of all equations over the outputs."""
+    e, stabilization = kernel.model.all_equations, kernel.stabilization
+    rest = ca.mtimes(e.jacobian, e.a) - stabilization.constraint_acceleration(e)
+    inputs = [e.t, e.y, e.v, e.a, e.p]
+    function = kernel.model.compiled(
+        ("acceleration residual", stabilization),
+        lambda: ca.Function("rest", inputs, [ca.norm_inf(rest) if rest.numel() else ca.SX(0)]),
+    )
+    parameters = np.tile(p[:, None], s.t.size)
+    return float(function.map(s.t.size)(s.t, s.y, s.v, s.a, parameters).full().max())
+
+
+def _violations(model: Model, s: Trajectory, p: np.ndarray) -> np.ndarray:
+    """Largest violation of every output."""
+    e = model.equations
+    if not e.constraint_count or not s.t.size:
+        return np.zeros(s.t.size)
+    function = model.compiled(
+        "violation", lambda: ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(e.constraints)])
+    )
+    return function.map(s.t.size)(s.t, s.y, np.tile(p[:, None], s.t.size)).full().ravel()

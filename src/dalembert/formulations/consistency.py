@@ -1,0 +1,48 @@
+"""Corrections of a state of which some speeds are given by the others."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from dalembert.formulations.base import Formulation, state_symbols
+from dalembert.model.equations import Equations
+from dalembert.symbolic.implicit import ImplicitFunction, Solver, Stage
+
+
+def with_consistent_speeds(
+    e: Equations, formulation: Formulation, correction: ImplicitFunction | None
+) -> ImplicitFunction | None:
+    """``(t, x, p) → x``: the formulation's consistent speeds, then the correction with them.
+
+    Where all speeds are states it is the correction itself.
+    """
+    speeds = formulation.consistent_speeds(e)
+    if speeds is None:
+        return correction
+    unknown = speeds.unknown
+
+    def seen(expression: ca.SX) -> ca.SX:
+        return ca.substitute(expression, e.v, unknown)
+
+    def following(solve: Solver) -> Solver:
+        def solved(rhs: ca.SX) -> ca.SX:
+            hole = ca.SX.sym("rhs", *rhs.shape)
+            return ca.substitute(seen(solve(hole)), hole, ca.densify(rhs))
+
+        return solved
+
+    stages, outputs = [speeds], [state_symbols(e)]
+    if correction is not None:
+        outputs = correction.outputs
+        stages += [
+            Stage(
+                stage.unknown,
+                seen(stage.residual),
+                seen(stage.value),
+                following(stage.solve),
+                following(stage.solve_transposed),
+            )
+            for stage in correction.stages
+        ]
+    inputs = [e.t, state_symbols(e), e.p]
+    return ImplicitFunction("consistent", inputs, stages, [seen(out) for out in outputs])

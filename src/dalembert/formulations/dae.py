@@ -1,0 +1,118 @@
+"""The constrained equations as a differential-algebraic system, left to an implicit integrator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.errors import UnsupportedError
+from dalembert.formulations.base import (
+    Formulation,
+    dynamic_equations,
+    state_rate,
+    state_symbols,
+)
+from dalembert.formulations.range_space import RangeSpaceSolver
+from dalembert.model.equations import Equations
+from dalembert.model.inertia import Inertia
+from dalembert.symbolic.semi_explicit import SemiExplicit
+
+
+@dataclass(frozen=True)
+class Dae(Formulation):
+    """``ẏ = A v``, ``M v̇ + d = f − Cᵀλ`` with the constraints at a chosen level.
+
+    ===== ============================== ==========================================
+    index constraint                     holds at the end of a step
+    ===== ============================== ==========================================
+    3     ``Φ = 0`` (5.1)                positions; speeds as the integrator leaves them
+    2     ``Ψ = C v + Φ_t = 0``          speeds; positions drift slowly
+    1     ``C v̇ = ξ`` (5.2)              accelerations only
+    ===== ============================== ==========================================
+
+    With ``stabilized`` the index-2 form holds positions too (Gear, Gupta and Leimkuhler 1985):
+    ``ẏ = A (v − M⁻¹Cᵀμ)`` with ``Φ = 0``; the exact ``μ`` is zero. Where some speeds have no mass
+    ``M⁻¹`` is left out.
+
+    Reported accelerations and multipliers follow from ``C v̇ = ξ`` (5.7) at the states reached.
+
+    Parameters
+    ----------
+    index : differentiation index 3, 2 or 1
+    stabilized : hold positions as well as speeds, with ``index=2``
+
+    Raises
+    ------
+    UnsupportedError
+        Another index, or ``stabilized`` with another index than 2.
+    """
+
+    index: int = 3
+    stabilized: bool = False
+
+    def __post_init__(self) -> None:
+        if self.index not in (1, 2, 3):
+            raise UnsupportedError(
+                f"Dae(index={self.index}): the index is 3 (positions), 2 (speeds) or "
+                "1 (accelerations)"
+            )
+        if self.stabilized and self.index != 2:
+            raise UnsupportedError(
+                f"Dae(index={self.index}, stabilized=True): the stabilised form has index 2; use "
+                "Dae(index=2, stabilized=True)"
+            )
+
+    @property
+    def gives_accelerations(self) -> bool:
+        return False
+
+    def solver(
+        self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]
+    ) -> RangeSpaceSolver:
+        return RangeSpaceSolver(inertia, jacobian, massless)
+
+    def semi_explicit(self, e: Equations, xi: ca.SX) -> SemiExplicit:
+        """The system of the chosen index; ``z = [v̇; λ]``, and ``μ`` where stabilised.
+
+        Raises
+        ------
+        UnsupportedError
+            Violations fed back through ``ξ``, which only index 1 contains.
+        """
+        if self.index > 1 and xi is not e.constraint_acceleration:
+            raise UnsupportedError(
+                f"Dae(index={self.index}) has no equation ξ that Baumgarte could stabilise; use "
+                "stabilization=Projection() or Stabilization(), or Dae(index=1)"
+            )
+        n, m = e.speed_count, e.constraint_count
+        rate, rows = state_rate(e), [dynamic_equations(e)]
+        z, depth, lag = [e.a, e.multiplier], [0] * n, [0] * (n + m)
+        if self.stabilized:
+            mu = ca.SX.sym("mu", m)
+            rate = ca.vertcat(ca.substitute(e.pose_rate, e.v, e.v - self._shift(e, mu)), e.a)
+            rate = ca.vertcat(rate, e.powers)
+            z, lag = [*z, mu], [*lag, *[1] * m]
+        levels = {3: e.constraints, 2: e.velocity_constraints, 1: ca.mtimes(e.jacobian, e.a) - xi}
+        for level in (2, 3) if self.stabilized else (self.index,):
+            rows.append(levels[level])
+            depth += [level - 1] * m
+        start = [e.a, e.multiplier] + ([ca.SX.zeros(m)] if self.stabilized else [])
+        return SemiExplicit(
+            e.t,
+            state_symbols(e),
+            ca.vertcat(*z),
+            e.p,
+            rate,
+            ca.vertcat(*rows),
+            tuple(depth),
+            tuple(lag),
+            self.index,
+            self.acceleration(e, e.constraint_acceleration, [ca.vertcat(*start)], "dae_start"),
+        )
+
+    @staticmethod
+    def _shift(e: Equations, mu: ca.SX) -> ca.SX:
+        """Speeds that move the positions back, orthogonal to the constraints."""
+        normal = ca.mtimes(e.jacobian.T, mu)
+        return normal if e.massless else e.inertia.solve(normal)

@@ -1,0 +1,116 @@
+"""Velocity partitioning, ``C = [U W]``: which speeds are independent (6.4).
+
+Speeds are compared in units of ``√m_kk``, so that metres and radians count by the energy they
+carry. The independent ones are those that no other speed exceeds: ``|W⁻¹U| ≤ 1`` in these units.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import scipy.linalg
+
+from dalembert.errors import SingularityError
+from dalembert.formulations.basis import NullSpaceBasis
+from dalembert.model.equations import Equations
+from dalembert.symbolic.factor import QrFactor
+
+MASSLESS = 1e-6
+"""Weight of a speed without mass, of the mean weight: it is never independent where others can."""
+BEST = 1.01
+
+
+class PartitionBasis(NullSpaceBasis):
+    """``D = [I; −W⁻¹U]`` (6.4) by sparse QR of W.
+
+    Parameters
+    ----------
+    jacobian : SX ``C`` (m, n)
+    independent : indices of the columns U
+    """
+
+    def __init__(self, jacobian: ca.SX, independent: tuple[int, ...]):
+        n = jacobian.shape[1]
+        self.independent = list(independent)
+        self.dependent = [k for k in range(n) if k not in independent]
+        self.u = jacobian[:, self.independent]
+        self.w = QrFactor(jacobian[:, self.dependent])
+        self.matrix = ca.SX(n, len(independent))
+        self.matrix[self.independent, :] = ca.SX.eye(len(independent))
+        self.matrix[self.dependent, :] = -self.ratio
+        self.matrix = ca.sparsify(self.matrix)
+
+    @property
+    def ratio(self) -> ca.SX:
+        """``W⁻¹ U``."""
+        return self.w.solve(self.u)
+
+    def particular(self, rhs: ca.SX) -> ca.SX:
+        return self.completed(ca.SX.zeros(len(self.independent), rhs.shape[1]), rhs)
+
+    def completed(self, u: ca.SX, rhs: ca.SX) -> ca.SX:
+        """``v`` with ``C v = rhs`` and given independent entries."""
+        v = ca.SX.zeros(len(self.independent) + len(self.dependent), rhs.shape[1])
+        v[self.independent, :] = u
+        v[self.dependent, :] = self.w.solve(rhs - ca.mtimes(self.u, u))
+        return v
+
+    def multipliers(self, force: ca.SX) -> ca.SX:
+        return self.w.solve_transposed(force[self.dependent, :])
+
+
+def speed_weights(e: Equations) -> ca.SX:
+    """``√m_kk`` (n,)."""
+    mass = ca.densify(ca.diag(e.mass))
+    present = [mass[k] for k in range(e.speed_count) if k not in e.massless]
+    mean = sum(present, ca.SX(0)) / len(present) if present else ca.SX(1)
+    mass[list(e.massless)] = MASSLESS * mean
+    return ca.sqrt(mass)
+
+
+def scaled_ratios(e: Equations, independent: tuple[int, ...]) -> ca.SX:
+    """``W⁻¹U`` (m, n − m) in units of energy, of t, y, p."""
+    basis, weight = PartitionBasis(e.jacobian, independent), speed_weights(e)
+    scaled = ca.mtimes(ca.diag(weight[basis.dependent]), basis.ratio)
+    return ca.mtimes(scaled, ca.diag(1 / weight[basis.independent]))
+
+
+def largest_ratio(e: Equations, independent: tuple[int, ...]) -> ca.SX:
+    """Largest entry of ``|W⁻¹U|`` in units of energy; one or less is best."""
+    ratios = scaled_ratios(e, independent)
+    return ca.norm_inf(ca.vec(ratios)) if ratios.numel() else ca.SX(0)
+
+
+def best_partition(e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
+    """Indices of the independent speeds at a position.
+
+    Raises
+    ------
+    SingularityError
+        Constraint equations without a value here.
+    """
+    n, m = e.speed_count, e.constraint_count
+    if not 0 < m < n:
+        return tuple(range(n)) if m == 0 else ()
+    evaluate = ca.Function("C", [e.t, e.y, e.p], [ca.densify(e.jacobian), speed_weights(e)])
+    jacobian, weight = (out.full() for out in evaluate(t, y, p))
+    if not (np.all(np.isfinite(jacobian)) and np.all(weight > 0)):
+        raise SingularityError(
+            f"no independent speeds can be chosen at t = {t:.9g} s: the constraint equations or "
+            "masses have no usable value there; use formulation=RangeSpace()"
+        )
+    rows = np.linalg.qr((jacobian / weight.T).T, mode="complete")[0][:, m:]
+    return largest_volume(rows)
+
+
+def largest_volume(basis: np.ndarray) -> tuple[int, ...]:
+    """Rows of a (n, k) matrix that give all others with coefficients of one at most."""
+    k = basis.shape[1]
+    chosen = scipy.linalg.qr(basis.T, mode="economic", pivoting=True)[2][:k]
+    for _ in range(100 * k):
+        share = np.linalg.solve(basis[chosen].T, basis.T).T
+        row, column = np.unravel_index(np.argmax(np.abs(share)), share.shape)
+        if abs(share[row, column]) <= BEST:
+            break
+        chosen[column] = row
+    return tuple(int(index) for index in np.sort(chosen))

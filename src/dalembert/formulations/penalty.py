@@ -1,0 +1,82 @@
+"""Penalty formulation (7.1–7.4): constraints replaced by stiff, damped, heavy forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.errors import UnsupportedError
+from dalembert.formulations.augmented_mass import AugmentedLagrangianSolver, AugmentedMass
+from dalembert.formulations.base import Formulation, SaddleSolver
+from dalembert.model.equations import Equations
+from dalembert.model.inertia import Inertia
+
+
+class PenaltySolver(SaddleSolver):
+    """``C x − z/α = r2``."""
+
+    def __init__(self, augmented: AugmentedMass):
+        self.augmented, self.softness = augmented, 1 / augmented.alpha
+        self.speed_count = augmented.inertia.size
+
+    def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
+        return self.augmented.refined(r1, r2, 3, self.softness)  # for the digits lost to α
+
+    @property
+    def corrector(self) -> AugmentedLagrangianSolver:
+        return AugmentedLagrangianSolver(self.augmented, 3, rounds=1)
+
+
+@dataclass(frozen=True)
+class Penalty(Formulation):
+    """``(M + CᵀαC) v̇ = f − d − Cᵀα(2ηΦ̇ + ω²Φ − ξ)`` (7.4), ``λ = α(C v̇ − ξ + 2ηΦ̇ + ω²Φ)``.
+
+    Constraints hold only nearly, ``Φ̈ + 2ηΦ̇ + ω²Φ = λ/α``: errors of ``v̇`` and ``λ`` fall with
+    ``1/α``. Takes redundant constraints and passes through singular positions.
+
+    Parameters
+    ----------
+    factor : ``α`` over the mean of the masses and moments of inertia
+    omega : stiffness of the constraints over ``α``, as a frequency ``ω`` [rad/s]
+    eta : their damping over ``2α``, ``η`` [1/s]; at least ``omega``, critical when equal
+
+    Raises
+    ------
+    UnsupportedError
+        ``factor`` or ``omega`` not positive, ``eta`` below ``omega``.
+    """
+
+    factor: float = 1e6
+    omega: float = 10.0
+    eta: float = 10.0
+
+    def __post_init__(self) -> None:
+        for name in ("factor", "omega"):
+            value = getattr(self, name)
+            if not 0 < value < float("inf"):
+                raise UnsupportedError(f"Penalty: {name}={value} must be positive and finite")
+        if not self.omega <= self.eta < float("inf"):
+            raise UnsupportedError(
+                f"Penalty: eta={self.eta} must be at least omega={self.omega}, or the constraints "
+                f"oscillate; eta={self.omega} damps them critically"
+            )
+
+    @property
+    def every_equation(self) -> bool:
+        return True
+
+    @property
+    def report(self) -> dict[str, float]:
+        return {"augmented mass / mean mass": self.factor}
+
+    @property
+    def feedback(self) -> tuple[float, float]:
+        return 2 * self.eta, self.omega**2
+
+    def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> PenaltySolver:
+        return PenaltySolver(AugmentedMass(inertia, jacobian, massless, self.factor))
+
+    def constraint_acceleration(self, e: Equations, xi: ca.SX) -> ca.SX:
+        damping, stiffness = self.feedback
+        return xi - damping * e.velocity_constraints - stiffness * e.constraints

@@ -1,0 +1,141 @@
+"""Minimal equations by partitioning the speeds (6.4–6.8).
+
+    v = [u; w],    C = [U W],    w = −W⁻¹(U u + Φ_t),    DᵀM D u̇ = Dᵀ(f − d − M γ)
+
+What matters of the state is y and u: all speeds are made of u wherever they are used, so that the
+velocity constraints hold to round-off and only the position constraints can be violated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import UnsupportedError
+from dalembert.formulations.base import Formulation
+from dalembert.formulations.named_speeds import check_independent, indices_of
+from dalembert.formulations.null_space import NullSpaceSolver
+from dalembert.formulations.partition import PartitionBasis, best_partition, largest_ratio
+from dalembert.model.equations import Equations
+from dalembert.model.inertia import Inertia
+from dalembert.symbolic.implicit import Stage
+from dalembert.symbolic.semi_explicit import SemiExplicit
+
+SMALLEST_LIMIT = 1.1
+LIMIT = 1.5
+"""With this one, errors of turning mechanisms are no larger than with all speeds as states."""
+LIMIT_OF_GIVEN = 50.0
+
+
+@dataclass(frozen=True)
+class VelocityPartitioning(Formulation):
+    """Integrate as many speeds as there are degrees of freedom (6.8).
+
+    Parameters
+    ----------
+    independent : names of the coordinates whose speeds are independent; None to let the run choose
+        the best conditioned ones, watch them and exchange them on its way
+    limit : largest dependent speed per independent one, in units of energy, ``√(m_ii/m_jj)
+        |W⁻¹U|_ij``, before the run chooses others (None: 1.5), or that given ones may reach
+        (None: 50)
+
+    Raises
+    ------
+    UnsupportedError
+        A limit that no choice can keep; on running: unknown names, wrong number, Baumgarte.
+    SingularityError
+        Given speeds that do not determine the others at a position of the run.
+    """
+
+    independent: tuple[str, ...] | None = None
+    limit: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.independent is not None:
+            given = self.independent
+            names = (given,) if isinstance(given, str) else tuple(given)
+            object.__setattr__(self, "independent", names)
+        if self.limit is not None and not self.limit >= SMALLEST_LIMIT:
+            raise UnsupportedError(
+                f"VelocityPartitioning(limit={self.limit}): must be at least {SMALLEST_LIMIT}"
+            )
+
+    def choose(self, e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> Formulation:
+        if self.independent is None:
+            return IndependentSpeeds(best_partition(e, t, y, p), self.limit or LIMIT)
+        indices, limit = indices_of(e, self.independent), self.limit or LIMIT_OF_GIVEN
+        check_independent(e, indices, limit, t, y, p)
+        return IndependentSpeeds(indices, limit)
+
+    def solver(
+        self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]
+    ) -> NullSpaceSolver:
+        raise UnsupportedError(
+            "VelocityPartitioning: which speeds are independent depends on the position; "
+            "call choose(equations, t, y, p) first"
+        )
+
+
+@dataclass(frozen=True)
+class IndependentSpeeds(Formulation):
+    """Velocity partitioning with definite independent speeds, by their indices in v."""
+
+    indices: tuple[int, ...]
+    limit: float
+
+    def solver(
+        self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]
+    ) -> NullSpaceSolver:
+        return NullSpaceSolver(inertia, PartitionBasis(jacobian, self.indices))
+
+    def conditioning(self, e: Equations) -> tuple[ca.SX, float]:
+        return largest_ratio(e, self.indices), self.limit
+
+    def constraint_acceleration(self, e: Equations, xi: ca.SX) -> ca.SX:
+        if not ca.is_equal(xi, e.constraint_acceleration, 2):
+            raise UnsupportedError(
+                "VelocityPartitioning keeps the velocity constraints exactly and leaves Baumgarte "
+                "nothing to act on; use stabilization=Projection() or Stabilization()"
+            )
+        return xi
+
+    def consistent_speeds(self, e: Equations) -> Stage:
+        """``Ψ(y, v_c) = 0`` with ``S(v_c − v) = 0``, S picking the independent speeds."""
+        basis, chosen = PartitionBasis(e.jacobian, self.indices), list(self.indices)
+        m = e.constraint_count
+        speeds = ca.SX.sym("v_c", e.speed_count)
+        psi = e.velocity_constraints
+        imposed = ca.substitute(psi, e.v, ca.SX.zeros(e.speed_count))
+        residual = ca.vertcat(ca.substitute(psi, e.v, speeds), speeds[chosen] - e.v[chosen])
+
+        def transposed(rhs: ca.SX) -> ca.SX:
+            across = basis.multipliers(rhs)
+            return ca.vertcat(across, rhs[chosen, :] - ca.mtimes(basis.u.T, across))
+
+        return Stage(
+            speeds,
+            residual,
+            basis.completed(e.v[chosen], -imposed),
+            lambda rhs: basis.completed(rhs[m:, :], rhs[:m, :]),
+            transposed,
+        )
+
+    def semi_explicit(self, e: Equations, xi: ca.SX) -> SemiExplicit:
+        """Index-1 form with the consistent speeds as further algebraic variables."""
+        plain, speeds = super().semi_explicit(e, xi), self.consistent_speeds(e)
+        start = self.acceleration(
+            e, e.constraint_acceleration, [ca.vertcat(plain.z, e.v)], "algebraic_start"
+        )
+        rate, algebraic = ca.substitute([plain.rate, plain.algebraic], [e.v], [speeds.unknown])
+        more = (0,) * e.speed_count
+        return replace(
+            plain,
+            z=ca.vertcat(plain.z, speeds.unknown),
+            rate=rate,
+            algebraic=ca.vertcat(algebraic, speeds.residual),
+            depth=plain.depth + more,
+            lag=plain.lag + more,
+            start=start,
+        )

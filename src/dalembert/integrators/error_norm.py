@@ -1,0 +1,38 @@
+"""How far an estimated error exceeds what is allowed, along the constraints and off them."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import casadi as ca
+
+from dalembert.integrators.base import Problem
+
+Graph = TypeVar("Graph", ca.SX, ca.MX)
+
+
+def relative_error(
+    problem: Problem, t: Graph, x: Graph, p: Graph, error: Graph, allowed: Graph
+) -> Graph:
+    """Entries of the error over what is allowed; a step is good where none exceeds one.
+
+    Where a correction moves states back onto the constraints (``problem.tangential``), what points
+    off them is no error of the motion. It is allowed the square root of the tolerance, so that the
+    correction finds its way; in a fully driven mechanism nothing else limits the step.
+
+    Parameters
+    ----------
+    t, x, p : where the step arrives
+    error, allowed : of all states; only the leading ``problem.controlled`` count
+    """
+    count = problem.controlled
+    if problem.tangential is None:
+        return ca.fabs(error[:count] / allowed[:count])
+    along = problem.tangential(t, x, p, error)
+    off = ca.fabs(error - along)[:count] / ca.sqrt(allowed[:count])
+    return ca.fmax(ca.fabs(along)[:count] / allowed[:count], off)
+
+
+def largest(ratios: Graph) -> Graph:
+    """The largest entry; infinite where one is not a number, which a maximum would overlook."""
+    return ca.if_else(ca.sumsqr(ratios) < ca.inf, ca.mmax(ratios), ca.inf)

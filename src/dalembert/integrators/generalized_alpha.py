@@ -1,0 +1,82 @@
+"""Methods of order 2 that damp what is too fast for the step, and little else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dalembert.errors import UnsupportedError
+from dalembert.integrators.newmark import NewmarkFamily
+from dalembert.integrators.newmark_step import NewmarkCoefficients
+
+
+@dataclass(frozen=True)
+class GeneralizedAlpha(NewmarkFamily):
+    """Generalised-α (Chung and Hulbert 1993) for constrained systems (Arnold and Brüls 2007).
+
+    ``α_m = (2ρ − 1)/(ρ + 1)``, ``α_f = ρ/(ρ + 1)``, ``γ = 1/2 − α_m + α_f``, ``β = (γ + 1/2)²/4``:
+    oscillations much faster than the step shrink to ``ρ`` times in every step.
+
+    Parameters
+    ----------
+    rho_inf : ``ρ`` from 0 (asymptotic annihilation) to 1 (no damping) [-]
+    tolerance : relative residual at which Newton's method ends [-]
+    max_iterations : of Newton's method
+
+    Raises
+    ------
+    UnsupportedError
+        ``ρ`` outside 0…1.
+    """
+
+    rho_inf: float = 0.8
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 <= self.rho_inf <= 1:
+            raise UnsupportedError(
+                f"GeneralizedAlpha(rho_inf={self.rho_inf}): the spectral radius at infinite "
+                "frequency is between 0 and 1"
+            )
+
+    @property
+    def coefficients(self) -> NewmarkCoefficients:
+        rho = self.rho_inf
+        return _second_order((2 * rho - 1) / (rho + 1), rho / (rho + 1))
+
+
+@dataclass(frozen=True)
+class HHT(NewmarkFamily):
+    """Hilber, Hughes and Taylor (1977): ``α_f = α``, ``γ = 1/2 + α``, ``β = (1 + α)²/4``.
+
+    The spectral radius at infinite frequency is ``(1 − α)/(1 + α)``. Some texts write ``−α``.
+
+    Parameters
+    ----------
+    alpha : 0 (no damping) to 1/3 [-]
+    tolerance : relative residual at which Newton's method ends [-]
+    max_iterations : of Newton's method
+
+    Raises
+    ------
+    UnsupportedError
+        ``α`` outside 0…1/3.
+    """
+
+    alpha: float = 0.1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 <= self.alpha <= 1 / 3:
+            raise UnsupportedError(
+                f"HHT(alpha={self.alpha}): alpha is between 0 and 1/3 (where it is written as "
+                "negative, turn the sign)"
+            )
+
+    @property
+    def coefficients(self) -> NewmarkCoefficients:
+        return _second_order(0.0, self.alpha)
+
+
+def _second_order(alpha_m: float, alpha_f: float) -> NewmarkCoefficients:
+    gamma = 0.5 - alpha_m + alpha_f
+    return NewmarkCoefficients((gamma + 0.5) ** 2 / 4, gamma, alpha_m, alpha_f)

@@ -1,0 +1,158 @@
+"""One step of Newmark's method or a relative with algorithmic damping, for constrained systems.
+
+In the form of Arnold and Brüls (2007), with algorithmic accelerations ``α`` beside the true ``v̇``:
+
+    ẏ ≈ A(ȳ) w,    w = v + h ((1/2 − β) α + β α⁺),    v⁺ = v + h ((1 − γ) α + γ α⁺),
+    (1 − α_m) α⁺ + α_m α = (1 − α_f) v̇⁺ + α_f v̇,    0 = G(t⁺, x⁺, z⁺),
+
+where ȳ is the mean of old and new positions. ``α ≈ v̇(t + δ h)`` with ``δ = α_m − α_f`` is kept as
+``s = (α − v̇) / h``, so that it starts and changes step lengths without loss of order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.errors import UnsupportedError
+from dalembert.integrators.base import Problem
+from dalembert.integrators.newton import ImplicitIntegrator, NewtonNode, constant
+from dalembert.integrators.stage_equations import StageEquations
+from dalembert.integrators.step import GraphStep, graph_of
+
+
+@dataclass(frozen=True)
+class NewmarkCoefficients:
+    """``β``, ``γ``, ``α_m`` and ``α_f`` as above."""
+
+    beta: float
+    gamma: float
+    alpha_m: float = 0.0
+    alpha_f: float = 0.0
+
+    @property
+    def shift(self) -> float:
+        """``δ``: where within a step algorithmic accelerations belong."""
+        return self.alpha_m - self.alpha_f
+
+    @property
+    def undamped(self) -> bool:
+        """Oscillations of any frequency keep their amplitude."""
+        return self.gamma == 0.5 and self.shift == 0
+
+
+class NewmarkStep(GraphStep):
+    """One step; its memory is ``[ẑ; s; powers; dẑ/dt]``, the last for first guesses."""
+
+    def __init__(self, chosen: NewmarkCoefficients, problem: Problem, settings: ImplicitIntegrator):
+        self.chosen, self.problem = chosen, problem
+        self.equations = e = StageEquations(problem.system)
+        s = problem.system
+        _refuse_algebraic_speeds(problem, settings.name)
+        if problem.system.index == 3 and chosen.undamped and problem.correction is None:
+            raise UnsupportedError(
+                f"{settings.name} without damping lets every disturbance of the accelerations grow "
+                "where only positions are constrained; use GeneralizedAlpha(rho_inf=0.9), "
+                "stabilization=Projection() or Dae(index=2)"
+            )
+        n, controlled = e.size, problem.controlled
+        self.positions = list(range(problem.positions))
+        self.speeds = list(range(problem.positions, controlled))
+        self.rest = list(range(controlled, n))
+        self.t, self.h, self.x, self.p = s.t, ca.SX.sym("h"), s.x, s.p
+        self.u = ca.SX.sym("u", e.count)
+        self.memory = ca.SX.sym("memory", 2 * e.algebraic + len(self.speeds) + len(self.rest))
+        self.given = ca.vertcat(self.t, self.h, self.x, self.memory, self.p)
+        new, memory, rows = self._equations()
+        scale = e.residual_scale(settings.tolerance)(self.t + self.h, self.h, new, self.u, self.p)
+        outputs = [ca.vertcat(new, memory)]
+        self._newton = NewtonNode(
+            "newmark", self.u, self.given, rows, scale, settings.newton, outputs
+        )
+        self._guess = constant("guess", [self.given], self._extrapolated())
+        size = n + self.memory.numel()
+        symbols = [ca.MX.sym(*k) for k in (("t", 1), ("h", 1), ("x", size), ("p", s.p.numel()))]
+        after, residual = self._solve(*symbols)
+        super().__init__(
+            ca.Function("bare_step", symbols, [after]),
+            n,
+            graph_of(problem.correction),
+            self._start(),
+            ca.Function("newton_residual", symbols, [residual]),
+            graph_of(problem.upkeep),
+        )
+
+    def _remembered(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Scaled algebraic variables, ``s`` and powers of the last step."""
+        m, k = self.equations.algebraic, len(self.speeds)
+        return self.memory[:m], self.memory[m : m + k], self.memory[m + k : -m]
+
+    def _equations(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """New state, new memory and residuals, as expressions of the unknowns."""
+        e, c, t, h, x, p = self.equations, self.chosen, self.t, self.h, self.x, self.p
+        z, s, powers = self._remembered()
+
+        def rate(time, state, u) -> ca.SX:
+            return e.rate(time, h, state, u, p)
+
+        old = rate(t, x, ca.vertcat(z, ca.SX.zeros(len(e.coupled))))[self.speeds]
+        true = rate(t, x, self.u)[self.speeds]
+        algorithmic = old + h * s
+        following = (1 - c.alpha_f) * true + c.alpha_f * old - c.alpha_m * algorithmic
+        following = following / (1 - c.alpha_m)
+        speed = x[self.speeds]
+        new, middle = ca.SX(x), ca.SX(x)
+        middle[self.speeds] = speed + h * ((0.5 - c.beta) * algorithmic + c.beta * following)
+        new[self.speeds] = speed + h * ((1 - c.gamma) * algorithmic + c.gamma * following)
+        if e.coupled:
+            new[e.coupled] = x[e.coupled] + h * self.u[e.algebraic :]
+        middle[self.positions] = (x[self.positions] + new[self.positions]) / 2
+        for _ in e.levels:  # positions that follow from other positions come later
+            free = [i for i in self.positions if i not in e.coupled]
+            new[free] = x[free] + h * rate(t + h / 2, middle, self.u)[free]
+            middle[free] = (x[free] + new[free]) / 2
+        rows = e.rows(t + h, h, new, self.u, p)[: e.algebraic]
+        k = self.u[e.algebraic :]
+        rows = ca.vertcat(rows, k - rate(t + h / 2, middle, self.u)[e.coupled])
+        used = rate(t + h, new, self.u)[self.rest]
+        new[self.rest] = x[self.rest] + h / 2 * (powers + used)
+        found = self.u[: e.algebraic]
+        memory = ca.vertcat(found, (following - true) / h, used, (found - z) / h)
+        return new, memory, rows
+
+    def _extrapolated(self) -> ca.SX:
+        """First guess of the unknowns."""
+        e, z = self.equations, self._remembered()[0]
+        ahead = ca.vertcat(z + self.h * self.memory[-e.algebraic :], ca.SX(len(e.coupled), 1))
+        rate = e.rate(self.t, self.h, self.x, ahead, self.p)
+        return ca.vertcat(ahead[: e.algebraic], rate[e.coupled])
+
+    def _start(self) -> ca.Function:
+        """``(t, x, p) → memory`` with ``s = δ v̈``."""
+        system = self.problem.system
+        z = system.start.function(self.t, self.x, self.p)
+        rate = ca.substitute(system.rate, system.z, z)
+        along = ca.vertcat(1, rate)
+        jerk, drift = (
+            ca.jtimes(part, ca.vertcat(self.t, self.x), along) for part in (rate[self.speeds], z)
+        )
+        memory = ca.vertcat(z, self.chosen.shift * jerk, rate[self.rest], drift)
+        return ca.Function("begin", [self.t, self.x, self.p], [memory], {"cse": True})
+
+    def _solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX]:
+        """New state with memory, relative residual."""
+        given = ca.vertcat(t, h, x, p)
+        (new,), residual = self._newton.results(self._guess(given), given)
+        return new, residual
+
+
+def _refuse_algebraic_speeds(problem: Problem, name: str) -> None:
+    """Positions must follow from the speeds in the state, which the method averages."""
+    s = problem.system
+    instant = [i for i, lag in enumerate(s.lag) if lag == 0]
+    if ca.depends_on(s.rate[: problem.positions], s.z[instant]):
+        raise UnsupportedError(
+            f"{name} needs all speeds in the state, of which this formulation keeps some only; use "
+            "Trapezoidal() or Radau(), or formulation=RangeSpace()"
+        )

@@ -1,0 +1,147 @@
+"""Radau IIA of order 5 with control of the step length."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import UnsupportedError
+from dalembert.integrators.base import Attempt, Problem
+from dalembert.integrators.embedded import decide
+from dalembert.integrators.error_norm import largest, relative_error
+from dalembert.integrators.implicit_runge_kutta import (
+    ButcherMatrix,
+    CollocationStep,
+    ImplicitRungeKutta,
+    stages,
+)
+from dalembert.integrators.step import Step
+
+_R = sqrt(6)
+RADAU_IIA = ButcherMatrix(
+    (
+        ((88 - 7 * _R) / 360, (296 - 169 * _R) / 1800, (-2 + 3 * _R) / 225),
+        ((296 + 169 * _R) / 1800, (88 + 7 * _R) / 360, (-2 - 3 * _R) / 225),
+        ((16 - _R) / 36, (16 + _R) / 36, 1 / 9),
+    ),
+    order=5,
+)
+"""Hairer and Wanner (1996), IV.5."""
+FILTER = (6 - 9 ** (1 / 3) + 81 ** (1 / 3)) / 30
+"""``γ₀``: the real eigenvalue of the matrix."""
+ESTIMATE = FILTER / 3 * np.array([-13 - 7 * _R, -13 + 7 * _R, -1]) @ np.array(RADAU_IIA.a)
+"""Weights of the rates at the stages in the estimate of the error; ``γ₀`` is that of the first."""
+ERROR_ORDER = 3
+
+
+@dataclass(frozen=True)
+class Radau(ImplicitRungeKutta):
+    """Radau IIA, three stages, order 5: for stiff systems and for every index.
+
+    Positions and speeds have order 5 with ``Dae(index=1)``, ``Dae(index=2)`` and its stabilised
+    form; with index 3 positions have order 5 and speeds order 3, unless a ``Projection`` follows.
+    Without it errors of speeds count h times there: their part off the constraints stays.
+    A step is accepted when ``max |e_i| / (atol + rtol |x_i|) ≤ 1`` over coordinates and speeds,
+    with ``e = (I − hγ₀J)⁻¹ h (γ₀ F₀ + Σ w_i F_i)`` (Hairer and Wanner 1996, IV.8).
+
+    Parameters
+    ----------
+    rtol : relative tolerance [-]
+    atol : absolute tolerance [m, rad, m/s, rad/s]
+    max_step : longest step [s]; a quarter of the run if None
+    fixed : take steps of the given length without error control
+    tolerance : relative residual at which Newton's method ends [-]
+    max_iterations : of Newton's method
+
+    Raises
+    ------
+    UnsupportedError
+        A tolerance or ``max_step`` that is not positive.
+    """
+
+    rtol: float = 1e-8
+    atol: float = 1e-10
+    max_step: float | None = None
+    fixed: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (self.rtol > 0 and self.atol > 0):
+            raise UnsupportedError(
+                f"Radau(rtol={self.rtol}, atol={self.atol}): tolerances must be positive"
+            )
+        if self.max_step is not None and not self.max_step > 0:
+            raise UnsupportedError(f"Radau(max_step={self.max_step}): must be positive")
+
+    @property
+    def matrix(self) -> ButcherMatrix:
+        return RADAU_IIA
+
+    @property
+    def adaptive(self) -> bool:
+        return not self.fixed
+
+    @property
+    def longest_step(self) -> float | None:
+        return self.max_step
+
+    def attempt(self, problem: Problem, step: Step) -> Attempt | None:
+        if self.fixed:
+            return None
+        assert isinstance(step, CollocationStep)
+        state = ca.MX.sym("s", 3 + step.size)
+        fixed = ca.MX.sym("f", 2 + step.parameter_count)
+        arrived = ca.vertcat(state[0], 0, 0, 1)
+        rest = ca.Function("rest", [state, fixed], [state, arrived])
+        branch = ca.Function.if_else("attempt", self._active(problem, step), rest)
+        outputs = branch(state[0] < fixed[0], state, fixed)
+        return Attempt(ca.Function("attempt", [state, fixed], list(outputs)), (1.0,))
+
+    def _active(self, problem: Problem, step: CollocationStep) -> ca.Function:
+        """The attempt before the end is reached."""
+        state = ca.MX.sym("s", 3 + step.size)
+        fixed = ca.MX.sym("f", 2 + step.parameter_count)
+        t, proposed, x = state[0], state[1], state[3:]
+        end, longest, p = fixed[0], fixed[1], fixed[2:]
+        h = ca.fmin(ca.fmin(proposed, longest), end - t)
+        new, rates, _ = step.solve(t, h, x, p)
+        corrected = step.finished(t + h, new, p)
+        error = _estimate(step, t, h, x, p, rates)
+        if problem.tangential is None and problem.system.index == 3:
+            # speeds off the constraints do not shrink with h; they matter as h times themselves
+            weight = [1.0] * problem.positions + [0.0] * (step.size - problem.positions)
+            error = error * (h + (1 - h) * ca.DM(weight))
+        allowed = self.atol + self.rtol * ca.fmax(ca.fabs(x), ca.fabs(corrected))
+        ratio = largest(relative_error(problem, t + h, new, p, error, allowed))
+        ratio = ca.if_else(ca.sumsqr(corrected) < np.inf, ratio, np.inf)
+        following, record = decide(state, end, h, corrected, ratio, ERROR_ORDER)
+        return ca.Function("active", [state, fixed], [following, record])
+
+
+def _estimate(step: CollocationStep, t, h, x, p, rates: ca.MX) -> ca.MX:
+    """Error of the new state, with what is stiff or leaves the constraints filtered out."""
+    u, begin = step.begin_rates(t, h, x, p)
+    raw = h * (FILTER * begin + ca.mtimes(rates, ca.DM(ESTIMATE)))
+    matrix, rhs, change = _linearised(step)
+    base = x - h * FILTER * begin
+    solution = ca.solve(matrix(t, h, base, u, p), rhs(t, h, base, u, p, raw), "qr")
+    return change(t, h, base, u, p, raw, solution)
+
+
+def _linearised(step: CollocationStep) -> tuple[ca.Function, ca.Function, ca.Function]:
+    """How a disturbance of the old state changes the result of one implicit stage of length γ₀h."""
+    e, s = step.equations, step.equations.system
+    at = (s.t, ca.SX.sym("h"), s.x, ca.SX.sym("u", e.count), s.p)
+    (state,), _, (rows,) = stages(e, ((FILTER,),), (0.0,), at, None)
+    h, u = at[1], at[3]
+    rows = rows / ca.vertcat(*(h**k for k in s.depth), *(1 for _ in e.coupled))
+    disturbance, solution = ca.SX.sym("d", e.size), ca.SX.sym("w", e.count)
+    matrix = ca.Function("matrix", list(at), [ca.jacobian(rows, u)], {"cse": True})
+    moved = -ca.densify(ca.jtimes(rows, s.x, disturbance))
+    rhs = ca.Function("rhs", [*at, disturbance], [moved], {"cse": True})
+    total = ca.jtimes(state, s.x, disturbance) + ca.jtimes(state, u, solution)
+    inputs = [*at, disturbance, solution]
+    return matrix, rhs, ca.Function("change", inputs, [ca.densify(total)], {"cse": True})

@@ -1,0 +1,105 @@
+"""What an implicit step solves at one time: unknowns, equations, their scale, a first guess."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from dalembert.symbolic.semi_explicit import SemiExplicit
+
+ROUNDING = 16 * float(np.finfo(float).eps)
+LEAST = 1e-9
+"""Size of states and accelerations, in SI units, that is measured as if it were not less."""
+SMALL_ROWS = 1e-2
+"""Share of the largest row that every row is measured by at least."""
+
+
+class StageEquations:
+    """A differential-algebraic system with as few unknowns as possible.
+
+    Unknown are ``u = [ẑ; k]``: algebraic variables ``ẑ = z / h^lag`` and the rates ``k`` of those
+    states whose rates depend on each other (``ẏ = A(y) v``). All other states follow explicitly,
+    one level after the other: speeds from accelerations, positions from speeds, then work.
+
+    Attributes
+    ----------
+    coupled : indices of the states with unknown rates
+    levels : indices of the other states, in the order in which they follow
+    count : number of unknowns
+    """
+
+    def __init__(self, system: SemiExplicit):
+        self.system = system
+        self.size, self.algebraic = system.x.numel(), system.z.numel()
+        self.coupled, self.levels = _order(system)
+        self.count = self.algebraic + len(self.coupled)
+        s = system
+        self.h, self.u = ca.SX.sym("h"), ca.SX.sym("u", self.count)
+        lag = ca.vertcat(*(self.h**k for k in s.lag)) if any(s.lag) else 1
+        scaled = lag * self.u[: self.algebraic]
+        rate, algebraic = ca.substitute([s.rate, s.algebraic], [s.z], [scaled])
+        rows = ca.vertcat(algebraic, self.u[self.algebraic :] - rate[self.coupled])
+        inputs = [s.t, self.h, s.x, self.u, s.p]
+        self.rate = ca.Function("rate", inputs, [ca.densify(rate)])
+        self.rows = ca.Function("rows", inputs, [ca.densify(rows)])
+        self._rate, self._rows = rate, rows
+        self._lag = lag
+
+    def residual_scale(self, tolerance: float) -> ca.Function:
+        """``(t, h, x, u, p)`` → residuals that count as zero.
+
+        The terms of a dynamic equation are the magnitudes in ``|∂G/∂u| |u|`` and its value without
+        ``u``; those of a constraint are its change within the step, ``h |∂G/∂x| |F|``. Rounding of
+        the states adds ``|∂G/∂x| |x|``; of forces that are linear in u it is that of the forces.
+        """
+        s, level = self.system, np.array([*self.system.depth, *(0 for _ in self.coupled)])
+        by_unknown = ca.fabs(ca.jacobian(self._rows, self.u))
+        still = ca.substitute(self._rows, self.u, ca.SX.zeros(self.count))
+        by_state = ca.fabs(ca.jacobian(still, s.x))
+        terms = ca.densify(ca.mtimes(by_unknown, LEAST + ca.fabs(self.u)) + ca.fabs(still))
+        change = self.h * ca.mtimes(by_state, ca.fabs(self._rate))
+        constraints = [int(i) for i in np.flatnonzero(level)]
+        terms[constraints] = change[constraints]
+        noise = ca.densify(ca.mtimes(by_state, LEAST + ca.fabs(s.x)))
+        scale = ca.SX.zeros(terms.numel())
+        for depth in np.unique(level):
+            rows = [int(i) for i in np.flatnonzero(level == depth)]
+            for weight, part in ((tolerance, terms[rows]), (ROUNDING, noise[rows])):
+                scale[rows] += weight * (part + SMALL_ROWS * ca.mmax(part))
+        return ca.Function("row_scale", [s.t, self.h, s.x, self.u, s.p], [scale])
+
+    def begin(self) -> ca.Function:
+        """``(t, h, x, p) → u, ẋ`` with the accelerations of the state itself.
+
+        Derivatives see ẋ only: u is a first guess.
+        """
+        s = self.system
+        z = s.start.function(s.t, s.x, s.p)
+        rate = ca.substitute(s.rate, s.z, z)
+        guess = ca.vertcat(z / self._lag, rate[self.coupled])
+        options: Any = {"never_inline": True, "is_diff_out": [False, True], "cse": True}
+        return ca.Function(
+            "begin",
+            [s.t, self.h, s.x, s.p],
+            [ca.densify(guess), ca.densify(rate)],
+            options,
+        )
+
+
+def _order(system: SemiExplicit) -> tuple[list[int], list[list[int]]]:
+    """States whose rates depend on each other, and the levels of the others."""
+    pattern = ca.DM(ca.jacobian_sparsity(system.rate, system.x), 1.0).full() != 0
+    _, label = connected_components(csr_matrix(pattern), directed=True, connection="strong")
+    crowd = np.bincount(label)[label] > 1
+    cyclic = crowd | np.diag(pattern)
+    done, levels = cyclic.copy(), []
+    while not done.all():
+        # what is left depends on nothing that is not known by now, sooner or later
+        ready = ~done & ~(pattern & ~done[None, :]).any(axis=1)
+        levels.append([int(i) for i in np.flatnonzero(ready)])
+        done |= ready
+    return [int(i) for i in np.flatnonzero(cyclic)], levels

@@ -1,0 +1,176 @@
+"""Joint coordinates (6.2), (6.21), with the reactions of joints by (7.13).
+
+The joints of a spanning tree hold exactly, by ``y = g(q)``; the other constraints close the loops:
+
+    DᵀMD q̈ + Dᵀ(Mγ + d) = Dᵀf − (C_II D)ᵀ λ_II,      Φ_II(g(q), t) = 0
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import UnsupportedError
+from dalembert.model.assembly import independent_rows
+from dalembert.model.coordinates import Coordinates, CoordinateView
+from dalembert.model.equations import Equations
+from dalembert.model.kinematic_tree import links_of
+from dalembert.model.model import Model
+from dalembert.model.tree_inertia import TreeInertia
+from dalembert.model.tree_motion import TreeMotion
+from dalembert.symbolic.expression import stack
+from dalembert.symbolic.factor import LdlFactor, block_inverse
+from dalembert.symbolic.implicit import ImplicitFunction
+
+CHOICES = {"angles": ("relative", "absolute"), "reactions": ("augmented", "projected")}
+
+
+@dataclass(frozen=True)
+class JointCoordinates(Coordinates):
+    """Relative motions in the joints of a tree; loops are closed by constraints (6.21).
+
+    Parameters
+    ----------
+    cut : names of joints that must not be in the tree; which others close loops is found
+    angles : ``"relative"`` to the carrying body or ``"absolute"`` (Fig. 6.1)
+    reactions : of the tree's joints, ``"augmented"`` by (7.13), where no matrix is inverted, or
+        ``"projected"`` by (6.3), (6.23)
+
+    Raises
+    ------
+    UnsupportedError
+        Another word for ``angles`` or ``reactions``.
+    """
+
+    cut: tuple[str, ...] = ()
+    angles: str = "relative"
+    reactions: str = "augmented"
+
+    def __post_init__(self) -> None:
+        names = (self.cut,) if isinstance(self.cut, str) else tuple(self.cut)
+        object.__setattr__(self, "cut", names)
+        for field, known in CHOICES.items():
+            given = getattr(self, field)
+            if given not in known:
+                raise UnsupportedError(
+                    f"JointCoordinates({field}={given!r}): choose {' or '.join(map(repr, known))}"
+                )
+
+    def view(self, model: Model, every_equation: bool = False) -> JointView:
+        return JointView(model, self, every_equation)
+
+
+class JointView(CoordinateView):
+    """The equations of a model in the coordinates of a tree of its joints.
+
+    Attributes
+    ----------
+    motion : TreeMotion, how the bodies move with q
+    tree_rows, loop_rows : rows of ``Φ`` that the tree satisfies (in its order), and the others
+    """
+
+    def __init__(self, model: Model, choice: JointCoordinates, every_equation: bool):
+        self.model, self.reactions = model, choice.reactions
+        self.bodies = model.all_equations
+        if not self.bodies.lift.is_eye():
+            raise UnsupportedError("JointCoordinates needs bodies whose speeds are rates of poses")
+        self.links = links_of(model.parts, choice.cut, choice.angles == "absolute")
+        self.names = [name for link in self.links for name in link.names]
+        self.motion = TreeMotion(self.links, model.coordinates)
+        first: dict[str, int] = {}
+        for k, (constraint, _) in enumerate(model.closure.owners):
+            first.setdefault(constraint.name, k)
+        carrying = [link.joint for link in self.links if link.joint is not None]
+        self.tree_rows = [
+            first[joint.name] + k for joint in carrying for k in range(joint.equations.numel())
+        ]
+        carried = set(self.tree_rows)
+        self.loop_rows = [k for k in range(self.bodies.constraint_count) if k not in carried]
+        e = self._equations()
+        self.equations = e if every_equation else e.with_rows(self._independent(e))
+
+    def moved(self, expressions: list[ca.SX]) -> list[ca.SX]:
+        """Expressions of ``y, v, v̇`` of the bodies in ``q, q̇, q̈``."""
+        e, m = self.bodies, self.motion
+        known = ca.vertcat(m.pose, m.speed, m.acceleration)
+        return ca.substitute(expressions, [ca.vertcat(e.y, e.v, e.a)], [known])
+
+    def _equations(self) -> Equations:
+        """With all loop equations."""
+        e, m = self.bodies, self.motion
+        parts = [e.bias, e.force, e.constraints[self.loop_rows, :], e.potential, e.powers, e.mass]
+        bias, force, constraints, potential, powers, mass = self.moved(parts)
+        inertia = TreeInertia(m.basis, [mass[b.rows, b.rows] for b in m.basis.branches])
+        made = Equations(
+            t=e.t,
+            y=m.q,
+            v=m.u,
+            p=e.p,
+            a=m.a,
+            multiplier=e.multiplier[self.loop_rows, :],
+            pose_rate=m.u,
+            inertia=inertia,
+            bias=ca.densify(m.basis.transposed(ca.mtimes(mass, m.gamma) + bias)),
+            force=ca.densify(m.basis.transposed(force)),
+            constraints=ca.densify(constraints),
+            potential=potential,
+            powers=powers,
+        )
+        return replace(made, massless=self._massless(inertia)) if e.massless else made
+
+    @cached_property
+    def reduce(self) -> ImplicitFunction:
+        e = self.bodies
+        q = self.model.at_ground(stack(link.reading for link in self.links))
+        return ImplicitFunction("reduce", [e.t, e.y, e.v, e.p], [], [q, e.rate(q)])
+
+    def _at_start(self, expression: ca.SX) -> np.ndarray:
+        """An expression of t, q and p at the assembled start."""
+        start, p = self.model.start, self.model.nominal
+        q, _ = self.reduce.function(0.0, start.y, start.v, p)
+        function = ca.Function("start", [self.bodies.t, self.motion.q, self.bodies.p], [expression])
+        return function(0.0, q, p).full()
+
+    def _independent(self, e: Equations) -> list[int]:
+        """Loop equations that do not follow from the tree and the ones before them."""
+        return independent_rows(self._at_start(e.jacobian)) if self.loop_rows else []
+
+    def _massless(self, inertia: TreeInertia) -> tuple[int, ...]:
+        """Coordinates that take part in a motion without kinetic energy."""
+        mass = self._at_start(inertia.matrix)
+        size = np.sqrt(np.diag(mass))
+        unit = np.where(size > 0, size, 1.0)
+        values, vectors = np.linalg.eigh(mass / np.outer(unit, unit))
+        lost = np.abs(vectors[:, values < 1e-12]).max(axis=1, initial=0.0)
+        return tuple(int(k) for k in np.flatnonzero(lost > 1e-6))
+
+    # what the bodies do and joints transmit ---------------------------------------------------
+    def lift(self, expression: ca.SX) -> ca.SX:
+        e, m = self.bodies, self.motion
+        symbols = ca.vertcat(e.y, e.v, e.a)
+        known = ca.vertcat(m.pose, m.speed, m.acceleration)
+        tree = e.multiplier[self.tree_rows, :]
+        if tree.numel() and ca.depends_on(expression, tree):
+            symbols, known = ca.vertcat(symbols, tree), ca.vertcat(known, self.tree_reactions)
+        return self.equations.without_dropped(ca.substitute(expression, symbols, known))
+
+    @cached_property
+    def tree_reactions(self) -> ca.SX:
+        """``λ_I`` of the joints in the tree, of ``q, q̇, q̈`` and ``λ_II``."""
+        e, m = self.bodies, self.motion
+        closing = e.constraints[self.loop_rows, :]
+        pull = ca.SX.zeros(e.speed_count)
+        if self.loop_rows:  # C_IIᵀ λ_II
+            pull = ca.jtimes(closing, e.y, e.multiplier[self.loop_rows, :], True)
+        transmitted = self.moved([e.force - e.bias - pull - ca.mtimes(e.mass, e.a)])[0]
+        if self.reactions == "augmented":  # (7.13)
+            return ca.densify(m.basis.opened_transposed(transmitted))
+        held = ca.jacobian(e.constraints[self.tree_rows, :], e.y)
+        units = np.zeros(e.speed_count)
+        units[list(e.massless)] = 1.0
+        c, mass = self.moved([held, e.mass + ca.diag(ca.SX(ca.DM(units)))])
+        spread = ca.mtimes(block_inverse(mass), c.T)
+        return LdlFactor(ca.mtimes(c, spread)).solve(ca.mtimes(spread.T, transmitted))

@@ -1,0 +1,91 @@
+"""CVODES and IDAS: tolerances, what they refuse, how they fail, gradients to tolerance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_stabilization import OUTPUTS, chain, exact
+
+import dalembert as da
+from dalembert import planar
+from dalembert.analysis.dynamics import Dynamics
+
+CASES = {
+    "Cvodes": (da.Cvodes, da.RangeSpace()),
+    "Ida": (da.Ida, da.RangeSpace()),
+    "Ida on a Dae": (da.Ida, da.Dae(index=1)),
+}
+STABILIZATIONS = [da.Stabilization(), da.Baumgarte(), da.Projection()]
+
+
+@pytest.mark.parametrize("stabilization", STABILIZATIONS, ids=lambda s: type(s).__name__)
+@pytest.mark.parametrize("case", CASES)
+def test_tolerance_is_met_at_steps_and_between(case, stabilization):
+    """Errors of positions, speeds and multipliers follow the tolerance over six decades."""
+    method, formulation = CASES[case]
+    for tolerance in 10.0 ** -np.arange(5, 12, 2):
+        motion = da.solve_dynamics(
+            chain(),
+            0.64,
+            step=0.16,
+            integrator=method(tolerance, tolerance),
+            formulation=formulation,
+            stabilization=stabilization,
+            outputs=OUTPUTS,
+        )
+        assert motion.status.success
+        for name in ("y", "v", "multiplier"):
+            true = getattr(exact().trajectory, name)
+            error = np.abs(getattr(motion.trajectory, name) - true).max()
+            assert error < 200 * tolerance * (1 + np.abs(true).max()), name
+
+
+@pytest.mark.parametrize("formulation", [da.Dae(2), da.Dae(3), da.Dae(2, stabilized=True)])
+def test_ida_refuses_a_higher_index_by_name(formulation):
+    with pytest.raises(da.UnsupportedError, match=r"index [23]; use integrator=Bdf"):
+        da.solve_dynamics(chain(), 0.1, integrator=da.Ida(), formulation=formulation)
+
+
+def test_cvodes_needs_accelerations():
+    with pytest.raises(da.UnsupportedError, match="RangeSpace"):
+        da.solve_dynamics(chain(), 0.1, integrator=da.Cvodes(), formulation=da.Dae())
+
+
+@pytest.mark.parametrize("method", [da.Cvodes, da.Ida])
+def test_failure_inside_an_interval_is_a_status(method, capfd):
+    """``ẍ = −1/x³`` reaches x = 0 at t = 1: what was done before stays, nothing is printed."""
+    system = da.System("fall")
+    body = system.add(planar.Particle("body", mass=1.0, position=(1.0, 0.0)))
+    system.add(planar.Force("pull", body.center, (-1 / body.x**3, 0.0)))
+    motion = da.solve_dynamics(system.build(), 2.0, step=0.15, integrator=method())
+    assert motion.status.outcome is da.Outcome.DIVERGED
+    assert "returned" in motion.status.message
+    np.testing.assert_allclose(motion.time, 0.15 * np.arange(7))
+    x = motion.data.position.values[:, 0, 0]
+    np.testing.assert_allclose(x, np.sqrt(1 - motion.time**2), atol=1e-6)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("method", [da.Cvodes, da.Ida])
+def test_gradients_are_right_to_about_the_tolerance(method):
+    """Direct and adjoint against the exact gradients of short RK4 steps."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    length, speed = system.parameter("length", 0.8), system.parameter("speed", 1.5)
+    bar = planar.Bar("bar", length=length, mass=1.0, angle=-0.4, angular_velocity=speed)
+    bar = system.add(bar)
+    system.add(planar.Revolute("pin", system.ground.point(0, 0), bar.start))
+    model, responses = system.build(), [da.final("bar.angle"), da.integral("pin.force_norm")]
+    outputs = np.linspace(0, 0.6, 13)
+    fine = Dynamics(0.6, step=1e-3, outputs=outputs).run(model)
+    true = da.sensitivity(fine, responses).values
+    motion = Dynamics(0.6, step=0.2, integrator=method(1e-9, 1e-9), outputs=outputs).run(model)
+    for way in (da.Direct(), da.Adjoint()):
+        found = da.sensitivity(motion, responses, method=way).values
+        np.testing.assert_allclose(found, true, rtol=0, atol=1e-6 * np.abs(true).max())
+
+
+@pytest.mark.parametrize("method", [da.Cvodes, da.Ida])
+@pytest.mark.parametrize("options", [{"rtol": 0.0}, {"atol": -1.0}])
+def test_wrong_tolerances_are_refused(method, options):
+    with pytest.raises(da.UnsupportedError, match="positive"):
+        method(**options)
