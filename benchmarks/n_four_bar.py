@@ -1,9 +1,11 @@
-"""Time per step on a closed chain of N four-bars: dalembert on the VM beside Exudyn.
+"""Time per step on a closed chain of N four-bars: dalembert, on the VM and in C, beside Exudyn.
 
 Both solve the same mechanism (N + 1 vertical cranks, N couplers, uniform rods 1 m, 1 kg, g = 9.81)
 in absolute coordinates, in one process, in turns. dalembert: RK4 (four accelerations a step) with
 range-space elimination. Exudyn: its implicit generalized-α step, sparse solver from N = 10 on.
-The second table asks for time to the same error of the position of the first crank's top after
+The C of dalembert is compiled into an empty cache; ``prepared`` is the first run's preparation with
+projection, compiling included, and no part of the times per step. The second table asks for time to
+the same error of the position of the first crank's top after
 one second, against the exact one-equation reduction.
 
     pip install "dalembert[bench]" && python benchmarks/n_four_bar.py
@@ -13,6 +15,8 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
+import tempfile
 import time
 from functools import partial
 
@@ -62,12 +66,23 @@ def exact(count: int, end: float) -> np.ndarray:
     return np.array([math.cos(done.y[0, -1]), math.sin(done.y[0, -1])])
 
 
-def run_ours(model: da.Model, steps: int, stabilization) -> tuple[float, np.ndarray]:
+def run_ours(
+    model: da.Model, steps: int, stabilization, backend: str = "vm"
+) -> tuple[float, np.ndarray]:
     """Seconds for the integration alone, and the top of the first crank."""
-    motion = da.solve_dynamics(
-        model, DURATION, step=DURATION / steps, outputs=[DURATION], stabilization=stabilization
-    )
+    motion = motion_of(model, steps, stabilization, backend)
     return motion.statistics["integration time [s]"], motion.values("c0.end.position").ravel()
+
+
+def motion_of(model: da.Model, steps: int, stabilization, backend: str) -> da.Motion:
+    return da.solve_dynamics(
+        model,
+        DURATION,
+        step=DURATION / steps,
+        outputs=[DURATION],
+        stabilization=stabilization,
+        backend=backend,
+    )
 
 
 def run_exudyn(count: int, steps: int) -> tuple[float, np.ndarray]:
@@ -133,24 +148,33 @@ def run_exudyn(count: int, steps: int) -> tuple[float, np.ndarray]:
     return elapsed, np.array(top[:2])
 
 
-def time_per_step(counts: list[int], repeats: int) -> None:
+def time_per_step(counts: list[int], repeats: int, backends: list[str]) -> None:
     print("time per step, best of several in turns")
     print(
-        f"{'N':>4} {'bodies':>7} {'RK4 [µs]':>10} {'+ projection':>13} {'Exudyn [µs]':>12} "
-        f"{'ratio':>7} {'with proj.':>11}"
+        f"{'N':>4} {'bodies':>7} {'backend':>8} {'prepared [s]':>13} {'RK4 [µs]':>10} "
+        f"{'+ projection':>13} {'Exudyn [µs]':>12} {'ratio':>7} {'with proj.':>11}"
     )
     for count in counts:
         model = build(count)
         steps = max(200, 4000 // count)
-        plain = projected = theirs = math.inf
+        none, projection, theirs = da.Stabilization(), da.Projection(), math.inf
+        cold = {
+            b: motion_of(model, steps, projection, b).statistics["preparation time [s]"]
+            for b in backends
+        }
+        plain, projected = dict.fromkeys(backends, math.inf), dict.fromkeys(backends, math.inf)
         for _ in range(repeats):
-            plain = min(plain, run_ours(model, steps, da.Stabilization())[0] / steps)
-            projected = min(projected, run_ours(model, steps, da.Projection())[0] / steps)
+            for b in backends:
+                plain[b] = min(plain[b], run_ours(model, steps, none, b)[0] / steps)
+                projected[b] = min(projected[b], run_ours(model, steps, projection, b)[0] / steps)
             theirs = min(theirs, run_exudyn(count, steps)[0] / steps)
-        print(
-            f"{count:>4} {2 * count + 1:>7} {plain * 1e6:>10.2f} {projected * 1e6:>13.2f} "
-            f"{theirs * 1e6:>12.2f} {theirs / plain:>7.2f} {theirs / projected:>11.2f}"
-        )
+        for b in backends:
+            print(
+                f"{count:>4} {2 * count + 1:>7} {b:>8} {cold[b]:>13.2f} {plain[b] * 1e6:>10.2f} "
+                f"{projected[b] * 1e6:>13.2f} {theirs * 1e6:>12.2f} {theirs / plain[b]:>7.2f} "
+                f"{theirs / projected[b]:>11.2f}",
+                flush=True,
+            )
 
 
 def steps_needed(run, reference: np.ndarray, steps: int) -> tuple[float, int]:
@@ -162,13 +186,18 @@ def steps_needed(run, reference: np.ndarray, steps: int) -> tuple[float, int]:
         steps *= 2
 
 
-def time_to_error(counts: list[int]) -> None:
-    print(f"\ntime to an error of at most {ERROR:g} m in the first crank's top after 1 s")
+def time_to_error(counts: list[int], backend: str) -> None:
+    print(
+        f"\ntime to an error of at most {ERROR:g} m in the first crank's top after 1 s "
+        f"(ours: {backend})"
+    )
     print(f"{'N':>4} {'ours [ms]':>10} {'steps':>7} {'Exudyn [ms]':>12} {'steps':>7} {'ratio':>7}")
     for count in counts:
         model, reference = build(count), exact(count, DURATION)
         ours, n_ours = steps_needed(
-            partial(run_ours, model, stabilization=da.Projection()), reference, 10
+            partial(run_ours, model, stabilization=da.Projection(), backend=backend),
+            reference,
+            10,
         )
         theirs, n_theirs = steps_needed(partial(run_exudyn, count), reference, 500)
         print(
@@ -177,12 +206,15 @@ def time_to_error(counts: list[int]) -> None:
         )
 
 
-def gradient_cost(counts: list[int], repeats: int) -> None:
-    print("\nwhole adjoint gradient (run included) over the run, RK4 + range space + projection")
+def gradient_cost(counts: list[int], repeats: int, backend: str) -> None:
+    print(
+        f"\nwhole adjoint gradient (run included) over the run, RK4 + range space + projection "
+        f"({backend})"
+    )
     print(f"{'N':>4} {'parameters':>11} {'run [ms]':>9} {'run + gradient [ms]':>20} {'ratio':>6}")
     for count in counts:
         model, steps = build(count), max(200, 4000 // count)
-        analysis = da.Dynamics(duration=DURATION, step=DURATION / steps)
+        analysis = da.Dynamics(duration=DURATION, step=DURATION / steps, backend=backend)
         angle = da.final("c0.angle")
         da.sensitivity(analysis.run(model), angle, method="adjoint")  # compiles
         run = both = math.inf
@@ -203,7 +235,11 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("-n", type=int, nargs="+", default=[1, 3, 10, 40])
     parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--backend", nargs="+", default=["vm", "c"], choices=["vm", "c"])
     options = parser.parse_args()
-    time_per_step(options.n, options.repeats)
-    time_to_error(options.n)
-    gradient_cost(options.n, options.repeats)
+    with tempfile.TemporaryDirectory() as empty:
+        os.environ["DALEMBERT_CACHE"] = empty
+        time_per_step(options.n, options.repeats, options.backend)
+        for backend in options.backend:
+            time_to_error(options.n, backend)
+            gradient_cost(options.n, options.repeats, backend)

@@ -5,10 +5,10 @@ released from a bent position. First table: one acceleration, i.e. q̈ for given
 parameter of dalembert is a run-time input of its graph on the VM; Pinocchio's articulated-body
 algorithm (``pinocchio.aba``, C++, the same chain as 3-D revolute joints about z) is called in a
 Python loop, its call included. Second table: one step of a whole run. dalembert: RK4, no
-stabilisation (four accelerations). Exudyn: kinematic tree with its explicit RK44 (four
-accelerations of a 3-D tree), and redundant coordinates with its implicit generalized-α step
-(sparse solver, modified Newton). All in one process, in turns, best of several; all reach the
-same tip position, which is printed.
+stabilisation (four accelerations), on the VM and compiled to C. Exudyn: kinematic tree with its
+explicit RK44 (four accelerations of a 3-D tree), and redundant coordinates with its implicit
+generalized-α step (sparse solver, modified Newton). All in one process, in turns, best of several;
+all reach the same tip position, which is printed.
 
     pip install "dalembert[bench]" && python benchmarks/open_chain.py
 """
@@ -104,7 +104,9 @@ def pinocchio_acceleration(count: int) -> tuple[Callable[[int], float], np.ndarr
     return lambda calls: timed(lambda: pin.aba(model, data, q, zero, zero), calls), result
 
 
-def our_step(model: da.Model, coordinates, steps: int) -> tuple[float, np.ndarray]:
+def our_step(
+    model: da.Model, coordinates, steps: int, backend: str = "vm"
+) -> tuple[float, np.ndarray]:
     """Seconds per RK4 step, and the tip at the end."""
     motion = da.solve_dynamics(
         model,
@@ -113,6 +115,7 @@ def our_step(model: da.Model, coordinates, steps: int) -> tuple[float, np.ndarra
         outputs=[steps * STEP],
         coordinates=coordinates,
         stabilization=da.Stabilization(),
+        backend=backend,
     )
     tip = motion.values(f"b{len(model.bodies) - 1}.end.position").ravel()
     return motion.statistics["integration time [s]"] / steps, tip
@@ -243,7 +246,9 @@ def main(counts: list[int], repeats: int) -> None:
         kinds = {name: run for name, (run, _) in ours.items()}
         kinds["Pinocchio aba, from Python"] = aba
         runs = {
-            name: lambda c=c, m=model, n=steps: our_step(m, c, n) for name, c in COORDINATES.items()
+            f"{name}{label}": lambda c=c, m=model, n=steps, b=backend: our_step(m, c, n, b)
+            for backend, label in {"vm": "", "c": ", C"}.items()
+            for name, c in COORDINATES.items()
         }
         runs["Exudyn tree, RK44"] = lambda n=count, s=steps: exudyn_tree(n, s)
         runs["Exudyn redundant, implicit"] = lambda n=count, s=steps: exudyn_redundant(n, s)

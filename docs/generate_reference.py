@@ -253,10 +253,11 @@ FIXED = {
     "compare": (
         schema.CompareTable,
         {
-            "formulations": "names, or tables with `type` and keys; a sensible few by default",
+            "formulations": "names, or tables with `type` and keys; by default "
+            "[a few](formulations.md#see-it-on-your-mechanism)",
             "integrators": "the same",
             "stabilizations": "the same; `Projection` by default",
-            "coordinates": "the same; `AbsoluteCoordinates` by default",
+            "coordinates": "the same; `AbsoluteCoordinates` where formulations are named",
         },
     ),
     "sensitivity": (

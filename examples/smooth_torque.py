@@ -59,9 +59,7 @@ def main(folder=None) -> dict[str, float]:
         middle.plot(angle, best.motion["motor.effort"], color=style.BLUE, label="after")
         middle.set(title="motor torque [N m]", xlabel="crank angle [deg]", xticks=range(0, 361, 90))
         middle.legend()
-        right.plot(
-            np.minimum.accumulate([design.objective for design in best.history]), marker="."
-        )
+        right.plot(np.minimum.accumulate([design.objective for design in best.history]), marker=".")
         right.set(title="rms torque [N m]", xlabel="iteration", ylim=(0, None))
         style.save(figure, folder, "smooth_torque")
     return {"before": before, "after": after, **best.x}

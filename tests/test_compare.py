@@ -137,6 +137,41 @@ def test_a_run_that_diverges_keeps_its_status():
         made.plot()
 
 
+def test_a_doubtful_choice_is_marked():
+    """A gain of 800 1/s with steps of 0.01 s makes violations grow: RK4 bears ``hs = −2.8``."""
+    made = da.compare(
+        pendulum(),
+        0.1,
+        formulations="RangeSpace",
+        integrators="RK4",
+        steps=[0.01, 0.001],
+        stabilizations=da.Baumgarte(alpha=800.0),
+        outputs=3,
+    )
+    long, short = made.table().to_dict("records")
+    single = da.solve_dynamics(
+        pendulum(), 0.1, step=0.01, stabilization=da.Baumgarte(alpha=800.0), outputs=3
+    )
+    assert [long["warnings"]] == single.warnings and "use steps below" in long["warnings"]
+    assert short["warnings"] == "" and notes(made) == single.warnings
+    columns, rows = cells(made)
+    status = [c.heading for c in columns].index("status")
+    assert [row[status] for row in rows] == ["ok [1]", "ok"]
+
+
+def test_choices_that_nobody_made_are_combined_where_they_can_work():
+    made = da.compare(pendulum(), 0.1, steps=0.01, tolerances=1e-4, outputs=3)
+    runs = made.table()
+    assert made.finished.all()
+    assert set(runs["integrator"][runs["formulation"] == "Dae"]) == {"Radau"}
+    joint = runs[runs["coordinates"] == "JointCoordinates"]
+    assert set(joint["formulation"]) == {"RangeSpace"}
+    asked = da.compare(
+        pendulum(), 0.1, formulations=["Dae"], integrators="RK4", steps=0.01, outputs=3
+    )
+    assert only(asked)["outcome"] == "UnsupportedError"  # who asks is answered
+
+
 def test_errors_below_the_uncertainty_are_marked():
     same = da.DormandPrince853(max_step=SPAN / 200)  # as the reference
     made = da.compare(
@@ -293,6 +328,15 @@ def test_command_as_json(model, tmp_path, capsys):
         (["--steps", "0.01,fast"], "'fast' is not a positive number"),
         (["--measure", "crank.angel"], "crank.angle"),
         (["--duration", "-1"], "after the start"),
+        (["--formulations", ","], "at least one of RangeSpace"),
+        (["--formulations", "NullSpace(basis=qr)"], "a table with its type"),
+        (["--coordinates", "JointCoordinate"], "did you mean 'JointCoordinates'"),
+        (["--steps", ""], "give at least one"),
+        (["--steps", "-0.01"], "'-0.01' is not a positive number"),
+        (["--steps", "1"], "longer than the run of 0.5 s"),
+        (["--tolerances", "0"], "'0' is not a positive number"),
+        (["--measure", "crank.angle +"], "measure: in formula"),
+        (["--repeat", "0"], "at least once"),
     ],
 )
 def test_command_with_wrong_input(arguments, message, model, tmp_path, capsys):
@@ -308,7 +352,17 @@ def test_command_with_wrong_input(arguments, message, model, tmp_path, capsys):
     [
         ('"RK4"', '"RK5"', "compare.integrators"),
         ("alpha = 20", "alpha = -1", "compare.stabilizations"),
-        ("[1e-6]", "[-1.0]", "compare"),
+        ("[1e-6]", "[-1.0]", "compare: tolerances"),
+        ("[1e-6]", "[]", "compare: tolerances"),
+        ("steps = [0.02, 0.01]", "repeat = 0", "compare: repeat"),
+        ("steps = [0.02, 0.01]", "steps = [100.0]", "compare: step 100 s"),
+        ('formulations = ["RangeSpace"]', "formulations = []", "compare: formulations"),
+        ('["RangeSpace"]', '[{ type = "Dae", index = 4 }]', "compare.formulations: Dae(index=4)"),
+        (
+            'formulations = ["RangeSpace"]',
+            'coordinates = [{ type = "JointCoordinates", cut = ["nope"] }]',
+            "compare.coordinates: cut 'nope'",
+        ),
         ('1e-6]\nmeasure = "crank.angle"', '1e-6]\nmeasure = "angel"', "compare.measure"),
     ],
 )
@@ -316,6 +370,38 @@ def test_slips_in_the_file_are_told_with_their_place(old, new, place, model):
     model.write_text(model.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
     with pytest.raises(da.DalembertError, match=re.escape(place)):
         check(model)
+
+
+def test_slips_in_the_file_keep_their_place_with_options(model, tmp_path, capsys):
+    model.write_text(model.read_text(encoding="utf-8").replace("[1e-6]", "[]"), encoding="utf-8")
+    out = tmp_path / "o"
+    assert main(["compare", str(model), "--duration", "0.1", "--output", str(out)]) == 2
+    assert f"Error: {model}: compare: tolerances" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_without_a_duration(model, tmp_path, capsys):
+    text = re.sub(r"(?ms)^\[analysis\].*?(?=^\[)", "", model.read_text(encoding="utf-8"))
+    model.write_text(text, encoding="utf-8")
+    assert main(["compare", str(model), "--output", str(tmp_path / "o")]) == 2
+    assert "give a duration" in capsys.readouterr().err
+
+
+def test_an_interruption_keeps_the_rows_so_far(model, tmp_path, capsys, monkeypatch):
+    """Ctrl-C comes while the third row is timed again."""
+    plain, calls = da.Dynamics.run, []
+
+    def run(self, *arguments, **keys):
+        calls.append(self)
+        if len(calls) == 8:  # the reference, its check, three rows twice
+            raise KeyboardInterrupt
+        return plain(self, *arguments, **keys)
+
+    monkeypatch.setattr(da.Dynamics, "run", run)
+    assert main(["compare", str(model), "--json", "--output", str(tmp_path)]) == 130
+    made = json.loads(capsys.readouterr().out)
+    assert not made["ok"] and not made["complete"] and len(made["runs"]) == 2
+    assert len((tmp_path / "four_bar.compare.csv").read_text(encoding="utf-8").splitlines()) == 3
 
 
 def check(path: Path) -> None:

@@ -98,6 +98,7 @@ from dalembert.results.comparison import Comparison
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome, Status
 from dalembert.sensitivity import Adjoint, Direct, FiniteDifference, sensitivity
+from dalembert.symbolic.compiled import clear_cache
 from dalembert.symbolic.expression import Expression, t
 from dalembert.symbolic.functions import (
     absolute,
@@ -231,6 +232,7 @@ __all__ = [
     "at",
     "atan",
     "atan2",
+    "clear_cache",
     "compare",
     "cos",
     "cosh",

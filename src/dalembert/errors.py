@@ -44,6 +44,16 @@ class AssemblyError(AnalysisError):
     """The mechanism cannot be assembled from the given guesses and lengths."""
 
 
+class SolverFailure(AnalysisError):
+    """A solver inside a compiled function gave up; ``reason`` is its own word for it."""
+
+    def __init__(self, reason: str):
+        self.reason = reason
+        super().__init__(
+            f"a solver inside a step failed: {reason}; use shorter steps or another integrator"
+        )
+
+
 class SingularityError(AnalysisError):
     """The equations have no unique solution at this position."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
@@ -197,3 +198,40 @@ def test_massless_coupler(formulation):
 def test_wrong_numbers_are_refused_by_name(wrong, said):
     with pytest.raises(da.UnsupportedError, match=said):
         wrong()
+
+
+def similar_chain(size):
+    """A four-bar on three links of any size, the coupler without mass."""
+    system = da.System("similar", gravity=(0.0, -9.81))
+    corners = size * np.array([(0.0, 0.0), (0.3, 0.4), (1.2, 0.7), (1.3, 0.0)])
+    end = system.ground.center
+    for k, (start, stop) in enumerate(pairwise(corners)):
+        way = stop - start
+        link = planar.Bar(
+            f"link{k}",
+            length=float(np.hypot(*way)),
+            mass=0.0 if k == 1 else 1.0,
+            angle=float(np.arctan2(way[1], way[0])),
+            position=tuple((start + stop) / 2),
+            angular_velocity=2.0 / size**0.5,
+        )
+        system.add(link)
+        system.add(planar.Revolute(f"pin{k}", end, link.start))
+        end = link.end
+    system.add(planar.Revolute("pin3", end, system.ground.point(*corners[-1])))
+    return system.build()
+
+
+@pytest.mark.parametrize("coordinates", [da.AbsoluteCoordinates(), da.JointCoordinates()], ids=repr)
+@pytest.mark.parametrize("size", [1e-3, 1e2])
+@pytest.mark.parametrize("formulation", [EVERY, da.RangeSpace()], ids=["augmented", "range space"])
+def test_weights_know_no_unit_of_length(formulation, size, coordinates):
+    """Accelerations and multipliers of millimetres and of hectometres are those of (5.7)."""
+    model, step = similar_chain(size), 1e-3 * size**0.5
+    found, exact = (
+        da.solve_dynamics(model, 3 * step, step=step, formulation=f, coordinates=coordinates)
+        for f in (formulation, da.Kkt())
+    )
+    for name in ("a", "multiplier"):
+        one, other = (getattr(motion.trajectory, name) for motion in (found, exact))
+        np.testing.assert_allclose(one, other, atol=1e-9 * np.abs(other).max())

@@ -8,9 +8,9 @@ import pytest
 from registry import CONSTRAINED, definite, model_of
 
 import dalembert as da
-from dalembert.formulations.basis import NullSpaceBasis
 from dalembert.formulations.null_space import LARGEST_SVD
 from dalembert.formulations.partition import largest_volume
+from dalembert.symbolic.null_space import NullSpaceBasis
 
 BASES = ("partitioning", "qr", "gram-schmidt", "svd")
 ORTHONORMAL = ("qr", "gram-schmidt", "svd")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from test_stabilization import OUTPUTS, chain, exact
@@ -89,3 +91,41 @@ def test_gradients_are_right_to_about_the_tolerance(method):
 def test_wrong_tolerances_are_refused(method, options):
     with pytest.raises(da.UnsupportedError, match="positive"):
         method(**options)
+
+
+@pytest.mark.parametrize("coordinates", [da.AbsoluteCoordinates(), da.JointCoordinates()], ids=repr)
+def test_ida_starts_anew_in_short_intervals(coordinates):
+    """Turning four-bar, 160 intervals: right start values are no failure."""
+    model, end = four_bar(), 0.8
+    exact_motion = da.solve_dynamics(model, end, outputs=[end], integrator=da.Radau(1e-10, 1e-10))
+    motion = da.solve_dynamics(
+        model, end, step=0.005, outputs=[end], integrator=da.Ida(), coordinates=coordinates
+    )
+    assert motion.status.success
+    np.testing.assert_allclose(motion.trajectory.y, exact_motion.trajectory.y, atol=1e-5)
+
+
+def four_bar():
+    """Fast crank, coupler on a spring with damping."""
+    system = da.System("four bar", gravity=(0.0, -9.81))
+    corners = np.array([(0.0, 0.0), (0.3, 0.4), (1.3, 0.9), (1.2, 0.0)])
+    end = system.ground.center
+    for k, (start, stop) in enumerate(pairwise(corners)):
+        way = stop - start
+        link = planar.Bar(
+            f"link{k}",
+            length=float(np.hypot(*way)),
+            mass=1.0,
+            angle=float(np.arctan2(way[1], way[0])),
+            position=tuple((start + stop) / 2),
+            angular_velocity=9.0 if k == 0 else 0.0,
+        )
+        system.add(link)
+        system.add(planar.Revolute(f"pin{k}", end, link.start))
+        end = link.end
+        if k == 1:
+            tip, held = system.ground.point(0.5, 1.6), link.point(0.1, 0.2)
+            spring = planar.Spring("s", tip, held, stiffness=20.0, free_length=0.4, damping=0.5)
+            system.add(spring)
+    system.add(planar.Revolute("pin3", end, system.ground.point(*corners[-1])))
+    return system.build()

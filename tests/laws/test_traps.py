@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -222,3 +224,52 @@ def test_a_prescribed_speed_survives_inconsistent_guesses():
     model = system.build()
     assert model.start.projected_speeds
     assert model.start.v[2] == pytest.approx(3.0, abs=1e-12)
+
+
+def crank_of_a_short_rod():
+    """A driven crank with a rod too short to turn with it: locked where the rod is upright."""
+    system = da.System("lock")
+    crank = system.add(planar.Bar("crank", length=0.5, mass=1.0, angle=0.2))
+    rod = system.add(planar.Bar("rod", length=0.3, mass=1.0, angle=-0.3))
+    slider = system.add(planar.Body("slider", mass=1.0, inertia=1.0, position=(0.8, 0.0)))
+    ground, axis = system.ground.point(0, 0), (1.0, 0.0)
+    system.add(planar.Revolute("O", ground, crank.start))
+    system.add(planar.Revolute("A", crank.end, rod.start))
+    system.add(planar.Revolute("B", rod.end, slider.center))
+    system.add(planar.Translational("rail", ground, slider.center, axis=axis))
+    law = da.laws.Polynomial(velocity=1.0, start=0.2)
+    system.add(planar.RotationalDriver("motor", system.ground, crank, law))
+    return system.build()
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        {"integrator": da.Radau(), "formulation": da.Dae(2, stabilized=True)},
+        {"integrator": da.DormandPrince()},
+        {"step": 0.002},
+        {"step": 0.01},
+        {"step": 0.002, "coordinates": da.JointCoordinates()},
+    ],
+    ids=repr,
+)
+def test_a_lock_is_found_and_what_was_reached_is_kept(choice):
+    """Where 0.5 sin φ = 0.3, however the equations fail there."""
+    motion = da.solve_dynamics(crank_of_a_short_rod(), 1.2, **choice)
+    lock = np.arcsin(0.6) - 0.2
+    assert motion.status.outcome is da.Outcome.SINGULAR
+    told = re.search(r"t = ([\d.]+)", motion.status.message)
+    assert told and float(told[1]) == pytest.approx(lock, abs=0.02)
+    assert motion.time[-1] > lock - 0.01
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [{"formulation": "Kkt"}, {"integrator": da.RK4}, {"stabilization": None}, {"coordinates": 1}],
+    ids=repr,
+)
+def test_what_is_no_strategy_is_told_with_one(choice):
+    """A name, a class or a number in place of an object."""
+    (name,) = choice
+    with pytest.raises(da.AnalysisError, match=rf"{name}.* such as \w+\(\)"):
+        da.solve_dynamics(planetary().build(), 0.1, **choice)

@@ -28,7 +28,7 @@ def doubts(
     The violation of a constraint that is fed back follows ``Φ̈ + c₁Φ̇ + c₀Φ = 0``; with roots ``s`` a
     step of length h multiplies it by ``R(hs)``, which must not exceed one.
     """
-    found = [*stabilization.doubts(freedom, exchanged), *formulation.doubts(freedom, exchanged)]
+    found = stabilization.doubts(freedom, exchanged)
     for name, feedback in (
         (_told(stabilization), stabilization.feedback),
         (_told(formulation), formulation.feedback),

@@ -6,54 +6,28 @@ import dataclasses
 import difflib
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.formulations.augmented_lagrangian import AugmentedLagrangian
 from dalembert.formulations.base import Formulation
-from dalembert.formulations.dae import Dae
-from dalembert.formulations.energy_projection import EnergyProjection
-from dalembert.formulations.kkt import Kkt
-from dalembert.formulations.null_space import NullSpace
-from dalembert.formulations.penalty import Penalty
-from dalembert.formulations.range_space import RangeSpace
-from dalembert.formulations.stabilization import Baumgarte, Projection, Stabilization
-from dalembert.formulations.velocity_partitioning import VelocityPartitioning
-from dalembert.integrators.backward_euler import BackwardEuler, Trapezoidal
+from dalembert.formulations.registry import FORMULATIONS, STABILIZATIONS
+from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
-from dalembert.integrators.bdf import Bdf
-from dalembert.integrators.generalized_alpha import HHT, GeneralizedAlpha
-from dalembert.integrators.newmark import Newmark
-from dalembert.integrators.radau import Radau
-from dalembert.integrators.runge_kutta import (
-    RK4,
-    DormandPrince,
-    DormandPrince853,
-    Euler,
-    Heun,
-    RKGill,
-)
-from dalembert.integrators.sundials import Cvodes, Ida
-from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
-from dalembert.model.joint_coordinates import JointCoordinates
-
-Classes = tuple[type, ...]
+from dalembert.integrators.registry import INTEGRATORS
+from dalembert.model.coordinates import Coordinates
+from dalembert.model.registry import COORDINATES
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Strategies of one kind: those compared by default, and others known by name."""
+    """Strategies of one kind, and the names of those compared by default."""
 
     kind: str
     base: type
-    default: Classes
-    others: Classes = ()
-
-    @property
-    def known(self) -> dict[str, type]:
-        return {cls.__name__: cls for cls in (*self.default, *self.others)}
+    known: Mapping[str, type]
+    default: tuple[str, ...]
 
     def read(self, given: Any) -> list[Any]:
         """Strategy objects from names, classes or objects, one or several; None for the default.
@@ -64,7 +38,7 @@ class Choice:
             A name that is not known, or nothing to compare.
         """
         if given is None:
-            return [cls() for cls in self.default]
+            return [self.known[name]() for name in self.default]
         several = isinstance(given, Iterable) and not isinstance(given, str)
         made = list(dict.fromkeys(self._one(item) for item in (given if several else [given])))
         if not made:
@@ -73,48 +47,36 @@ class Choice:
 
     def _one(self, item: Any) -> Any:
         if isinstance(item, str) and item in self.known:
-            item = self.known[item]
+            return self.known[item]()
         if isinstance(item, type) and issubclass(item, self.base):
             return item()
         if isinstance(item, self.base):
             return item
         close = difflib.get_close_matches(str(item), self.known, 1, 0.5)
         hint = f" (did you mean {close[0]!r}?)" if close else ""
+        if isinstance(item, str) and "(" in item:
+            hint = "; for options give an object, or in a model file a table with its type"
         raise UnsupportedError(
             f"{self.kind}: {item!r} is unknown{hint}; known: {', '.join(self.known)}"
         )
 
 
-FORMULATIONS = Choice(
-    "formulations",
-    Formulation,
-    (RangeSpace, Kkt, NullSpace, VelocityPartitioning, Penalty, AugmentedLagrangian),
-    (Dae,),
-)
-COORDINATES = Choice("coordinates", Coordinates, (AbsoluteCoordinates,), (JointCoordinates,))
-STABILIZATIONS = Choice(
-    "stabilizations", Stabilization, (Projection,), (Stabilization, Baumgarte, EnergyProjection)
-)
-INTEGRATORS = Choice(
-    "integrators",
-    Integrator,
-    (RK4, DormandPrince, DormandPrince853, Radau),
-    (
-        Euler,
-        Heun,
-        RKGill,
-        BackwardEuler,
-        Trapezoidal,
-        Newmark,
-        HHT,
-        GeneralizedAlpha,
-        Bdf,
-        Cvodes,
-        Ida,
+CHOICES = {
+    "coordinates": Choice(
+        "coordinates", Coordinates, COORDINATES, ("AbsoluteCoordinates", "JointCoordinates")
     ),
-)
+    "formulation": Choice(
+        "formulations",
+        Formulation,
+        FORMULATIONS,
+        ("RangeSpace", "Kkt", "NullSpace", "AugmentedLagrangian", "Dae"),
+    ),
+    "stabilization": Choice("stabilizations", Stabilization, STABILIZATIONS, ("Projection",)),
+    "integrator": Choice("integrators", Integrator, INTEGRATORS, ("RK4", "DormandPrince", "Radau")),
+}
+"""Field of ``Dynamics`` → what may stand there."""
 
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
+TOLERANCES = (1e-4, 1e-6, 1e-8)
 
 
 @dataclass(frozen=True)
@@ -131,15 +93,13 @@ class Combination:
     @property
     def strategies(self) -> dict[str, Any]:
         """Fields of ``Dynamics``."""
-        kinds = ("coordinates", "formulation", "stabilization", "integrator", "step")
-        return {kind: getattr(self, kind) for kind in kinds}
+        return {kind: getattr(self, kind) for kind in (*CHOICES, "step")}
 
     @property
     def labels(self) -> dict[str, str]:
         """Kind → name of the strategy, with the options that are not the default."""
         swept = {"rtol", "atol"} if self.tolerance else set()
-        kinds = ("coordinates", "formulation", "stabilization", "integrator")
-        return {kind: label(getattr(self, kind), swept) for kind in kinds}
+        return {kind: label(getattr(self, kind), swept) for kind in CHOICES}
 
 
 def label(strategy: Any, hidden: Iterable[str] = ()) -> str:
@@ -161,19 +121,42 @@ def combinations(
     steps: Sequence[float],
     tolerances: Sequence[float],
 ) -> list[Combination]:
-    """Every combination of the choices; fixed methods by steps, adaptive ones by tolerances."""
+    """Every combination of the choices; fixed methods by steps, adaptive ones by tolerances.
+
+    Choices that nobody made are combined where this tells something: see ``_needless``.
+    """
     marches = [
         march
-        for integrator in INTEGRATORS.read(integrators)
+        for integrator in CHOICES["integrator"].read(integrators)
         for march in _settings(integrator, steps, tolerances)
     ]
     made = itertools.product(
-        COORDINATES.read(coordinates),
-        FORMULATIONS.read(formulations),
-        STABILIZATIONS.read(stabilizations),
+        CHOICES["coordinates"].read(coordinates),
+        CHOICES["formulation"].read(formulations),
+        CHOICES["stabilization"].read(stabilizations),
         marches,
     )
-    return [Combination(c, f, s, *march) for c, f, s, march in made]
+    found = [Combination(c, f, s, *march) for c, f, s, march in made]
+    given = {"coordinates": coordinates, "formulation": formulations, "integrator": integrators}
+    open_choices = {kind for kind, value in given.items() if value is None}
+    return [c for c in found if not _needless(c, open_choices)]
+
+
+def _needless(c: Combination, open_choices: set[str]) -> bool:
+    """Whether a combination would only take time, and holds a choice that nobody made.
+
+    Implicit integrators that nobody asked for are tried with the formulations that need them, these
+    formulations with implicit integrators, and joint coordinates with the first formulation.
+    """
+    needed, taken = not c.formulation.gives_accelerations, c.integrator.implicit
+    if "integrator" in open_choices and needed != taken:
+        return True
+    if "formulation" in open_choices and needed and not taken:
+        return True
+    usual, first = CHOICES["coordinates"].default[0], CHOICES["formulation"].default[0]
+    if "coordinates" not in open_choices or type(c.coordinates).__name__ == usual:
+        return False
+    return "formulation" not in open_choices or type(c.formulation).__name__ != first
 
 
 def _settings(

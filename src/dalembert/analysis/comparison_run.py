@@ -13,8 +13,9 @@ from dalembert.analysis.combinations import Combination
 from dalembert.analysis.dynamics import Dynamics
 from dalembert.analysis.observation import Observation, differences
 from dalembert.analysis.reference import Reference
-from dalembert.errors import DalembertError, UnsupportedError
+from dalembert.errors import DalembertError, ModelError, UnsupportedError
 from dalembert.model.model import Model
+from dalembert.results.comparison_data import BETWEEN
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 
@@ -52,6 +53,8 @@ class ComparisonRun:
         self.rows: list[dict[str, Any]] = []
         self.unsupported: list[dict[str, str]] = []
         self.interrupted = False
+        self.choice: Dynamics | None = None
+        self.cold, self.preparation = model, 0.0
 
     def add(self, combination: Combination) -> None:
         """Costs, violations and errors of a combination, or why there are none.
@@ -71,10 +74,11 @@ class ComparisonRun:
             motion, costs = self.timed(replace(self.span, **combination.strategies))
             row |= costs | self.quality(motion)
             row |= {"outcome": motion.status.outcome.value, "message": motion.status.message}
+            row |= {"warnings": BETWEEN.join(motion.warnings)}
             self.interrupted = motion.status.outcome is Outcome.INTERRUPTED
         except (DalembertError, RuntimeError) as error:  # CasADi raises RuntimeError
             row |= {"outcome": type(error).__name__, "message": " ".join(str(error).split())}
-            if isinstance(error, UnsupportedError):
+            if isinstance(error, (UnsupportedError, ModelError)):
                 row |= {"step": None, "tolerance": None}
                 self.unsupported.append(names)
         except KeyboardInterrupt:
@@ -82,18 +86,25 @@ class ComparisonRun:
             self.interrupted = True
 
     def timed(self, analysis: Dynamics) -> tuple[Motion, dict[str, Any]]:
-        """A run from a cold start, and the shortest time of its integration.
+        """A run, and the shortest time of its integration.
 
-        Changes of variant compile during the first run, which is why it is not the only one."""
-        cold = copy(self.model)
-        cold.functions = {}  # so that preparation is seen, and freed after the run
-        begin = clock.perf_counter()
+        Changes of variant compile during the first run, which is why it is not the only one. The
+        steps of one choice share its functions, and the preparation of the first of them.
+        """
+        choice = replace(analysis, step=None, outputs=None)
+        first = choice != self.choice
+        if first:
+            self.choice, self.cold = choice, copy(self.model)
+            self.cold.functions = {}  # so that preparation is seen, and freed after the choice
+        cold, begin = self.cold, clock.perf_counter()
         analysis.kernel(cold)
         building = clock.perf_counter() - begin
         motion = analysis.run(cold, self.p)
+        if first:
+            self.preparation = building + motion.statistics["preparation time [s]"]
         brief = replace(analysis, outputs=self.span.outputs[-1:])  # type: ignore[index]
         again = range(self.repeat if motion.status.success else 0)
-        runs = [motion, *(brief.run(cold, self.p) for _ in again)]
+        runs = [motion, *(_uninterrupted(brief.run(cold, self.p)) for _ in again)]
         shortest = min(run.statistics["integration time [s]"] for run in runs)
         count = motion.statistics["steps"]
         return replace(motion, model=self.model), {
@@ -101,7 +112,7 @@ class ComparisonRun:
             "rejected": motion.statistics["rejected steps"],
             "time": shortest,
             "time_per_step": 1e6 * shortest / count if motion.status.success else None,
-            "preparation": building + motion.statistics["preparation time [s]"],
+            "preparation": self.preparation,
         }
 
     def quality(self, motion: Motion) -> dict[str, Any]:
@@ -119,3 +130,10 @@ class ComparisonRun:
             made[f"error_{kind}"], made[f"error_{kind}_final"] = most, last
         trusted = self.exact.uncertainty["position"][0]
         return made | {"below_uncertainty": made["error_position"] <= trusted}
+
+
+def _uninterrupted(motion: Motion) -> Motion:
+    """The motion, unless the user stopped it."""
+    if motion.status.outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt
+    return motion

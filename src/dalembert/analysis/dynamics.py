@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord, place_outputs
+from dalembert.analysis.branches import place_outputs
+from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics_run import DynamicsRun
 from dalembert.analysis.events import Events
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -21,6 +22,15 @@ from dalembert.integrators.steps import Steps
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
+from dalembert.symbolic.backends import BACKENDS
+
+STRATEGIES = {
+    "coordinates": (Coordinates, AbsoluteCoordinates),
+    "formulation": (Formulation, RangeSpace),
+    "stabilization": (Stabilization, Projection),
+    "integrator": (Integrator, RK4),
+}
+"""What each choice of a run must be, and what it usually is."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +50,8 @@ class Dynamics:
     integrator : how time advances
     events : name → Event, or a formula that is recorded when it crosses zero
     strict : refuse inconsistent initial speeds instead of projecting them
-    backend : ``"vm"``, the only one so far
+    backend : ``"vm"``, CasADi's virtual machine, at once; ``"c"``, compiled once by the system's
+        C compiler and kept on disk; ``"auto"``, C where it exists or its work repays compiling
     """
 
     duration: float | None = None
@@ -55,12 +66,22 @@ class Dynamics:
     strict: bool = False
     backend: str = "vm"
 
+    def __post_init__(self) -> None:
+        for name, (kind, usual) in STRATEGIES.items():
+            given = getattr(self, name)
+            if not isinstance(given, kind):
+                text = f"{name} is {given!r}; give a strategy such as {usual.__name__}()"
+                raise AnalysisError(text)
+        if self.backend not in BACKENDS:
+            known = ", ".join(map(repr, BACKENDS))
+            raise UnsupportedError(f"unknown backend {self.backend!r}; known: {known}")
+
     def kernel(self, model: Model) -> DynamicsKernel:
         """Compiled functions, made once per model and choice of strategies."""
         choices = (self.coordinates, self.formulation, self.stabilization, self.integrator)
         return model.compiled(
-            ("dynamics", *choices),
-            lambda: DynamicsKernel(model, *choices),
+            ("dynamics", *choices, self.backend),
+            lambda: DynamicsKernel(model, *choices, BACKENDS[self.backend]()),
         )
 
     def run(
@@ -78,8 +99,6 @@ class Dynamics:
         AssemblyError, SingularityError, UnsupportedError
             The run cannot begin.
         """
-        if self.backend != "vm":
-            raise UnsupportedError(f"backend {self.backend!r} is not available; use backend='vm'")
         return DynamicsRun(self, model, parameters).execute(progress)
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
@@ -97,12 +116,25 @@ class Dynamics:
         return replace(motion, trajectory=trajectory, record=record)
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
-        """The same steps and outputs at other parameter values: the discrete map itself."""
+        """The same steps and outputs at other parameter values: the discrete map itself.
+
+        Raises
+        ------
+        AnalysisError
+            With these values a step fails.
+        """
         record: DynamicsRecord = motion.record
         kernel, old = record.kernel, record.steps
         state = motion.model.assemble(p, float(old.t[0]))
         x0, _ = kernel.initial(state, float(old.t[0]), p)
         steps = kernel.fixed.repeat(old, x0, p)
+        if steps.interrupted:
+            raise KeyboardInterrupt
+        if steps.message:
+            raise AnalysisError(
+                f"the steps of the run cannot be repeated with these parameters: {steps.message} "
+                f"after t = {steps.end:.9g} s"
+            )
         trajectory = kernel.trajectory(motion.time, steps, record.branches, p)
         return replace(
             motion,

@@ -1,4 +1,4 @@
-"""Compiled functions of a dynamic run, and where its outputs lie among its steps."""
+"""Compiled functions of a dynamic analysis: its marches, and what is read off their steps."""
 
 from __future__ import annotations
 
@@ -9,35 +9,22 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
-from dalembert.formulations.base import Formulation, state_rate
-from dalembert.formulations.consistency import with_consistent_speeds
+from dalembert.analysis.branches import Branches
+from dalembert.analysis.variant import Variant
+from dalembert.errors import SingularityError, UnsupportedError
+from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.adaptive import AdaptiveMarch
-from dalembert.integrators.base import Attempt, Integrator, Problem
+from dalembert.integrators.base import Attempt, Integrator
 from dalembert.integrators.march import FixedMarch
-from dalembert.integrators.step import Step
 from dalembert.integrators.steps import Steps, Switch
 from dalembert.model.assembly import AssembledState
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
+from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.kernel import Kernel
-
-
-@dataclass(frozen=True)
-class Branches:
-    """Where the outputs lie: ``length`` seconds after the beginning of step ``index``."""
-
-    index: np.ndarray
-    length: np.ndarray
-
-    def ends_of(self, steps: Steps) -> np.ndarray:
-        """Whether an output is the end of its step."""
-        if not steps.count:
-            return np.zeros(self.index.size, dtype=bool)
-        return (self.length > 0) & np.isclose(self.length, steps.h[self.index], rtol=1e-12, atol=0)
 
 
 @dataclass(frozen=True)
@@ -49,67 +36,32 @@ class DynamicsRecord:
     branches: Branches
 
 
-class Variant:
-    """Functions of one definite formulation, e.g. with one partition of the speeds."""
-
-    def __init__(self, kernel: DynamicsKernel, formulation: Formulation):
-        self.kernel, self.formulation = kernel, formulation
-
-    @cached_property
-    def problem(self) -> Problem:
-        """The equations as integrators take them."""
-        kernel, formulation = self.kernel, self.formulation
-        e, stabilization = kernel.equations, kernel.stabilization
-        explicit = not kernel.integrator.implicit and formulation.gives_accelerations
-        correction = stabilization.correction(e, formulation)
-        return Problem(
-            rate=formulation.acceleration(e, kernel.xi, [state_rate(e)], "state_rate")
-            if explicit
-            else None,
-            make_system=lambda: formulation.semi_explicit(e, kernel.xi),
-            correction=None
-            if correction is None
-            else with_consistent_speeds(e, formulation, correction),
-            controlled=e.coordinate_count + e.speed_count,
-            positions=e.coordinate_count,
-            tangential=stabilization.tangential(e, formulation)
-            if kernel.integrator.adaptive
-            else None,
-            upkeep=with_consistent_speeds(e, formulation, None),
-        )
-
-    @cached_property
-    def step(self) -> Step:
-        return self.kernel.integrator.step(self.problem)
-
-    @cached_property
-    def attempt(self) -> Attempt | None:
-        return self.kernel.integrator.attempt(self.problem, self.step)
-
-    def measured(self, outputs: list[ca.SX], name: str = "measured") -> ImplicitFunction:
-        """``(t, x, p) → outputs``, expressions of the bodies' states and multipliers."""
-        kernel = self.kernel
-        seen = [kernel.view.lift(expression) for expression in outputs]
-        return self.formulation.acceleration(kernel.equations, kernel.xi, seen, name)
-
-    @cached_property
-    def bodies(self) -> ca.Function:
-        """``(t, x, p) → y, v, v̇, λ`` of all bodies and equations."""
-        e = self.kernel.model.all_equations
-        return self.measured([e.y, e.v, e.a, e.multiplier], "bodies").function
-
-    @cached_property
-    def conditioning(self) -> tuple[ca.Function, float] | None:
-        """``(t, y, p) → value`` and the limit above which another variant is chosen."""
-        e = self.kernel.equations
-        found = self.formulation.conditioning(e)
-        if found is None:
-            return None
-        return ca.Function("conditioning", [e.t, e.y, e.p], [found[0]]), found[1]
-
-
 class DynamicsKernel:
-    """Compiled functions of one model under one choice of strategies."""
+    """Compiled functions of one model under one choice of strategies.
+
+    Made once by ``Dynamics.kernel`` and shared by runs, replays and gradients. Formulations that
+    lean on a choice of independent speeds have one ``Variant`` per choice met so far; a *mode* is
+    the index of one, and every step remembers the mode it was taken in.
+
+    Parameters
+    ----------
+    model : Model
+    coordinates, formulation, stabilization, integrator : as in ``Dynamics``
+    backend : what evaluates the functions
+
+    Attributes
+    ----------
+    view : CoordinateView, the model in the coordinates that are integrated
+    equations : Equations in these coordinates, the ones formulations see
+    variants : list of Variant, by mode
+    fixed : FixedMarch over given steps; repeats those of adaptive runs, too
+    adaptive : AdaptiveMarch, or None for integrators of fixed steps
+
+    Raises
+    ------
+    UnsupportedError, ModelError
+        The model cannot be described in these coordinates.
+    """
 
     def __init__(
         self,
@@ -118,16 +70,19 @@ class DynamicsKernel:
         formulation: Formulation,
         stabilization: Stabilization,
         integrator: Integrator,
+        backend: Backend | None = None,
     ):
         self.model, self.formulation, self.stabilization = model, formulation, stabilization
         self.coordinates, self.integrator = coordinates, integrator
+        self.backend = backend or VirtualMachine()
         self.view = coordinates.view(model, formulation.every_equation)
         self.equations = self.view.equations
-        self.xi = stabilization.constraint_acceleration(self.equations)
         self.variants: list[Variant] = []
         self._mapped: dict[tuple[ca.Function, int], Kernel] = {}
-        self.fixed = FixedMarch(lambda mode: self.variants[mode].step, stabilization.period)
-        self.adaptive = AdaptiveMarch(self._attempt) if integrator.adaptive else None
+        self.fixed = FixedMarch(
+            lambda mode: self.variants[mode].step, stabilization.period, self.backend
+        )
+        self.adaptive = AdaptiveMarch(self._attempt, self.backend) if integrator.adaptive else None
 
     def _attempt(self, mode: int) -> Attempt:
         found = self.variants[mode].attempt
@@ -143,7 +98,7 @@ class DynamicsKernel:
         for mode, variant in enumerate(self.variants):
             if variant.formulation == chosen:
                 return mode
-        self.variants.append(Variant(self, chosen))
+        self.variants.append(Variant(self.view, chosen, self.stabilization, self.integrator))
         return len(self.variants) - 1
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray) -> Switch:
@@ -169,6 +124,7 @@ class DynamicsKernel:
 
     def over(self, function: ca.Function, count: int) -> Kernel:
         """The function for ``count`` columns at once; made once, for chunks ask again and again."""
+        function = self.backend.mapped(function, count)
         key = (function, count)
         if key not in self._mapped:
             self._mapped[key] = Kernel(function.map(count))
@@ -205,7 +161,7 @@ class DynamicsKernel:
         inside = np.flatnonzero((branches.length > 0) & ~ends)
         for mode in np.unique(steps.mode[k[inside]]):
             part = inside[steps.mode[k[inside]] == mode]
-            (states[:, part],) = Kernel(self.variants[mode].step.function.map(part.size))(
+            (states[:, part],) = self.over(self.variants[mode].step.function, part.size)(
                 steps.t[k[part]],
                 branches.length[part],
                 steps.x[:, k[part]],
@@ -256,20 +212,3 @@ class DynamicsKernel:
         n = self.equations.coordinate_count + self.equations.speed_count
         work = states[n : n + 2] - steps.x[n : n + 2, :1]
         return Trajectory(times, y, v, a, multiplier, work)
-
-
-def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
-    """Where times lie among the steps taken."""
-    count = steps.count
-    slack = 1e-12 * max(1.0, abs(steps.end))
-    if times[0] < steps.t[0] - slack or times[-1] > steps.end + slack:
-        raise AnalysisError(
-            f"times {times[0]:g}…{times[-1]:g} s leave the run {steps.t[0]:g}…{steps.end:g} s"
-        )
-    index = np.clip(np.searchsorted(steps.t[:count], times, side="right") - 1, 0, count - 1)
-    length = np.clip(times - steps.t[index], 0.0, steps.h[index])
-    small = 1e-12 * np.maximum(1.0, np.abs(times))
-    length[length < small] = 0.0
-    near = np.abs(length - steps.h[index]) < small
-    length[near] = steps.h[index[near]]
-    return Branches(index, length)

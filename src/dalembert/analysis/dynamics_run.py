@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import time as clock
-from functools import cached_property, partial
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
+from dalembert.analysis.branches import outputs_of
 from dalembert.analysis.choices import doubts
-from dalembert.analysis.dynamics_kernel import (
-    Branches,
-    DynamicsRecord,
-    Variant,
-    place_outputs,
-)
+from dalembert.analysis.dynamics_kernel import DynamicsRecord
 from dalembert.analysis.dynamics_status import Ending, statistics
-from dalembert.analysis.events import as_events, locate
+from dalembert.analysis.event_search import EventSearch
+from dalembert.analysis.events import as_events
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
     check_driver_laws,
@@ -54,7 +49,6 @@ class DynamicsRun:
         self.step = checked_step(analysis.step, self.start, self.end)
         self.requested = output_times(analysis.outputs, self.start, self.end)
         self.p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
-        self.events = as_events(analysis.events)
         if model.diagnosis.massless:
             raise SingularityError(
                 f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; "
@@ -63,6 +57,7 @@ class DynamicsRun:
         check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
         self._refuse_lost_mass()
         self.kernel = analysis.kernel(model)
+        self.events = EventSearch(self.kernel, as_events(analysis.events), self.p)
 
     def _refuse_lost_mass(self) -> None:
         """A mass that was not zero when the model was built must not become zero."""
@@ -101,12 +96,13 @@ class DynamicsRun:
         self.prepare(mode)
         prepared, begin = clock.perf_counter() - begin, clock.perf_counter()
         with progress_reporter(progress, f"integrating {self.model.name}") as report:
-            steps = self.march(x0, mode, Watch(report, self.terminal_crossing, self.switch))
+            watch = Watch(report, self.events.terminal_crossing, self.switch)
+            steps = self.march(x0, mode, watch)
         elapsed = clock.perf_counter() - begin
-        happened, ends = self.find_events(steps)
+        happened, ends = self.events.find(steps)
         if ends is not None:
-            steps = self.cut_at(steps, ends)
-        times, branches = self.outputs(steps)
+            steps = self.events.cut(steps, *ends)
+        times, branches = outputs_of(steps, self.requested)
         trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         motion = Motion(
             model=self.model,
@@ -142,91 +138,7 @@ class DynamicsRun:
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int) -> Switch:
         return self.kernel.switch(times, states, mode, self.p)
 
-    # events ------------------------------------------------------------------------
-    def terminal_crossing(self, times: np.ndarray, states: np.ndarray) -> bool:
-        # any variant will do: all give the same accelerations
-        modes = np.full(times.size, len(self.kernel.variants) - 1)
-        return any(
-            event.terminal and event.crossings(self.event_values(name, times, states, modes)).size
-            for name, event in self.events.items()
-        )
-
-    def event_values(
-        self, name: str, times: np.ndarray, states: np.ndarray, modes: np.ndarray
-    ) -> np.ndarray:
-        """Values of an event's measure, accelerations and multipliers included."""
-        functions = self.event_functions[name]
-
-        def function_of(variant: Variant) -> ca.Function:
-            if variant not in functions:
-                functions[variant] = variant.measured([self.measures[name]], "event").function
-            return functions[variant]
-
-        return self.kernel.mapped(function_of, modes, times, states, self.p)[0].ravel()
-
-    @cached_property
-    def measures(self) -> dict[str, ca.SX]:
-        return {
-            name: self.model.at_ground(event.expression(self.model).sx)
-            for name, event in self.events.items()
-        }
-
-    @cached_property
-    def event_functions(self) -> dict[str, dict[Variant, ca.Function]]:
-        return {name: {} for name in self.events}
-
-    def find_events(self, steps: Steps) -> tuple[list[EventRecord], tuple[int, float] | None]:
-        """All crossings up to the first terminal one; its step and length, if there is one."""
-        found: list[tuple[float, str, int, float]] = []
-        times = np.append(steps.t[: steps.count], steps.end)
-        for name, event in self.events.items() if steps.count else ():
-            modes = np.append(steps.mode, steps.mode[-1:])
-            values = self.event_values(name, times, steps.x, modes)
-            for k in event.crossings(values):
-                inside = partial(self.value_inside, name, steps, int(k))
-                length = locate(inside, 0.0, float(steps.h[k]))
-                found.append((steps.t[k] + length, name, int(k), length))
-        found.sort()
-        for i, (_, name, k, length) in enumerate(found):
-            if self.events[name].terminal:
-                return [EventRecord(n, float(t)) for t, n, _, _ in found[: i + 1]], (k, length)
-        return [EventRecord(n, float(t)) for t, n, _, _ in found], None
-
-    def value_inside(self, name: str, steps: Steps, k: int, length: float) -> float:
-        x, step = steps.x[:, k], self.kernel.variants[steps.mode[k]].step
-        if length > 0:
-            x = step.function(steps.t[k], length, x, self.p).full().ravel()
-        time = np.array([steps.t[k] + length])
-        return float(self.event_values(name, time, x[:, None], steps.mode[k : k + 1])[0])
-
-    def cut_at(self, steps: Steps, end: tuple[int, float]) -> Steps:
-        """Shorten the step in which the terminal event happens."""
-        k, length = end
-        cut = steps.cut(k + 1)
-        cut.h = cut.h.copy()
-        cut.h[k] = max(length, 1e-15)
-        cut.corrected[k] = True
-        step = self.kernel.variants[steps.mode[k]].step
-        last = step.function(steps.t[k], cut.h[k], steps.x[:, k], self.p).full()
-        cut.x = np.hstack([cut.x[:, :-1], last])
-        return cut
-
-    # outputs -----------------------------------------------------------------------
-    def outputs(self, steps: Steps) -> tuple[np.ndarray, Branches]:
-        count = steps.count
-        if self.requested is None or count == 0:
-            times = np.append(steps.t[:count], steps.end)
-            index = np.minimum(np.arange(count + 1), max(count - 1, 0))
-            length = np.zeros(count + 1)
-            if count:
-                length[-1] = steps.h[-1]
-            return times, Branches(index, length)
-        slack = 1e-12 * max(1.0, abs(steps.end))
-        times = self.requested[self.requested <= steps.end + slack]
-        if steps.end < self.requested[-1] - slack and (not times.size or times[-1] < steps.end):
-            times = np.append(times, steps.end)  # where the run ended early is an output too
-        return times, place_outputs(steps, times)
-
+    # what is told ------------------------------------------------------------------
     def status(self, steps: Steps, s: Trajectory, ended_by: list[EventRecord]) -> Status:
         """How the run ended; ``ended_by`` are the events up to a terminal one."""
         ending = Ending(self.kernel, steps, s, self.p, self.following_length(steps))

@@ -9,14 +9,11 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.analysis.singular_positions import near_singular_position
+from dalembert.analysis.singular_positions import LOST, near_singular_position
 from dalembert.integrators.steps import Steps
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status
-
-LOST = 1e-6
-"""Violation of a constraint at which a run that corrects them has failed."""
 
 
 class Ending:
@@ -128,6 +125,8 @@ def statistics(
         "integrator": kernel.integrator,
     }
     made: dict[str, Any] = {name: type(choice).__name__ for name, choice in choices.items()}
+    march = kernel.adaptive or kernel.fixed
+    made["backend"] = kernel.backend.report(march.single(int(steps.mode[-1]) if steps.count else 0))
     made |= {
         "steps": steps.count,
         "rejected steps": steps.rejected,

@@ -11,7 +11,7 @@ import numpy as np
 
 from dalembert.elements.base import rate_of
 from dalembert.elements.planar.joint import Pair
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.symbolic.expression import Expression, t
@@ -72,6 +72,8 @@ def _measure(model: Model, measure: Any) -> Expression:
         return model.formula(text) if any(c in text for c in "+-*/( ") else model[text]
     except KeyError as error:
         raise AnalysisError(f"measure: {error.args[0]}") from None
+    except ExpressionError as error:
+        raise ExpressionError(error.message, error.entity or "measure") from None
 
 
 def differences(

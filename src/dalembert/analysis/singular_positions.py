@@ -11,7 +11,7 @@ from dalembert.model.equations import Equations
 NEAR = 0.02
 """Smallest singular value of ``C``, relative to that at the start, that counts as near zero."""
 LOST = 1e-6
-"""Violation from which on a state tells nothing any more."""
+"""Violation of a constraint from which on a state tells nothing, and a corrected run has failed."""
 SAMPLES = 200
 
 
@@ -20,8 +20,8 @@ def near_singular_position(
 ) -> tuple[float, float] | None:
     """Time and smallest singular value of ``C`` where the run lost its constraints.
 
-    Looked for from two steps before the last good state to one step after it, along the straight
-    line of its speeds; None where ``C`` keeps its rank.
+    Looked for from two steps before the last good state to two steps after it, along the
+    straight line of its speeds; None where ``C`` keeps its rank.
 
     Parameters
     ----------
@@ -51,7 +51,8 @@ def near_singular_position(
     good = max(min(_last_good(function, steps, times, n, k, p), before), 0)
     length = steps.h[min(good, steps.count - 1)]
     found = [(seen(j)[1], times[j]) for j in range(max(good - 2, 0), good + 1)]
-    for after in np.linspace(0.0, length, SAMPLES)[1:]:
+    # twice the step: a fold is approached like a square root, so a straight line comes late
+    for after in np.linspace(0.0, 2 * length, 2 * SAMPLES - 1)[1:]:
         found.append((seen(good, after)[1], times[good] + after))
     smallest, time = min(found)
     return (float(time), smallest) if smallest < NEAR * seen(0)[1] else None

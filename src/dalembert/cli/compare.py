@@ -25,6 +25,8 @@ from dalembert.cli.loading import loaded, output_folder
 if TYPE_CHECKING:
     from dalembert.results.comparison import Comparison
 
+LONG = 1e300
+Numbers = Annotated[str, Parameter(allow_leading_hyphen=True)]
 SHOWN = 8
 """Reasons that are told on the terminal."""
 
@@ -38,8 +40,8 @@ def compare(
     integrators: str | None = None,
     stabilizations: str | None = None,
     coordinates: str | None = None,
-    steps: str | None = None,
-    tolerances: str | None = None,
+    steps: Numbers | None = None,
+    tolerances: Numbers | None = None,
     measure: str | None = None,
     repeat: int | None = None,
     output: Path | None = None,
@@ -50,6 +52,8 @@ def compare(
 ) -> int:
     """Compare formulations and integrators; writes a table (.compare.csv) and a picture.
 
+    All that is named is combined; what is not named is tried where it tells something.
+
     Parameters
     ----------
     model
@@ -57,17 +61,20 @@ def compare(
     duration
         Length of the runs [s].
     formulations
-        Names with commas between them, e.g. RangeSpace,Kkt.
+        Names with commas between them; RangeSpace,Kkt,NullSpace,AugmentedLagrangian,Dae by
+        default. Options of a strategy are written in the file, under [compare].
     integrators
-        Names, e.g. RK4,DormandPrince.
+        Names; RK4,DormandPrince by default, and Radau for Dae.
     stabilizations
-        Names, e.g. Stabilization,Baumgarte,Projection.
+        Names; Projection by default.
     coordinates
-        Names, e.g. AbsoluteCoordinates.
+        Names; AbsoluteCoordinates by default, and JointCoordinates for RangeSpace where no
+        formulations are named.
     steps
-        Steps of integrators with fixed steps [s], e.g. 0.02,0.01.
+        Steps of integrators with fixed steps [s], e.g. 0.02,0.01; four that suit the motion by
+        default.
     tolerances
-        Tolerances of integrators that control their steps, e.g. 1e-6,1e-8.
+        Tolerances of integrators that control their steps; 1e-4,1e-6,1e-8 by default.
     measure
         Name or formula whose error is told; all coordinates by default.
     repeat
@@ -102,7 +109,8 @@ def compare(
     if duration is not None:
         given |= {"duration": duration, "t_span": None, "outputs": 201}
     with wrong_input():
-        task = Comparing(**(make_comparison(file, given) | given))
+        Comparing(**({"duration": LONG} | given))  # so that the file is not blamed for an option
+        task = Comparing(**(make_comparison(file, built, given) | given))
         observe(built, task.measure)
     folder = output_folder(output)
     show = not quiet and not as_json and sys.stderr.isatty()
@@ -114,6 +122,8 @@ def compare(
         emit(_document(made, code, files))
     elif not quiet:
         _print(made, files)
+        if task.formulations is None and task.integrators is None:
+            print("  compare others by --formulations A,B --integrators C,D; see --help")
     if code == FAILED and quiet:
         print("Error: no run finished", file=sys.stderr)
     return code
@@ -134,6 +144,8 @@ def _write(made: Comparison, base: Path, kind: str) -> list[Path]:
 
 
 def _document(made: Comparison, code: int, files: list[Path]) -> dict[str, Any]:
+    from dalembert.results.comparison_data import BETWEEN
+
     about = made.data.attrs
     uncertainty = {k: about[f"uncertainty_{k}"] for k in ("position", "velocity", "reaction")}
     return {
@@ -145,7 +157,10 @@ def _document(made: Comparison, code: int, files: list[Path]) -> dict[str, Any]:
         "unit": about["measure_unit"],
         "reference": {"runs": about["reference"], "uncertainty": uncertainty},
         "complete": made.complete,
-        "runs": made.table().to_dict("records"),
+        "runs": [
+            row | {"warnings": [text for text in row["warnings"].split(BETWEEN) if text]}
+            for row in made.table().to_dict("records")
+        ],
         "orders": made.orders().to_dict("records"),
         "files": [str(f) for f in files],
     }
@@ -175,15 +190,17 @@ def _print(made: Comparison, files: list[Path]) -> None:
     for column in chosen:
         side: Any = "left" if column.text else "right"
         table.add_column(Text(column.heading), justify=side, no_wrap=True)
+    warned = made.table()["warnings"].astype(bool).tolist()
     group = [column.heading for column in chosen].index("integrator")
     for k, (row, good) in enumerate(zip(rows, made.finished, strict=True)):
         if k and row[:group] != rows[k - 1][:group]:
             table.add_section()
-        table.add_row(*(Text(cell) for cell in row), style=None if good else "red")
+        style = "red" if not good else "yellow" if warned[k] else None
+        table.add_row(*(Text(cell) for cell in row), style=style)
     out.print(table)
     reasons = [f"[{number}] {reason}" for number, reason in enumerate(notes(made), 1)]
     if len(reasons) > SHOWN:
-        reasons[SHOWN:] = [f"… and {len(reasons) - SHOWN} more reasons in the table's file"]
+        reasons[SHOWN:] = [f"… and {len(reasons) - SHOWN} more in the table's file"]
     for line in [*reasons, *made.summary()]:
         out.print(Padding(Text(line), (0, 0, 0, 2)), soft_wrap=False)
     for path in files:

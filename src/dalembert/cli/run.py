@@ -67,7 +67,9 @@ def run(
         task = make_analysis(file, built, analysis)
         choices = report_choices(file, built)
     folder = output_folder(output)
-    result = task.run(built, progress=not quiet and not as_json and sys.stderr.isatty())
+    show = not quiet and not as_json and sys.stderr.isatty()
+    with file.located("analysis"):
+        result = task.run(built, progress=show)
     base = folder / file.path.stem
     if hasattr(result, "trajectory"):
         files = _write_motion(result, base, report, csv, choices)

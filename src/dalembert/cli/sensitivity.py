@@ -48,7 +48,8 @@ def sensitivity(
         responses, wrt = make_gradient(file, built)
         chosen = _method(method or file.document.sensitivity.method)
     folder = output_folder(output) if output else None
-    motion = task.run(built, progress=not as_json and sys.stderr.isatty())
+    with file.located("analysis"):
+        motion = task.run(built, progress=not as_json and sys.stderr.isatty())
     gradient = gradient_of(motion, list(responses.values()), wrt, chosen)
     values = {name: evaluate(motion, response) for name, response in responses.items()}
     files = [_write(gradient, folder / f"{file.path.stem}.sensitivity.csv")] if folder else []

@@ -30,7 +30,7 @@ class AugmentedLagrangian(Formulation):
 
     Parameters
     ----------
-    factor : ``α`` over the mean of the masses and moments of inertia
+    factor : ``α`` over the mean of the masses that the constraints see
     iterations : of ``λ*``, with one factorisation
 
     Raises

@@ -9,12 +9,13 @@ from __future__ import annotations
 import casadi as ca
 
 from dalembert.formulations.base import SaddleSolver
+from dalembert.formulations.effective_mass import mean_effective_mass
 from dalembert.model.inertia import Inertia
 from dalembert.symbolic.factor import LdlFactor
 
 
 class AugmentedMass:
-    """``M + CᵀαC``, factored once; ``α`` is ``factor`` times the mean of the masses.
+    """``M + CᵀαC``, factored once; ``α`` is ``factor`` times the masses that C sees.
 
     One ``α`` serves all rows, so constraints should be written in metres or radians: a row that is
     multiplied by s is held s² times harder.
@@ -23,7 +24,7 @@ class AugmentedMass:
     ----------
     inertia, jacobian : ``M`` (n, n), ``C`` (m, n)
     massless : speeds without mass, left out of the mean
-    factor : ``α`` over the mean of the diagonal of ``M``
+    factor : ``α`` over the mean of the masses that the constraints see
     """
 
     def __init__(
@@ -34,9 +35,8 @@ class AugmentedMass:
         factor: ca.SX | float,
     ):
         mass = inertia.matrix
-        present = [mass[k, k] for k in range(mass.shape[0]) if k not in massless]
-        mean = sum(present, ca.SX(0)) / len(present) if present else ca.SX(1)
-        self.inertia, self.jacobian, self.alpha = inertia, jacobian, factor * mean
+        self.inertia, self.jacobian = inertia, jacobian
+        self.alpha = factor * mean_effective_mass(mass, jacobian, massless)
         self.factor = LdlFactor(mass + self.alpha * ca.mtimes(jacobian.T, jacobian))
 
     def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -64,7 +64,7 @@ class AugmentedMass:
 
 
 class AugmentedLagrangianSolver(SaddleSolver):
-    """Iterated multipliers, ``C x = r2`` as closely as wanted.
+    """Iterated multipliers (7.5–7.6), ``C x = r2`` as closely as wanted.
 
     Every round but the first takes the constraint forces ``Cᵀ λ`` of the one before for its load. A
     constraint of relative stiffness ``ε = α σ²/m`` is so held by the share ``(k ε)^rounds`` where

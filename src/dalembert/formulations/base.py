@@ -88,16 +88,6 @@ class Formulation:
         """Numbers of this choice that belong to the statistics of a run."""
         return {}
 
-    def doubts(self, freedom: int, exchanged: float) -> list[str]:
-        """What speaks against this choice.
-
-        Parameters
-        ----------
-        freedom : degrees of freedom that the drivers leave
-        exchanged : largest energy put in or dissipated during the run [J]
-        """
-        return []
-
     # choices that a run may change ------------------------------------------------------
     def choose(self, e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> Formulation:
         """The formulation made definite for a position, e.g. with a partition of the speeds."""
@@ -172,6 +162,11 @@ class Formulation:
         return SemiExplicit(
             e.t, state_symbols(e), z, e.p, state_rate(e), algebraic, level, level, 1, start
         )
+
+
+def feeds_back(e: Equations, xi: ca.SX) -> bool:
+    """Whether a stabilisation has put violations of the constraints into ``ξ``."""
+    return not ca.is_equal(xi, e.constraint_acceleration, 2)
 
 
 def dynamic_equations(e: Equations) -> ca.SX:

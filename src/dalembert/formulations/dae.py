@@ -10,6 +10,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import (
     Formulation,
     dynamic_equations,
+    feeds_back,
     state_rate,
     state_symbols,
 )
@@ -80,7 +81,7 @@ class Dae(Formulation):
         UnsupportedError
             Violations fed back through ``ξ``, which only index 1 contains.
         """
-        if self.index > 1 and xi is not e.constraint_acceleration:
+        if self.index > 1 and feeds_back(e, xi):
             raise UnsupportedError(
                 f"Dae(index={self.index}) has no equation ξ that Baumgarte could stabilise; use "
                 "stabilization=Projection() or Stabilization(), or Dae(index=1)"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.errors import UnsupportedError
-from dalembert.formulations.base import WORK, Formulation
+from dalembert.formulations.base import WORK, Formulation, state_symbols
 from dalembert.formulations.stabilization import Projection
 from dalembert.model.equations import Equations
 from dalembert.symbolic.implicit import ImplicitFunction
@@ -46,7 +46,7 @@ class EnergyProjection(Projection):
                 "prescribes some; use stabilization=Projection()"
             )
         found = super().correction(e, formulation)
-        moved = found.outputs[0] if found is not None else ca.vertcat(e.y, e.v, WORK)
+        moved = found.outputs[0] if found is not None else state_symbols(e)
         n, k = e.coordinate_count, e.speed_count
         y, v = moved[:n], moved[n : n + k]
         energies = ca.vertcat(e.kinetic_energy, e.potential)
@@ -58,7 +58,7 @@ class EnergyProjection(Projection):
         share = ca.if_else(applies, excess / ca.if_else(applies, kinetic, 1), 0)
         outputs = [ca.vertcat(y, ca.sqrt(1 - share) * v, WORK)]
         if found is None:
-            return ImplicitFunction("energy", [e.t, ca.vertcat(e.y, e.v, WORK), e.p], [], outputs)
+            return ImplicitFunction("energy", [e.t, state_symbols(e), e.p], [], outputs)
         return ImplicitFunction("energy", found.inputs, found.stages, outputs)
 
     def reference_energy(self, e: Equations) -> ca.SX:

@@ -12,7 +12,7 @@ from dalembert.symbolic.factor import QrFactor
 
 
 class KktSolver(SaddleSolver):
-    """Sparse Householder QR of the whole saddle matrix."""
+    """Sparse Householder QR of the whole saddle matrix (5.7)."""
 
     def __init__(self, inertia: Inertia, jacobian: ca.SX):
         mass = inertia.matrix
@@ -28,7 +28,10 @@ class KktSolver(SaddleSolver):
 
 @dataclass(frozen=True)
 class Kkt(Formulation):
-    """Solve (5.7) directly. Takes massless bodies; costs more than ``RangeSpace``."""
+    """Implicit elimination: ``[M Cᵀ; C 0] [v̇; λ] = [f − d; ξ]`` (5.7) solved as it stands.
+
+    Takes massless bodies; costs more than ``RangeSpace``.
+    """
 
     def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> KktSolver:
         return KktSolver(inertia, jacobian)

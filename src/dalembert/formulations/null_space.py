@@ -14,20 +14,20 @@ import numpy as np
 
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation, SaddleSolver
-from dalembert.formulations.basis import NullSpaceBasis
 from dalembert.formulations.orthogonal import GramSchmidtBasis, HouseholderBasis
-from dalembert.formulations.partition import PartitionBasis, best_partition, largest_ratio
+from dalembert.formulations.partition import best_partition, largest_ratio
 from dalembert.formulations.singular_values import SingularValueBasis
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.symbolic.factor import LdlFactor
+from dalembert.symbolic.null_space import NullSpaceBasis, PartitionBasis
 
 LARGEST_SVD = 12
 NOT_CONVERGED = 1e-11
 
 
 class NullSpaceSolver(SaddleSolver):
-    """``x = D x' + x₂`` with ``C x₂ = r₂`` and ``DᵀM D x' = Dᵀ(r₁ − M x₂)``."""
+    """``x = D x' + x₂`` with ``C x₂ = r₂`` and ``DᵀM D x' = Dᵀ(r₁ − M x₂)`` (5.13–5.14)."""
 
     def __init__(self, inertia: Inertia, basis: NullSpaceBasis):
         self.speed_count = inertia.size
@@ -106,7 +106,12 @@ class NullSpace(Formulation):
 
 @dataclass(frozen=True)
 class PartitionedNullSpace(NullSpace):
-    """A basis with definite independent speeds, as ``NullSpace.choose`` makes it."""
+    """A basis with definite independent speeds (6.4), as ``NullSpace.choose`` makes it.
+
+    Parameters
+    ----------
+    independent : their indices in v
+    """
 
     independent: tuple[int, ...] = ()
 

@@ -11,52 +11,12 @@ import numpy as np
 import scipy.linalg
 
 from dalembert.errors import SingularityError
-from dalembert.formulations.basis import NullSpaceBasis
 from dalembert.model.equations import Equations
-from dalembert.symbolic.factor import QrFactor
+from dalembert.symbolic.null_space import PartitionBasis
 
 MASSLESS = 1e-6
 """Weight of a speed without mass, of the mean weight: it is never independent where others can."""
 BEST = 1.01
-
-
-class PartitionBasis(NullSpaceBasis):
-    """``D = [I; −W⁻¹U]`` (6.4) by sparse QR of W.
-
-    Parameters
-    ----------
-    jacobian : SX ``C`` (m, n)
-    independent : indices of the columns U
-    """
-
-    def __init__(self, jacobian: ca.SX, independent: tuple[int, ...]):
-        n = jacobian.shape[1]
-        self.independent = list(independent)
-        self.dependent = [k for k in range(n) if k not in independent]
-        self.u = jacobian[:, self.independent]
-        self.w = QrFactor(jacobian[:, self.dependent])
-        self.matrix = ca.SX(n, len(independent))
-        self.matrix[self.independent, :] = ca.SX.eye(len(independent))
-        self.matrix[self.dependent, :] = -self.ratio
-        self.matrix = ca.sparsify(self.matrix)
-
-    @property
-    def ratio(self) -> ca.SX:
-        """``W⁻¹ U``."""
-        return self.w.solve(self.u)
-
-    def particular(self, rhs: ca.SX) -> ca.SX:
-        return self.completed(ca.SX.zeros(len(self.independent), rhs.shape[1]), rhs)
-
-    def completed(self, u: ca.SX, rhs: ca.SX) -> ca.SX:
-        """``v`` with ``C v = rhs`` and given independent entries."""
-        v = ca.SX.zeros(len(self.independent) + len(self.dependent), rhs.shape[1])
-        v[self.independent, :] = u
-        v[self.dependent, :] = self.w.solve(rhs - ca.mtimes(self.u, u))
-        return v
-
-    def multipliers(self, force: ca.SX) -> ca.SX:
-        return self.w.solve_transposed(force[self.dependent, :])
 
 
 def speed_weights(e: Equations) -> ca.SX:

@@ -14,7 +14,7 @@ from dalembert.model.inertia import Inertia
 
 
 class PenaltySolver(SaddleSolver):
-    """``C x − z/α = r2``."""
+    """``M x + Cᵀ z = r1``, ``C x − z/α = r2``: (7.4) with its forces ``z`` as unknowns."""
 
     def __init__(self, augmented: AugmentedMass):
         self.augmented, self.softness = augmented, 1 / augmented.alpha
@@ -37,7 +37,7 @@ class Penalty(Formulation):
 
     Parameters
     ----------
-    factor : ``α`` over the mean of the masses and moments of inertia
+    factor : ``α`` over the mean of the masses that the constraints see
     omega : stiffness of the constraints over ``α``, as a frequency ``ω`` [rad/s]
     eta : their damping over ``2α``, ``η`` [1/s]; at least ``omega``, critical when equal
 

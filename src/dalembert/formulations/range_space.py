@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.formulations.base import Formulation, SaddleSolver
+from dalembert.formulations.effective_mass import mean_effective_mass
 from dalembert.model.inertia import BlockInertia, Inertia
 from dalembert.symbolic.factor import LdlFactor
 
 
 class RangeSpaceSolver(SaddleSolver):
-    """``λ = (C M⁻¹ Cᵀ)⁻¹ (C M⁻¹ r1 − r2)``, ``x = M⁻¹ (r1 − Cᵀ λ)``.
+    """``λ = (C M⁻¹ Cᵀ)⁻¹ (C M⁻¹ r1 − r2)``, ``x = M⁻¹ (r1 − Cᵀ λ)`` (5.11–5.12).
 
     Coordinates without mass make M singular. The rows of C that touch them, ``S``, are then
     added as ``M + ρ SᵀS`` and ``r1 + ρ Sᵀ r2``: the solution is the same, exactly, because
@@ -26,9 +27,8 @@ class RangeSpaceSolver(SaddleSolver):
         self.weight = ca.SX(0)
         if self.rows:
             mass = inertia.matrix
-            present = [mass[k, k] for k in range(mass.shape[0]) if k not in massless]
-            self.weight = sum(present, ca.SX(0)) / max(len(present), 1) if present else ca.SX(1)
             s = jacobian[self.rows, :]
+            self.weight = mean_effective_mass(mass, s, massless)
             inertia = BlockInertia(mass + self.weight * ca.mtimes(s.T, s))
         self.inertia = inertia
         self.factor = LdlFactor(ca.mtimes(jacobian, inertia.solve(jacobian.T)))
@@ -52,7 +52,10 @@ def _rows_on(massless: tuple[int, ...], jacobian: ca.SX) -> list[int]:
 
 @dataclass(frozen=True)
 class RangeSpace(Formulation):
-    """Eliminate accelerations first (5.11). The default: fastest in absolute coordinates."""
+    """Eliminate accelerations first, ``C M⁻¹Cᵀ λ = C M⁻¹(f − d) − ξ`` (5.11–5.12).
+
+    The default: fastest in absolute coordinates. Takes massless members that constraints hold.
+    """
 
     def solver(
         self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]

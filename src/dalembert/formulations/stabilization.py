@@ -14,7 +14,11 @@ from dalembert.symbolic.implicit import ImplicitFunction, Stage
 
 @dataclass(frozen=True)
 class Stabilization:
-    """Nothing: violations grow as the integrator makes them."""
+    """Nothing, ``C v̇ = ξ`` (5.2): violations grow as the integrator makes them.
+
+    To write another one, change ``ξ`` in ``constraint_acceleration`` or correct states after a
+    step in ``correction``.
+    """
 
     @property
     def period(self) -> int:

@@ -14,13 +14,14 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.formulations.base import Formulation
+from dalembert.formulations.base import Formulation, feeds_back
 from dalembert.formulations.named_speeds import check_independent, indices_of
 from dalembert.formulations.null_space import NullSpaceSolver
-from dalembert.formulations.partition import PartitionBasis, best_partition, largest_ratio
+from dalembert.formulations.partition import best_partition, largest_ratio
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.symbolic.implicit import Stage
+from dalembert.symbolic.null_space import PartitionBasis
 from dalembert.symbolic.semi_explicit import SemiExplicit
 
 SMALLEST_LIMIT = 1.1
@@ -80,7 +81,18 @@ class VelocityPartitioning(Formulation):
 
 @dataclass(frozen=True)
 class IndependentSpeeds(Formulation):
-    """Velocity partitioning with definite independent speeds, by their indices in v."""
+    """Velocity partitioning (6.8) with definite independent speeds.
+
+    Parameters
+    ----------
+    indices : of the independent speeds in v
+    limit : of the largest dependent speed per independent one, before others are chosen
+
+    Raises
+    ------
+    UnsupportedError
+        On use: violations fed back by Baumgarte.
+    """
 
     indices: tuple[int, ...]
     limit: float
@@ -94,7 +106,7 @@ class IndependentSpeeds(Formulation):
         return largest_ratio(e, self.indices), self.limit
 
     def constraint_acceleration(self, e: Equations, xi: ca.SX) -> ca.SX:
-        if not ca.is_equal(xi, e.constraint_acceleration, 2):
+        if feeds_back(e, xi):
             raise UnsupportedError(
                 "VelocityPartitioning keeps the velocity constraints exactly and leaves Baumgarte "
                 "nothing to act on; use stabilization=Projection() or Stabilization()"

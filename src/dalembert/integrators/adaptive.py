@@ -7,8 +7,10 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 
+from dalembert.errors import SolverFailure
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.steps import Steps, Watch
+from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.kernel import Kernel
 
 ATTEMPTS = 64
@@ -21,24 +23,32 @@ class AdaptiveMarch:
     Parameters
     ----------
     attempt_of : mode → Attempt
+    backend : what evaluates the attempts
     """
 
-    def __init__(self, attempt_of: Callable[[int], Attempt]):
-        self.attempt_of = attempt_of
-        self._chunks: dict[int, Kernel] = {}
+    def __init__(self, attempt_of: Callable[[int], Attempt], backend: Backend | None = None):
+        self.attempt_of, self.backend = attempt_of, backend or VirtualMachine()
+        self._singles: dict[int, ca.Function] = {}
+        self._chunks: dict[ca.Function, Kernel] = {}
 
     def prepare(self, mode: int) -> None:
         """Compile the attempts."""
         self._chunk(mode)
 
     def _chunk(self, mode: int) -> Kernel:
-        if mode not in self._chunks:
-            function = self.attempt_of(mode).function
+        function = self.backend.repeated(self.single(mode), ATTEMPTS)
+        if function not in self._chunks:
             state = ca.MX.sym("s", function.numel_in(0))
             fixed = ca.MX.sym("f", function.numel_in(1))
             out = function.mapaccum(ATTEMPTS)(state, ca.repmat(fixed, 1, ATTEMPTS))
-            self._chunks[mode] = Kernel(ca.Function("attempts", [state, fixed], list(out)))
-        return self._chunks[mode]
+            self._chunks[function] = Kernel(ca.Function("attempts", [state, fixed], list(out)))
+        return self._chunks[function]
+
+    def single(self, mode: int) -> ca.Function:
+        """``(state, fixed) → (state, record)`` of one attempt."""
+        if mode not in self._singles:
+            self._singles[mode] = _idle_at_the_end(self.attempt_of(mode).function)
+        return self._singles[mode]
 
     def run(
         self,
@@ -59,25 +69,23 @@ class AdaptiveMarch:
         head, rejected, message, interrupted = 2 + len(memory), 0, "", False
         last = x0.reshape(-1, 1)
         try:
-            while state[0] < end:
-                out, record = self._chunk(mode)(state, fixed)
+            while state[0] < end and not message:
+                out, record, failure = self._attempted(mode, state, fixed)
+                made = out.shape[1]
                 out, record, following, message = self._keep(watch, out, record, last, head, mode)
+                if out.shape[1] == made:  # else what failed is done again in another variant
+                    message = message or failure
                 taken = (record[3] > 0.5) & (record[1] > 0)
                 rejected += int(np.sum((record[3] < 0.5) & (record[1] > 0)))
                 modes = np.full(int(taken.sum()), mode)
                 parts.append((record[0, taken], record[1, taken], out[head:, taken], modes))
                 mode = following
-                if message:
-                    break
-                if not out.shape[1]:
+                if message or not out.shape[1]:
                     continue
                 state = out[:, -1]
-                if not np.all(np.isfinite(state)):
-                    message = "the state is no longer finite"
-                    break
-                if state[1] < SMALLEST_STEP * max(1.0, abs(state[0])):
-                    message = f"the step length fell below {state[1]:.1e} s"
-                    break
+                message = _trouble(state)
+                if message:
+                    continue
                 watch.progress((state[0] - start) / (end - start))
                 t, h, columns, _ = parts[-1]
                 if t.size and watch.stop(np.append(t, t[-1] + h[-1]), np.hstack([last, columns])):
@@ -86,11 +94,24 @@ class AdaptiveMarch:
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True
         steps = _collect(parts, start, x0, rejected)
-        finite = np.all(np.isfinite(steps.x), axis=0)
-        if not finite.all():
-            steps = steps.cut(max(int(np.argmin(finite)) - 1, 0))
         steps.message, steps.interrupted = message, interrupted
         return steps
+
+    def _attempted(self, mode: int, state: np.ndarray, fixed: np.ndarray):
+        """A chunk of attempts; where a solver inside gives up, those before it and why."""
+        try:
+            return *self._chunk(mode)(state, fixed), ""
+        except SolverFailure:  # it tells neither where nor what was done before
+            single, done = Kernel(self.single(mode)), []
+        for _ in range(ATTEMPTS):
+            try:
+                done.append(single(state, fixed))
+            except SolverFailure as error:
+                columns = [np.hstack(found) for found in zip(*done, strict=True)]
+                none = [np.zeros((state.size, 0)), np.zeros((4, 0))]
+                return *(columns or none), f"a step failed: {error.reason}"
+            state = done[-1][0].ravel()
+        return *(np.hstack(found) for found in zip(*done, strict=True)), ""
 
     @staticmethod
     def _keep(watch: Watch, out, record, last, head: int, mode: int):
@@ -107,7 +128,26 @@ class AdaptiveMarch:
         return out[:, :stop], record[:, :stop], following, reason
 
 
+def _idle_at_the_end(attempt: ca.Function) -> ca.Function:
+    """The attempt before the end, nothing from there on, so that the rest of a chunk is free."""
+    state, fixed = ca.MX.sym("s", attempt.numel_in(0)), ca.MX.sym("f", attempt.numel_in(1))
+    idle = ca.Function("idle", [state, fixed], [state, ca.vertcat(state[0], 0, 0, 0)])
+    branch = ca.Function.if_else("attempt_or_idle", attempt, idle)
+    outputs = branch(state[0] < fixed[0], state, fixed)
+    return ca.Function("attempt", [state, fixed], list(outputs))
+
+
+def _trouble(state: np.ndarray) -> str:
+    """Why a march cannot go on from ``[t; h; …]``, or nothing."""
+    if not np.all(np.isfinite(state)):
+        return "the state is no longer finite"
+    if state[1] < SMALLEST_STEP * max(1.0, abs(state[0])):
+        return f"the step length fell below {state[1]:.1e} s"
+    return ""
+
+
 def _collect(parts, start: float, x0: np.ndarray, rejected: int) -> Steps:
+    """The steps up to the last state that is finite."""
     columns = [x0.reshape(-1, 1), *(part[2] for part in parts)]
     times = np.concatenate([part[0] for part in parts]) if parts else np.zeros(0)
     lengths = np.concatenate([part[1] for part in parts]) if parts else np.zeros(0)
@@ -115,4 +155,6 @@ def _collect(parts, start: float, x0: np.ndarray, rejected: int) -> Steps:
     if not times.size:
         times = np.array([start])
     corrected = np.ones(lengths.size, bool)
-    return Steps(times, lengths, np.hstack(columns), corrected, mode, rejected)
+    steps = Steps(times, lengths, np.hstack(columns), corrected, mode, rejected)
+    finite = np.all(np.isfinite(steps.x), axis=0)
+    return steps if finite.all() else steps.cut(max(int(np.argmin(finite)) - 1, 0))

@@ -51,8 +51,8 @@ class Problem:
 class Attempt:
     """An attempted step of an adaptive integrator, as one function.
 
-    ``function`` maps ``([t; h; memory; x], [end; longest; p])`` to the next such column and to
-    ``[t; h; error; accepted]``; a refused attempt leaves t and x as they are.
+    ``function`` maps ``([t; h; memory; x], [end; longest; p])``, before the end, to the next such
+    column and to ``[t; h; error; accepted]``; a refused attempt leaves t and x as they are.
 
     Attributes
     ----------

@@ -11,6 +11,8 @@ from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.bdf_control import Accuracy
 from dalembert.integrators.bdf_step import BdfStep
 from dalembert.integrators.step import Step
+from dalembert.integrators.step_control import arrival
+from dalembert.integrators.tolerances import check_tolerances
 
 SOLVED = 1e-2
 """Residual of the equations, relative to the tolerance, with which a step may stand."""
@@ -56,12 +58,7 @@ class Bdf(Integrator):
     max_order: int = 5
 
     def __post_init__(self) -> None:
-        if not (self.rtol > 0 and self.atol > 0):
-            raise UnsupportedError(
-                f"Bdf(rtol={self.rtol}, atol={self.atol}): tolerances must be positive"
-            )
-        if self.max_step is not None and not self.max_step > 0:
-            raise UnsupportedError(f"Bdf(max_step={self.max_step}): must be positive")
+        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
         if self.max_order not in range(1, 6):
             raise UnsupportedError(f"Bdf(max_order={self.max_order}): must be 1, 2, 3, 4 or 5")
 
@@ -84,14 +81,8 @@ class Bdf(Integrator):
         assert isinstance(step, BdfStep)
         state = ca.MX.sym("s", 3 + step.size)
         fixed = ca.MX.sym("f", 2 + step.parameter_count)
-        idle = [state, ca.vertcat(state[0], 0, 0, 0)]
-        branch = ca.Function.if_else(
-            "attempt",
-            ca.Function("trial", [state, fixed], _trial(step, state, fixed)),
-            ca.Function("idle", [state, fixed], idle),
-        )
-        following = branch(fixed[0] > state[0], state, fixed)
-        return Attempt(ca.Function("attempt", [state, fixed], list(following)), (0.0,))
+        found = _trial(step, state, fixed)
+        return Attempt(ca.Function("attempt", [state, fixed], found), (0.0,))
 
 
 def _trial(step: BdfStep, state: ca.MX, fixed: ca.MX) -> list[ca.MX]:
@@ -106,13 +97,12 @@ def _trial(step: BdfStep, state: ca.MX, fixed: ca.MX) -> list[ca.MX]:
     solved = residual <= SOLVED  # false for NaN as well
     finite = ca.logic_and(solved, error <= 1e30)
     accepted = ca.logic_and(finite, error <= 1)
-    arrived = end - (t + h) <= 1e-12 * ca.fmax(1, ca.fabs(end))
     factor = ca.if_else(finite, growth, ca.if_else(solved, NOT_FINITE, UNSOLVED))
     again = ca.logic_and(ca.logic_not(accepted), refused)
     factor = ca.if_else(again, ca.fmin(factor, AGAIN), factor)
     shortened = ca.logic_and(accepted, h < wanted)  # for the end, and not for its error
     following = ca.vertcat(
-        ca.if_else(accepted, ca.if_else(arrived, end, t + h), t),
+        ca.if_else(accepted, arrival(t, h, end), t),
         ca.if_else(shortened, wanted, h * factor),
         ca.logic_not(accepted),
         ca.if_else(accepted, new, x),

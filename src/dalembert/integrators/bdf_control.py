@@ -10,9 +10,9 @@ import casadi as ca
 from dalembert.integrators.base import Problem
 from dalembert.integrators.bdf_differences import ERROR, by_order
 from dalembert.integrators.error_norm import largest, relative_error
+from dalembert.integrators.step_control import STANDSTILL
 
 SAFETY, GREATEST_GROWTH, LEAST_GROWTH = 0.81, 10.0, 0.2
-STANDSTILL = 1e-10
 
 
 @dataclass(frozen=True)

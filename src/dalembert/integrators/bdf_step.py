@@ -20,29 +20,29 @@ from dalembert.integrators.base import Problem
 from dalembert.integrators.bdf_control import Accuracy, BdfControl, refused
 from dalembert.integrators.bdf_differences import ALPHA, GAMMA, by_order, rescaling
 from dalembert.integrators.bdf_newton import CorrectorEquations
-from dalembert.integrators.step import GraphStep, graph_of
+from dalembert.integrators.step import DifferentiatedStep, graph_of
 
 SAME = 1e-8
 
 
-class BdfStep(GraphStep):
+class BdfStep(DifferentiatedStep):
     """``(t, h, x, p) → x⁺`` with the differences in x.
 
     Parameters
     ----------
     problem : Problem
     accuracy : Accuracy
+    corrected : ends with the problem's correction, if it has one
     """
 
-    def __init__(self, problem: Problem, accuracy: Accuracy):
+    def __init__(self, problem: Problem, accuracy: Accuracy, corrected: bool = True):
         self.problem, self.accuracy = problem, accuracy
         self.top = accuracy.max_order
         self.state_size = problem.system.x.numel()
         self.parameter_count = problem.system.p.numel()
         self.size = self.state_size * (self.top + 2) + 3
-        self._upkeep = graph_of(problem.upkeep)
-        self._finish = self._upkeep if problem.correction is None else graph_of(problem.correction)
-        self.corrects = problem.correction is not None
+        self.corrects = corrected and problem.correction is not None
+        self._finish = graph_of(problem.correction if self.corrects else problem.upkeep)
         self.control = BdfControl(problem, accuracy)
         self.equations = CorrectorEquations(problem, accuracy, self.control.weights)
 
@@ -62,9 +62,7 @@ class BdfStep(GraphStep):
 
     @property
     def plain(self) -> BdfStep:
-        bare = BdfStep(self.problem, self.accuracy)
-        bare._finish, bare.corrects = self._upkeep, False
-        return bare
+        return BdfStep(self.problem, self.accuracy, corrected=False)
 
     @cached_property
     def function(self) -> ca.Function:

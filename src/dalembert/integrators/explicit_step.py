@@ -107,7 +107,8 @@ class ExplicitStep(Step):
         if self.finish is not None:
             new = self.advance(h, x, slopes)
             change = self.finish.tangent(t + h, new, p, 0, change, dp)
-        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [change], {"cse": True})
+        inputs, out = [t, h, x, p, dx, dp], [ca.densify(change)]
+        return ca.Function("step_tangent", inputs, out, {"cse": True})
 
     @cached_property
     def adjoint(self) -> ca.Function:

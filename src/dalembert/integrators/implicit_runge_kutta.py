@@ -139,7 +139,7 @@ class CollocationStep(GraphStep):
 
 @dataclass(frozen=True, kw_only=True)
 class ImplicitRungeKutta(ImplicitIntegrator, ABC):
-    """Implicit method given by its matrix."""
+    """Implicit method given by its matrix: ``x⁺ = X_s`` of the stage equations above."""
 
     @property
     @abstractmethod

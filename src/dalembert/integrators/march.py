@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import redirect_stderr
-from io import StringIO
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from dalembert.errors import SolverFailure
 from dalembert.integrators.step import Step
 from dalembert.integrators.steps import Steps, Watch, run_length
+from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.kernel import Kernel
 
 CHUNK = 500
@@ -26,14 +26,23 @@ class FixedMarch:
     ----------
     step_of : mode → Step
     period : the correction follows every ``period``-th step
+    backend : what evaluates the steps
     """
 
-    def __init__(self, step_of: Callable[[int], Step], period: int = 1):
+    def __init__(
+        self,
+        step_of: Callable[[int], Step],
+        period: int = 1,
+        backend: Backend | None = None,
+    ):
         self.step_of, self.period = step_of, period
-        self._chunks: dict[tuple[int, int], Kernel] = {}
+        self.backend = backend or VirtualMachine()
+        self._singles: dict[int, ca.Function] = {}
+        self._chunks: dict[tuple[ca.Function, int], Kernel] = {}
 
     def prepare(self, count: int, mode: int) -> None:
         """Compile what ``count`` steps need."""
+        self.backend.repeated(self.single(mode), count)
         if count >= CHUNK:
             self._chunk(CHUNK, mode)
         if count % CHUNK:
@@ -50,6 +59,8 @@ class FixedMarch:
 
     def repeat(self, steps: Steps, x0: np.ndarray, p: np.ndarray) -> Steps:
         """The steps of an earlier march from another state with other parameters."""
+        for mode, count in zip(*np.unique(steps.mode, return_counts=True), strict=True):
+            self.backend.repeated(self.single(int(mode)), int(count))
         return self._march(steps.t, steps.h, steps.corrected, steps.mode, x0, p, None)
 
     def _march(self, times, h, corrected, mode, x0, p, watch: Watch | None) -> Steps:
@@ -96,36 +107,51 @@ class FixedMarch:
     def _advance(self, mode: int, x: np.ndarray, given, p: np.ndarray) -> tuple[np.ndarray, str]:
         """States after a chunk of steps; NaN, and why, from where a solver inside gave up."""
         count = given[0].size
-        with redirect_stderr(StringIO()):  # CasADi prints all arguments of what fails
+        try:
+            return self._chunk(count, mode)(x, *given, p)[0], ""
+        except SolverFailure:  # it tells neither where nor what was done before
+            out = np.full((x.size, count), np.nan)
+        for k in range(count):
             try:
-                return self._chunk(count, mode)(x, *given, p)[0], ""
-            except RuntimeError:  # it tells neither where nor what was done before
-                out = np.full((x.size, count), np.nan)
-            for k in range(count):
-                try:
-                    (x,) = self._chunk(1, mode)(x.ravel(), *(column[k] for column in given), p)
-                except RuntimeError as error:
-                    return out, f"a step failed: {str(error).strip().rpartition(': ')[2]}"
-                out[:, k] = x.ravel()
+                (x,) = self._chunk(1, mode)(x.ravel(), *(column[k] for column in given), p)
+            except SolverFailure as error:
+                return out, f"a step failed: {error.reason}"
+            out[:, k] = x.ravel()
         return out, ""
 
     def _chunk(self, count: int, mode: int) -> Kernel:
-        key = (count, mode)
+        single = self.backend.repeated(self.single(mode), 0)
+        key = (single, count)
         if key not in self._chunks:
-            self._chunks[key] = Kernel(_map_steps(self._single(mode), count))
+            self._chunks[key] = Kernel(_map_steps(single, count))
         return self._chunks[key]
 
-    def _single(self, mode: int) -> ca.Function:
+    def single(self, mode: int) -> ca.Function:
         """``(x, t, h, flag, p) → x``; the flag says whether this step is corrected."""
-        step = self.step_of(mode)
-        sometimes = self.period > 1 and step.corrects
-        kind: Any = ca.SX if step.function.is_a("SXFunction") and not sometimes else ca.MX
+        if mode not in self._singles:
+            self._singles[mode] = self._make_single(self.step_of(mode))
+        return self._singles[mode]
+
+    def _make_single(self, step: Step) -> ca.Function:
+        call, symbolic = flagged(step, self.period, lambda step: step.function)
+        kind: Any = ca.SX if symbolic else ca.MX
         x, p = kind.sym("x", step.size), kind.sym("p", step.parameter_count)
         t, h, flag = kind.sym("t"), kind.sym("h"), kind.sym("flag")
-        if sometimes:  # of the two steps only one is evaluated
-            branch = ca.Function.if_else("branch", step.function, step.plain.function)
-            return ca.Function("single", [x, t, h, flag, p], [branch(flag, t, h, x, p)])
-        return ca.Function("single", [x, t, h, flag, p], [step.function(t, h, x, p)])
+        return ca.Function("single", [x, t, h, flag, p], [call(flag, t, h, x, p)])
+
+
+def flagged(
+    step: Step, period: int, function_of: Callable[[Step], ca.Function]
+) -> tuple[Callable[..., Any], bool]:
+    """``(flag, …)`` function of a step or of its derivative; and whether it is one of scalars.
+
+    The flag says whether the step is corrected; of the two only one is evaluated. Where every
+    step is, or none, it goes unseen.
+    """
+    function = function_of(step)
+    if period == 1 or not step.corrects:
+        return lambda flag, *arguments: function(*arguments), function.is_a("SXFunction")
+    return ca.Function.if_else("branch", function, function_of(step.plain)), False
 
 
 def _map_steps(single: ca.Function, count: int) -> ca.Function:

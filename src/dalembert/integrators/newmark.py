@@ -13,7 +13,7 @@ from dalembert.integrators.newton import ImplicitIntegrator
 
 @dataclass(frozen=True, kw_only=True)
 class NewmarkFamily(ImplicitIntegrator, ABC):
-    """Method given by its four coefficients."""
+    """Method given by its four coefficients, in the form of Arnold and Brüls (2007)."""
 
     @property
     @abstractmethod
@@ -26,7 +26,9 @@ class NewmarkFamily(ImplicitIntegrator, ABC):
 
 @dataclass(frozen=True)
 class Newmark(NewmarkFamily):
-    """Newmark (1959). ``γ = 1/2`` has order 2 and no damping, larger ``γ`` order 1.
+    """Newmark (1959): ``v⁺ = v + h((1 − γ) v̇ + γ v̇⁺)``, positions with ``β`` likewise.
+
+    ``γ = 1/2`` has order 2 and no damping, larger ``γ`` order 1.
 
     Parameters
     ----------

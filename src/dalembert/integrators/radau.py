@@ -8,9 +8,7 @@ from math import sqrt
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Attempt, Problem
-from dalembert.integrators.embedded import decide
 from dalembert.integrators.error_norm import largest, relative_error
 from dalembert.integrators.implicit_runge_kutta import (
     ButcherMatrix,
@@ -19,6 +17,8 @@ from dalembert.integrators.implicit_runge_kutta import (
     stages,
 )
 from dalembert.integrators.step import Step
+from dalembert.integrators.step_control import decide
+from dalembert.integrators.tolerances import check_tolerances
 
 _R = sqrt(6)
 RADAU_IIA = ButcherMatrix(
@@ -69,12 +69,7 @@ class Radau(ImplicitRungeKutta):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not (self.rtol > 0 and self.atol > 0):
-            raise UnsupportedError(
-                f"Radau(rtol={self.rtol}, atol={self.atol}): tolerances must be positive"
-            )
-        if self.max_step is not None and not self.max_step > 0:
-            raise UnsupportedError(f"Radau(max_step={self.max_step}): must be positive")
+        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
 
     @property
     def matrix(self) -> ButcherMatrix:
@@ -94,16 +89,6 @@ class Radau(ImplicitRungeKutta):
         assert isinstance(step, CollocationStep)
         state = ca.MX.sym("s", 3 + step.size)
         fixed = ca.MX.sym("f", 2 + step.parameter_count)
-        arrived = ca.vertcat(state[0], 0, 0, 1)
-        rest = ca.Function("rest", [state, fixed], [state, arrived])
-        branch = ca.Function.if_else("attempt", self._active(problem, step), rest)
-        outputs = branch(state[0] < fixed[0], state, fixed)
-        return Attempt(ca.Function("attempt", [state, fixed], list(outputs)), (1.0,))
-
-    def _active(self, problem: Problem, step: CollocationStep) -> ca.Function:
-        """The attempt before the end is reached."""
-        state = ca.MX.sym("s", 3 + step.size)
-        fixed = ca.MX.sym("f", 2 + step.parameter_count)
         t, proposed, x = state[0], state[1], state[3:]
         end, longest, p = fixed[0], fixed[1], fixed[2:]
         h = ca.fmin(ca.fmin(proposed, longest), end - t)
@@ -118,7 +103,7 @@ class Radau(ImplicitRungeKutta):
         ratio = largest(relative_error(problem, t + h, new, p, error, allowed))
         ratio = ca.if_else(ca.sumsqr(corrected) < np.inf, ratio, np.inf)
         following, record = decide(state, end, h, corrected, ratio, ERROR_ORDER)
-        return ca.Function("active", [state, fixed], [following, record])
+        return Attempt(ca.Function("attempt", [state, fixed], [following, record]), (1.0,))
 
 
 def _estimate(step: CollocationStep, t, h, x, p, rates: ca.MX) -> ca.MX:

@@ -22,11 +22,18 @@ from dalembert.integrators.tableau import (
     HEUN,
     ButcherTableau,
 )
+from dalembert.integrators.tolerances import check_tolerances
 
 
 @dataclass(frozen=True)
 class ExplicitRungeKutta(Integrator, ABC):
-    """Explicit method given by its tableau."""
+    """Explicit method given by its tableau: ``x⁺ = x + h Σ b_i k_i``.
+
+    Raises
+    ------
+    UnsupportedError
+        On use: a formulation that gives no accelerations.
+    """
 
     @property
     @abstractmethod
@@ -86,6 +93,8 @@ class RKGill(ExplicitRungeKutta):
 class AdaptiveRungeKutta(ExplicitRungeKutta):
     """Embedded method whose step length follows the estimated error of coordinates and speeds.
 
+    Lengths follow a PI controller (Gustafsson 1991).
+
     Parameters
     ----------
     rtol : relative tolerance [-]
@@ -103,12 +112,7 @@ class AdaptiveRungeKutta(ExplicitRungeKutta):
     max_step: float | None = None
 
     def __post_init__(self) -> None:
-        if not (self.rtol > 0 and self.atol > 0):
-            raise UnsupportedError(
-                f"{self.name}(rtol={self.rtol}, atol={self.atol}): tolerances must be positive"
-            )
-        if self.max_step is not None and not self.max_step > 0:
-            raise UnsupportedError(f"{self.name}(max_step={self.max_step}): must be positive")
+        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
 
     @property
     def adaptive(self) -> bool:
@@ -125,7 +129,7 @@ class AdaptiveRungeKutta(ExplicitRungeKutta):
 
 @dataclass(frozen=True)
 class DormandPrince(AdaptiveRungeKutta):
-    """Dormand–Prince 5(4) with step size control.
+    """Dormand–Prince 5(4) with step size control (Dormand and Prince 1980).
 
     A step is accepted when ``max |e_i| / (atol + rtol |x_i|) ≤ 1`` over coordinates and speeds.
 

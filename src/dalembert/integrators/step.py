@@ -57,11 +57,41 @@ class Step:
         return None
 
 
-class GraphStep(Step):
-    """A step given as a function of the graph; CasADi differentiates it.
+class DifferentiatedStep(Step):
+    """A step whose ``function`` CasADi differentiates.
 
     Solved equations inside (rootfinder nodes) are differentiated by the implicit function
     theorem, so derivatives are exact as far as the equations are solved.
+    """
+
+    def _symbols(self) -> list[ca.MX]:
+        return [
+            ca.MX.sym("t"),
+            ca.MX.sym("h"),
+            ca.MX.sym("x", self.size),
+            ca.MX.sym("p", self.parameter_count),
+        ]
+
+    @cached_property
+    def tangent(self) -> ca.Function:
+        t, h, x, p = self._symbols()
+        dx, dp = ca.MX.sym("dx", self.size), ca.MX.sym("dp", self.parameter_count)
+        new = self.function(t, h, x, p)
+        change = self.function.forward(1)(t, h, x, p, new, 0, 0, dx, dp)
+        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [ca.densify(change)])
+
+    @cached_property
+    def adjoint(self) -> ca.Function:
+        t, h, x, p = self._symbols()
+        weight = ca.MX.sym("w", self.size)
+        new = self.function(t, h, x, p)
+        _, _, x_bar, p_bar = self.function.reverse(1)(t, h, x, p, new, weight)
+        out = [ca.densify(x_bar), ca.densify(p_bar)]
+        return ca.Function("step_adjoint", [t, h, x, p, weight], out)
+
+
+class GraphStep(DifferentiatedStep):
+    """A step given as a function of the graph, and what is done to the state after it.
 
     Parameters
     ----------
@@ -101,14 +131,6 @@ class GraphStep(Step):
             self._bare, self.state_size, None, self._begin, self._residual, self._upkeep
         )
 
-    def _symbols(self) -> list[ca.MX]:
-        return [
-            ca.MX.sym("t"),
-            ca.MX.sym("h"),
-            ca.MX.sym("x", self.size),
-            ca.MX.sym("p", self.parameter_count),
-        ]
-
     @cached_property
     def function(self) -> ca.Function:
         t, h, x, p = self._symbols()
@@ -120,23 +142,6 @@ class GraphStep(Step):
         if self._finish is None:
             return x
         return ca.vertcat(self._finish(t, x[: self.state_size], p), x[self.state_size :])
-
-    @cached_property
-    def tangent(self) -> ca.Function:
-        t, h, x, p = self._symbols()
-        dx, dp = ca.MX.sym("dx", self.size), ca.MX.sym("dp", self.parameter_count)
-        new = self.function(t, h, x, p)
-        change = self.function.forward(1)(t, h, x, p, new, 0, 0, dx, dp)
-        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [ca.densify(change)])
-
-    @cached_property
-    def adjoint(self) -> ca.Function:
-        t, h, x, p = self._symbols()
-        weight = ca.MX.sym("w", self.size)
-        new = self.function(t, h, x, p)
-        _, _, x_bar, p_bar = self.function.reverse(1)(t, h, x, p, new, weight)
-        out = [ca.densify(x_bar), ca.densify(p_bar)]
-        return ca.Function("step_adjoint", [t, h, x, p, weight], out)
 
 
 def graph_of(correction: ImplicitFunction | None) -> ca.Function | None:

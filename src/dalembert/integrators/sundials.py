@@ -10,10 +10,13 @@ import casadi as ca
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Integrator, Problem
 from dalembert.integrators.step import GraphStep, graph_of
+from dalembert.integrators.tolerances import check_tolerances
 from dalembert.symbolic.semi_explicit import SemiExplicit
 
 MOST_STEPS = 50_000
 """Steps that SUNDIALS may take within one interval."""
+SHORT = 1e-6
+"""Share of the interval for which IDAS looks when it makes its start values consistent."""
 
 
 @dataclass(frozen=True)
@@ -43,10 +46,7 @@ class SundialsIntegrator(Integrator, ABC):
     atol: float = 1e-10
 
     def __post_init__(self) -> None:
-        if not (self.rtol > 0 and self.atol > 0):
-            raise UnsupportedError(
-                f"{self.name}(rtol={self.rtol}, atol={self.atol}): tolerances must be positive"
-            )
+        check_tolerances(self.name, self.rtol, self.atol)
 
     @property
     def options(self) -> dict:
@@ -102,7 +102,7 @@ class Cvodes(SundialsIntegrator):
         if problem.rate is None:
             raise UnsupportedError(
                 "Cvodes integrates accelerations, which this formulation does not give; use "
-                "Ida(), Radau() or Bdf(), or formulation=RangeSpace()"
+                "integrator=Radau() or Bdf(), or formulation=RangeSpace()"
             )
         return problem.rate.function
 
@@ -146,7 +146,9 @@ class Ida(SundialsIntegrator):
 
     @property
     def options(self) -> dict:
-        return {**super().options, "suppress_algebraic": True, "calc_ic": True}
+        # the line search of IDACalcIC fails where start values are right and its scale is coarse
+        start = {"calc_ic": True, "first_time": SHORT}
+        return {**super().options, "suppress_algebraic": True, **start}
 
     def state_size(self, problem: Problem) -> int:
         return problem.system.x.numel()

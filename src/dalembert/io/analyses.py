@@ -6,8 +6,10 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from dalembert.analysis.dynamics import Dynamics
 from dalembert.analysis.events import Event
 from dalembert.analysis.timeline import checked_span, checked_step, output_times
+from dalembert.errors import SingularityError
 from dalembert.io.fields import kind_of, written
 from dalembert.io.messages import nearest
 from dalembert.io.model_file import ModelFile
@@ -41,7 +43,36 @@ def make_analysis(file: ModelFile, model: Model, kind: str | None = None) -> Any
     with file.located("analysis"):
         analysis = cls(**_options(file, model, cls, table))
         _check_times(analysis)
+    _check_choices(file, model, analysis)
     return analysis
+
+
+def _check_choices(file: ModelFile, model: Model, analysis: Any) -> None:
+    """The strategies of an analysis can work together, and on this mechanism.
+
+    The functions of the first step are made for that; the run finds them ready.
+
+    Raises
+    ------
+    ModelError, UnsupportedError
+        Choices that cannot work, with their place.
+    """
+    if not isinstance(analysis, Dynamics):
+        return
+    start, p = model.start, model.nominal
+    try:
+        with file.located("analysis", "coordinates"):
+            kernel = analysis.kernel(model)
+        with file.located("analysis", "formulation"):
+            x = kernel.start.function(0.0, start.y, start.v, p).full().ravel()
+            mode = kernel.choose(0.0, x, p)
+        with file.located("analysis"):
+            variant = kernel.variants[mode]
+            if analysis.integrator.adaptive:
+                _ = variant.attempt
+            _ = variant.step
+    except SingularityError:  # the position is at fault, and the run may begin at another one
+        return
 
 
 def _options(file: ModelFile, model: Model, cls: type, table: BaseModel | None) -> dict[str, Any]:

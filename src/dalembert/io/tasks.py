@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.compare import Comparing
+from dalembert.analysis.observation import observe
 from dalembert.design.optimization import Limit
 from dalembert.errors import ModelError
 from dalembert.io.analyses import given_options, make_analysis, make_strategy, read_measure
@@ -130,7 +131,7 @@ def make_design(file: ModelFile, model: Model) -> dict[str, Any]:
     return design | {key: getattr(asked, key) for key in keys}
 
 
-def make_comparison(file: ModelFile, given: Mapping[str, Any]) -> dict[str, Any]:
+def make_comparison(file: ModelFile, model: Model, given: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of ``compare`` that ``[compare]`` and the times of ``[analysis]`` give.
 
     Parameters
@@ -142,28 +143,36 @@ def make_comparison(file: ModelFile, given: Mapping[str, Any]) -> dict[str, Any]
     ModelError
         No duration, or options that cannot work, with their place.
     """
-    asked, table, made = file.document.compare, file.document.analysis, {}
+    asked = file.document.compare
+    made: dict[str, Any] = {}
     for key in sorted(asked.model_fields_set - set(given)):
         values = getattr(asked, key)
         registry = STRATEGIES.get(COMPARED.get(key, ""))
         with file.located("compare", key):
             made[key] = [make_strategy(registry, v) for v in values] if registry else values
-    if "duration" in given:
-        return made
+    with file.located("compare", "coordinates"):
+        for coordinates in made.get("coordinates", []):
+            coordinates.view(model, False)
+    with file.located("compare", "measure"):
+        observe(model, made.get("measure"))
+    times = {"duration": given["duration"]} if "duration" in given else _times(file)
+    with file.located("compare"):
+        Comparing(**made, **times)
+    return made | times
+
+
+def _times(file: ModelFile) -> dict[str, Any]:
+    """Span and outputs of ``[analysis]``."""
+    table: Any = file.document.analysis
     if table is None or table.type != "Dynamics":
         raise file.located.error(
             'is needed: add a table [analysis] with type = "Dynamics" and duration = …, '
             "or give a duration",
             "analysis",
         )
-    for key in ("duration", "t_span", "outputs"):
-        if key in table.model_fields_set:
-            made[key] = getattr(table, key)
-    if "t_span" in made:
-        made["t_span"] = tuple(made["t_span"])
-    with file.located("compare"):
-        Comparing(**made)
-    return made
+    keys = table.model_fields_set & {"duration", "t_span", "outputs"}
+    made = {key: getattr(table, key) for key in sorted(keys)}
+    return made | ({"t_span": tuple(table.t_span)} if "t_span" in made else {})
 
 
 def report_choices(file: ModelFile, model: Model) -> dict[str, Any]:
@@ -193,10 +202,7 @@ def check_tasks(file: ModelFile, model: Model) -> None:
     if file.document.analysis is not None:
         make_analysis(file, model)
     if "compare" in file.document.model_fields_set:
-        make_comparison(file, {})
-        if file.document.compare.measure is not None:
-            with file.located("compare", "measure"):
-                read_measure(model, file.document.compare.measure)
+        make_comparison(file, model, {})
     if "sensitivity" in file.document.model_fields_set:
         make_gradient(file, model)
     if file.document.optimize is not None:

@@ -17,12 +17,12 @@ import numpy as np
 from dalembert.elements.base import Coordinates
 from dalembert.errors import AssemblyError
 from dalembert.model.equations import Equations
+from dalembert.model.independence import independent_units
 from dalembert.symbolic.expression import stack
 from dalembert.symbolic.factor import QrFactor
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
 
 POSITION_TOLERANCE = 1e-11
-INDEPENDENCE = 0.05
 MISSING_WEIGHT = 1e-2
 SEARCH_SAMPLES = 361
 
@@ -282,7 +282,7 @@ class Assembler:
                 g if c0 is None else c0 for g, c0 in zip(self.guesses.twist, constant, strict=True)
             )
             unknown = ca.vertcat(e.v, sigma)
-            balance = ca.mtimes(self._metric(), e.v - goal) + ca.mtimes(c.T, sigma)
+            balance = ca.mtimes(e.metric, e.v - goal) + ca.mtimes(c.T, sigma)
             equations = ca.vertcat(balance, demanded)
         else:
             pinned = stack(
@@ -304,52 +304,6 @@ class Assembler:
             "initial_state", [e.t, start, e.p], [position, velocity], [e.y, e.v]
         )
 
-    def _metric(self) -> ca.SX:
-        """Mass matrix, with a unit mass for coordinates that have none."""
-        units = np.zeros(self.e.speed_count)
-        units[list(self.e.massless)] = 1.0
-        return self.e.mass + ca.diag(ca.SX(ca.DM(units)))
-
 
 def _filled(values: list) -> ca.SX:
     return stack(ca.SX(0) if v is None else v for v in values)
-
-
-def independent_rows(matrix: np.ndarray, tolerance: float = 1e-8) -> list[int]:
-    """Rows, in order, that do not depend linearly on the rows before them."""
-    basis = np.zeros((matrix.shape[1], 0))
-    kept = []
-    for k, row in enumerate(matrix):
-        norm = np.linalg.norm(row)
-        if norm == 0 or not np.isfinite(norm):
-            continue
-        rest = row / norm
-        for _ in range(2):
-            rest = rest - basis @ (basis.T @ rest)
-        size = np.linalg.norm(rest)
-        if size > tolerance:
-            basis = np.column_stack([basis, rest / size])
-            kept.append(k)
-    return kept
-
-
-def independent_units(matrix: np.ndarray, order: list[int]) -> list[int]:
-    """Unit vectors, tried in order, that complete the rows of ``matrix`` to a basis."""
-    n = matrix.shape[1]
-    kept: list[int] = []
-    basis = np.linalg.qr(matrix.T)[0] if matrix.shape[0] else np.zeros((n, 0))
-    need = n - matrix.shape[0]
-    for threshold in (INDEPENDENCE, 1e-6):
-        for k in order:
-            if len(kept) == need:
-                return kept
-            if k in kept:
-                continue
-            rest = np.eye(n)[k]
-            for _ in range(2):
-                rest = rest - basis @ (basis.T @ rest)
-            size = np.linalg.norm(rest)
-            if size > threshold:
-                basis = np.column_stack([basis, rest / size])
-                kept.append(k)
-    return kept

@@ -8,6 +8,7 @@ from dalembert.errors import ModelError
 from dalembert.model.equations import Equations
 from dalembert.model.transformation import Transformation
 from dalembert.symbolic.factor import LdlFactor, QrFactor
+from dalembert.symbolic.null_space import PartitionBasis
 
 
 def change_speeds(
@@ -100,20 +101,16 @@ def speeds_by_partition(equations: Equations, independent: list[int]) -> Transfo
         Not as many dependent speeds as constraint equations.
     """
     e, n = equations, equations.speed_count
-    dependent = [k for k in range(n) if k not in independent]
-    if len(dependent) != e.constraint_count:
+    if n - len(independent) != e.constraint_count:
         raise ModelError(
-            f"{e.constraint_count} equations give as many speeds, not {len(dependent)}; "
+            f"{e.constraint_count} equations give as many speeds, not {n - len(independent)}; "
             f"name {n - e.constraint_count} independent ones",
             "partition",
         )
-    c, factor = e.jacobian, QrFactor(e.jacobian[:, dependent])
+    basis = PartitionBasis(e.jacobian, tuple(independent))
     imposed = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(n))  # Φ_t
-    basis, drift = ca.SX.zeros(n, len(independent)), ca.SX.zeros(n)
-    basis[independent, :] = ca.SX.eye(len(independent))
-    basis[dependent, :] = -factor.solve(c[:, independent])
-    drift[dependent] = -factor.solve(imposed)
-    return speeds_by_basis(e, basis, ca.SX.sym("u", len(independent)), drift)
+    speeds = ca.SX.sym("u", len(independent))
+    return speeds_by_basis(e, basis.matrix, speeds, basis.particular(-imposed))
 
 
 def _check(name: str, given: ca.SX, shape: tuple[int, int]) -> None:

@@ -20,10 +20,10 @@ from dalembert.model.assembly import (
     AssembledState,
     Assembler,
     Guesses,
-    independent_rows,
 )
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
+from dalembert.model.independence import independent_rows
 from dalembert.symbolic.expression import free_symbols, stack, t
 from dalembert.symbolic.implicit import ImplicitFunction
 

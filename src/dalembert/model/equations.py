@@ -70,6 +70,13 @@ class Equations:
         """``M`` as a matrix."""
         return self.inertia.matrix
 
+    @property
+    def metric(self) -> ca.SX:
+        """``M`` with a unit mass for speeds that have none, so that it can be inverted."""
+        units = ca.SX(self.speed_count, 1)
+        units[list(self.massless)] = 1
+        return self.mass + ca.diag(units)
+
     @cached_property
     def kinetic_energy(self) -> ca.SX:
         """``T = vᵀ M v / 2``."""

@@ -14,9 +14,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.model.assembly import independent_rows
 from dalembert.model.coordinates import Coordinates, CoordinateView
 from dalembert.model.equations import Equations
+from dalembert.model.independence import independent_rows
 from dalembert.model.kinematic_tree import links_of
 from dalembert.model.model import Model
 from dalembert.model.tree_inertia import TreeInertia
@@ -92,11 +92,16 @@ class JointView(CoordinateView):
         e = self._equations()
         self.equations = e if every_equation else e.with_rows(self._independent(e))
 
+    @cached_property
+    def _exchange(self) -> tuple[ca.SX, ca.SX]:
+        """``y, v, v̇`` of the bodies, as symbols and by ``q, q̇, q̈``."""
+        e, m = self.bodies, self.motion
+        return ca.vertcat(e.y, e.v, e.a), ca.vertcat(m.pose, m.speed, m.acceleration)
+
     def moved(self, expressions: list[ca.SX]) -> list[ca.SX]:
         """Expressions of ``y, v, v̇`` of the bodies in ``q, q̇, q̈``."""
-        e, m = self.bodies, self.motion
-        known = ca.vertcat(m.pose, m.speed, m.acceleration)
-        return ca.substitute(expressions, [ca.vertcat(e.y, e.v, e.a)], [known])
+        symbols, known = self._exchange
+        return ca.substitute(expressions, [symbols], [known])
 
     def _equations(self) -> Equations:
         """With all loop equations."""
@@ -149,10 +154,8 @@ class JointView(CoordinateView):
 
     # what the bodies do and joints transmit ---------------------------------------------------
     def lift(self, expression: ca.SX) -> ca.SX:
-        e, m = self.bodies, self.motion
-        symbols = ca.vertcat(e.y, e.v, e.a)
-        known = ca.vertcat(m.pose, m.speed, m.acceleration)
-        tree = e.multiplier[self.tree_rows, :]
+        symbols, known = self._exchange
+        tree = self.bodies.multiplier[self.tree_rows, :]
         if tree.numel() and ca.depends_on(expression, tree):
             symbols, known = ca.vertcat(symbols, tree), ca.vertcat(known, self.tree_reactions)
         return self.equations.without_dropped(ca.substitute(expression, symbols, known))
@@ -169,8 +172,6 @@ class JointView(CoordinateView):
         if self.reactions == "augmented":  # (7.13)
             return ca.densify(m.basis.opened_transposed(transmitted))
         held = ca.jacobian(e.constraints[self.tree_rows, :], e.y)
-        units = np.zeros(e.speed_count)
-        units[list(e.massless)] = 1.0
-        c, mass = self.moved([held, e.mass + ca.diag(ca.SX(ca.DM(units)))])
+        c, mass = self.moved([held, e.metric])
         spread = ca.mtimes(block_inverse(mass), c.T)
         return LdlFactor(ca.mtimes(c, spread)).solve(ca.mtimes(spread.T, transmitted))

@@ -50,17 +50,11 @@ class TreeMotion:
             carrier = None if isinstance(link.carrier, Ground) else link.carrier
             columns = slice(column, column + link.q.numel())
             against = slice(opened, opened + link.z.numel())
-            local, parent, value = (
-                _local_motion(link, carrier, self.u[columns, :]),
-                None,
-                link.own_value,
-            )
+            parent, known = None, ca.SX(0, 1)
             if carrier is not None:
                 parent = index[carrier.name]
-                symbols = ca.vertcat(carrier.pose, carrier.twist)
                 known = ca.vertcat(poses[parent], twists[parent])
-                *local, value = ca.substitute([*local, value], [symbols], [known])
-            local = ca.substitute(local, [link.own], [value])
+            local = _motion_of(link, carrier, self.u[columns, :], known)
             pose, carried, moved, turned, forced, twist, drift = local
             place = rows[link.group.name]
             branches.append(Branch(parent, place, columns, against, carried, moved, turned, forced))
@@ -81,6 +75,15 @@ def _rows_of(groups: list[Coordinates]) -> dict[str, slice]:
         rows[group.name] = slice(begin, begin + group.pose.numel())
         begin = rows[group.name].stop
     return rows
+
+
+def _motion_of(link: Link, carrier: Coordinates | None, u: ca.SX, known: ca.SX) -> list[ca.SX]:
+    """The local motion by q and ``q̇`` alone, with pose and twist of the carrier ``known``."""
+    local, value = _local_motion(link, carrier, u), link.own_value
+    if carrier is not None:
+        symbols = ca.vertcat(carrier.pose, carrier.twist)
+        *local, value = ca.substitute([*local, value], [symbols], [known])
+    return ca.substitute(local, [link.own], [value])
 
 
 def _local_motion(link: Link, carrier: Coordinates | None, u: ca.SX) -> list[ca.SX]:

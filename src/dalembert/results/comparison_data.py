@@ -40,10 +40,13 @@ COLUMNS = {
     "below_uncertainty": ("", "the position error is not above the reference's own uncertainty"),
     "outcome": ("", "how the run ended, or the kind of error"),
     "message": ("", "why"),
+    "warnings": ("", "what speaks against the choice"),
 }
 """Column → unit and meaning."""
 
-TEXTS = (*STRATEGIES, "outcome", "message")
+TEXTS = (*STRATEGIES, "outcome", "message", "warnings")
+BETWEEN = " | "
+"""Between the warnings of a run."""
 
 
 @dataclass(eq=False, repr=False)

@@ -6,9 +6,9 @@ import html
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
+from dalembert.results.comparison_data import BETWEEN
 from dalembert.results.status import Outcome
 
 if TYPE_CHECKING:
@@ -40,6 +40,10 @@ def setting(row: Row) -> str:
     return "" if math.isnan(row["step"]) else f"h = {row['step']:g} s"
 
 
+def _name(kind: str) -> Callable[[Row], str]:
+    return lambda row: row[kind].replace("Coordinates", "") if kind == "coordinates" else row[kind]
+
+
 def _size(name: str, digits: int = 0) -> Callable[[Row], str]:
     return lambda row: "" if math.isnan(row[name]) else brief(row[name], digits)
 
@@ -57,9 +61,11 @@ def _time(name: str, factor: float) -> Callable[[Row], str]:
 
 
 def notes(comparison: ComparisonData) -> list[str]:
-    """Why runs did not finish, each reason once."""
-    failed = comparison.table()[~comparison.finished]
-    return list(dict.fromkeys(str(message) for message in failed["message"]))
+    """Why runs did not finish, and what runs were warned of, each sentence once."""
+    table = comparison.table()
+    failed = [str(message) for message in table[~comparison.finished]["message"]]
+    doubtful = [text for row in table["warnings"] for text in row.split(BETWEEN) if text]
+    return list(dict.fromkeys([*failed, *doubtful]))
 
 
 def columns(comparison: ComparisonData) -> list[Column]:
@@ -78,13 +84,15 @@ def columns(comparison: ComparisonData) -> list[Column]:
         )
 
     def status(row: Row) -> str:
-        if row["outcome"] == Outcome.COMPLETED.value:
-            return "ok"
-        word = row["outcome"].removesuffix("Error").partition(":")[0].lower()
-        return f"{word} [{reasons.index(row['message']) + 1}]"
+        told = [text for text in row["warnings"].split(BETWEEN) if text]
+        word = "ok"
+        if row["outcome"] != Outcome.COMPLETED.value:
+            word = row["outcome"].removesuffix("Error").partition(":")[0].lower()
+            told.insert(0, row["message"])
+        return " ".join([word, *(f"[{reasons.index(text) + 1}]" for text in told)])
 
     strategies = [
-        Column(name, itemgetter(name), 0, True)
+        Column(name, _name(name), 0, True)
         for name in ("formulation", "coordinates", "stabilization", "integrator")
         if varies(name) or name == "integrator"
     ]

@@ -15,10 +15,11 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
+from dalembert.sensitivity.adjoint_march import AdjointMarch
+from dalembert.sensitivity.direct_march import DirectMarch
 from dalembert.sensitivity.finite_difference import FiniteDifference
-from dalembert.sensitivity.marching import MarchGradient
 from dalembert.sensitivity.pointwise import PointwiseGradient
-from dalembert.sensitivity.samples import Sample, take_sample
+from dalembert.sensitivity.samples import take_sample
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,15 +32,13 @@ class Direct:
     def gradient(
         self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
-        engines = [_engine(take_sample(motion, r)) for r in responses]
-        rows: list[np.ndarray] = []
-        changes: list[np.ndarray] = []  # all responses look at the same steps
-        for engine in engines:
-            if isinstance(engine, MarchGradient):
-                changes = changes or engine.march_tangents()
-                rows.append(engine.direct(changes))
-            else:
-                rows.append(engine.direct())
+        samples = [take_sample(motion, r) for r in responses]
+        if _marches(motion):
+            marches = [DirectMarch(sample) for sample in samples]
+            changes = marches[0].changes() if marches else []
+            rows = [march.gradient(changes) for march in marches]
+        else:
+            rows = [PointwiseGradient(sample).direct() for sample in samples]
         return np.array(rows)[:, list(columns)]
 
 
@@ -51,7 +50,11 @@ class Adjoint:
         self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
         samples = [take_sample(motion, r) for r in responses]
-        return np.array([_engine(s).adjoint()[list(columns)] for s in samples])
+        if _marches(motion):
+            rows = [AdjointMarch(sample).gradient() for sample in samples]
+        else:
+            rows = [PointwiseGradient(sample).adjoint() for sample in samples]
+        return np.array(rows)[:, list(columns)]
 
 
 @dataclass(frozen=True)
@@ -74,14 +77,13 @@ METHODS: dict[str, Strategy] = {
 }
 
 
-def _engine(sample: Sample) -> MarchGradient | PointwiseGradient:
-    analysis = sample.motion.analysis
-    if isinstance(analysis, Dynamics):
-        return MarchGradient(sample)
-    if isinstance(analysis, (Kinematics, Equilibrium)):
-        return PointwiseGradient(sample)
+def _marches(motion: Motion) -> bool:
+    """Whether the motion was integrated, so that its samples depend on all steps before them."""
+    if isinstance(motion.analysis, (Dynamics, Kinematics, Equilibrium)):
+        return isinstance(motion.analysis, Dynamics)
     raise UnsupportedError(
-        f"gradients of {type(analysis).__name__} are not available; use method='finite-difference'"
+        f"gradients of {type(motion.analysis).__name__} are not available; use "
+        "method='finite-difference'"
     )
 
 

@@ -20,10 +20,6 @@ class LdlFactor:
 
     solve_transposed = solve
 
-    @property
-    def pivots(self) -> ca.SX:
-        return self.d if self.size else ca.SX.ones(1)
-
 
 class QrFactor:
     """Sparse Householder ``Q R`` of a square matrix; needs no pivoting to be stable."""

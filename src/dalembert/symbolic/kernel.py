@@ -6,10 +6,14 @@ arrays are handed over as memory.
 
 from __future__ import annotations
 
+from contextlib import redirect_stderr
+from io import StringIO
 from typing import Any
 
 import casadi as ca
 import numpy as np
+
+from dalembert.errors import SolverFailure
 
 
 class Kernel:
@@ -21,6 +25,11 @@ class Kernel:
     Parameters
     ----------
     function : dense in all inputs and outputs
+
+    Raises
+    ------
+    SolverFailure
+        On a call: a solver inside the function gives up.
     """
 
     def __init__(self, function: ca.Function):
@@ -45,5 +54,11 @@ class Kernel:
         results = [np.zeros(rows * columns) for rows, columns in self._shapes]
         for i, result in enumerate(results):
             buffer.set_res(i, memoryview(result.data))
-        trigger()
+        try:
+            with redirect_stderr(StringIO()):  # CasADi prints all arguments of what fails
+                trigger()
+        except RuntimeError as error:
+            raise SolverFailure(str(error).strip().rpartition(": ")[2].rstrip(".")) from None
+        if buffer.ret():  # tells what raises nothing; the results are zeros then
+            raise SolverFailure("its equations have no unique solution")
         return [r.reshape(shape, order="F") for r, shape in zip(results, self._shapes, strict=True)]

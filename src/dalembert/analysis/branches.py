@@ -1,0 +1,65 @@
+"""Where the outputs of a run lie among its steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.integrators.steps import Steps
+
+
+@dataclass(frozen=True)
+class Branches:
+    """Where the outputs lie: ``length`` seconds after the beginning of step ``index``."""
+
+    index: np.ndarray
+    length: np.ndarray
+
+    def ends_of(self, steps: Steps) -> np.ndarray:
+        """Whether an output is the end of its step."""
+        if not steps.count:
+            return np.zeros(self.index.size, dtype=bool)
+        return (self.length > 0) & np.isclose(self.length, steps.h[self.index], rtol=1e-12, atol=0)
+
+
+def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
+    """Where times lie among the steps taken.
+
+    Raises
+    ------
+    AnalysisError
+        A time outside the run.
+    """
+    count = steps.count
+    slack = 1e-12 * max(1.0, abs(steps.end))
+    if times[0] < steps.t[0] - slack or times[-1] > steps.end + slack:
+        raise AnalysisError(
+            f"times {times[0]:g}…{times[-1]:g} s leave the run {steps.t[0]:g}…{steps.end:g} s"
+        )
+    index = np.clip(np.searchsorted(steps.t[:count], times, side="right") - 1, 0, count - 1)
+    length = np.clip(times - steps.t[index], 0.0, steps.h[index])
+    small = 1e-12 * np.maximum(1.0, np.abs(times))
+    length[length < small] = 0.0
+    near = np.abs(length - steps.h[index]) < small
+    length[near] = steps.h[index[near]]
+    return Branches(index, length)
+
+
+def outputs_of(steps: Steps, requested: np.ndarray | None) -> tuple[np.ndarray, Branches]:
+    """Times of the outputs and where they lie: those asked for, or the ends of all steps.
+
+    Where the run ended early, its end is an output too.
+    """
+    count = steps.count
+    if requested is None or count == 0:
+        times = np.append(steps.t[:count], steps.end)
+        index = np.minimum(np.arange(count + 1), max(count - 1, 0))
+        length = np.append(np.zeros(count), steps.h[-1:] if count else 0.0)
+        return times, Branches(index, length)
+    slack = 1e-12 * max(1.0, abs(steps.end))
+    times = requested[requested <= steps.end + slack]
+    if steps.end < requested[-1] - slack and (not times.size or times[-1] < steps.end):
+        times = np.append(times, steps.end)
+    return times, place_outputs(steps, times)

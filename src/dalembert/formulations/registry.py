@@ -1,0 +1,30 @@
+"""Formulations and stabilisations by name: files, tables and comparisons are made from it."""
+
+from __future__ import annotations
+
+from dalembert.formulations.augmented_lagrangian import AugmentedLagrangian
+from dalembert.formulations.dae import Dae
+from dalembert.formulations.energy_projection import EnergyProjection
+from dalembert.formulations.kkt import Kkt
+from dalembert.formulations.null_space import NullSpace
+from dalembert.formulations.penalty import Penalty
+from dalembert.formulations.range_space import RangeSpace
+from dalembert.formulations.stabilization import Baumgarte, Projection, Stabilization
+from dalembert.formulations.velocity_partitioning import VelocityPartitioning
+
+FORMULATIONS: dict[str, type] = {
+    "RangeSpace": RangeSpace,
+    "Kkt": Kkt,
+    "NullSpace": NullSpace,
+    "VelocityPartitioning": VelocityPartitioning,
+    "Dae": Dae,
+    "AugmentedLagrangian": AugmentedLagrangian,
+    "Penalty": Penalty,
+}
+
+STABILIZATIONS: dict[str, type] = {
+    "Stabilization": Stabilization,
+    "Baumgarte": Baumgarte,
+    "Projection": Projection,
+    "EnergyProjection": EnergyProjection,
+}

@@ -1,0 +1,36 @@
+"""Integrators by name: files, tables and comparisons are made from it."""
+
+from __future__ import annotations
+
+from dalembert.integrators.backward_euler import BackwardEuler, Trapezoidal
+from dalembert.integrators.bdf import Bdf
+from dalembert.integrators.generalized_alpha import HHT, GeneralizedAlpha
+from dalembert.integrators.newmark import Newmark
+from dalembert.integrators.radau import Radau
+from dalembert.integrators.runge_kutta import (
+    RK4,
+    DormandPrince,
+    DormandPrince853,
+    Euler,
+    Heun,
+    RKGill,
+)
+from dalembert.integrators.sundials import Cvodes, Ida
+
+INTEGRATORS: dict[str, type] = {
+    "Euler": Euler,
+    "Heun": Heun,
+    "RK4": RK4,
+    "RKGill": RKGill,
+    "DormandPrince": DormandPrince,
+    "DormandPrince853": DormandPrince853,
+    "BackwardEuler": BackwardEuler,
+    "Trapezoidal": Trapezoidal,
+    "Newmark": Newmark,
+    "HHT": HHT,
+    "GeneralizedAlpha": GeneralizedAlpha,
+    "Radau": Radau,
+    "Bdf": Bdf,
+    "Cvodes": Cvodes,
+    "Ida": Ida,
+}

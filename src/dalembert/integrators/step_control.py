@@ -1,0 +1,55 @@
+"""What follows an attempted step: keep or refuse it, and the length of the next."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import casadi as ca
+
+STANDSTILL = 1e-10
+"""Errors, relative to the tolerance, below which the growth of the step asks no further."""
+Graph = TypeVar("Graph", ca.SX, ca.MX)
+
+
+def decide(
+    state: Graph, end: Graph, h: Graph, new: Graph, ratio: Graph, error_order: int
+) -> tuple[Graph, Graph]:
+    """What follows an attempt with ``state = [t; proposed; last error; x]``, and its record.
+
+    The length follows a PI controller (Gustafsson 1991).
+
+    Parameters
+    ----------
+    end : of the run
+    h, new : step length taken and state reached
+    ratio : estimated error relative to the tolerance; not finite where the step failed
+    error_order : ``q`` where the estimate falls as ``h^(q+1)``
+    """
+    t, proposed, last, x = state[0], state[1], state[2], state[3:]
+    finite = ca.if_else(ratio <= 1e30, ratio, 1e30)  # false for NaN as well
+    accepted = finite <= 1
+    # the clipped last step must not make the controller believe in short steps
+    factor = _growth(finite, last, accepted, error_order + 1)
+    h_new = ca.if_else(ca.logic_and(accepted, h < proposed), proposed, h * factor)
+    following = ca.vertcat(
+        ca.if_else(accepted, arrival(t, h, end), t),
+        h_new,
+        ca.if_else(accepted, ca.fmax(finite, 1e-4), last),
+        ca.if_else(accepted, new, x),
+    )
+    return following, ca.vertcat(t, h, finite, accepted)
+
+
+def arrival(t: Graph, h: Graph, end: Graph) -> Graph:
+    """``t + h``; the end itself where rounding would leave a step of no length to it."""
+    return ca.if_else(end - (t + h) <= 1e-12 * ca.fmax(1, ca.fabs(end)), end, t + h)
+
+
+def _growth(error: Graph, last: Graph, accepted: Graph, q: int) -> Graph:
+    """Factor of the next step length."""
+    growth = 0.9 * ca.fmax(error, STANDSTILL) ** (-0.7 / q) * ca.fmax(last, STANDSTILL) ** (0.4 / q)
+    return ca.if_else(
+        accepted,
+        ca.fmin(5, ca.fmax(0.2, growth)),
+        ca.fmax(0.1, 0.9 * error ** (-1 / q)),
+    )

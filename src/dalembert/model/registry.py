@@ -1,0 +1,11 @@
+"""Choices of coordinates by name: files, tables and comparisons are made from it."""
+
+from __future__ import annotations
+
+from dalembert.model.coordinates import AbsoluteCoordinates
+from dalembert.model.joint_coordinates import JointCoordinates
+
+COORDINATES: dict[str, type] = {
+    "AbsoluteCoordinates": AbsoluteCoordinates,
+    "JointCoordinates": JointCoordinates,
+}
