@@ -4,6 +4,7 @@
 >>> from dalembert import planar
 """
 
+from dalembert import structures
 from dalembert.analysis import (
     Dynamics,
     Equilibrium,
@@ -11,12 +12,15 @@ from dalembert.analysis import (
     InverseDynamics,
     Kinematics,
     Linearization,
+    NonlinearStatics,
+    Statics,
     linearize,
     solve_assembly,
     solve_dynamics,
     solve_equilibrium,
     solve_inverse_dynamics,
     solve_kinematics,
+    solve_statics,
 )
 from dalembert.analysis.compare import compare
 from dalembert.design import Limit, Optimum, optimize
@@ -98,6 +102,7 @@ from dalembert.results.comparison import Comparison
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome, Status
 from dalembert.sensitivity import Adjoint, Direct, FiniteDifference, sensitivity
+from dalembert.structures.structure import Structure
 from dalembert.symbolic.compiled import clear_cache
 from dalembert.symbolic.expression import Expression, t
 from dalembert.symbolic.functions import (
@@ -203,6 +208,7 @@ __all__ = [
     "ModelError",
     "Motion",
     "Newmark",
+    "NonlinearStatics",
     "NullSpace",
     "Optimum",
     "Outcome",
@@ -220,7 +226,9 @@ __all__ = [
     "SingularityError",
     "SplineCurve",
     "Stabilization",
+    "Statics",
     "Status",
+    "Structure",
     "System",
     "Table",
     "Trapezoidal",
@@ -263,7 +271,9 @@ __all__ = [
     "solve_equilibrium",
     "solve_inverse_dynamics",
     "solve_kinematics",
+    "solve_statics",
     "sqrt",
+    "structures",
     "t",
     "tan",
     "tanh",

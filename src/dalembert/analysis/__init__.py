@@ -7,6 +7,9 @@ from dalembert.analysis.events import Event
 from dalembert.analysis.inverse_dynamics import InverseDynamics, solve_inverse_dynamics
 from dalembert.analysis.kinematics import Kinematics, solve_kinematics
 from dalembert.analysis.linearization import Linearization, linearize
+from dalembert.analysis.nonlinear_statics import NonlinearStatics
+from dalembert.analysis.solve_statics import solve_statics
+from dalembert.analysis.statics import Statics
 
 __all__ = [
     "Dynamics",
@@ -15,10 +18,13 @@ __all__ = [
     "InverseDynamics",
     "Kinematics",
     "Linearization",
+    "NonlinearStatics",
+    "Statics",
     "linearize",
     "solve_assembly",
     "solve_dynamics",
     "solve_equilibrium",
     "solve_inverse_dynamics",
     "solve_kinematics",
+    "solve_statics",
 ]

@@ -19,6 +19,7 @@ from dalembert.cli.console import (
     emit,
     wrong_input,
 )
+from dalembert.cli.deck import DECKS, run_deck
 from dalembert.cli.loading import loaded, output_folder
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def run(
     Parameters
     ----------
     model
-        Model file, TOML or JSON.
+        Model file, TOML or JSON; or the text deck of a spring structure, .dat.
     output
         Folder for the results; this one by default.
     analysis
@@ -62,6 +63,8 @@ def run(
     from dalembert.io.analyses import make_analysis
     from dalembert.io.tasks import report_choices
 
+    if model.suffix.lower() in DECKS:
+        return run_deck(model, output, csv, quiet, as_json)
     file, built = loaded(model, settings)
     with wrong_input():
         task = make_analysis(file, built, analysis)

@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from dalembert.analysis.dynamics import Dynamics
 from dalembert.analysis.equilibrium import Equilibrium
 from dalembert.analysis.kinematics import Kinematics
+from dalembert.analysis.nonlinear_statics import NonlinearStatics
+from dalembert.analysis.statics import Statics
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
+from dalembert.results.structural import StructuralResult
 from dalembert.sensitivity.adjoint_march import AdjointMarch
 from dalembert.sensitivity.direct_march import DirectMarch
 from dalembert.sensitivity.finite_difference import FiniteDifference
 from dalembert.sensitivity.pointwise import PointwiseGradient
-from dalembert.sensitivity.samples import take_sample
+from dalembert.sensitivity.samples import Sample, take_sample
+from dalembert.sensitivity.statics import StaticsGradient
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,7 +42,7 @@ class Direct:
             changes = marches[0].changes() if marches else []
             rows = [march.gradient(changes) for march in marches]
         else:
-            rows = [PointwiseGradient(sample).direct() for sample in samples]
+            rows = [_instants(sample).direct() for sample in samples]
         return np.array(rows)[:, list(columns)]
 
 
@@ -53,7 +57,7 @@ class Adjoint:
         if _marches(motion):
             rows = [AdjointMarch(sample).gradient() for sample in samples]
         else:
-            rows = [PointwiseGradient(sample).adjoint() for sample in samples]
+            rows = [_instants(sample).adjoint() for sample in samples]
         return np.array(rows)[:, list(columns)]
 
 
@@ -79,7 +83,7 @@ METHODS: dict[str, Strategy] = {
 
 def _marches(motion: Motion) -> bool:
     """Whether the motion was integrated, so that its samples depend on all steps before them."""
-    if isinstance(motion.analysis, (Dynamics, Kinematics, Equilibrium)):
+    if isinstance(motion.analysis, (Dynamics, Kinematics, Equilibrium, Statics, NonlinearStatics)):
         return isinstance(motion.analysis, Dynamics)
     raise UnsupportedError(
         f"gradients of {type(motion.analysis).__name__} are not available; use "
@@ -87,8 +91,15 @@ def _marches(motion: Motion) -> bool:
     )
 
 
+def _instants(sample: Sample) -> PointwiseGradient | StaticsGradient:
+    """The engine of results whose samples stand for themselves."""
+    if isinstance(sample.motion.analysis, (Statics, NonlinearStatics)):
+        return StaticsGradient(sample)
+    return PointwiseGradient(sample)
+
+
 def sensitivity(
-    motion: Motion,
+    motion: Motion | StructuralResult,
     responses: Response | Sequence[Response],
     wrt: Sequence[str] | None = None,
     method: Method = "auto",
@@ -99,7 +110,8 @@ def sensitivity(
 
     Parameters
     ----------
-    motion : result of ``solve_dynamics``, ``solve_kinematics`` or ``solve_inverse_dynamics``
+    motion : result of ``solve_dynamics``, ``solve_kinematics``, ``solve_inverse_dynamics``,
+        ``solve_equilibrium`` or ``solve_statics``
     responses : one or several
     wrt : names of parameters; all by default
     method : ``"auto"``, ``"adjoint"``, ``"direct"``, ``"finite-difference"`` or a strategy object
@@ -111,6 +123,7 @@ def sensitivity(
     """
     import xarray as xr
 
+    motion = cast(Motion, motion)  # a structural result answers to the same names
     listed = as_responses(responses)
     names = list(motion.model.parameters)
     chosen = names if wrt is None else list(wrt)

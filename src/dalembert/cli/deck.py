@@ -1,0 +1,81 @@
+"""``dalembert run`` for the text deck of spring structures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dalembert.cli.console import DONE, console, emit, wrong_input
+from dalembert.cli.loading import output_folder
+
+if TYPE_CHECKING:
+    from dalembert.results.structural import StructuralResult
+
+DECKS = (".dat", ".deck")
+
+
+def run_deck(path: Path, output: Path | None, csv: bool, quiet: bool, as_json: bool) -> int:
+    """Solve the structure, write its results, and print what the book's program prints."""
+    from dalembert.analysis import solve_statics
+    from dalembert.io.spring_deck import load_deck
+    from dalembert.results.store import save_dataset
+
+    with wrong_input():
+        model = load_deck(path).build()
+    folder = output_folder(output)
+    with wrong_input():
+        result = solve_statics(model)
+    files = [save_dataset(result.data, folder / f"{path.stem}.nc")]
+    if csv:
+        files.append(_write_csv(result, folder / f"{path.stem}.csv"))
+    made = _summary(result) | {"files": [str(f) for f in files]}
+    if as_json:
+        emit(made)
+    elif not quiet:
+        _print(made)
+    return DONE
+
+
+def _summary(result: StructuralResult) -> dict[str, Any]:
+    import dalembert as da
+
+    model = result.model
+    springs = [name for block in model.blocks for name in block.names]
+    made: dict[str, Any] = {
+        "ok": True,
+        "name": model.name,
+        "status": str(result.status),
+        "residual": result.status.residual,
+        "displacements": {node: result[f"{node}.ux"] for node, _ in model.degrees},
+        "reactions": {node: result[f"{node}.fx"] for node, _ in model.supports},
+        "spring forces": {name: result[f"{name}.force"] for name in springs},
+        "compliance": result["compliance"],
+    }
+    if model.parameters:
+        gradient = da.sensitivity(result, da.final("compliance")).values[0]
+        made["compliance gradient"] = dict(zip(model.parameters, map(float, gradient), strict=True))
+    return made
+
+
+def _print(made: dict[str, Any]) -> None:
+    out = console()
+    out.print(f"[bold]{made['name']}[/bold]: {made['status']}")
+    for what, unit in (
+        ("displacements", "m"),
+        ("reactions", "N"),
+        ("spring forces", "N"),
+        ("compliance gradient", "J per unit"),
+    ):
+        for name, value in made.get(what, {}).items():
+            out.print(f"  {what:<20} {name:<6} {value:12.6g} {unit}", markup=False)
+    out.print(f"  compliance                  {made['compliance']:12.6g} J", markup=False)
+    for path in made["files"]:
+        out.print(f"  written {path}", markup=False)
+
+
+def _write_csv(result: StructuralResult, path: Path) -> Path:
+    from dalembert.atomic import atomic_path
+
+    with atomic_path(path) as temporary:
+        result.data.to_dataframe().to_csv(temporary)
+    return path

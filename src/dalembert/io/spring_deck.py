@@ -1,0 +1,172 @@
+"""The book's text deck of spring structures (algorithm 1 and example 8.13), read as it stands.
+
+Records of numbers separated by commas or blanks, in this order: the counts of nodes, elements,
+forces and prescribed displacements; per element its left node, right node and stiffness; per force
+its node and value; per prescribed displacement its node and value; then, optionally, the count of
+parameters and per parameter its type (``'spring'``, ``'force'`` or ``'displacement'``), the number
+of the entity and its value, which replaces the one above.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from dalembert.errors import FileError
+from dalembert.structures.springs import AxialSpring
+from dalembert.structures.structure import Structure
+
+QUOTES = "'\"‘’`´"
+KINDS = ("spring", "force", "displacement")
+FIELD = re.compile(rf"[{QUOTES}]([^{QUOTES}]*)[{QUOTES}]|([^\s,;]+)")
+
+
+@dataclass(frozen=True)
+class Record:
+    """One line of the deck: its number and its fields."""
+
+    number: int
+    fields: list[str]
+
+
+class Deck:
+    """Records of a deck, read one after the other.
+
+    Parameters
+    ----------
+    path : file
+    """
+
+    def __init__(self, path: Path):
+        self.path = path
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise FileError(f"{path}: cannot be read ({error})") from None
+        self.records = self._split(text)
+        self.last = text.count("\n") + 1
+
+    @staticmethod
+    def _split(text: str) -> Iterator[Record]:
+        for number, line in enumerate(text.splitlines(), 1):
+            written = line.split("!")[0]
+            fields = [quoted or plain for quoted, plain in FIELD.findall(written)]
+            if fields:
+                yield Record(number, fields)
+
+    def error(self, number: int, text: str) -> FileError:
+        """An error at a line."""
+        return FileError(f"{self.path}:{number}: {text}")
+
+    def read(self, what: str, kinds: tuple[type, ...]) -> tuple[int, list]:
+        """Number of the next line and its fields, converted.
+
+        Raises
+        ------
+        FileError
+            The deck ends, or the line has other fields; with its number.
+        """
+        record = next(self.records, None)
+        if record is None:
+            raise self.error(self.last, f"the deck ends before {what}")
+        if len(record.fields) != len(kinds):
+            raise self.error(
+                record.number,
+                f"{what} needs {len(kinds)} values, this line has {len(record.fields)}: "
+                f"{', '.join(record.fields)}",
+            )
+        return record.number, [
+            self._converted(record, what, field, kind)
+            for field, kind in zip(record.fields, kinds, strict=True)
+        ]
+
+    def _converted(self, record: Record, what: str, field: str, kind: type):
+        try:
+            if kind is float:
+                return float(re.sub("[dD]", "e", field))
+            return kind(field)
+        except ValueError:
+            wanted = "a whole number" if kind is int else "a number"
+            raise self.error(record.number, f"{what}: {field!r} is not {wanted}") from None
+
+    def optional(self, what: str, kinds: tuple[type, ...]) -> list | None:
+        """Like ``read``; None at the end of the deck."""
+        record = next(self.records, None)
+        if record is None:
+            return None
+        rest = self.records
+        self.records = iter([record, *rest])
+        return self.read(what, kinds)[1]
+
+    def finish(self) -> None:
+        """Nothing may follow."""
+        record = next(self.records, None)
+        if record is not None:
+            raise self.error(record.number, "more lines than the counts on the first line say")
+
+
+def load_deck(path: str | Path) -> Structure:
+    """The structure of a deck, with nodes ``n1, …``, springs ``s1, …`` and parameters ``d1, …``.
+
+    Raises
+    ------
+    FileError
+        Anything wrong with the deck, with the number of the line.
+    """
+    deck = Deck(Path(path))
+    number, counts = deck.read("the line of counts", (int, int, int, int))
+    if counts[0] < 1 or min(counts[1:]) < 0:
+        raise deck.error(number, f"counts {counts} make no structure")
+    springs = [deck.read(f"element {k + 1}", (int, int, float)) for k in range(counts[1])]
+    forces = [deck.read(f"force {k + 1}", (int, float)) for k in range(counts[2])]
+    supports = [deck.read(f"displacement {k + 1}", (int, float)) for k in range(counts[3])]
+    structure = Structure(Path(path).stem)
+    overridden = _parameters(deck, structure, counts)
+    _build(deck, structure, counts[0], springs, forces, supports, overridden)
+    return structure
+
+
+def _parameters(deck: Deck, structure: Structure, counts: list[int]) -> dict:
+    """(type, number of the entity) → parameter."""
+    declared = deck.optional("the count of parameters", (int,))
+    found: dict[tuple[str, int], object] = {}
+    limits = {"spring": counts[1], "force": counts[2], "displacement": counts[3]}
+    units = {"spring": "N/m", "force": "N", "displacement": "m"}
+    for k in range(declared[0] if declared else 0):
+        number, (kind, entity, value) = deck.read(f"parameter {k + 1}", (str, int, float))
+        if kind not in KINDS:
+            raise deck.error(number, f"unknown type {kind!r}; known: {', '.join(KINDS)}")
+        if not 1 <= entity <= limits[kind]:
+            raise deck.error(number, f"there is no {kind} {entity}; there are {limits[kind]}")
+        if (kind, entity) in found:
+            raise deck.error(number, f"{kind} {entity} has a parameter already")
+        found[kind, entity] = structure.parameter(f"d{k + 1}", value, units[kind])
+    deck.finish()
+    return found
+
+
+def _build(deck: Deck, structure: Structure, count: int, springs, forces, supports, given) -> None:
+    nodes = [structure.node(f"n{k + 1}", float(k)) for k in range(count)]
+
+    def node(number: int, k: int):
+        if not 1 <= k <= count:
+            raise deck.error(number, f"there is no node {k}; there are {count}")
+        return nodes[k - 1]
+
+    for k, (number, (i, j, stiffness)) in enumerate(springs, 1):
+        if i == j:
+            raise deck.error(number, f"element {k} ties node {i} to itself")
+        value = given.get(("spring", k), stiffness)
+        structure.add(AxialSpring(f"s{k}", node(number, i), node(number, j), stiffness=value))
+    supported: set[int] = set()
+    for k, (number, (i, value)) in enumerate(supports, 1):
+        if i in supported:
+            raise deck.error(number, f"the displacement of node {i} is prescribed twice")
+        supported.add(i)
+        structure.support(node(number, i), ux=given.get(("displacement", k), value))
+    for k, (number, (i, value)) in enumerate(forces, 1):
+        if i in supported:
+            raise deck.error(number, f"node {i} has a prescribed displacement and a force")
+        structure.load(node(number, i), fx=given.get(("force", k), value))

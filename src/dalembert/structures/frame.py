@@ -1,0 +1,114 @@
+"""Plane frame elements: beams that carry axial force, shear and bending.
+
+The energy is that of a beam in its own chord, which turns with it (co-rotational): exact for large
+displacements and rotations of elements whose own deformation is small, and in the limit of small
+displacements the textbook element.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from dalembert.elements.base import Scalar, quantity
+from dalembert.errors import ModelError
+from dalembert.structures.lines import Line
+
+
+@dataclass(eq=False)
+class Frame(Line):
+    """Euler–Bernoulli beam between two nodes of the plane.
+
+    ``W = E A e²/(2L) + 2 E I (θ₁² + θ₁θ₂ + θ₂²)/L`` with the elongation ``e`` of the chord and the
+    turns ``θ`` of the ends against it.
+
+    Parameters
+    ----------
+    area : cross-section [m²]
+    second_moment : second moment of area ``I`` [m⁴]
+    modulus : Young's modulus [Pa]
+    density : [kg/m³]
+    """
+
+    area: Scalar = quantity("m^2", "cross-section", above=0.0, keyword=True)
+    second_moment: Scalar = quantity("m^4", "second moment of area", above=0.0, keyword=True)
+    modulus: Scalar = quantity("Pa", "Young's modulus", above=0.0, keyword=True)
+    density: Scalar = quantity("kg/m^3", "density", default=0.0, minimum=0.0, keyword=True)
+    turns: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.node_i.dimension != 2:
+            raise ModelError(
+                "is an element of the plane; its nodes need two coordinates", self.name
+            )
+
+    @classmethod
+    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        length, (first, second) = cls.length(x), cls.end_turns(u, x)
+        stretch = q["modulus"] * q["area"] * cls.elongation(u, x) ** 2 / (2 * length)
+        softness = cls.shear_softness(x, q)
+        bend = q["modulus"] * q["second_moment"] / (2 * length * (1 + softness))
+        own, mixed = 4 + softness, 2 * (2 - softness)
+        return stretch + bend * (own * (first**2 + second**2) + mixed * first * second)
+
+    @classmethod
+    def shear_softness(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        """``φ = 12 E I / (G A_s L²)``; zero where shear does not deform."""
+        return ca.SX(0)
+
+    @classmethod
+    def end_turns(cls, u: list[ca.SX], x: list[ca.SX]) -> tuple[ca.SX, ca.SX]:
+        """Rotations of the ends less that of the chord."""
+        before = x[1] - x[0]
+        after = before + u[1][:2] - u[0][:2]
+        along = ca.dot(before, after)
+        across = before[0] * after[1] - before[1] * after[0]
+
+        def against_chord(turn: ca.SX) -> ca.SX:  # small, whatever number of times both went round
+            c, s = ca.cos(turn), ca.sin(turn)
+            return ca.atan2(s * along - c * across, c * along + s * across)
+
+        return against_chord(u[0][2]), against_chord(u[1][2])
+
+    @classmethod
+    def measures(cls, u, x, q) -> dict[str, tuple[ca.SX, str]]:
+        length, (first, second) = cls.length(x), cls.end_turns(u, x)
+        softness = cls.shear_softness(x, q)
+        bend = q["modulus"] * q["second_moment"] / (length * (1 + softness))
+        own, mixed = 4 + softness, 2 - softness
+        moment_i = bend * (own * first + mixed * second)
+        moment_j = bend * (mixed * first + own * second)
+        axial = q["modulus"] * q["area"] * cls.elongation(u, x) / length
+        return {
+            "force": (axial, "N"),
+            "stress": (axial / q["area"], "Pa"),
+            "shear": ((moment_i + moment_j) / length, "N"),
+            "moment_i": (moment_i, "N m"),
+            "moment_j": (moment_j, "N m"),
+        }
+
+    @classmethod
+    def mass(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return q["density"] * q["area"] * cls.length(x)
+
+
+@dataclass(eq=False)
+class TimoshenkoFrame(Frame):
+    """Frame element that shear deforms too, ``φ = 12 E I / (G A_s L²)``.
+
+    Parameters
+    ----------
+    shear_modulus : ``G`` [Pa]
+    shear_area : ``A_s``, the cross-section times the shear correction factor [m²]
+    """
+
+    shear_modulus: Scalar = quantity("Pa", "shear modulus", above=0.0, keyword=True)
+    shear_area: Scalar = quantity("m^2", "shear area", above=0.0, keyword=True)
+
+    @classmethod
+    def shear_softness(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        bending = 12 * q["modulus"] * q["second_moment"]
+        return bending / (q["shear_modulus"] * q["shear_area"] * ca.sumsqr(x[1] - x[0]))

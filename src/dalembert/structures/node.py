@@ -1,0 +1,36 @@
+"""Nodes: places that elements tie together, with the directions in which they move."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dalembert.elements.base import Element, Vector
+from dalembert.symbolic.expression import as_expression
+
+TRANSLATIONS = ("ux", "uy", "uz")
+ROTATIONS = {1: (), 2: ("rz",), 3: ("rx", "ry", "rz")}
+DIMENSIONS = (1, 2, 3)
+
+
+@dataclass(eq=False)
+class Node(Element):
+    """A node of a structure.
+
+    Parameters
+    ----------
+    position : (d,) coordinates [m], numbers or formulas; their number is the structure's dimension
+    """
+
+    position: Vector
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        given = self.position if isinstance(self.position, (tuple, list)) else (self.position,)
+        size = len(given)
+        value = given if size > 1 else given[0]
+        self.position = as_expression(value, f"{self.name}.position", "m", size)
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return len(self.position)

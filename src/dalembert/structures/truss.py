@@ -1,0 +1,45 @@
+"""Truss bar: straight, pinned at its ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Scalar, quantity
+from dalembert.structures.lines import Line
+
+
+@dataclass(eq=False)
+class Truss(Line):
+    """Bar that carries axial force only, ``W = E A e² / (2 L)`` with the elongation ``e``.
+
+    Parameters
+    ----------
+    area : cross-section [m²]
+    modulus : Young's modulus [Pa]
+    density : [kg/m³]
+    """
+
+    area: Scalar = quantity("m^2", "cross-section", above=0.0, keyword=True)
+    modulus: Scalar = quantity("Pa", "Young's modulus", above=0.0, keyword=True)
+    density: Scalar = quantity("kg/m^3", "density", default=0.0, minimum=0.0, keyword=True)
+
+    @classmethod
+    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        stiffness = q["modulus"] * q["area"] / cls.length(x)
+        return stiffness * cls.elongation(u, x) ** 2 / 2
+
+    @classmethod
+    def measures(cls, u, x, q) -> dict[str, tuple[ca.SX, str]]:
+        strain = cls.elongation(u, x) / cls.length(x)
+        stress = q["modulus"] * strain
+        return {
+            "strain": (strain, ""),
+            "stress": (stress, "Pa"),
+            "force": (stress * q["area"], "N"),
+        }
+
+    @classmethod
+    def mass(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return q["density"] * q["area"] * cls.length(x)
