@@ -199,6 +199,8 @@ def test_examples(tmp_path, capsys):
 
 # as a process ------------------------------------------------------------------------
 def started(*arguments: str, **options) -> subprocess.Popen:
+    if os.name != "nt":  # a run in the background of a shell is started deaf to interrupts
+        options["preexec_fn"] = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
     return subprocess.Popen(
         [sys.executable, "-m", "dalembert.cli", *arguments],
         stdout=subprocess.PIPE,
