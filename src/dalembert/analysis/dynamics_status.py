@@ -102,10 +102,12 @@ class Ending:
         if found is None:
             return ""
         time, smallest = found
+        cure = "formulation=AugmentedLagrangian() passes through such positions"
+        if not self.kernel.model.diagnosis.free:  # beyond a lock there is no motion at all
+            cure = f"solve_kinematics tells whether the drivers lock there; if not, {cure}"
         return (
             f"the constraints were lost at t = {time:.6g} s near a singular position, where the "
-            f"smallest singular value of C is {smallest:.2g}; formulation=AugmentedLagrangian() "
-            "passes through such positions"
+            f"smallest singular value of C is {smallest:.2g}; {cure}"
         )
 
 
