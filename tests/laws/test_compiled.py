@@ -179,12 +179,12 @@ def test_a_broken_library_is_made_again(cache, compilations, damage):
 @needs_compiler
 def test_another_text_or_compiler_makes_another_library(cache):
     compiler = compiled.needed_compiler()
-    first = compiled.library_path("int f;", compiler)
+    first = compiled.kept_path("int f;", compiler)
     assert first.parent == cache
-    assert compiled.library_path("int f;", compiler) == first
-    assert compiled.library_path("int g;", compiler) != first
+    assert compiled.kept_path("int f;", compiler) == first
+    assert compiled.kept_path("int g;", compiler) != first
     for change in ({"version": "another 1.0"}, {"command": (*compiler.command, "-m64")}):
-        assert compiled.library_path("int f;", dataclasses.replace(compiler, **change)) != first
+        assert compiled.kept_path("int f;", dataclasses.replace(compiler, **change)) != first
 
 
 @needs_compiler

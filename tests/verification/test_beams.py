@@ -143,3 +143,31 @@ def test_gradients_at_large_deflection():
     scale = np.abs(direct).max(axis=1, keepdims=True)
     assert (np.abs(adjoint - direct) / scale).max() < 1e-9
     assert (np.abs(differences - direct) / scale).max() < 1e-6
+
+
+def test_a_lost_load_path_keeps_its_last_equilibrium():
+    """A hinged toggle carries no more than its limit load, near the height rise / √3."""
+    structure, rise = da.Structure("toggle"), 0.1
+    apex = structure.node("apex", 0.0, rise)
+    for k, x in enumerate((-1.0, 1.0)):
+        foot = structure.node(f"foot{k}", x, 0.0)
+        structure.support(foot)
+        structure.add(structures.Truss(f"bar{k}", foot, apex, area=1.0, modulus=1.0))
+    structure.support(apex, ux=0.0)
+    # downwards, y the height: 2 (L0 − L) y / (L L0), largest near y = rise / √3
+    y = np.linspace(0, rise, 100_001)
+    length, rest = np.hypot(1, y), np.hypot(1, rise)
+    limit = (2 * (rest - length) * y / (length * rest)).max()
+    structure.load(apex, fy=-0.9 * limit)
+    below = da.solve_statics(structure.build(), nonlinear=True)
+    assert below.status.success
+    height = rise + below["apex.uy"]
+    span = np.hypot(1, height)
+    assert 2 * (rest - span) * height / (span * rest) == pytest.approx(0.9 * limit, rel=1e-8)
+    structure.load(apex, fy=-0.2 * limit)  # 1.1 in all
+    beyond = da.solve_statics(structure.build(), nonlinear=True)
+    assert beyond.status.outcome is da.Outcome.NOT_CONVERGED
+    assert beyond.status.time == pytest.approx(1 / 1.1, abs=1e-5)
+    assert rise + beyond["apex.uy"] == pytest.approx(rise / np.sqrt(3), rel=1e-2)
+    with pytest.raises(da.AnalysisError, match="no gradient"):
+        da.sensitivity(beyond, da.final("apex.uy"))

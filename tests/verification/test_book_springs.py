@@ -150,3 +150,17 @@ def test_deck_on_the_command_line(tmp_path, capsys):
     assert main(["run", str(deck), "--output", str(tmp_path / "new")]) == 2
     assert "bridge.dat:5: force 2: 'two' is not a number" in capsys.readouterr().err
     assert not (tmp_path / "new").exists()
+    deck.write_text(COMPLIANCE_DECK)
+    assert main(["run", str(deck), "--output", str(tmp_path), "--json", "--set", "d1=2"]) == 0
+    assert json.loads(capsys.readouterr().out)["displacements"]["n1"] == pytest.approx(1.5)
+    for wrong, message in (
+        (["--set", "d9=1"], "unknown parameter 'd9' (known: d1, d2)"),
+        (["--set", "d1=-1"], "s1.stiffness: is -1 N/m; it must be above 0"),
+        (["--set", "d1=x"], "--set d1: 'x' is not a number"),
+        (["--analysis", "Kinematics"], "--analysis Kinematics: a deck is solved by linear statics"),
+    ):
+        assert main(["run", str(deck), "--output", str(tmp_path / "new"), *wrong]) == 2
+        assert message in capsys.readouterr().err
+        assert not (tmp_path / "new").exists()
+    assert main(["check", str(deck)]) == 2
+    assert "only 'dalembert run' reads" in capsys.readouterr().err

@@ -18,6 +18,8 @@ SHORTEST = 1e-6
 """Share of the load below which a step is not halved any more."""
 STANDS = 1e-13
 """Change of the displacements that only round-off makes, where residuals cannot fall further."""
+ROUNDING = 1e-7
+"""Residual that is then taken for round-off of stiff parts."""
 
 
 @dataclass(frozen=True)
@@ -123,9 +125,11 @@ class LoadPath:
             size = np.abs(rest).max(initial=0.0) / scale
             if not np.isfinite(size):
                 return None
-            if size < self.analysis.tolerance or stands:
+            if size < max(self.analysis.tolerance, ROUNDING if stands else 0.0):
                 self.residual = float(size)
                 return u
+            if stands:
+                return None
             matrix = self.assembly.stiffness(u, self.p)[free][:, free]
             try:
                 change = factorised(self.model, matrix).solve(rest)  # type: ignore[union-attr]
@@ -146,6 +150,9 @@ class LoadPath:
         return found
 
     def record(self) -> StaticsRecord:
-        """Tangent stiffness at the end, for gradients."""
+        """Tangent stiffness at the end, for gradients; no factors where the path was lost."""
         matrix, free = self.assembly.stiffness(self.u, self.p), self.assembly.free
-        return StaticsRecord(factorised(self.model, matrix[free][:, free]), matrix)
+        whole = self.reached >= 1.0
+        return StaticsRecord(
+            factorised(self.model, matrix[free][:, free]) if whole else None, matrix
+        )

@@ -6,15 +6,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dalembert.cli.console import DONE, console, emit, wrong_input
-from dalembert.cli.loading import output_folder
+from dalembert.cli.loading import output_folder, pairs
+from dalembert.errors import ModelError
 
 if TYPE_CHECKING:
     from dalembert.results.structural import StructuralResult
 
-DECKS = (".dat", ".deck")
 
-
-def run_deck(path: Path, output: Path | None, csv: bool, quiet: bool, as_json: bool) -> int:
+def run_deck(
+    path: Path,
+    output: Path | None,
+    settings: list[str] | None,
+    csv: bool,
+    quiet: bool,
+    as_json: bool,
+) -> int:
     """Solve the structure, write its results, and print what the book's program prints."""
     from dalembert.analysis import solve_statics
     from dalembert.io.spring_deck import load_deck
@@ -22,9 +28,9 @@ def run_deck(path: Path, output: Path | None, csv: bool, quiet: bool, as_json: b
 
     with wrong_input():
         model = load_deck(path).build()
+        given = {name: _number(name, text) for name, text in pairs(settings).items()}
+        result = solve_statics(model, parameters=given)
     folder = output_folder(output)
-    with wrong_input():
-        result = solve_statics(model)
     files = [save_dataset(result.data, folder / f"{path.stem}.nc")]
     if csv:
         files.append(_write_csv(result, folder / f"{path.stem}.csv"))
@@ -34,6 +40,13 @@ def run_deck(path: Path, output: Path | None, csv: bool, quiet: bool, as_json: b
     elif not quiet:
         _print(made)
     return DONE
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ModelError(f"{text!r} is not a number", f"--set {name}") from None
 
 
 def _summary(result: StructuralResult) -> dict[str, Any]:

@@ -25,11 +25,22 @@ def loaded(path: Path, settings: list[str] | None) -> tuple[ModelFile, Model]:
     from dalembert.io.model_file import load_model_file
 
     with wrong_input():
-        file = load_model_file(path).with_parameters(_pairs(settings))
+        if is_deck(path):
+            raise FileError(
+                f"{path}: is the deck of a spring structure, which only 'dalembert run' reads; "
+                "this command takes a model file, .toml or .json"
+            )
+        file = load_model_file(path).with_parameters(pairs(settings))
         return file, file.model()
 
 
-def _pairs(settings: list[str] | None) -> dict[str, str]:
+def is_deck(path: Path) -> bool:
+    """Whether the name is that of a text deck."""
+    return path.suffix.lower() in (".dat", ".deck")
+
+
+def pairs(settings: list[str] | None) -> dict[str, str]:
+    """Name → text of the values given by ``--set``."""
     made = {}
     for setting in settings or []:
         name, equals, value = setting.partition("=")

@@ -19,8 +19,9 @@ from dalembert.cli.console import (
     emit,
     wrong_input,
 )
-from dalembert.cli.deck import DECKS, run_deck
-from dalembert.cli.loading import loaded, output_folder
+from dalembert.cli.deck import run_deck
+from dalembert.cli.loading import is_deck, loaded, output_folder
+from dalembert.errors import UnsupportedError
 
 if TYPE_CHECKING:
     from dalembert.analysis.linearization import Modes
@@ -63,8 +64,11 @@ def run(
     from dalembert.io.analyses import make_analysis
     from dalembert.io.tasks import report_choices
 
-    if model.suffix.lower() in DECKS:
-        return run_deck(model, output, csv, quiet, as_json)
+    if is_deck(model):
+        with wrong_input():
+            if analysis is not None:
+                raise UnsupportedError(f"--analysis {analysis}: a deck is solved by linear statics")
+        return run_deck(model, output, settings, csv, quiet, as_json)
     file, built = loaded(model, settings)
     with wrong_input():
         task = make_analysis(file, built, analysis)

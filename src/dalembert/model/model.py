@@ -10,7 +10,6 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import ModelError
 from dalembert.model.absolute import absolute_equations, at_ground
 from dalembert.model.assembly import AssembledState, Guesses
 from dalembert.model.checks import check_values
@@ -19,6 +18,7 @@ from dalembert.model.description import Description
 from dalembert.model.diagnosis import diagnose
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.parameter import parameter_vector
 
 SYSTEM_MEASURES = {
     "time": "s",
@@ -113,16 +113,7 @@ class Model:
         ModelError
             Unknown parameter or a value that is not finite.
         """
-        p = self.nominal.copy()
-        names = list(self.parameters)
-        for name, value in (parameters or {}).items():
-            if name not in self.parameters:
-                known = ", ".join(names) or "none"
-                raise ModelError(f"unknown parameter {name!r} (known: {known})", self.name)
-            number = float(value)
-            if not np.isfinite(number):
-                raise ModelError(f"value {value} is not a finite number", name)
-            p[names.index(name)] = number
+        p = parameter_vector(self.parameters, parameters, self.name)
         if parameters:
             check_values(self.parts, p)
         return p

@@ -29,10 +29,6 @@ class System(Description):
     ) -> Parameter:
         """Declare a parameter; use it in formulas wherever a number is accepted."""
         self._claim(name)
-        if not name.isidentifier():
-            raise ModelError(
-                f"{name!r} is not an identifier; use letters, digits and '_'", "parameter"
-            )
         made = Parameter(name, value, unit, bounds, description)
         self.parameters[name] = made
         return made

@@ -12,7 +12,7 @@ from dalembert.errors import AnalysisError
 from dalembert.results.status import Status
 from dalembert.structures.measures import State, Weights
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.expression import Expression, free_symbols
+from dalembert.symbolic.expression import Expression, stack
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -82,32 +82,37 @@ class StructuralResult:
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """(cases,) values of a scalar measure or formula."""
-        formula = self.expression(measure).sx
-        return np.array([self.formula(formula, k)[0] for k in range(len(self.cases))])
+        sx = self.expression(measure).sx
+        symbols = self._measured(sx)
+        function = ca.Function("formula", [symbols, self.model.p], [sx])
+        inputs = (self._numbers(symbols, k) for k in range(len(self.cases)))
+        return np.array([float(function(numbers, self.parameters)) for numbers in inputs])
 
     def __getitem__(self, measure: str | Expression):
         """Value of a measure; an array over the load cases where there are several."""
         found = self.values(measure)
         return float(found[0]) if found.size == 1 else found
 
-    def formula(self, sx: ca.SX, case: int) -> tuple[float, Weights]:
-        """Value of a formula of measures and parameters, and its weights."""
-        state, names = self.state(case), sorted(free_symbols(sx) - set(self.model.parameters))
-        measures = [self.model.measure(name) for name in names]
-        symbols = ca.vertcat(*(s for s in ca.symvar(sx) if s.name() in names))
-        order = [s.name() for s in ca.vertsplit(symbols)] if names else []
-        values = {n: m.value(state) for n, m in zip(names, measures, strict=True)}
-        inputs = [symbols, self.model.p]
-        function = ca.Function(
-            "formula", inputs, [sx, ca.gradient(sx, symbols), ca.gradient(sx, self.model.p)]
-        )
-        numbers = np.array([values[n] for n in order])
-        value, slopes, own = (a.full().ravel() for a in function(numbers, self.parameters))
-        into = Weights.zero(state.u.size, self.parameters.size)
-        into.p += own
-        for name, slope in zip(order, slopes, strict=True):
-            self.model.measure(name).pull(state, float(slope), into)
-        return float(value[0]), into
+    def weights(self, sx: ca.SX, case: int) -> Weights:
+        """What a formula of measures and parameters weighs displacements, forces, parameters."""
+        symbols = self._measured(sx)
+        slopes = [ca.gradient(sx, symbols), ca.gradient(sx, self.model.p)]
+        function = ca.Function("slopes", [symbols, self.model.p], slopes)
+        found, own = function(self._numbers(symbols, case), self.parameters)
+        state, into = self.state(case), Weights.zero(self.forces.shape[0], self.parameters.size)
+        into.p += own.full().ravel()
+        for symbol, slope in zip(ca.vertsplit(symbols), found.full().ravel(), strict=True):
+            self.model.measure(symbol.name()).pull(state, float(slope), into)
+        return into
+
+    def _measured(self, sx: ca.SX) -> ca.SX:
+        """The symbols in a formula that stand for measures."""
+        found = (s for s in ca.symvar(sx) if s.name() not in self.model.parameters)
+        return stack(found)
+
+    def _numbers(self, symbols: ca.SX, case: int) -> np.ndarray:
+        state, names = self.state(case), [s.name() for s in ca.vertsplit(symbols)]
+        return np.array([self.model.measure(name).value(state) for name in names])
 
     @property
     def data(self) -> xr.Dataset:

@@ -29,7 +29,7 @@ class StaticsGradient:
     def _cases(self) -> Iterator[tuple[int, float, Weights]]:
         """Number, weight of the sample, and what the measure weighs there."""
         for k in np.flatnonzero(self.sample.weights):
-            _, seen = self.result.formula(self.sample.measure.sx, int(k))
+            seen = self.result.weights(self.sample.measure.sx, int(k))
             yield int(k), float(self.sample.weights[k]), seen
 
     def _solved(self, case: int, rhs: np.ndarray) -> np.ndarray:

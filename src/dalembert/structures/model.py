@@ -18,6 +18,7 @@ from dalembert.structures.kind import ElementKind
 from dalembert.structures.measures import Measure, StructuralMeasures
 from dalembert.structures.node import ROTATIONS, TRANSLATIONS
 from dalembert.symbolic.expression import Expression, free_symbols, stack
+from dalembert.symbolic.parameter import parameter_vector
 from dalembert.symbolic.parametric_array import ParametricArray
 
 
@@ -126,18 +127,18 @@ class StructuralModel:
             entries += [getattr(element, q).sx for q in kind.quantities]
         data = self._array([Expression(e) for e in entries], len(entries))
         block = ElementBlock(kind, [e.name for e in elements], degrees, data)
-        self._check_numbers(block, elements)
-        return block
-
-    def _check_numbers(self, block: ElementBlock, elements: list[StructuralElement]) -> None:
-        """Quantities must be formulas of parameters, finite and within their limits."""
         for element in elements:
             for entity, formula, _ in element.checked_quantities():
                 if not formula.sx.is_constant():
                     self._check_formula(formula.sx, entity)
+        self._check_values(block, self.nominal)
+        return block
+
+    @staticmethod
+    def _check_values(block: ElementBlock, p: np.ndarray) -> None:
+        """Quantities must be finite and within their limits."""
         first = block.kind.data_count - len(block.kind.quantities)
-        values = block.data(self.nominal)[first:]
-        for row, field in zip(values, block.kind.cls.quantity_fields(), strict=True):
+        for row, field in zip(block.data(p)[first:], block.kind.cls.quantity_fields(), strict=True):
             meta = field.metadata
             for bound, wrong, least in (
                 (meta["above"], ~(row > meta["above"]), "above"),
@@ -176,16 +177,12 @@ class StructuralModel:
         Raises
         ------
         ModelError
-            Unknown parameter or a value that is not finite.
+            Unknown parameter, or a value that makes a quantity leave its limits.
         """
-        p, names = self.nominal.copy(), list(self.parameters)
-        for name, value in (parameters or {}).items():
-            if name not in self.parameters:
-                known = ", ".join(names) or "none"
-                raise ModelError(f"unknown parameter {name!r} (known: {known})", self.name)
-            if not np.isfinite(float(value)):
-                raise ModelError(f"value {value} is not a finite number", name)
-            p[names.index(name)] = float(value)
+        p = parameter_vector(self.parameters, parameters, self.name)
+        if parameters:
+            for block in self.blocks:
+                self._check_values(block, p)
         return p
 
     def __getitem__(self, name: str) -> Expression:

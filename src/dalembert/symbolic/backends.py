@@ -15,7 +15,7 @@ from dalembert.symbolic.compiled import (
     c_source,
     find_compiler,
     is_whole,
-    library_path,
+    kept_path,
     load,
     needed_compiler,
 )
@@ -128,7 +128,7 @@ class Automatic(Backend):
         text, compiler = self._texts[function], find_compiler()
         if text is None or compiler is None:
             self._answers[function] = function
-        elif not only_kept or is_whole(library_path(text, compiler)):
+        elif not only_kept or is_whole(kept_path(text, compiler)):
             try:
                 self._answers[function] = load(function, text, compiler)
             except UnsupportedError:  # a run must not fail for what it did not ask for

@@ -137,7 +137,7 @@ def clear_cache() -> int:
     return len(found)
 
 
-def library_path(text: str, compiler: Compiler) -> Path:
+def kept_path(text: str, compiler: Compiler) -> Path:
     """Where the library of this text belongs."""
     made_by = (compiler.version, *compiler.command, *compiler.flags(text), ca.CasadiMeta.version())
     key = "\n".join([*made_by, sys.platform, platform.machine(), text])
@@ -160,7 +160,7 @@ def load(function: ca.Function, text: str, compiler: Compiler) -> ca.Function:
     UnsupportedError
         It cannot be compiled, or the cache cannot be written.
     """
-    path = library_path(text, compiler)
+    path = kept_path(text, compiler)
     if is_whole(path):
         with suppress(RuntimeError, OSError):
             os.utime(path)

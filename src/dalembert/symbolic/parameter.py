@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import casadi as ca
+import numpy as np
 
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression
@@ -27,7 +29,8 @@ class Parameter(Expression):
     Raises
     ------
     ModelError
-        Value not finite, bounds in the wrong order, value outside its bounds.
+        A name that is no identifier, a value not finite or outside its bounds, bounds in the
+        wrong order.
     """
 
     __slots__ = ("bounds", "description", "value")
@@ -40,6 +43,10 @@ class Parameter(Expression):
         bounds: tuple[float | None, float | None] | None = None,
         description: str = "",
     ):
+        if not name.isidentifier():
+            raise ModelError(
+                f"{name!r} is not an identifier; use letters, digits and '_'", "parameter"
+            )
         super().__init__(ca.SX.sym(name), name, unit)
         self.value = _finite(value, name, "value")
         lower, upper = bounds if bounds is not None else (None, None)
@@ -64,3 +71,22 @@ def _finite(value, name: str, what: str) -> float:
     if isinstance(value, bool) or not math.isfinite(number):
         raise ModelError(f"{what} {value} is not a finite number", name)
     return number
+
+
+def parameter_vector(
+    parameters: Mapping[str, Parameter], given: Mapping[str, float] | None, owner: str
+) -> np.ndarray:
+    """Values of all parameters, some replaced by given ones.
+
+    Raises
+    ------
+    ModelError
+        Unknown parameter or a value that is not finite; names the owner or the parameter.
+    """
+    values = {name: parameter.value for name, parameter in parameters.items()}
+    for name, value in (given or {}).items():
+        if name not in values:
+            known = ", ".join(values) or "none"
+            raise ModelError(f"unknown parameter {name!r} (known: {known})", owner)
+        values[name] = _finite(value, name, "value")
+    return np.array(list(values.values()), dtype=float)
