@@ -89,8 +89,12 @@ def main(folder=None) -> dict[str, float]:
         for time, alpha in ((0.0, 0.9), (0.5, 0.35), (1.0, 0.6)):
             style.draw(left, motion, time, alpha=alpha)
         left.set(xlabel="x [m]", ylabel="y [m]", title="two windows")
-        right.plot(motion.time, np.degrees(found), label="angle of the cranks [°]")
-        right.set(xlabel="time [s]", title="all bars on one line where a dashed line is crossed")
+        right.plot(motion.time, np.degrees(found))
+        right.set(
+            xlabel="time [s]",
+            ylabel="angle of the cranks [°]",
+            title="all bars on one line where a dashed line is crossed",
+        )
         for level in range(-9, 1):
             right.axhline(180 * level, color="0.6", lw=0.8, ls="--")
         measure = right.twinx()

@@ -19,14 +19,14 @@ def doubts(
 ) -> list[str]:
     """Warnings about one choice of strategies.
 
+    The violation of a constraint that is fed back follows ``Φ̈ + c₁Φ̇ + c₀Φ = 0``; with roots ``s`` a
+    step of length h multiplies it by ``R(hs)``, which must not exceed one.
+
     Parameters
     ----------
     step : length of the steps [s]
     freedom : degrees of freedom that the drivers leave
     exchanged : largest energy put in or dissipated during the run [J]
-
-    The violation of a constraint that is fed back follows ``Φ̈ + c₁Φ̇ + c₀Φ = 0``; with roots ``s`` a
-    step of length h multiplies it by ``R(hs)``, which must not exceed one.
     """
     found = stabilization.doubts(freedom, exchanged)
     for name, feedback in (
