@@ -63,7 +63,7 @@ def sensitivity(
 def _method(name: str) -> str:
     from dalembert.errors import UnsupportedError
     from dalembert.io.messages import nearest
-    from dalembert.sensitivity.gradient import METHODS
+    from dalembert.sensitivity.methods import METHODS
 
     if name not in METHODS:
         known = ", ".join(METHODS)

@@ -12,7 +12,7 @@ from dalembert.io.messages import nearest
 from dalembert.io.strategies import ANALYSES, RESPONSES
 from dalembert.io.tables import Vector, table_of, value_type
 from dalembert.io.values import Bound, Entry, Integer, Number, Text, list_of, shown
-from dalembert.sensitivity.gradient import METHODS
+from dalembert.sensitivity.methods import METHODS
 
 FORMAT = 1
 

@@ -3,99 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
-import numpy as np
-
-from dalembert.analysis.dynamics import Dynamics
-from dalembert.analysis.equilibrium import Equilibrium
-from dalembert.analysis.kinematics import Kinematics
-from dalembert.analysis.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.statics import Statics
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 from dalembert.results.structural import StructuralResult
-from dalembert.sensitivity.adjoint_march import AdjointMarch
-from dalembert.sensitivity.direct_march import DirectMarch
 from dalembert.sensitivity.finite_difference import FiniteDifference
-from dalembert.sensitivity.pointwise import PointwiseGradient
-from dalembert.sensitivity.samples import Sample, take_sample
-from dalembert.sensitivity.statics import StaticsGradient
+from dalembert.sensitivity.methods import METHODS, Adjoint, Automatic, Direct, Method
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-@dataclass(frozen=True)
-class Direct:
-    """Direct differentiation: cost grows with the number of parameters."""
-
-    def gradient(
-        self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
-    ) -> np.ndarray:
-        samples = [take_sample(motion, r) for r in responses]
-        if _marches(motion):
-            marches = [DirectMarch(sample) for sample in samples]
-            changes = marches[0].changes() if marches else []
-            rows = [march.gradient(changes) for march in marches]
-        else:
-            rows = [_instants(sample).direct() for sample in samples]
-        return np.array(rows)[:, list(columns)]
-
-
-@dataclass(frozen=True)
-class Adjoint:
-    """Adjoint method: cost grows with the number of responses."""
-
-    def gradient(
-        self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
-    ) -> np.ndarray:
-        samples = [take_sample(motion, r) for r in responses]
-        if _marches(motion):
-            rows = [AdjointMarch(sample).gradient() for sample in samples]
-        else:
-            rows = [_instants(sample).adjoint() for sample in samples]
-        return np.array(rows)[:, list(columns)]
-
-
-@dataclass(frozen=True)
-class Automatic:
-    """Adjoint unless there are fewer parameters than responses."""
-
-    def choose(self, responses: int, parameters: int) -> Direct | Adjoint:
-        """The cheaper method for these numbers."""
-        return Direct() if parameters < responses else Adjoint()
-
-
-Strategy = Direct | Adjoint | Automatic | FiniteDifference
-Method = str | Strategy
-
-METHODS: dict[str, Strategy] = {
-    "auto": Automatic(),
-    "adjoint": Adjoint(),
-    "direct": Direct(),
-    "finite-difference": FiniteDifference(),
-}
-
-
-def _marches(motion: Motion) -> bool:
-    """Whether the motion was integrated, so that its samples depend on all steps before them."""
-    if isinstance(motion.analysis, (Dynamics, Kinematics, Equilibrium, Statics, NonlinearStatics)):
-        return isinstance(motion.analysis, Dynamics)
-    raise UnsupportedError(
-        f"gradients of {type(motion.analysis).__name__} are not available; use "
-        "method='finite-difference'"
-    )
-
-
-def _instants(sample: Sample) -> PointwiseGradient | StaticsGradient:
-    """The engine of results whose samples stand for themselves."""
-    if isinstance(sample.motion.analysis, (Statics, NonlinearStatics)):
-        return StaticsGradient(sample)
-    return PointwiseGradient(sample)
 
 
 def sensitivity(

@@ -6,9 +6,12 @@ parameter at a time through its tangent, the adjoint one response through its ad
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import casadi as ca
 import numpy as np
 
+from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.implicit import ImplicitFunction
 
@@ -42,19 +45,29 @@ class PointwiseGradient:
             mapped(t[active], y[:, active], p[:, active], weights[:, active])[2].full().sum(axis=1)
         )
 
-    def direct(self) -> np.ndarray:
-        """(np,) gradient by one tangent solve per parameter and instant."""
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        """(columns,) derivatives by one tangent solve per parameter and instant."""
         weights = self.sample.weights
         active = np.flatnonzero(weights)
         t, y, p = self._arguments()
-        gradient = np.zeros(self.motion.parameters.size)
+        gradient = np.zeros(len(columns))
         if not active.size:
             return gradient
         mapped = self.measured.tangent.map(active.size)
         still_t, still_y = ca.DM.zeros(1, active.size), ca.DM.zeros(y.shape[0], active.size)
-        for i in range(gradient.size):
-            direction = np.zeros((gradient.size, active.size))
-            direction[i] = 1.0
+        for i, column in enumerate(columns):
+            direction = np.zeros((p.shape[0], active.size))
+            direction[column] = 1.0
             rates = mapped(t[active], y[:, active], p[:, active], still_t, still_y, direction)
             gradient[i] = float(rates.full().ravel() @ weights[active])
         return gradient
+
+
+class PointwiseEngine(Engine):
+    """One row after the other."""
+
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        return np.array([PointwiseGradient(sample).direct(columns) for sample in self.samples])
+
+    def adjoint(self) -> np.ndarray:
+        return np.array([PointwiseGradient(sample).adjoint() for sample in self.samples])

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import cast
 
 import numpy as np
 
 from dalembert.results.structural import StructuralResult
+from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.samples import Sample
 from dalembert.structures.measures import Weights
 
@@ -63,13 +64,15 @@ class StaticsGradient:
             + self.model.prescribed.pull(self.p, u_bar[self.held])
         )
 
-    def direct(self) -> np.ndarray:
-        """(np,) gradient by one back-substitution per parameter and load case (8.26)."""
-        gradient = np.zeros(self.p.size)
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        """(columns,) derivatives by one back-substitution per parameter and load case (8.26)."""
+        gradient = np.zeros(len(columns))
         for k, weight, seen in self._cases():
-            for i, direction in enumerate(np.eye(self.p.size)):
+            for i, column in enumerate(columns):
+                direction = np.zeros(self.p.size)
+                direction[column] = 1.0
                 du, dforces = self._pushed(k, direction)
-                change = seen.u @ du + seen.forces @ dforces + seen.p[i]
+                change = seen.u @ du + seen.forces @ dforces + seen.p[column]
                 gradient[i] += weight * change
         return gradient
 
@@ -87,3 +90,13 @@ class StaticsGradient:
 
     def _loads(self, case: int):
         return self.model.loads[self.result.cases[case]]
+
+
+class StaticsEngine(Engine):
+    """One row after the other, all with the factors of the analysis."""
+
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        return np.array([StaticsGradient(sample).direct(columns) for sample in self.samples])
+
+    def adjoint(self) -> np.ndarray:
+        return np.array([StaticsGradient(sample).adjoint() for sample in self.samples])
