@@ -173,7 +173,8 @@ class Projection(Stabilization):
         """Stage for ``(δ, μ)`` and the corrected position as an expression of ``δ``."""
         n, m = e.speed_count, e.constraint_count
         delta, mu = ca.SX.sym("delta", n), ca.SX.sym("mu", m)
-        solver = formulation.solver(e.inertia, e.jacobian, e.massless).corrector
+        raw = formulation.solver(e.inertia, e.jacobian, e.massless)
+        solver = raw.corrector
         moved = e.y + ca.mtimes(e.lift, delta)
         violation = ca.substitute(e.constraints, e.y, moved)
         residual = ca.vertcat(e.inertia.times(delta) + ca.mtimes(e.jacobian.T, mu), violation)
@@ -183,22 +184,24 @@ class Projection(Stabilization):
             step, multiplier = solver.solve(ca.SX.zeros(n), -open_by)
             value_delta, value_mu = value_delta + step, value_mu + multiplier
         unknown = ca.vertcat(delta, mu)
-        turned = ca.jacobian(violation, delta)  # C at the corrected position
+        turn = ca.sparsify(ca.jacobian(violation, delta) - e.jacobian)  # of C by the correction
 
         def solve(rhs: ca.SX, transposed: bool = False) -> ca.SX:
-            # the factors belong to the incoming position; a few refinements make up for that
-            total = solver.solve_stacked(rhs)
+            # the factors belong to the incoming position; a few terms of the series in the turn
+            # make up for that, and refinements for factors that are only nearly those of C
+            total = more = solver.solve_stacked(rhs)
             for _ in range(3):
-                x, z = total[:n], total[n:]
+                source = total if solver is not raw else more
+                x, z = source[:n], source[n:]
                 if transposed:
-                    rest = ca.vertcat(
-                        e.inertia.times(x) + ca.mtimes(turned.T, z), ca.mtimes(e.jacobian, x)
-                    )
+                    rest = ca.vertcat(ca.mtimes(turn.T, z), ca.SX.zeros(m, x.shape[1]))
                 else:
-                    rest = ca.vertcat(
-                        e.inertia.times(x) + ca.mtimes(e.jacobian.T, z), ca.mtimes(turned, x)
-                    )
-                total = total + solver.solve_stacked(rhs - rest)
+                    rest = ca.vertcat(ca.SX.zeros(n, x.shape[1]), ca.mtimes(turn, x))
+                if solver is not raw:
+                    held = ca.mtimes(e.jacobian.T, z), ca.mtimes(e.jacobian, x)
+                    rest += ca.vertcat(e.inertia.times(x) + held[0], held[1]) - rhs
+                more = -solver.solve_stacked(rest)
+                total = total + more
             return total
 
         stage = Stage(

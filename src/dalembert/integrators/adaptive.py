@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.errors import SolverFailure
 from dalembert.integrators.base import Attempt
+from dalembert.integrators.march import FixedMarch
 from dalembert.integrators.steps import Steps, Watch
 from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.kernel import Kernel
@@ -24,10 +25,17 @@ class AdaptiveMarch:
     ----------
     attempt_of : mode → Attempt
     backend : what evaluates the attempts
+    fixed : repeats the steps taken, where not all states are kept
     """
 
-    def __init__(self, attempt_of: Callable[[int], Attempt], backend: Backend | None = None):
-        self.attempt_of, self.backend = attempt_of, backend or VirtualMachine()
+    def __init__(
+        self,
+        attempt_of: Callable[[int], Attempt],
+        backend: Backend | None = None,
+        fixed: FixedMarch | None = None,
+    ):
+        self.attempt_of, self.fixed = attempt_of, fixed
+        self.backend = backend or VirtualMachine()
         self._singles: dict[int, ca.Function] = {}
         self._chunks: dict[ca.Function, Kernel] = {}
 
@@ -65,20 +73,23 @@ class AdaptiveMarch:
         memory = self.attempt_of(mode).memory
         state = np.concatenate([[start, first_step], memory, x0])
         fixed = np.concatenate([[end, longest], p])
-        parts: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
+        parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
         head, rejected, message, interrupted = 2 + len(memory), 0, "", False
-        last = x0.reshape(-1, 1)
+        recorder = watch.recorder(x0)
         try:
             while state[0] < end and not message:
                 out, record, failure = self._attempted(mode, state, fixed)
                 made = out.shape[1]
+                last = recorder.last
                 out, record, following, message = self._keep(watch, out, record, last, head, mode)
                 if out.shape[1] == made:  # else what failed is done again in another variant
                     message = message or failure
                 taken = (record[3] > 0.5) & (record[1] > 0)
                 rejected += int(np.sum((record[3] < 0.5) & (record[1] > 0)))
-                modes = np.full(int(taken.sum()), mode)
-                parts.append((record[0, taken], record[1, taken], out[head:, taken], modes))
+                t, h, columns = _finite(record[0, taken], record[1, taken], out[head:, taken])
+                parts.append((t, h, np.full(t.size, mode)))
+                ends = np.append(t, t[-1:] + h[-1:])
+                recorder.add(ends, columns)
                 mode = following
                 if message or not out.shape[1]:
                     continue
@@ -87,14 +98,13 @@ class AdaptiveMarch:
                 if message:
                     continue
                 watch.progress((state[0] - start) / (end - start))
-                t, h, columns, _ = parts[-1]
-                if t.size and watch.stop(np.append(t, t[-1] + h[-1]), np.hstack([last, columns])):
+                if t.size and watch.stop(ends, np.column_stack([last, columns])):
                     break
-                last = columns[:, -1:] if t.size else last
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True
-        steps = _collect(parts, start, x0, rejected)
+        steps = _collect(parts, start, recorder.last, rejected)
         steps.message, steps.interrupted = message, interrupted
+        steps.x = recorder.states(None if self.fixed is None else self.fixed.again(steps, p))
         return steps
 
     def _attempted(self, mode: int, state: np.ndarray, fixed: np.ndarray):
@@ -120,7 +130,7 @@ class AdaptiveMarch:
         if not taken.size or not np.all(np.isfinite(out[:, taken])):
             return out, record, mode, ""
         times = np.append(record[0, taken], record[0, taken[-1]] + record[1, taken[-1]])
-        columns = np.hstack([last, out[head:, taken]])
+        columns = np.column_stack([last, out[head:, taken]])
         kept, following, reason = watch.switch(times, columns, mode)
         if kept == taken.size:
             return out, record, following, reason
@@ -146,15 +156,17 @@ def _trouble(state: np.ndarray) -> str:
     return ""
 
 
-def _collect(parts, start: float, x0: np.ndarray, rejected: int) -> Steps:
+def _finite(t: np.ndarray, h: np.ndarray, columns: np.ndarray):
     """The steps up to the last state that is finite."""
-    columns = [x0.reshape(-1, 1), *(part[2] for part in parts)]
-    times = np.concatenate([part[0] for part in parts]) if parts else np.zeros(0)
-    lengths = np.concatenate([part[1] for part in parts]) if parts else np.zeros(0)
-    mode = np.concatenate([part[3] for part in parts]) if parts else np.zeros(0, dtype=int)
+    good = np.isfinite(columns).all(axis=0)
+    count = good.size if good.all() else int(np.argmin(good))
+    return t[:count], h[:count], columns[:, :count]
+
+
+def _collect(parts, start: float, last: np.ndarray, rejected: int) -> Steps:
+    """The steps without their states."""
+    empty = (np.zeros(0), np.zeros(0), np.zeros(0, dtype=int))
+    times, lengths, mode = (np.concatenate(part) for part in zip(empty, *parts, strict=True))
     if not times.size:
         times = np.array([start])
-    corrected = np.ones(lengths.size, bool)
-    steps = Steps(times, lengths, np.hstack(columns), corrected, mode, rejected)
-    finite = np.all(np.isfinite(steps.x), axis=0)
-    return steps if finite.all() else steps.cut(max(int(np.argmin(finite)) - 1, 0))
+    return Steps(times, lengths, last, np.ones(lengths.size, bool), mode, rejected)

@@ -33,10 +33,13 @@ class BdfStep(DifferentiatedStep):
     problem : Problem
     accuracy : Accuracy
     corrected : ends with the problem's correction, if it has one
+    keeps : takes differences of the right spacing as they are; the same, but not by derivatives
     """
 
-    def __init__(self, problem: Problem, accuracy: Accuracy, corrected: bool = True):
-        self.problem, self.accuracy = problem, accuracy
+    def __init__(
+        self, problem: Problem, accuracy: Accuracy, corrected: bool = True, keeps: bool = True
+    ):
+        self.problem, self.accuracy, self.keeps = problem, accuracy, keeps
         self.top = accuracy.max_order
         self.state_size = problem.system.x.numel()
         self.parameter_count = problem.system.p.numel()
@@ -63,6 +66,10 @@ class BdfStep(DifferentiatedStep):
     @property
     def plain(self) -> BdfStep:
         return BdfStep(self.problem, self.accuracy, corrected=False)
+
+    @property
+    def moving(self) -> BdfStep:
+        return BdfStep(self.problem, self.accuracy, self.corrects, keeps=False)
 
     @cached_property
     def function(self) -> ca.Function:
@@ -112,6 +119,8 @@ class BdfStep(DifferentiatedStep):
         kept = old[:, : self.top] * ca.repmat(self._used(x[-3], self.top), self.state_size, 1)
         moved = ca.mtimes(kept, rescaling(self.top, h / x[-2]))
         move = ca.Function("move", [h, x], [ca.densify(moved)], {"cse": True})
+        if not self.keeps:
+            return move
         keep = ca.Function("keep", [h, x], [ca.densify(kept)])
         branch = ca.Function.if_else("rescaled", move, keep)
         length, memory = ca.MX.sym("h"), ca.MX.sym("x", self.size)

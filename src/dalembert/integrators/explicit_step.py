@@ -8,12 +8,15 @@ with ``P`` the correction of the stabilisation. The adjoint runs the same sums b
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 
 from dalembert.integrators.step import Step
 from dalembert.integrators.tableau import ButcherTableau
 from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.linear_map import LinearChain, TriangularMap
+from dalembert.symbolic.prelude import Prelude
 
 
 class ExplicitStep(Step):
@@ -41,25 +44,25 @@ class ExplicitStep(Step):
         self.corrects = correction is not None
         self.used = [i for i in range(tableau.stages) if tableau.b[i] != 0]
 
-    def _symbols(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        return (
-            ca.SX.sym("t"),
-            ca.SX.sym("h"),
-            ca.SX.sym("x", self.size),
-            ca.SX.sym("p", self.parameter_count),
-        )
+    def _symbols(self, kind: Any = ca.SX) -> list[Any]:
+        sizes = {"t": 1, "h": 1, "x": self.size, "p": self.parameter_count}
+        return [kind.sym(name, size) for name, size in sizes.items()]
 
-    def stages(self, t, h, x, p, count: int | None = None) -> tuple[list[ca.SX], list[ca.SX]]:
+    def stages(self, t, h, x, p, count: int | None = None) -> tuple[list[Any], list[Any]]:
         """Stage states ``X_i`` and slopes ``k_i``."""
-        states: list[ca.SX] = []
-        slopes: list[ca.SX] = []
+        return self._staged(self.rhs.function, t, h, x, p, count)
+
+    def _staged(self, rhs: ca.Function, t, h, x, p, count: int | None = None):
+        """The same with a right-hand side that may take q for p."""
+        states: list[Any] = []
+        slopes: list[Any] = []
         for i in range(self.tableau.stages if count is None else count):
             state = x
             for a, k in zip(self.tableau.a[i - 1] if i else (), slopes, strict=True):
                 if a != 0:
                     state = state + (h * a) * k
             states.append(state)
-            slopes.append(self.rhs.function(t + self.tableau.c[i] * h, state, p))
+            slopes.append(rhs(t + self.tableau.c[i] * h, state, p))
         return states, slopes
 
     @property
@@ -67,13 +70,13 @@ class ExplicitStep(Step):
         """Stages the new state depends on."""
         return max(self.used) + 1
 
-    def advance(self, h, x, slopes) -> ca.SX:
+    def advance(self, h, x, slopes) -> Any:
         """``x + h Σ b_i k_i``; slopes of equal weight are added first."""
-        groups: dict[float, ca.SX] = {}
+        groups: dict[float, Any] = {}
         for i in self.used:
             weight = self.tableau.b[i]
             groups[weight] = groups[weight] + slopes[i] if weight in groups else slopes[i]
-        return x + sum(((h * weight) * total for weight, total in groups.items()), ca.SX(0))
+        return x + sum((h * weight) * total for weight, total in groups.items())
 
     def correct(self, t, x, p) -> ca.SX:
         """The state after the correction."""
@@ -91,42 +94,99 @@ class ExplicitStep(Step):
         return ExplicitStep(self.tableau, self.rhs, None, self.upkeep)
 
     @cached_property
-    def tangent(self) -> ca.Function:
-        """``(t, h, x, p, dx, dp) → dx⁺``."""
-        t, h, x, p = self._symbols()
-        dx, dp = ca.SX.sym("dx", self.size), ca.SX.sym("dp", self.parameter_count)
-        states, slopes = self.stages(t, h, x, p, self.needed)
-        rates: list[ca.SX] = []
-        for i, state in enumerate(states):
-            change = dx
-            for a, r in zip(self.tableau.a[i - 1] if i else (), rates, strict=True):
-                if a != 0:
-                    change = change + (h * a) * r
-            rates.append(self.rhs.tangent(t + self.tableau.c[i] * h, state, p, 0, change, dp))
-        change = self.advance(h, dx, rates)
+    def prelude(self) -> Prelude:
+        """What the slopes and the correction need of the parameters alone."""
+        return Prelude.joined([f.prepared[0] for f in self._functions])
+
+    @property
+    def _functions(self) -> list[ImplicitFunction]:
+        return [self.rhs] if self.finish is None else [self.rhs, self.finish]
+
+    @cached_property
+    def _linear(self) -> tuple[list[ca.MX], TriangularMap]:
+        """Symbols ``t, h, x, q`` and the tangent of the step there."""
+        t, h, x, _ = self._symbols(ca.MX)
+        q = ca.MX.sym("q", self.prelude.value_count)
+        chain = LinearChain(self.size + self.prelude.rate_count)
+        start, fixed = list(range(self.size)), list(range(self.size, chain.count))
+        before, rhs = self.rhs.prepared
+        seen, still = q[: before.value_count], fixed[: before.rate_count]
+        slopes: list[ca.MX] = []
+        rates: list[list[int]] = []
+        for i in range(self.needed):
+            weights = self.tableau.a[i - 1] if i else ()
+            used = [j for j, a in enumerate(weights) if a != 0]
+            state = x + sum((h * weights[j]) * slopes[j] for j in used)
+            parts = [(rates[j], h * weights[j]) for j in used]
+            rows = chain.weighted([(start, 1.0), *parts]) if parts else start
+            slope, entries = rhs.point(t + self.tableau.c[i] * h, state, seen)
+            slopes.append(slope)
+            rates.append(chain.through(rhs, [*rows, *still], entries))
+        end = chain.weighted(
+            [(start, 1.0), *((rates[i], h * self.tableau.b[i]) for i in self.used)]
+        )
         if self.finish is not None:
-            new = self.advance(h, x, slopes)
-            change = self.finish.tangent(t + h, new, p, 0, change, dp)
-        inputs, out = [t, h, x, p, dx, dp], [ca.densify(change)]
-        return ca.Function("step_tangent", inputs, out, {"cse": True})
+            seen, still = q[before.value_count :], fixed[before.rate_count :]
+            _, finish = self.finish.prepared
+            _, entries = finish.point(t + h, self.advance(h, x, slopes), seen)
+            end = chain.through(finish, [*end, *still], entries)
+        return [t, h, x, q], chain.closed(end)
+
+    def prepared_tangents(self, count: int) -> ca.Function:
+        point, linear = self._linear
+        dx = ca.MX.sym("dx", self.size, count)
+        dq = ca.MX.sym("dq", self.prelude.rate_count, count)
+        return ca.Function("step_tangent", [*point, dx, dq], [linear.tangent([dx, dq])])
+
+    def tangents(self, count: int) -> ca.Function:
+        t, h, x, p = self._symbols(ca.MX)
+        dx = ca.MX.sym("dx", self.size, count)
+        dp = ca.MX.sym("dp", self.parameter_count, count)
+        rates = self.prelude.tangent.map(count)(ca.repmat(p, 1, count), dp)
+        found = self.prepared_tangents(count)(t, h, x, self.prelude.values(p), dx, rates)
+        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [found])
+
+    @cached_property
+    def prepared_adjoint(self) -> ca.Function:
+        """``(t, h, x, q, x̄⁺) → (x̄, q̄)``."""
+        point, linear = self._linear
+        weight = ca.MX.sym("w", self.size)
+        found = linear.adjoint(weight)
+        return ca.Function(
+            "step_adjoint", [*point, weight], [found[: self.size], found[self.size :]]
+        )
 
     @cached_property
     def adjoint(self) -> ca.Function:
         """``(t, h, x, p, x̄⁺) → (x̄, p̄)``."""
-        t, h, x, p = self._symbols()
-        weight = ca.SX.sym("w", self.size)
-        states, slopes = self.stages(t, h, x, p, self.needed)
-        end, p_bar = weight, ca.SX.zeros(self.parameter_count)
+        t, h, x, p = self._symbols(ca.MX)
+        weight = ca.MX.sym("w", self.size)
+        x_bar, q_bar = self.prepared_adjoint(t, h, x, self.prelude.values(p), weight)
+        out = [x_bar, self.prelude.adjoint(p, q_bar)]
+        return ca.Function("step_adjoint", [t, h, x, p, weight], out)
+
+    @cached_property
+    def compiled_adjoint(self) -> ca.Function:
+        """Adjoints of the stages one by one: compiled, they cost less than sparse substitution."""
+        t, h, x, _ = self._symbols(ca.MX)
+        q, weight = ca.MX.sym("q", self.prelude.value_count), ca.MX.sym("w", self.size)
+        n, before = self.size, self.rhs.prepared[0]
+        seen, rhs = q[: before.value_count], self.rhs.prepared_function
+        states, slopes = self._staged(rhs, t, h, x, seen, self.needed)
+        end, finish_bar = weight, ca.MX(0, 1)
         if self.finish is not None:
             new = self.advance(h, x, slopes)
-            _, end, p_bar = self.finish.adjoint(t + h, new, p, weight)
-        x_bar = end
-        state_bars: dict[int, ca.SX] = {}
+            back = self.finish.prepared_adjoint(t + h, new, q[before.value_count :], weight)
+            end, finish_bar = back[:n], back[n:]
+        x_bar, state_bars = end, dict[int, ca.MX]()
+        rhs_bar = ca.MX.zeros(before.rate_count)
         for i in reversed(range(len(states))):
-            seed = h * self.tableau.b[i] * end
+            seed = (h * self.tableau.b[i]) * end
             for j, bar in state_bars.items():
                 if self.tableau.a[j - 1][i] != 0:
                     seed = seed + (h * self.tableau.a[j - 1][i]) * bar
-            _, state_bars[i], more = self.rhs.adjoint(t + self.tableau.c[i] * h, states[i], p, seed)
-            x_bar, p_bar = x_bar + state_bars[i], p_bar + more
-        return ca.Function("step_adjoint", [t, h, x, p, weight], [x_bar, p_bar], {"cse": True})
+            back = self.rhs.prepared_adjoint(t + self.tableau.c[i] * h, states[i], seen, seed)
+            state_bars[i] = back[:n]
+            x_bar, rhs_bar = x_bar + state_bars[i], rhs_bar + back[n:]
+        out = [x_bar, ca.vertcat(rhs_bar, finish_bar)]
+        return ca.Function("step_adjoint", [t, h, x, q, weight], out)

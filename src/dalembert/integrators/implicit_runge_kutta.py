@@ -16,7 +16,7 @@ import numpy as np
 from dalembert.integrators.base import Problem
 from dalembert.integrators.newton import ImplicitIntegrator, NewtonNode
 from dalembert.integrators.stage_equations import StageEquations
-from dalembert.integrators.step import GraphStep, graph_of
+from dalembert.integrators.step import GraphStep
 
 Rows = tuple[tuple[float, ...], ...]
 
@@ -124,9 +124,9 @@ class CollocationStep(GraphStep):
         super().__init__(
             ca.Function("bare_step", symbols, [new]),
             e.size,
-            graph_of(problem.correction),
+            problem.correction,
             residual=ca.Function("newton_residual", symbols, [residual]),
-            upkeep=graph_of(problem.upkeep),
+            upkeep=problem.upkeep,
         )
 
     def solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:

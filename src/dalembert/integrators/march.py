@@ -8,11 +8,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import SolverFailure
+from dalembert.errors import AnalysisError, SolverFailure
+from dalembert.integrators.checkpoints import Recorder, Repeat, recorder_like
 from dalembert.integrators.step import Step
 from dalembert.integrators.steps import Steps, Watch, run_length
 from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.prelude import before
 
 CHUNK = 500
 SHORT_CHUNK = 64
@@ -37,7 +39,7 @@ class FixedMarch:
     ):
         self.step_of, self.period = step_of, period
         self.backend = backend or VirtualMachine()
-        self._singles: dict[int, ca.Function] = {}
+        self._singles: dict[int, tuple[ca.Function, ca.Function]] = {}
         self._chunks: dict[tuple[ca.Function, int], Kernel] = {}
 
     def prepare(self, count: int, mode: int) -> None:
@@ -55,16 +57,38 @@ class FixedMarch:
         h = np.diff(times)
         number = np.arange(1, h.size + 1)
         corrected = (number % self.period == 0) | (number == h.size)
-        return self._march(times, h, corrected, np.full(h.size, mode), x0, p, watch)
+        modes = np.full(h.size, mode)
+        return self._march(times, h, corrected, modes, x0, p, watch.recorder(x0), watch)
 
     def repeat(self, steps: Steps, x0: np.ndarray, p: np.ndarray) -> Steps:
         """The steps of an earlier march from another state with other parameters."""
         for mode, count in zip(*np.unique(steps.mode, return_counts=True), strict=True):
             self.backend.repeated(self.single(int(mode)), int(count))
-        return self._march(steps.t, steps.h, steps.corrected, steps.mode, x0, p, None)
+        given = (steps.t, steps.h, steps.corrected, steps.mode)
+        return self._march(*given, x0, p, recorder_like(steps.x, steps.t, x0))
 
-    def _march(self, times, h, corrected, mode, x0, p, watch: Watch | None) -> Steps:
-        columns, done, message, interrupted = [x0.reshape(-1, 1)], 0, "", False
+    def again(self, steps: Steps, p: np.ndarray) -> Repeat:
+        """Computes the states inside segments of a march."""
+
+        def repeat(begin: int, end: int, x: np.ndarray) -> np.ndarray:
+            part = slice(begin, end)
+            given = (steps.t[part], steps.h[part], steps.corrected[part], steps.mode[part])
+            made = self._march(*given, x, p, Recorder(x))
+            if made.interrupted:
+                raise KeyboardInterrupt
+            if made.message:
+                raise AnalysisError(
+                    f"the steps from t = {steps.t[begin]:.9g} s on cannot be repeated: "
+                    f"{made.message}; give the run more memory"
+                )
+            return made.x[:, 1:]
+
+        return repeat
+
+    def _march(
+        self, times, h, corrected, mode, x0, p, recorder: Recorder, watch: Watch | None = None
+    ) -> Steps:
+        done, message, interrupted = 0, "", False
         mode, longest = mode.copy(), CHUNK
         try:
             while done < h.size:
@@ -72,17 +96,17 @@ class FixedMarch:
                 longest = min(2 * longest, CHUNK)
                 part = slice(done, done + count)
                 given = (times[part], h[part], corrected[part])
-                out, reason = self._advance(int(mode[done]), columns[-1][:, -1], given, p)
+                out, reason = self._advance(int(mode[done]), recorder.last, given, p)
                 good = np.all(np.isfinite(out), axis=0)
                 valid = count if good.all() else int(np.argmin(good))
                 ends = np.append(times[done : done + valid], (times[part] + h[part])[valid - 1])
-                states = np.hstack([columns[-1][:, -1:], out[:, :valid]])
+                states = np.column_stack([recorder.last, out[:, :valid]])
                 if watch is not None and valid:
                     kept, following, message = watch.switch(ends, states, int(mode[done]))
                     mode[done + kept :] = following
                     if kept < valid:
                         valid, good, longest = kept, good[:kept], SHORT_CHUNK
-                columns.append(out[:, :valid])
+                recorder.add(ends[: valid + 1], out[:, :valid])
                 done += valid
                 if not good.all():
                     message = reason or "the state is no longer finite"
@@ -94,15 +118,17 @@ class FixedMarch:
                         break
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True
-        return Steps(
+        steps = Steps(
             times[: max(done, 1)],
             h[:done],
-            np.hstack(columns),
+            recorder.last,
             corrected[:done],
             mode[:done],
             message=message,
             interrupted=interrupted,
         )
+        steps.x = recorder.states(self.again(steps, p))
+        return steps
 
     def _advance(self, mode: int, x: np.ndarray, given, p: np.ndarray) -> tuple[np.ndarray, str]:
         """States after a chunk of steps; NaN, and why, from where a solver inside gave up."""
@@ -123,13 +149,17 @@ class FixedMarch:
         single = self.backend.repeated(self.single(mode), 0)
         key = (single, count)
         if key not in self._chunks:
-            self._chunks[key] = Kernel(_map_steps(single, count))
+            self._chunks[key] = Kernel(_map_steps(self._prepared(mode)[0], single, count))
         return self._chunks[key]
 
     def single(self, mode: int) -> ca.Function:
-        """``(x, t, h, flag, p) → x``; the flag says whether this step is corrected."""
+        """``(x, t, h, flag, q) → x``; the flag says whether the step is corrected."""
+        return self._prepared(mode)[1]
+
+    def _prepared(self, mode: int) -> tuple[ca.Function, ca.Function]:
+        """``p → q``, which is done once for many steps, and what is done in each."""
         if mode not in self._singles:
-            self._singles[mode] = self._make_single(self.step_of(mode))
+            self._singles[mode] = before(self._make_single(self.step_of(mode)), 4)
         return self._singles[mode]
 
     def _make_single(self, step: Step) -> ca.Function:
@@ -138,6 +168,11 @@ class FixedMarch:
         x, p = kind.sym("x", step.size), kind.sym("p", step.parameter_count)
         t, h, flag = kind.sym("t"), kind.sym("h"), kind.sym("flag")
         return ca.Function("single", [x, t, h, flag, p], [call(flag, t, h, x, p)])
+
+
+def branches(step: Step, period: int) -> bool:
+    """Some of the steps are corrected, some are not."""
+    return period != 1 and step.corrects
 
 
 def flagged(
@@ -149,14 +184,14 @@ def flagged(
     step is, or none, it goes unseen.
     """
     function = function_of(step)
-    if period == 1 or not step.corrects:
+    if not branches(step, period):
         return lambda flag, *arguments: function(*arguments), function.is_a("SXFunction")
     return ca.Function.if_else("branch", function, function_of(step.plain)), False
 
 
-def _map_steps(single: ca.Function, count: int) -> ca.Function:
+def _map_steps(prelude: ca.Function, single: ca.Function, count: int) -> ca.Function:
     """One function for a chunk: repeats the parameters inside, so that NumPy converts once."""
-    x, p = ca.MX.sym("x", single.numel_in(0)), ca.MX.sym("p", single.numel_in(4))
+    x, p = ca.MX.sym("x", single.numel_in(0)), ca.MX.sym("p", prelude.numel_in(0))
     t, h, flag = (ca.MX.sym(n, 1, count) for n in ("t", "h", "flag"))
-    columns = single.mapaccum(count)(x, t, h, flag, ca.repmat(p, 1, count))
+    columns = single.mapaccum(count)(x, t, h, flag, ca.repmat(prelude(p), 1, count))
     return ca.Function("chunk", [x, t, h, flag, p], [columns])

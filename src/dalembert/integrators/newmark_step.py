@@ -19,7 +19,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Problem
 from dalembert.integrators.newton import ImplicitIntegrator, NewtonNode, constant
 from dalembert.integrators.stage_equations import StageEquations
-from dalembert.integrators.step import GraphStep, graph_of
+from dalembert.integrators.step import GraphStep
 
 
 @dataclass(frozen=True)
@@ -77,10 +77,10 @@ class NewmarkStep(GraphStep):
         super().__init__(
             ca.Function("bare_step", symbols, [after]),
             n,
-            graph_of(problem.correction),
+            problem.correction,
             self._start(),
             ca.Function("newton_residual", symbols, [residual]),
-            graph_of(problem.upkeep),
+            problem.upkeep,
         )
 
     def _remembered(self) -> tuple[ca.SX, ca.SX, ca.SX]:

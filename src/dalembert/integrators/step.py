@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import pairwise
 
 import casadi as ca
 
 from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.linear_map import TriangularMap
+from dalembert.symbolic.prelude import Prelude
+
+WIDTH = 16
+"""Directions in which a step is differentiated at once, for the graph grows with them."""
 
 
 class Step:
@@ -31,20 +37,48 @@ class Step:
         """``(t, h, x, p) → x⁺``."""
         raise NotImplementedError
 
-    @property
+    def tangents(self, count: int) -> ca.Function:
+        """``(t, h, x, p, dx, dp) → dx⁺`` for ``count`` directions at once, in columns."""
+        raise NotImplementedError
+
+    @cached_property
     def tangent(self) -> ca.Function:
         """``(t, h, x, p, dx, dp) → dx⁺``."""
-        raise NotImplementedError
+        return self.tangents(1)
 
     @property
     def adjoint(self) -> ca.Function:
         """``(t, h, x, p, x̄⁺) → (x̄, p̄)``."""
         raise NotImplementedError
 
+    @cached_property
+    def prelude(self) -> Prelude:
+        """What the derivatives need of the parameters alone, ``q`` and ``q̇``."""
+        return Prelude.identity(self.parameter_count)
+
+    def prepared_tangents(self, count: int) -> ca.Function:
+        """``(t, h, x, q, dx, dq) → dx⁺`` for ``count`` directions at once, in columns."""
+        return self.tangents(count)
+
+    @property
+    def prepared_adjoint(self) -> ca.Function:
+        """``(t, h, x, q, x̄⁺) → (x̄, q̄)``."""
+        return self.adjoint
+
+    @property
+    def compiled_adjoint(self) -> ca.Function:
+        """The same in the form that is fastest as C."""
+        return self.prepared_adjoint
+
     @property
     def plain(self) -> Step:
         """The same step without its correction."""
         raise NotImplementedError
+
+    @property
+    def moving(self) -> Step:
+        """The same step, with the derivative of ``function`` by ``h`` right for every ``h``."""
+        return self
 
     @property
     def begin(self) -> ca.Function | None:
@@ -72,22 +106,54 @@ class DifferentiatedStep(Step):
             ca.MX.sym("p", self.parameter_count),
         ]
 
-    @cached_property
-    def tangent(self) -> ca.Function:
-        t, h, x, p = self._symbols()
-        dx, dp = ca.MX.sym("dx", self.size), ca.MX.sym("dp", self.parameter_count)
-        new = self.function(t, h, x, p)
-        change = self.function.forward(1)(t, h, x, p, new, 0, 0, dx, dp)
-        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [ca.densify(change)])
+    @property
+    def parts(self) -> tuple[ca.Function, ImplicitFunction | None]:
+        """The step without what follows it, and that: it differentiates itself."""
+        return self.function, None
+
+    def _traced(self) -> tuple[list[ca.MX], ca.MX, ca.MX, TriangularMap | None]:
+        """Symbols ``t, h`` and ``[x; p]``, the state before what follows, the tangent of that."""
+        function, following = self.parts
+        t, h = ca.MX.sym("t"), ca.MX.sym("h")
+        both = ca.MX.sym("xp", self.size + self.parameter_count)
+        x, p = both[: self.size], both[self.size :]
+        (new,) = function.call([t, h, x, p], True, False)
+        if following is None:
+            return [t, h], both, new, None
+        return [t, h], both, new, following.at(t + h, new[: self.state_size], p)
+
+    def tangents(self, count: int) -> ca.Function:
+        times, both, new, following = self._traced()
+        dx = ca.MX.sym("dx", self.size, count)
+        dp = ca.MX.sym("dp", self.parameter_count, count)
+        cuts, along = [*range(0, count, WIDTH), count], ca.vertcat(dx, dp)
+        few = [ca.jtimes(new, both, along[:, begin:end]) for begin, end in pairwise(cuts)]
+        change = ca.densify(ca.horzcat(*few))
+        if following is not None:
+            n = self.state_size
+            change = ca.vertcat(following.tangent([change[:n, :], dp]), change[n:, :])
+        inner = ca.Function("tangents", [*times, both, dx, dp], [change])
+        return self._split("step_tangent", inner, [dx, dp])
 
     @cached_property
     def adjoint(self) -> ca.Function:
+        times, both, new, following = self._traced()
+        weight, n = ca.MX.sym("w", self.size), self.state_size
+        if following is None:
+            found = ca.jtimes(new, both, weight, True)
+        else:
+            back = following.adjoint(weight[:n])
+            found = ca.jtimes(new, both, ca.vertcat(back[:n], weight[n:]), True)
+            found += ca.vertcat(ca.MX(self.size, 1), back[n:])
+        found = ca.densify(found)
+        out = [found[: self.size], found[self.size :]]
+        inner = ca.Function("adjoint", [*times, both, weight], out)
+        return self._split("step_adjoint", inner, [weight])
+
+    def _split(self, name: str, inner: ca.Function, more: list[ca.MX]) -> ca.Function:
+        """The same function of x and p apart."""
         t, h, x, p = self._symbols()
-        weight = ca.MX.sym("w", self.size)
-        new = self.function(t, h, x, p)
-        _, _, x_bar, p_bar = self.function.reverse(1)(t, h, x, p, new, weight)
-        out = [ca.densify(x_bar), ca.densify(p_bar)]
-        return ca.Function("step_adjoint", [t, h, x, p, weight], out)
+        return ca.Function(name, [t, h, x, p, *more], inner.call([t, h, ca.vertcat(x, p), *more]))
 
 
 class GraphStep(DifferentiatedStep):
@@ -96,7 +162,7 @@ class GraphStep(DifferentiatedStep):
     Parameters
     ----------
     function : ``(t, h, x, p) → x⁺`` without correction
-    correction : ``(t, x, p) → x`` of the leading ``state_size`` entries, or None
+    correction : ImplicitFunction ``(t, x, p) → x`` of the leading ``state_size`` entries, or None
     begin : ``(t, x, p) → memory``, or None
     residual : ``(t, h, x, p)`` → relative residual of the equations solved, or None
     upkeep : like ``correction``, for steps without it, or None
@@ -106,10 +172,10 @@ class GraphStep(DifferentiatedStep):
         self,
         function: ca.Function,
         state_size: int,
-        correction: ca.Function | None = None,
+        correction: ImplicitFunction | None = None,
         begin: ca.Function | None = None,
         residual: ca.Function | None = None,
-        upkeep: ca.Function | None = None,
+        upkeep: ImplicitFunction | None = None,
     ):
         self._bare, self._begin, self._residual, self._upkeep = function, begin, residual, upkeep
         self._finish = upkeep if correction is None else correction
@@ -131,6 +197,10 @@ class GraphStep(DifferentiatedStep):
             self._bare, self.state_size, None, self._begin, self._residual, self._upkeep
         )
 
+    @property
+    def parts(self) -> tuple[ca.Function, ImplicitFunction | None]:
+        return self._bare, self._finish
+
     @cached_property
     def function(self) -> ca.Function:
         t, h, x, p = self._symbols()
@@ -141,7 +211,8 @@ class GraphStep(DifferentiatedStep):
         """The state, with what is done to it after every step."""
         if self._finish is None:
             return x
-        return ca.vertcat(self._finish(t, x[: self.state_size], p), x[self.state_size :])
+        done = self._finish.function(t, x[: self.state_size], p)
+        return ca.vertcat(done, x[self.state_size :])
 
 
 def graph_of(correction: ImplicitFunction | None) -> ca.Function | None:

@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dalembert.integrators.checkpoints import Recorder, States, cut_states
+
 
 @dataclass
 class Steps:
@@ -15,12 +17,12 @@ class Steps:
 
     ``corrected[k]`` tells whether the step ended with the correction, ``mode[k]`` which variant of
     the step was taken. The last column of ``x`` is the end of the last step. ``message`` is empty
-    when the end was reached.
+    when the end was reached. Of long marches ``x`` holds few states and repeats the others.
     """
 
     t: np.ndarray
     h: np.ndarray
-    x: np.ndarray
+    x: States
     corrected: np.ndarray
     mode: np.ndarray
     rejected: int = 0
@@ -41,7 +43,7 @@ class Steps:
         return Steps(
             t,
             self.h[:count],
-            self.x[:, : count + 1],
+            cut_states(self.x, count),
             self.corrected[:count],
             self.mode[:count],
             self.rejected,
@@ -81,8 +83,16 @@ class Watch:
     progress : told the fraction done
     stop : asked whether to end the march
     switch : ``(times, states, mode)`` → Switch
+    memory : bytes of states that are kept before they are thinned to checkpoints
+    outputs : (K,) times around which states are kept in any case [s]
     """
 
     progress: Callable[[float], None] = lambda fraction: None
     stop: Callable[[np.ndarray, np.ndarray], bool] = lambda times, states: False
     switch: Callable[[np.ndarray, np.ndarray, int], Switch] = _never_switch
+    memory: float = np.inf
+    outputs: np.ndarray | None = None
+
+    def recorder(self, x0: np.ndarray) -> Recorder:
+        """Takes the states of a march that begins here."""
+        return Recorder(x0, self.memory, self.outputs)

@@ -9,7 +9,7 @@ import casadi as ca
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Integrator, Problem
-from dalembert.integrators.step import GraphStep, graph_of
+from dalembert.integrators.step import GraphStep
 from dalembert.integrators.tolerances import check_tolerances
 from dalembert.symbolic.semi_explicit import SemiExplicit
 
@@ -63,8 +63,8 @@ class SundialsIntegrator(Integrator, ABC):
         return GraphStep(
             self.interval(problem),
             self.state_size(problem),
-            correction=graph_of(problem.correction),
-            upkeep=graph_of(problem.upkeep),
+            correction=problem.correction,
+            upkeep=problem.upkeep,
         )
 
     @abstractmethod

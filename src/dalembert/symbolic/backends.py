@@ -30,7 +30,14 @@ less in C for each character. Machines differ by a factor of a few."""
 
 
 class Backend(ABC):
-    """Chooses how functions are evaluated."""
+    """Chooses how functions are evaluated.
+
+    Attributes
+    ----------
+    compiles : functions run as C whatever they cost to compile
+    """
+
+    compiles = False
 
     @abstractmethod
     def repeated(self, function: ca.Function, times: int) -> ca.Function:
@@ -69,6 +76,8 @@ class Compiled(Backend):
     UnsupportedError
         When asked: there is no compiler, it fails, or the cache cannot be written.
     """
+
+    compiles = True
 
     def __init__(self) -> None:
         self._answers: dict[ca.Function, ca.Function] = {}

@@ -34,6 +34,12 @@ class Expression:
         """The same formula under a name and a unit."""
         return Expression(self.sx, name, unit)
 
+    def __array__(self, dtype=None, copy=None) -> np.ndarray:
+        """One entry of an array of formulas; NumPy would take its components apart."""
+        found = np.empty((), dtype=object)
+        found[()] = self
+        return found
+
     # components of a vector ------------------------------------------------
     def __len__(self) -> int:
         return self.sx.numel()

@@ -1,4 +1,4 @@
-"""Functions defined by equations, with exact first derivatives in both directions.
+"""Functions defined by equations, with exact derivatives in both directions.
 
 A stage is an unknown ``z`` with ``r(z, x) = 0``, an expression that computes it and a way to
 solve linear systems with ``∂r/∂z``. Stages follow one another, each seeing the ones before it,
@@ -7,16 +7,20 @@ gives, with one further solve (adjoint: one transposed solve) by the *same* fact
 
     ż = −(∂r/∂z)⁻¹ (∂r/∂x) ẋ,        x̄ = −(∂r/∂x)ᵀ (∂r/∂z)⁻ᵀ z̄.
 
+Both are chains of the same kind, so derivatives of any order follow by repetition.
 Everything that is solved in this package and can be differentiated is one of these.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
+
+from dalembert.symbolic.linear_map import LinearChain, LinearMap, TriangularMap
+from dalembert.symbolic.prelude import Prelude, before_tangent
 
 Solver = Callable[[ca.SX], ca.SX]
 
@@ -70,38 +74,101 @@ class ImplicitFunction:
         """inputs → outputs."""
         return self._compile(self.name, self.inputs, self.outputs)
 
-    @cached_property
+    @property
     def tangent(self) -> ca.Function:
         """inputs, their rates → rates of the outputs."""
-        rates = [ca.SX.sym(f"d{i}", *x.shape) for i, x in enumerate(self.inputs)]
-        x, dx = ca.vertcat(*self.inputs), ca.vertcat(*rates)
-        unknown, unknown_rates = ca.SX(0, 1), ca.SX(0, 1)
-        for stage in self.stages:
-            rhs = ca.jtimes(stage.residual, x, dx)
-            if unknown.numel():
-                rhs += ca.jtimes(stage.residual, unknown, unknown_rates)
-            unknown = ca.vertcat(unknown, stage.unknown)
-            unknown_rates = ca.vertcat(unknown_rates, -stage.solve(rhs))
-        out = [
-            _directional(o, x, dx) + _directional(o, unknown, unknown_rates) for o in self.outputs
-        ]
-        return self._compile(f"{self.name}_tangent", [*self.inputs, *rates], out)
+        return self.forward.function
 
-    @cached_property
+    @property
     def adjoint(self) -> ca.Function:
         """inputs, weights of the outputs → weights of the inputs."""
+        return self.reverse.function
+
+    @cached_property
+    def linear(self) -> LinearMap:
+        """The tangent at a point and a time, with the outputs there beside its entries."""
+        return LinearMap(self._still, len(self.inputs), [self.function])
+
+    @cached_property
+    def prepared(self) -> tuple[Prelude, LinearMap]:
+        """The same after what depends on the last input alone."""
+        prelude, tangent, function = self._after_prelude
+        return prelude, LinearMap(tangent, len(self.inputs), [function])
+
+    @cached_property
+    def prepared_adjoint(self) -> ca.Function:
+        """inputs after the prelude, weights of the outputs → those of all but the first input."""
+        _, tangent, _ = self._after_prelude
+        inputs, count = tangent.sx_in(), len(self.inputs)
+        outputs = ca.vertcat(*tangent.call(inputs))
+        weight = ca.SX.sym("w", outputs.numel())
+        back = ca.densify(ca.jtimes(outputs, ca.vertcat(*inputs[count:]), weight, True))
+        return ca.Function("prepared_adjoint", [*inputs[:count], weight], [back], {"cse": True})
+
+    @property
+    def prepared_function(self) -> ca.Function:
+        """inputs after the prelude → outputs."""
+        return self._after_prelude[2]
+
+    @cached_property
+    def _after_prelude(self) -> tuple[Prelude, ca.Function, ca.Function]:
+        """The prelude, and the tangent at a time and the function as they go on."""
+        return before_tangent(self._still, self.function)
+
+    @property
+    def _still(self) -> ca.Function:
+        """The tangent at a time."""
+        first, *others = self.inputs
+        rates = [ca.SX.sym(f"d{i}", *x.shape) for i, x in enumerate(others)]
+        return self._along([ca.SX.zeros(*first.shape), *rates], rates).function
+
+    def at(self, *inputs: ca.MX) -> TriangularMap:
+        """The tangent there, time held, from rates of all other inputs to those of the outputs."""
+        chain = LinearChain(sum(self.input_sizes[1:]))
+        *_, entries = self.linear.point(*inputs)
+        return chain.closed(chain.through(self.linear, range(chain.input_count), entries))
+
+    def tangents(self, count: int) -> ca.Function:
+        """inputs, rates of all but the first in ``count`` columns → rates of the outputs."""
+        inputs = [ca.MX.sym(f"i{i}", x.numel()) for i, x in enumerate(self.inputs)]
+        rates = [ca.MX.sym(f"d{i}", x.numel(), count) for i, x in enumerate(self.inputs)][1:]
+        return ca.Function("tangents", [*inputs, *rates], [self.at(*inputs).tangent(rates)])
+
+    @cached_property
+    def forward(self) -> ImplicitFunction:
+        """The tangent as an implicit function: rates of unknowns solve ``r_z ż + r_x ẋ = 0``."""
+        rates = [ca.SX.sym(f"d{i}", *x.shape) for i, x in enumerate(self.inputs)]
+        return self._along(rates, rates)
+
+    def _along(self, rates: list[ca.SX], symbols: list[ca.SX]) -> ImplicitFunction:
+        """The tangent for rates of the inputs, expressions of symbols."""
+        known, changes = ca.vertcat(*self.inputs), ca.vertcat(*rates)
+        stages = list(self.stages)
+        for stage in self.stages:
+            rate = ca.SX.sym("dz", *stage.unknown.shape)
+            seen = _directional(stage.residual, known, changes)
+            residual = seen + _directional(stage.residual, stage.unknown, rate)
+            stages.append(replace(stage, unknown=rate, residual=residual, value=-stage.solve(seen)))
+            known, changes = ca.vertcat(known, stage.unknown), ca.vertcat(changes, rate)
+        out = [_directional(o, known, changes) for o in self.outputs]
+        return ImplicitFunction(f"{self.name}_tangent", [*self.inputs, *symbols], stages, out)
+
+    @cached_property
+    def reverse(self) -> ImplicitFunction:
+        """The adjoint as an implicit function: weights of residuals solve ``r_zᵀ m = z̄``."""
         seeds = [ca.SX.sym(f"w{i}", *o.shape) for i, o in enumerate(self.outputs)]
         scalar = sum((ca.dot(s, o) for s, o in zip(seeds, self.outputs, strict=True)), ca.SX(0))
-        # weights are symbols until the end, so that each gradient stays a small graph
-        weights = [ca.SX.sym(f"m{i}", *s.unknown.shape) for i, s in enumerate(self.stages)]
-        solved: list[ca.SX] = []
-        for stage, weight in zip(reversed(self.stages), reversed(weights), strict=True):
-            solved.insert(0, stage.solve_transposed(ca.gradient(scalar, stage.unknown)))
+        stages = list(self.stages)
+        for i, stage in reversed(list(enumerate(self.stages))):
+            # weights are symbols, so that each gradient stays a small graph
+            weight = ca.SX.sym(f"m{i}", *stage.unknown.shape)
+            seen = ca.gradient(scalar, stage.unknown)
             scalar = scalar - ca.dot(weight, stage.residual)
+            residual = -ca.gradient(scalar, stage.unknown)
+            value = stage.solve_transposed(seen)
+            stages.append(Stage(weight, residual, value, stage.solve_transposed, stage.solve))
         gradients = [ca.gradient(scalar, x) for x in self.inputs]
-        for weight, value in zip(weights, solved, strict=True):  # each depends on later ones only
-            gradients = ca.substitute(gradients, [weight], [value])
-        return self._compile(f"{self.name}_adjoint", [*self.inputs, *seeds], gradients)
+        return ImplicitFunction(f"{self.name}_adjoint", [*self.inputs, *seeds], stages, gradients)
 
     def _compile(self, name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         for stage in reversed(self.stages):

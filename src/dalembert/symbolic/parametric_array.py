@@ -2,54 +2,171 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from dalembert.symbolic.expression import Expression, t
 from dalembert.symbolic.kernel import Kernel
 
 
 class ParametricArray:
-    """A long vector of numbers, mostly constant, a few entries formulas of ``p``.
+    """A long vector of numbers, ``constants + Σ formula(p, t)`` at some places.
 
     Parameters
     ----------
-    constants : (n,) values; those of formulas are ignored
-    formulas : index → SX scalar of ``p``
+    constants : (n,) values
+    index : (k,) places where a formula is added
+    which : (k,) number of that formula; one may stand at many places
+    formulas : SX scalars of ``p`` and time
     p : (m,) SX symbols of the parameters
     """
 
-    def __init__(self, constants: np.ndarray, formulas: Mapping[int, ca.SX], p: ca.SX):
-        self.constants = np.asarray(constants, dtype=float)
-        self.index = np.fromiter(formulas, dtype=int, count=len(formulas))
+    def __init__(
+        self,
+        constants: np.ndarray,
+        index: np.ndarray,
+        which: np.ndarray,
+        formulas: Sequence[ca.SX],
+        p: ca.SX,
+    ):
+        self.constants, self.index, self.which = constants, index, which
+        self._formulas, self._p = list(formulas), p
         self.parameter_count = p.numel()
-        column = ca.densify(ca.vertcat(*formulas.values())) if formulas else ca.SX(0, 1)
+        column = ca.densify(ca.vertcat(*formulas)) if formulas else ca.SX(0, 1)
+        self._count = column.numel()
         dp, weights = ca.SX.sym("dp", p.numel()), ca.SX.sym("w", column.numel())
-        self._values = Kernel(ca.Function("values", [p], [column]))
-        push = ca.densify(ca.jtimes(column, p, dp)) if formulas else column
-        pull = ca.SX.zeros(p.numel())
-        if formulas:
-            pull = ca.densify(ca.jtimes(column, p, weights, True))
-        self._push = Kernel(ca.Function("push", [p, dp], [push], {"cse": True}))
-        self._pull = Kernel(ca.Function("pull", [p, weights], [pull], {"cse": True}))
+        self._values = _kernel("values", [p, t.sx], column)
+        self._push = _kernel("push", [p, t.sx, dp], ca.jtimes(column, p, dp))
+        self._pull = _kernel("pull", [p, t.sx, weights], ca.jtimes(column, p, weights, True))
+        self.depends_on_time = any(ca.which_depends(column, t.sx, 1, True)) if formulas else False
 
-    def values(self, p: np.ndarray) -> np.ndarray:
+    def values(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) numbers at ``p``."""
         found = self.constants.copy()
-        if self.index.size:
-            found[self.index] = self._values(p)[0].ravel()
+        self._spread(found, self._values, p, time)
         return found
 
-    def push(self, p: np.ndarray, dp: np.ndarray) -> np.ndarray:
+    def push(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) change of the numbers with a change of ``p``."""
         found = np.zeros_like(self.constants)
-        if self.index.size:
-            found[self.index] = self._push(p, dp)[0].ravel()
+        self._spread(found, self._push, p, time, dp)
         return found
 
-    def pull(self, p: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    def pull(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(m,) weights of the parameters from weights (n,) of the numbers."""
         if not self.index.size:
             return np.zeros(self.parameter_count)
-        return self._pull(p, weights[self.index])[0].ravel()
+        own = np.bincount(self.which, weights[self.index], minlength=self._count)
+        return self._pull(p, time, own)[0].ravel()
+
+    def turn(
+        self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray, time: float = 0.0
+    ) -> np.ndarray:
+        """(m,) change of what ``pull`` gives with a change of ``p``."""
+        if not self.index.size:
+            return np.zeros(self.parameter_count)
+        own = np.bincount(self.which, weights[self.index], minlength=self._count)
+        return self._turn(p, time, own, dp)[0].ravel()
+
+    @cached_property
+    def _turn(self) -> Kernel:
+        p, dp = self._p, ca.SX.sym("dp", self.parameter_count)
+        weights = ca.SX.sym("w", self._count)
+        slope = ca.jtimes(ca.vertcat(*self._formulas), p, weights, True)
+        return _kernel("turn", [p, t.sx, weights, dp], ca.jtimes(slope, p, dp))
+
+    @cached_property
+    def derivative(self) -> ParametricArray:
+        """Time derivatives of the numbers, an array of its own."""
+        slopes = [ca.gradient(formula, t.sx) for formula in self._formulas]
+        return ParametricArray(
+            np.zeros_like(self.constants), self.index, self.which, slopes, self._p
+        )
+
+    def _spread(self, into: np.ndarray, kernel: Kernel, *arguments) -> None:
+        if self.index.size:
+            np.add.at(into, self.index, kernel(*arguments)[0].ravel()[self.which])
+
+
+def _kernel(name: str, inputs: list[ca.SX], output: ca.SX) -> Kernel:
+    return Kernel(ca.Function(name, inputs, [ca.densify(output)], {"cse": True}))
+
+
+class ArrayEntries:
+    """The places of a ``ParametricArray`` while they are filled; what is added sums up.
+
+    Parameters
+    ----------
+    size : number of places
+    """
+
+    def __init__(self, size: int):
+        self.constants = np.zeros(size)
+        self.formulas: list[ca.SX] = []
+        self._known: dict[int, int] = {}
+        self._index: list[np.ndarray] = []
+        self._which: list[np.ndarray] = []
+
+    def add(self, places: Any, value: Any) -> None:
+        """Add a number or formula for all places, or an array or list with one for each."""
+        index = np.atleast_1d(np.asarray(places, dtype=int))
+        if isinstance(value, Expression):
+            if value.sx.is_constant():
+                np.add.at(self.constants, index, float(value.sx))
+            else:
+                self._place(index, np.full(index.size, self._number(value.sx)))
+        elif isinstance(value, list) or np.asarray(value).dtype.hasobject:
+            self._add_each(index, list(value))
+        else:
+            np.add.at(self.constants, index, np.asarray(value, dtype=float))
+
+    def _add_each(self, index: np.ndarray, values: list[Any]) -> None:
+        """One value for each place; the same object at many places is one formula."""
+        if len(values) != index.size:
+            raise ValueError(f"{len(values)} values for {index.size} places")
+        own = np.fromiter(map(id, values), dtype=np.int64, count=len(values))
+        _, first, which = np.unique(own, return_index=True, return_inverse=True)
+        order = np.argsort(which, kind="stable")
+        groups = np.split(order, np.searchsorted(which[order], np.arange(1, first.size)))
+        for k, members in zip(first, groups, strict=True):
+            self.add(index[members], values[k])
+
+    def copy(self, other: ArrayEntries, sources: np.ndarray, places: np.ndarray) -> None:
+        """Add entries of another array, each of its places filled once at most, at places here."""
+        np.add.at(self.constants, places, other.constants[sources])
+        index, which = other.placed
+        if index.size:
+            slot = np.full(other.constants.size, -1)
+            slot[index] = which
+            there = np.flatnonzero(slot[sources] >= 0)
+            own = np.array([self._number(formula) for formula in other.formulas], dtype=int)
+            self._place(places[there], own[slot[sources[there]]])
+
+    @property
+    def placed(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of formulas, and their numbers."""
+        none = np.zeros(0, dtype=int)
+        return np.concatenate([none, *self._index]), np.concatenate([none, *self._which])
+
+    def array(self, p: ca.SX) -> ParametricArray:
+        """The array, frozen."""
+        index, which = self.placed
+        used, which = np.unique(which, return_inverse=True)
+        return ParametricArray(
+            self.constants, index, which, [self.formulas[int(k)] for k in used], p
+        )
+
+    def _number(self, formula: ca.SX) -> int:
+        key = formula.element_hash()  # the same node of the graph, however it is wrapped
+        if key not in self._known:
+            self._known[key] = len(self.formulas)
+            self.formulas.append(formula)
+        return self._known[key]
+
+    def _place(self, index: np.ndarray, which: np.ndarray) -> None:
+        self._index.append(index)
+        self._which.append(which)

@@ -1,0 +1,1 @@
+"""Gradients through time: the steps that were taken, forwards and backwards."""

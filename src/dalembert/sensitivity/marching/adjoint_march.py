@@ -1,0 +1,141 @@
+"""Adjoint gradients through time: the steps that were taken, backwards.
+
+The weight of the state is carried back, ``x̄_k = (∂x_{k+1}/∂x_k)ᵀ x̄_{k+1} + (what the response sees
+at k)``, and the weight of the parameters collected on the way to the initial state.
+"""
+
+from __future__ import annotations
+
+from operator import attrgetter
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.dynamics_kernel import alike
+from dalembert.integrators.march import CHUNK, branches, flagged
+from dalembert.integrators.steps import run_length
+from dalembert.sensitivity.marching.marched_sample import MarchedSample
+from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.prelude import Prelude
+
+
+class AdjointMarch(MarchedSample):
+    """Gradient of one sampled response; its cost does not grow with the parameters."""
+
+    def gradient(self) -> np.ndarray:
+        """(np,) gradient by one backward march."""
+        steps, n = self.steps, self.size
+        p_bar, stop = np.zeros(self.p.size), steps.count
+        carried = np.append(self._injected(stop, stop, p_bar)[:, 0], np.zeros(self.p.size))
+        while stop > 0:
+            mode = int(steps.mode[stop - 1])
+            count = run_length(steps.mode[:stop][::-1], 0, CHUNK)
+            injected = self._injected(stop - count, stop - 1, p_bar)
+            part = np.arange(stop - 1, stop - count - 1, -1)
+            (carried,) = self._backward(count, mode)(
+                carried.ravel(),
+                steps.t[part],
+                steps.h[part],
+                steps.corrected[part],
+                steps.x[:, part],
+                injected[:, ::-1],
+                self.p,
+            )
+            stop -= count
+        carried = carried.ravel()
+        return p_bar + carried[n:] + self._through_start(carried[:n])
+
+    def _injected(self, first: int, last: int, p_bar: np.ndarray) -> np.ndarray:
+        """(n, last − first + 1) weights that the response gives the states with these numbers.
+
+        Those of outputs inside steps are moved to where their step begins; what falls to the
+        parameters is added to ``p_bar``.
+        """
+        injected = np.zeros((self.size, last - first + 1))
+        chosen = self.seen(first, last)
+        if not chosen.size:
+            return injected
+        states = self.states_at(chosen)
+        x_bar = np.zeros((self.size, chosen.size))
+        _, seen, more = self.kernel.mapped(
+            lambda variant: self.measured(variant).adjoint,
+            self.modes[chosen],
+            self.motion.time[chosen],
+            states,
+            self.p,
+            self.sample.weights[None, chosen],
+        )
+        x_bar[: seen.shape[0]] = seen
+        p_bar += more.sum(axis=1)
+        length, k = self.branches.length[chosen], self.branches.index[chosen]
+        inside = np.flatnonzero((length != 0) & ~self.ends[chosen])
+        for mode, part in alike(self.steps.mode[k[inside]], inside):
+            x_bar[:, part], more = self.kernel.over(self.step_of(mode).adjoint, part.size)(
+                self.steps.t[k[part]],
+                length[part],
+                self.steps.x[:, k[part]],
+                np.tile(self.p[:, None], part.size),
+                x_bar[:, part],
+            )
+            p_bar += more.sum(axis=1)
+        np.add.at(injected.T, self.number[chosen] - first, x_bar.T)
+        return injected
+
+    def _backward(self, count: int, mode: int) -> Kernel:
+        """``count`` backward steps in one call."""
+        prelude, single = self._backward_step(mode)
+        step = self.kernel.backend.repeated(single, count)
+
+        def make() -> Kernel:
+            n, m = self.size, self.p.size
+            carried, p = ca.MX.sym("c", n + m), ca.MX.sym("p", m)
+            t, h, flag = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
+            x, inject = ca.MX.sym("x", n, count), ca.MX.sym("i", n, count)
+            first = ca.vertcat(carried[:n], ca.MX.zeros(prelude.rate_count))
+            same = ca.repmat(prelude.values(p), 1, count)
+            last = step.mapaccum(count)(first, t, h, flag, x, inject, same)[:, -1]
+            p_bar = carried[n:] + prelude.adjoint(p, last[n:])
+            inputs = [carried, t, h, flag, x, inject, p]
+            return Kernel(ca.Function("backward", inputs, [ca.vertcat(last[:n], p_bar)]))
+
+        return self.model.compiled(("backward", step, count), make)
+
+    def _backward_step(self, mode: int) -> tuple[Prelude, ca.Function]:
+        """The prelude, and ``([x̄; q̄], t, h, flag, x, what is seen, q) → [x̄; q̄]``."""
+
+        def make() -> tuple[Prelude, ca.Function]:
+            step, n, period = self.step_of(mode), self.size, self.kernel.fixed.period
+            if branches(step, period):  # two steps, with a prelude each
+                prelude, wanted = Prelude.identity(self.p.size), attrgetter("adjoint")
+            else:
+                compiles = self.kernel.backend.compiles
+                form = "compiled_adjoint" if compiles else "prepared_adjoint"
+                prelude, wanted = step.prelude, attrgetter(form)
+            call, _ = flagged(step, period, wanted)
+            carried = ca.MX.sym("c", n + prelude.rate_count)
+            q = ca.MX.sym("q", prelude.value_count)
+            x, inject = ca.MX.sym("x", n), ca.MX.sym("i", n)
+            t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
+            x_bar, q_bar = call(flag, t, h, x, q, carried[:n])
+            following = ca.vertcat(x_bar + inject, carried[n:] + q_bar)
+            inputs = [carried, t, h, flag, x, inject, q]
+            return prelude, ca.Function("backward_step", inputs, [following])
+
+        return self.model.compiled(("backward_step", self.kernel, mode), make)
+
+    def _through_start(self, x_bar: np.ndarray) -> np.ndarray:
+        """Weight of the parameters through memory and the assembled initial state."""
+        start, p = float(self.steps.t[0]), self.p
+        first = self.first_step
+        size, gradient = first.state_size, np.zeros(p.size)
+        weight = x_bar[:size]
+        if first.begin is not None:
+            x0 = self.steps.x[:size, 0]
+            memory = first.begin(start, x0, p)
+            adjoint = self.memory_adjoint(first.begin)
+            _, back, p_bar = adjoint(start, x0, p, memory, x_bar[size:])
+            weight, gradient = weight + back.full().ravel(), p_bar.full().ravel()
+        y, v = self.assembled()
+        _, y_bar, v_bar, p_bar = self.kernel.start.adjoint(start, y, v, p, weight)
+        parts = self.model.initial_state.adjoint(start, y, p, y_bar, v_bar)
+        return gradient + p_bar.full().ravel() + parts[2].full().ravel()

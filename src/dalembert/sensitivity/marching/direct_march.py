@@ -1,0 +1,155 @@
+"""Direct gradients through time: ``∂x/∂p`` is carried along with the steps that were taken."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.dynamics_kernel import alike
+from dalembert.integrators.march import CHUNK, branches, flagged
+from dalembert.integrators.steps import run_length
+from dalembert.sensitivity.marching.marched_sample import MarchedSample
+from dalembert.sensitivity.samples import Sample
+from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.prelude import Prelude
+
+MOST = 1 << 18
+"""Numbers of ``∂x/∂p`` at the steps of a chunk that are held at once."""
+
+
+class DirectMarch:
+    """Gradients of sampled responses of one run with respect to chosen parameters.
+
+    Parameters
+    ----------
+    samples : of the same run
+    columns : numbers of the parameters
+    """
+
+    def __init__(self, samples: Sequence[Sample], columns: Sequence[int]):
+        self.seen = [MarchedSample(sample) for sample in samples]
+        self.columns = tuple(columns)
+        self.count = len(self.columns)
+
+    def gradient(self) -> np.ndarray:
+        """(responses, columns) by one march over the steps with all columns."""
+        gradient = np.zeros((len(self.seen), self.count))
+        if not gradient.size:
+            return gradient
+        self.run = self.seen[0]
+        steps, n, c = self.run.steps, self.run.size, self.count
+        self.unit = np.zeros((self.run.p.size, c))
+        self.unit[list(self.columns), range(c)] = 1.0
+        longest = int(np.clip(MOST // (n * c), 1, CHUNK))
+        dx, begin = self._at_start(), 0
+        while begin < steps.count:
+            count = run_length(steps.mode, begin, longest)
+            part = slice(begin, begin + count)
+            (out,) = self._forward(count, int(steps.mode[begin]))(
+                dx,
+                steps.t[part],
+                steps.h[part],
+                steps.corrected[part],
+                steps.x[:, part],
+                self.run.p,
+            )
+            changes = np.hstack([dx, out]).T.reshape(count + 1, c, n)
+            self._look(gradient, begin, changes[:-1])
+            dx, begin = out[:, -c:], begin + count
+        self._look(gradient, steps.count, dx.T.reshape(1, c, n))
+        return gradient
+
+    def _look(self, gradient: np.ndarray, first: int, changes: np.ndarray) -> None:
+        """Add what the responses see of ``∂x/∂p``, (states, columns, n), from a state on."""
+        for row, sample in enumerate(self.seen):
+            chosen = sample.seen(first, first + len(changes) - 1)
+            if not chosen.size:
+                continue
+            states = sample.states_at(chosen)
+            moved = changes[sample.number[chosen] - first]
+            k, length = sample.branches.index[chosen], sample.branches.length[chosen]
+            inside = np.flatnonzero((length != 0) & ~sample.ends[chosen])
+            for mode, part in alike(sample.steps.mode[k[inside]], inside):
+                tangent = self._inside(mode)
+                x = sample.steps.x[:, k[part]]
+                for j, begin in zip(part, x.T, strict=True):
+                    (dx,) = tangent(
+                        sample.steps.t[k[j]], length[j], begin, sample.p, moved[j].T, self.unit
+                    )
+                    moved[j] = dx.T
+            for mode in np.unique(sample.modes[chosen]):
+                measured = self._measured(sample, int(mode))
+                for j in np.flatnonzero(sample.modes[chosen] == mode):
+                    size, time = sample.step_of(mode).state_size, sample.motion.time[chosen[j]]
+                    (rates,) = measured(
+                        time, states[:size, j], sample.p, moved[j][:, :size].T, self.unit
+                    )
+                    gradient[row] += sample.sample.weights[chosen[j]] * rates.ravel()
+
+    def _inside(self, mode: int) -> Kernel:
+        """Tangents over part of a step."""
+        step = self.run.step_of(mode)
+        return self.run.model.compiled(
+            ("tangents", step, self.count), lambda: Kernel(step.tangents(self.count))
+        )
+
+    def _measured(self, sample: MarchedSample, mode: int) -> Kernel:
+        function = sample.measured(self.run.kernel.variants[mode])
+        return self.run.model.compiled(
+            ("measured tangents", function, self.count),
+            lambda: Kernel(function.tangents(self.count)),
+        )
+
+    def _at_start(self) -> np.ndarray:
+        """(n, columns) ``∂x/∂p`` of the first state."""
+        run, c = self.run, self.count
+        p, t = run.p, float(run.steps.t[0])
+        y, v = run.assembled()
+        unit = self.unit
+        still = np.zeros((y.size, c))
+        dy, dv = run.model.initial_state.tangent.map(c)(t, y, p, 0, still, unit)
+        dx = run.kernel.start.tangent.map(c)(t, y, v, p, 0, dy, dv, unit).full()
+        first = run.first_step
+        if first.begin is None:
+            return dx
+        x0 = run.steps.x[: first.state_size, 0]
+        memory = first.begin(t, x0, p)
+        more = run.memory_tangent(first.begin).map(c)(t, x0, p, memory, 0, dx, unit)
+        return np.vstack([dx, more.full()])
+
+    def _forward(self, count: int, mode: int) -> Kernel:
+        """Tangents of ``count`` steps in one call."""
+        run = self.run
+        prelude, single = self._forward_step(mode)
+        step = run.kernel.backend.repeated(single, count)
+
+        def make() -> Kernel:
+            n, m, c = run.size, run.p.size, self.count
+            dx, p = ca.MX.sym("dx", n, c), ca.MX.sym("p", m)
+            ts, hs, fs = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
+            xs, same = ca.MX.sym("xs", n, count), ca.repmat(prelude.values(p), 1, count)
+            rates = prelude.tangent.map(c)(ca.repmat(p, 1, c), ca.DM(self.unit))
+            out = step.mapaccum(count)(dx, ts, hs, fs, xs, same, ca.repmat(rates, 1, count))
+            return Kernel(ca.Function("forward", [dx, ts, hs, fs, xs, p], [out]))
+
+        return run.model.compiled(("forward", step, count, self.columns), make)
+
+    def _forward_step(self, mode: int) -> tuple[Prelude, ca.Function]:
+        """The prelude, and ``(dx, t, h, flag, x, q, dq) → dx`` of one step."""
+        run = self.run
+
+        def make() -> tuple[Prelude, ca.Function]:
+            step, period, n, c = run.step_of(mode), run.kernel.fixed.period, run.size, self.count
+            prelude, wanted = step.prelude, lambda step: step.prepared_tangents(c)
+            if branches(step, period):  # two steps, with a prelude each
+                prelude, wanted = Prelude.identity(run.p.size), lambda step: step.tangents(c)
+            call, _ = flagged(step, period, wanted)
+            dx, dq = ca.MX.sym("dx", n, c), ca.MX.sym("dq", prelude.rate_count, c)
+            x, q = ca.MX.sym("x", n), ca.MX.sym("q", prelude.value_count)
+            t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
+            following = ca.densify(call(flag, t, h, x, q, dx, dq))
+            return prelude, ca.Function("forward_step", [dx, t, h, flag, x, q, dq], [following])
+
+        return run.model.compiled(("forward_step", run.kernel, mode, self.count), make)

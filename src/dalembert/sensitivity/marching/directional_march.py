@@ -1,0 +1,113 @@
+"""The change of a run along a direction of its parameters, by one march over its steps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.integrators.march import CHUNK, flagged
+from dalembert.integrators.steps import run_length
+from dalembert.sensitivity.marching.marched_sample import MarchedSample
+from dalembert.sensitivity.samples import Sample
+from dalembert.symbolic.kernel import Kernel
+
+
+class DirectionalMarch(MarchedSample):
+    """``ẋ`` of the states that a sampled response sees, along one direction.
+
+    Parameters
+    ----------
+    sample : Sample
+    direction : (np,) ``d``
+    """
+
+    def __init__(self, sample: Sample, direction: np.ndarray):
+        super().__init__(sample)
+        self.direction, self.period = direction, self.kernel.fixed.period
+
+    @cached_property
+    def moved(self) -> tuple[np.ndarray, np.ndarray]:
+        """Change of the assembled poses and speeds."""
+        t, y = float(self.steps.t[0]), self.assembled()[0]
+        tangent = self.model.initial_state.tangent
+        found = tangent(t, y, self.p, 0, np.zeros(y.size), self.direction)
+        return found[0].full().ravel(), found[1].full().ravel()
+
+    @cached_property
+    def first(self) -> np.ndarray:
+        """(n, 1) ``ẋ`` at the start, memory included."""
+        t, p, d = float(self.steps.t[0]), self.p, self.direction
+        dx = self.kernel.start.tangent(t, *self.assembled(), p, 0, *self.moved, d).full()
+        memory = self.first_step.begin
+        if memory is None:
+            return dx
+        x0 = self.steps.x[: dx.size, 0]
+        more = self.memory_tangent(memory)(t, x0, p, memory(t, x0, p), 0, dx, d)
+        return np.vstack([dx, more.full()])
+
+    def changes(self) -> np.ndarray:
+        """(n, steps + 1) ``ẋ`` at the ends of all steps."""
+        steps, p, d = self.steps, self.p, self.direction
+        columns, begin = [self.first], 0
+        while begin < steps.count:
+            count = run_length(steps.mode, begin, CHUNK)
+            part = slice(begin, begin + count)
+            given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
+            (out,) = self._forward(count, int(steps.mode[begin]))(columns[-1][:, -1], *given, p, d)
+            columns.append(out)
+            begin += count
+        return np.hstack(columns)
+
+    def _forward(self, count: int, mode: int) -> Kernel:
+        def make() -> ca.Function:
+            n, m = self.size, self.p.size
+            call, symbolic = flagged(self.step_of(mode), self.period, lambda s: s.tangent)
+            kind: Any = ca.SX if symbolic else ca.MX
+            dx, x, p, dp = (kind.sym(s, k) for s, k in (("dx", n), ("x", n), ("p", m), ("dp", m)))
+            t, h, flag = (kind.sym(s) for s in ("t", "h", "flag"))
+            inputs = [dx, t, h, flag, x, p, dp]
+            return ca.Function("along", inputs, [call(flag, t, h, x, p, dx, dp)])
+
+        return self.chunk(self.model.compiled(("along", self.kernel, mode), make), count)
+
+    def chunk(self, single: ca.Function, count: int) -> Kernel:
+        """``count`` calls, each with the result of the one before; p and ṗ come last."""
+        step = self.kernel.backend.repeated(single, count)
+
+        def make() -> Kernel:
+            sizes = [step.numel_in(k) for k in range(step.n_in())]
+            columns = [ca.MX.sym("i", size, count) for size in sizes[1:-2]]
+            same = [ca.MX.sym("s", size) for size in sizes[-2:]]
+            first = ca.MX.sym("first", sizes[0])
+            out = step.mapaccum(count)(first, *columns, *(ca.repmat(s, 1, count) for s in same))
+            return Kernel(ca.Function("chunk", [first, *columns, *same], [ca.densify(out)]))
+
+        return self.model.compiled(("second_chunk", step, count), make)
+
+    def sampled(self, changes: np.ndarray) -> np.ndarray:
+        """(n, K) ``ẋ`` at the outputs."""
+        k = self.branches.index
+        sampled = changes[:, k].copy()
+        sampled[:, self.ends] = changes[:, k[self.ends] + 1]
+        for mode, part in self.inside():
+            along = np.tile(self.direction[:, None], part.size)
+            (sampled[:, part],) = self.kernel.over(self.step_of(mode).tangent, part.size)(
+                *self.partial(part), changes[:, k[part]], along
+            )
+        return sampled
+
+    def inside(self) -> Iterator[tuple[int, np.ndarray]]:
+        """Modes, and the outputs inside steps that were taken in them."""
+        k = self.branches.index
+        inside = np.flatnonzero((self.branches.length > 0) & ~self.ends)
+        for mode in np.unique(self.steps.mode[k[inside]]) if inside.size else ():
+            yield int(mode), inside[self.steps.mode[k[inside]] == mode]
+
+    def partial(self, part: np.ndarray) -> tuple:
+        """Where the partial steps to these outputs begin, and how long they are."""
+        k, p = self.branches.index[part], np.tile(self.p[:, None], part.size)
+        return self.steps.t[k], self.branches.length[part], self.steps.x[:, k], p

@@ -1,0 +1,33 @@
+"""Gradients of dynamics: samples depend on all steps before them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dalembert.analysis.flow import Flow
+from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.marching.adjoint_march import AdjointMarch
+from dalembert.sensitivity.marching.direct_march import DirectMarch
+from dalembert.sensitivity.marching.second_march import SecondMarch
+from dalembert.sensitivity.samples import Sample
+
+
+class DynamicsEngine(Engine):
+    """Marches over the steps that were taken: forwards, or backwards."""
+
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        return DirectMarch(self.samples, columns).gradient()
+
+    def adjoint(self) -> np.ndarray:
+        return np.array([AdjointMarch(sample).gradient() for sample in self.samples])
+
+    def hessian_product(self, direction: np.ndarray) -> np.ndarray:
+        return np.array([SecondMarch(s, direction).product() for s in self.samples])
+
+    def rate(self, sample: Sample) -> float:
+        record = sample.motion.record
+        flow = Flow(record.kernel, record.steps, sample.motion.parameters)
+        k, length = int(record.branches.index[-1]), float(record.branches.length[-1])
+        return flow.rate(sample.measure, k, length)

@@ -1,0 +1,137 @@
+"""Second derivatives through time: the adjoint march, differentiated along a direction.
+
+Forwards, the change ``ẋ`` of the states along the direction; then backwards, the weight of the
+state together with its change, ``(x̄, d x̄)``, collecting that of the parameters, ``d p̄``.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import UnsupportedError
+from dalembert.integrators.march import CHUNK, flagged
+from dalembert.integrators.step import Step
+from dalembert.integrators.steps import run_length
+from dalembert.integrators.sundials import SundialsIntegrator
+from dalembert.sensitivity.marching.directional_march import DirectionalMarch
+from dalembert.sensitivity.marching.second_step import second_begin, second_step
+from dalembert.sensitivity.samples import Sample, weights_change
+from dalembert.symbolic.kernel import Kernel
+
+
+class SecondMarch(DirectionalMarch):
+    """``H d`` of one sampled response.
+
+    Parameters
+    ----------
+    sample : Sample
+    direction : (np,) ``d``
+
+    Raises
+    ------
+    UnsupportedError
+        An integrator whose steps are not functions of the graph.
+    """
+
+    def __init__(self, sample: Sample, direction: np.ndarray):
+        super().__init__(sample, direction)
+        if isinstance(self.kernel.integrator, SundialsIntegrator):
+            raise UnsupportedError(
+                f"second derivatives of {self.kernel.integrator.name} are no better than rough: "
+                "its steps are not repeated exactly; use Bdf(), Radau() or RK4()"
+            )
+
+    def product(self) -> np.ndarray:
+        """(np,) by one march forwards and one backwards."""
+        changes = self.changes()
+        pairs, p_bar = self._seen(self.sampled(changes))
+        injected, more = self._inject(pairs, changes)
+        first, marched = self._march_back(injected, changes)
+        return p_bar + more + marched + self._through_start(first)
+
+    def _seen(self, sampled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """``[x̄; d x̄]`` (2n, K) that the response sees, and ``d p̄`` (np,)."""
+        times, size = self.motion.time, self.first_step.state_size
+        still, along = np.zeros((1, times.size)), np.tile(self.direction[:, None], times.size)
+        at = (self.modes, times, self.states, self.p)
+        moves = (still, sampled[:size], along)
+        (rates,) = self.kernel.mapped(lambda v: self.measured(v).tangent, *at, *moves)
+        weights = self.sample.weights[None, :]
+        turned = weights_change(self.sample, rates.ravel())[None, :]
+        x_bar = self.kernel.mapped(lambda v: self.measured(v).adjoint, *at, weights)[1]
+        _, change, p_bar = self.kernel.mapped(
+            lambda v: self.measured(v).reverse.tangent, *at, weights, *moves, turned
+        )
+        memory = np.zeros((self.size - size, times.size))
+        return np.vstack([x_bar, memory, change, memory]), p_bar.sum(axis=1)
+
+    def _inject(self, pairs: np.ndarray, changes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Weights of the sampled states moved to the step ends they branch from."""
+        k, n, steps = self.branches.index, self.size, self.steps
+        if not steps.count:
+            return pairs.sum(axis=1, keepdims=True), np.zeros(self.p.size)
+        injected, p_bar = np.zeros((2 * n, steps.count + 1)), np.zeros(self.p.size)
+        begins = self.branches.length == 0
+        np.add.at(injected.T, k[begins], pairs[:, begins].T)
+        np.add.at(injected.T, k[self.ends] + 1, pairs[:, self.ends].T)
+        for mode, part in self.inside():
+            along = np.tile(self.direction[:, None], part.size)
+            *back, more = self.kernel.over(self._second(self.step_of(mode)), part.size)(
+                *self.partial(part), pairs[:n, part], changes[:, k[part]], along, pairs[n:, part]
+            )
+            np.add.at(injected.T, k[part], np.vstack(back).T)
+            p_bar += more.sum(axis=1)
+        return injected, p_bar
+
+    def _second(self, step: Step) -> ca.Function:
+        return self.model.compiled(("second_step", step), lambda: second_step(step))
+
+    def _march_back(self, injected, changes) -> tuple[np.ndarray, np.ndarray]:
+        n, steps = self.size, self.steps
+        carried = np.concatenate([injected[:, -1], np.zeros(self.p.size)])
+        stop = steps.count
+        while stop > 0:
+            count = run_length(steps.mode[:stop][::-1], 0, CHUNK)
+            part = np.arange(stop - 1, stop - count - 1, -1)
+            given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
+            (columns,) = self._backward(count, int(steps.mode[stop - 1]))(
+                carried, *given, changes[:, part], injected[:, part], self.p, self.direction
+            )
+            carried, stop = columns[:, -1], stop - count
+        return carried[: 2 * n], carried[2 * n :]
+
+    def _backward(self, count: int, mode: int) -> Kernel:
+        def make() -> ca.Function:
+            n, m = self.size, self.p.size
+            call, symbolic = flagged(self.step_of(mode), self.period, self._second)
+            kind: Any = ca.SX if symbolic else ca.MX
+            sizes = {"c": 2 * n + m, "x": n, "dx": n, "i": 2 * n, "p": m, "dp": m}
+            c, x, dx, inject, p, dp = (kind.sym(s, k) for s, k in sizes.items())
+            t, h, flag = (kind.sym(s) for s in ("t", "h", "flag"))
+            x_bar, change, more = call(flag, t, h, x, p, c[:n], dx, dp, c[n : 2 * n])
+            following = ca.vertcat(ca.vertcat(x_bar, change) + inject, c[2 * n :] + more)
+            return ca.Function("back", [c, t, h, flag, x, dx, inject, p, dp], [following])
+
+        return self.chunk(self.model.compiled(("second_back", self.kernel, mode), make), count)
+
+    def _through_start(self, pair: np.ndarray) -> np.ndarray:
+        """``d p̄`` through the assembled initial state."""
+        t, p, d, n = float(self.steps.t[0]), self.p, self.direction, self.size
+        (y, v), start, size = self.assembled(), self.kernel.start, self.first_step.state_size
+        weight, turned, found = pair[:size], pair[n : n + size], np.zeros(p.size)
+        if (memory := self.first_step.begin) is not None:
+            x0, dx = self.steps.x[:size, 0], self.first[:size]
+            second = self.model.compiled(("second_begin", memory), lambda: second_begin(memory))
+            back = second(t, x0, p, pair[size:n], dx, d, pair[n + size :])
+            more, change, found = (part.full().ravel() for part in back)
+            weight, turned = weight + more, turned + change
+        given = (t, y, v, p, weight)
+        _, y_bar, v_bar, _ = start.adjoint(*given)
+        rates = start.reverse.tangent(*given, 0, *self.moved, d, turned)
+        first = self.model.initial_state.reverse.tangent(
+            t, y, p, y_bar, v_bar, 0, np.zeros(y.size), d, rates[1], rates[2]
+        )
+        return found + rates[3].full().ravel() + first[2].full().ravel()
