@@ -73,7 +73,7 @@ def test_portal_frame():
 
 
 def test_roll_up_to_a_circle():
-    """A moment 2π E I/L bends a slender cantilever to a full circle; errors fall as h²."""
+    """A moment 2π E I/L bends a slender cantilever to a full circle."""
     gaps = []
     for count in (8, 16, 32):
         structure = cantilever(count)
@@ -102,9 +102,9 @@ def elastica(load: float) -> tuple[float, float]:
 
 
 def test_large_deflection_under_a_force():
-    """Against the inextensible elastica; the error falls as the square of the element length."""
+    """Against the inextensible elastica; the error falls as the fourth power of the length."""
     errors = []
-    for count in (5, 10, 20):
+    for count in (4, 8, 16):
         structure = cantilever(count)
         for element in structure.elements.values():
             element.area = element.area * 1e4  # hardly extensible
@@ -114,8 +114,8 @@ def test_large_deflection_under_a_force():
         found = (result[f"n{count}.ux"] + LENGTH) / LENGTH, result[f"n{count}.uy"] / LENGTH
         errors.append(np.hypot(found[0] - x, found[1] - y))
     slopes = np.diff(np.log(errors)) / np.log(0.5)
-    np.testing.assert_allclose(slopes, 2.0, atol=0.2)
-    assert errors[-1] < 1e-3
+    np.testing.assert_allclose(slopes, 4.0, atol=0.3)
+    assert errors[-1] < 2e-5
 
 
 def test_gradients_at_large_deflection():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cell_meshes import unit_mesh, with_middles
 
 import dalembert as da
 from dalembert import structures
@@ -125,3 +126,77 @@ def test_errors_fall_with_the_square_of_the_mesh(kind):
     slopes = np.diff(np.log(errors)) / np.log(0.5)
     assert slopes[-1] == pytest.approx(2.0, abs=0.15)
     assert errors[-1] < 0.03
+
+
+# benchmarks -------------------------------------------------------------------------------
+def curved_ring(fine: int):
+    """Quadrilaterals of 8 nodes between the ellipses of LE1, with natural coordinates."""
+    points, cells = structures.rectangle_mesh((1, 1), (fine, fine))
+    natural, cells = with_middles("quad8", points, cells)
+    s, angle = natural[:, 0], np.pi / 2 * natural[:, 1]
+    x = ((1 - s) * 2.0 + s * 3.25) * np.cos(angle)
+    y = ((1 - s) * 1.0 + s * 2.75) * np.sin(angle)
+    return np.column_stack([x, y]), cells, natural
+
+
+def pressed_edges(points, cells) -> dict[int, np.ndarray]:
+    """Consistent forces of a unit traction along the outward normal of edges of 3 nodes."""
+    found: dict[int, np.ndarray] = {}
+    for edge in cells:
+        for s, w in zip(*np.polynomial.legendre.leggauss(3), strict=True):
+            shapes = np.array([s * (s - 1) / 2, s * (s + 1) / 2, 1 - s * s])
+            tangent = np.array([s - 0.5, s + 0.5, -2 * s]) @ points[edge]
+            for node, value in zip(edge, shapes, strict=True):
+                force = w * value * np.array([tangent[1], -tangent[0]])
+                found[int(node)] = found.get(int(node), np.zeros(2)) + force
+    return found
+
+
+def test_elliptic_membrane():
+    """NAFEMS LE1: 10 MPa outwards on the outer edge, σ_yy at D = 92.7 MPa."""
+    points, cells, natural = curved_ring(16)
+    structure, thick = da.Structure("LE1"), 0.1
+    given = {"modulus": 210e9, "poisson": 0.3, "thickness": thick}
+    nodes = structure.add_mesh("m", (points, {"quad8": cells}), **given).nodes()
+    r, s = natural.T
+    structure.support(nodes[np.flatnonzero(s > 1 - 1e-9)], ux=0.0)
+    structure.support(nodes[np.flatnonzero(s < 1e-9)], uy=0.0)
+    outer = cells[r[cells[:, 1]] > 1 - 1e-9][:, [1, 2, 5]]
+    free = {k: f * 10e6 * thick for k, f in pressed_edges(points, outer).items()}
+    for k, force in free.items():
+        if s[k] < 1 - 1e-9:
+            structure.load(nodes[k], fx=force[0])
+        if s[k] > 1e-9:
+            structure.load(nodes[k], fy=force[1])
+    result = da.solve_statics(structure.build())
+    corner = int(np.flatnonzero((r < 1e-9) & (s < 1e-9))[0])
+    element, place = np.argwhere(cells == corner)[0]
+    assert result[f"m[{element}].syy_n{place}"] == pytest.approx(92.7e6, rel=0.005)
+
+
+@pytest.mark.parametrize(
+    ("shape", "fine", "tolerance"),
+    [("quad", 32, 0.01), ("quad8", 16, 0.002), ("triangle6", 16, 0.002)],
+)
+def test_cook_membrane(shape, fine, tolerance):
+    """Tapered panel under a shear of 1 on its end: its middle rises by 23.96."""
+    natural, cells = unit_mesh(shape, fine)
+    points = np.column_stack(
+        [48 * natural[:, 0], 44 * natural[:, 1] + natural[:, 0] * (44 - 28 * natural[:, 1])]
+    )
+    structure = da.Structure("Cook")
+    given = {"modulus": 1.0, "poisson": 1 / 3, "thickness": 1.0}
+    nodes = structure.add_mesh("m", (points, {shape: cells}), **given).nodes()
+    structure.support(nodes[np.flatnonzero(natural[:, 0] < 1e-9)])
+    end = np.flatnonzero(natural[:, 0] > 1 - 1e-9)
+    end = end[np.argsort(natural[end, 1])]
+    share = {"quad": [1 / 2, 1 / 2], "quad8": [1 / 6, 2 / 3, 1 / 6]}
+    part = np.array(share["quad" if shape == "quad" else "quad8"])
+    step = len(part) - 1
+    force = np.zeros(len(end))
+    for first in range(0, len(end) - 1, step):
+        force[first : first + step + 1] += part * step / (len(end) - 1)
+    structure.load(nodes[end], fy=force)
+    result = da.solve_statics(structure.build())
+    middle = end[len(end) // 2]
+    assert result[f"m_nodes[{middle}].uy"] == pytest.approx(23.96, rel=tolerance)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 
 import numpy as np
@@ -26,22 +27,27 @@ class Assembly:
         self.free = np.setdiff1d(np.arange(size), self.prescribed)
 
     @cached_property
-    def _places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Row and column of every entry of every element matrix."""
-        rows, columns = [], []
+    def _pattern(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows and column starts of the non-zeros, and the one each element entry belongs to."""
+        keys = [np.zeros(0, dtype=np.int64)]
         for block in self.blocks:
-            k, count = block.degrees.shape
-            rows.append(np.broadcast_to(block.degrees[:, None, :], (k, k, count)).ravel())
-            columns.append(np.broadcast_to(block.degrees[None, :, :], (k, k, count)).ravel())
-        if not rows:
-            return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
-        return np.concatenate(rows), np.concatenate(columns)
+            rows, columns = block.degrees[:, None, :], block.degrees[None, :, :]
+            keys.append((columns * np.int64(self.size) + rows).ravel())
+        found, slots = np.unique(np.concatenate(keys), return_inverse=True)
+        columns, rows = np.divmod(found, max(self.size, 1))
+        starts = np.searchsorted(columns, np.arange(self.size + 1))
+        return rows.astype(np.int32), starts.astype(np.int32), slots.astype(np.int32)
+
+    def matrix(self, parts: Iterable[np.ndarray]) -> sparse.csc_matrix:
+        """Sum of element matrices (k, k, ne), one array for each block."""
+        rows, starts, slots = self._pattern
+        entries = np.concatenate([np.zeros(0), *(part.ravel() for part in parts)])
+        summed = np.bincount(slots, entries, minlength=rows.size)
+        return sparse.csc_matrix((summed, rows, starts), shape=(self.size,) * 2)
 
     def stiffness(self, u: np.ndarray, p: np.ndarray) -> sparse.csc_matrix:
         """Tangent stiffness of the whole structure, ``K`` (8.7) where it is linear."""
-        parts = [b.kind.tangents(b.gather(u), b.data(p)).ravel() for b in self.blocks]
-        entries = np.concatenate(parts) if parts else np.zeros(0)
-        return sparse.coo_matrix((entries, self._places), shape=(self.size,) * 2).tocsc()
+        return self.matrix(b.kind.tangents(b.gather(u), b.data(p)) for b in self.blocks)
 
     def internal_forces(self, u: np.ndarray, p: np.ndarray) -> np.ndarray:
         """(n,) forces that hold the displaced elements."""
@@ -65,3 +71,73 @@ class Assembly:
             data = b.kind.pull(b.gather(u), b.data(p), b.gather(weights))
             total += b.pull_data(p, data)
         return total
+
+    def turn(
+        self, u: np.ndarray, p: np.ndarray, weights: np.ndarray, du: np.ndarray, dp: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Changes of ``K w`` (n,) and of what ``pull`` gives, along ``(du, dp)``."""
+        stiffness, p_bar = np.zeros(self.size), np.zeros(p.size)
+        for b in self.blocks:
+            own, turned = b.turn(b.gather(u), p, b.gather(weights), b.gather(du), dp)
+            stiffness += b.scatter(own, self.size)
+            p_bar += turned
+        return stiffness, p_bar
+
+    def mass(self, p: np.ndarray, lumped: bool = False) -> sparse.csc_matrix:
+        """Mass matrix of the whole structure, diagonal if lumped."""
+        return self.matrix(b.kind.masses(b.data(p), lumped) for b in self.blocks)
+
+    def push_mass(
+        self, a: np.ndarray, p: np.ndarray, dp: np.ndarray, lumped: bool = False
+    ) -> np.ndarray:
+        """(n,) change of ``M a`` with the parameters."""
+        total = np.zeros(self.size)
+        for b in self.blocks:
+            change = b.kind.push_mass(b.gather(a), b.data(p), b.push_data(p, dp), lumped)
+            total += b.scatter(change, self.size)
+        return total
+
+    def pull_mass(
+        self, a: np.ndarray, b: np.ndarray, p: np.ndarray, lumped: bool = False
+    ) -> np.ndarray:
+        """Weights of the parameters in ``aᵀ M b``."""
+        total = np.zeros(p.size)
+        for block in self.blocks:
+            data = block.kind.pull_mass(block.gather(a), block.gather(b), block.data(p), lumped)
+            total += block.pull_data(p, data)
+        return total
+
+    def geometric(self, u: np.ndarray, p: np.ndarray) -> sparse.csc_matrix:
+        """Geometric stiffness ``∂³W/∂u³ (0) · u`` of the exact energies ``W``."""
+        return self.matrix(b.kind.geometric(b.gather(u), b.data(p)) for b in self.blocks)
+
+    def push_stiffness(
+        self,
+        b: np.ndarray,
+        u: np.ndarray,
+        p: np.ndarray,
+        du: np.ndarray,
+        dp: np.ndarray,
+        geometric: bool = False,
+    ) -> np.ndarray:
+        """(n,) change of ``K(u, p) b``, or of ``K_g(u, p) b``."""
+        total = np.zeros(self.size)
+        for block in self.blocks:
+            push = block.kind.push_geometric if geometric else block.kind.push_tangent
+            given = (block.gather(v) for v in (du, b))
+            data, change = block.data(p), block.push_data(p, dp)
+            total += block.scatter(push(block.gather(u), data, change, *given), self.size)
+        return total
+
+    def pull_stiffness(
+        self, a: np.ndarray, b: np.ndarray, u: np.ndarray, p: np.ndarray, geometric: bool = False
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Weights of displacements and parameters in ``aᵀ K(u, p) b``, or ``aᵀ K_g(u, p) b``."""
+        u_bar, p_bar = np.zeros(self.size), np.zeros(p.size)
+        for block in self.blocks:
+            pull = block.kind.pull_geometric if geometric else block.kind.pull_tangent
+            given = (block.gather(v) for v in (a, b))
+            own, data = pull(block.gather(u), block.data(p), *given)
+            u_bar += block.scatter(own, self.size)
+            p_bar += block.pull_data(p, data)
+        return u_bar, p_bar

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dalembert.structures.kind import ElementKind
+from dalembert.structures.spans import Spans
 from dalembert.symbolic.parametric_array import ParametricArray
 
 
@@ -14,16 +15,23 @@ class ElementBlock:
     Parameters
     ----------
     kind : ElementKind
-    names : (ne,) of the elements
+    names : of the elements, by row
+    nodes : (nodes of an element, ne) numbers of their nodes
     degrees : (k, ne) numbers of their displacements in the structure
     data : ParametricArray of (m · ne) numbers, element by element
     """
 
     def __init__(
-        self, kind: ElementKind, names: list[str], degrees: np.ndarray, data: ParametricArray
+        self,
+        kind: ElementKind,
+        names: Spans,
+        nodes: np.ndarray,
+        degrees: np.ndarray,
+        data: ParametricArray,
     ):
-        self.kind, self.names, self.degrees, self._data = kind, names, degrees, data
-        self.count = len(names)
+        self.kind, self.names, self.nodes = kind, names, nodes
+        self.degrees, self._data = degrees, data
+        self.count = degrees.shape[1]
 
     def data(self, p: np.ndarray) -> np.ndarray:
         """(m, ne) numbers at parameter values ``p``."""
@@ -36,6 +44,19 @@ class ElementBlock:
     def pull_data(self, p: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weights of the parameters from weights (m, ne)."""
         return self._data.pull(p, weights.ravel(order="F"))
+
+    def turn_data(self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray) -> np.ndarray:
+        """Change of what ``pull_data`` gives with the parameters."""
+        return self._data.turn(p, weights.ravel(order="F"), dp)
+
+    def turn(
+        self, u: np.ndarray, p: np.ndarray, weights: np.ndarray, du: np.ndarray, dp: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Changes of ``K w`` (k, ne), and of the weights of the parameters in ``wᵀ`` forces."""
+        data, change = self.data(p), self.push_data(p, dp)
+        own, turned = self.kind.turn(u, data, weights, du, change)
+        bar = self.kind.pull(u, data, weights)
+        return own, self.pull_data(p, turned) + self.turn_data(p, bar, dp)
 
     def gather(self, u: np.ndarray) -> np.ndarray:
         """(k, ne) displacements of the elements."""

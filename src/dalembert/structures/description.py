@@ -2,11 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
 from dalembert.errors import ModelError
 from dalembert.structures.base import StructuralElement
+from dalembert.structures.elements import Elements
 from dalembert.structures.node import ROTATIONS, TRANSLATIONS, Node
+from dalembert.structures.nodes import Nodes
+from dalembert.structures.spans import Spans
+from dalembert.structures.spread_loads import LineLoad, Spread, Weight, lines, tractions
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.parameter import Parameter
+
+
+@dataclass(frozen=True)
+class Load:
+    """Forces, or an initial motion, in one direction at some nodes: for all, or for each."""
+
+    nodes: np.ndarray
+    direction: str
+    value: Any
+    entity: str
 
 
 class StructureDescription:
@@ -23,11 +43,14 @@ class StructureDescription:
     def __init__(self, name: str, description: str = ""):
         self.name, self.description = name, description
         self.parameters: dict[str, Parameter] = {}
-        self.nodes: dict[str, Node] = {}
-        self.elements: dict[str, StructuralElement] = {}
+        self.nodes: dict[str, Node | Nodes] = {}
+        self.numbers = Spans()
+        self.elements: dict[str, StructuralElement | Elements] = {}
         self.supports: dict[tuple[str, str], Expression] = {}
         self.fixed: list[str] = []
-        self.loads: dict[str, list[tuple[str, str, Expression]]] = {}
+        self.loads: dict[str, list[Load]] = {}
+        self.spread: dict[str, list[Spread]] = {}
+        self.initials: dict[str, list[Load]] = {"displacement": [], "velocity": []}
 
     def parameter(
         self, name: str, value: float, unit: str = "", bounds=None, description: str = ""
@@ -42,11 +65,17 @@ class StructureDescription:
         """Add a node at the given coordinates [m]; all nodes have the same number of them."""
         self._claim(name)
         made = Node(name, position)
-        for other in self.nodes.values():
-            if other.dimension != made.dimension:
-                raise ModelError(
-                    f"has {made.dimension} coordinates, {other.name} has {other.dimension}", name
-                )
+        self._check_dimension(made)
+        self.numbers.add(name)
+        self.nodes[name] = made
+        return made
+
+    def add_nodes(self, name: str, points) -> Nodes:
+        """Add many nodes at once, at ``points`` (count, d) [m], numbers or formulas."""
+        self._claim(name)
+        made = Nodes(name, points)
+        self._check_dimension(made)
+        self.numbers.add(name, len(made))
         self.nodes[name] = made
         return made
 
@@ -65,50 +94,190 @@ class StructureDescription:
         self.elements[element.name] = element
         return element
 
-    def support(self, node: Node, **displacements) -> None:
-        """Prescribe displacements of a node, e.g. ``ux=0, uy=0.01`` [m], ``rz=0`` [rad].
+    def add_elements(
+        self, name: str, cls: type[StructuralElement], nodes: Nodes, cells, **numbers: Any
+    ) -> Elements:
+        """Add many elements of one class at once.
 
-        Without any, all displacements are zero.
+        Parameters
+        ----------
+        name : of the set; ``name[k]`` is one of them
+        cls : class of the elements
+        nodes : the nodes that ``cells`` counts
+        cells : (count, nodes of an element) numbers within ``nodes``
+        **numbers : quantities of the class, for all or an array with one for each; options
         """
-        known = self._directions(node)
+        self._claim(name)
+        self._known(nodes)
+        made = Elements(name, cls, nodes, cells, **numbers)
+        self.elements[name] = made
+        return made
+
+    def support(self, node: Node | Nodes, **displacements) -> None:
+        """Prescribe displacements of nodes, e.g. ``ux=0, uy=0.01`` [m], ``rz=0`` [rad].
+
+        Without any, all displacements are zero. For many nodes a value is for all, or an array
+        with one for each.
+
+        Raises
+        ------
+        ModelError
+            An unknown direction; a displacement that is already prescribed otherwise.
+        """
+        known, names = self._directions(node), self._names(node)
         if not displacements:
-            self.fixed.append(node.name)
+            self.fixed += names
         for direction, value in displacements.items():
             self._check_direction(node, direction, known)
-            if (node.name, direction) in self.supports:
-                raise ModelError(
-                    f"{direction} is prescribed twice; support it once", f"support {node.name}"
-                )
-            made = as_expression(value, f"support {node.name}.{direction}", "m")
-            self.supports[node.name, direction] = made
+            for name, one in zip(names, self._each(node, value), strict=True):
+                made = as_expression(one, f"support {name}.{direction}", "m")
+                self._prescribe(name, direction, made)
 
-    def load(self, node: Node, case: str = "", **forces) -> None:
-        """Add forces and moments at a node, e.g. ``fx=10, fy=-3`` [N], ``mz=2`` [N m].
+    def gravity(self, *acceleration, case: str = "") -> None:
+        """Load the masses of all elements by a field of gravity, e.g. ``gravity(0, -9.81)`` [m/s²].
 
-        Loads at one node add up. ``case`` names a load case.
+        Raises
+        ------
+        ModelError
+            Not one number for each dimension.
         """
+        field = self._vector("gravity", acceleration, "m/s^2")
+        self.spread.setdefault(case, []).append(Weight(field))
+
+    def line_load(self, parts, case: str = "", qx=0.0, qy=0.0, qz=0.0) -> None:
+        """Load bars and beams by forces per length [N/m], in the directions of space.
+
+        Parameters
+        ----------
+        parts : an element, a set of elements, or several of them
+        """
+        d, given = self.dimension, (qx, qy, qz)
+        for axis, value in zip("xyz"[d:], given[d:], strict=True):
+            if isinstance(value, Expression) or value != 0.0:
+                raise ModelError(f"there is no direction {axis} in {d} dimension(s)", "line_load")
+        force = self._vector("line_load", given[:d], "N/m")
+        self.spread.setdefault(case, []).append(LineLoad(lines(parts), force))
+
+    def traction(self, elements: Elements, nodes: Nodes, case: str = "", **values) -> None:
+        """Load edges or faces of cells by a traction ``tx, ty, tz`` or a ``pressure`` [Pa].
+
+        A dead load: it keeps its direction as the structure moves. Pressure pushes against the
+        material.
+
+        Parameters
+        ----------
+        elements : cells of a continuum
+        nodes : the facets loaded are those with all their nodes here
+
+        Raises
+        ------
+        ModelError
+            No facet lies there, or the elements have none.
+        """
+        self._known(nodes)
+        name = f"traction{sum(len(s) for s in self.spread.values()) + 1}"
+        made = tractions(name, elements, nodes, values)
+        self.spread.setdefault(case, []).append(made)
+
+    def load(self, node: Node | Nodes, case: str = "", **forces) -> None:
+        """Add forces and moments at nodes, e.g. ``fx=10, fy=-3`` [N], ``mz=2`` [N m].
+
+        Loads at one node add up. For many nodes a value acts at each of them, or an array has one
+        for each. ``case`` names a load case.
+        """
+        known = {d.replace("u", "f").replace("r", "m"): d for d in self._directions(node)}
+        if not forces:
+            raise ModelError(f"gets no load; give one of {', '.join(known)}", node.name)
         for direction, value in forces.items():
-            motion = direction.replace("f", "u", 1).replace("m", "r", 1)
-            self._check_direction(node, motion, self._directions(node), direction)
-            made = as_expression(value, f"load {node.name}.{direction}", "N")
-            self.loads.setdefault(case, []).append((node.name, motion, made))
+            self._check_direction(node, direction, known)
+            motion = known[direction]
+            entity = f"load {node.name}.{direction}"
+            if isinstance(value, Expression) or np.ndim(value) != 1:
+                value = as_expression(value, entity, "N")
+            else:
+                value = [as_expression(v, entity, "N") for v in self._each(node, value)]
+            self.loads.setdefault(case, []).append(Load(self._numbers(node), motion, value, entity))
+
+    def initial(self, node: Node | Nodes, **motion) -> None:
+        """Give displacements or velocities at the beginning of a motion, e.g. ``ux=0.01, vy=2``.
+
+        Translations are ``ux``, ``uy``, ``uz`` [m] and ``vx``, ``vy``, ``vz`` [m/s], rotations
+        ``rz`` [rad] and ``vrz`` [rad/s]. What is not given is zero. For many nodes a value is for
+        all, or an array with one for each.
+        """
+        known = self._directions(node)
+        velocities = {f"v{d.removeprefix('u')}": d for d in known}
+        for name, value in motion.items():
+            self._check_direction(node, name, (*known, *velocities))
+            entity = f"initial {node.name}.{name}"
+            each = [as_expression(v, entity) for v in self._each(node, value)]
+            kind = "velocity" if name in velocities else "displacement"
+            direction = velocities.get(name, name)
+            self.initials[kind].append(Load(self._numbers(node), direction, each, entity))
 
     @property
     def dimension(self) -> int:
         """Of space."""
         return next((n.dimension for n in self.nodes.values()), 1)
 
-    def _directions(self, node: Node) -> tuple[str, ...]:
-        if self.nodes.get(node.name) is not node:
+    def _known(self, node: Node | Nodes) -> None:
+        if not isinstance(node, (Node, Nodes)):
+            raise ModelError(f"expected nodes of the structure, got {node!r}", self.name)
+        known = self.nodes.get(node.name)
+        if isinstance(known, Nodes) and isinstance(node, Nodes) and known.points is node.points:
+            return  # a selection of a set
+        if known is not node:
             raise ModelError("is no node of this structure", node.name)
+
+    def _directions(self, node: Node | Nodes) -> tuple[str, ...]:
+        self._known(node)
         return TRANSLATIONS[: node.dimension] + ROTATIONS[node.dimension]
 
+    def _names(self, node: Node | Nodes) -> list[str]:
+        return node.names if isinstance(node, Nodes) else [node.name]
+
+    def _numbers(self, node: Node | Nodes) -> np.ndarray:
+        first = self.numbers.first(node.name)
+        return first + node.index if isinstance(node, Nodes) else np.array([first])
+
     @staticmethod
-    def _check_direction(node: Node, direction: str, known, written: str = "") -> None:
+    def _each(node: Node | Nodes, value: Any) -> Any:
+        """One value for each node."""
+        count = len(node) if isinstance(node, Nodes) else 1
+        if isinstance(value, Expression) or np.ndim(value) != 1:
+            return [value] * count
+        if len(value) != count:
+            raise ModelError(f"has {count} node(s), got {len(value)} values", node.name)
+        return value
+
+    def _prescribe(self, name: str, direction: str, value: Expression) -> None:
+        known = self.supports.setdefault((name, direction), value)
+        if known is not value and not ca.is_equal(known.sx, value.sx, 1):
+            raise ModelError(
+                f"{direction} is prescribed twice, {known.sx} and {value.sx}; support it once",
+                f"support {name}",
+            )
+
+    def _check_dimension(self, made: Node | Nodes) -> None:
+        for other in self.nodes.values():
+            if other.dimension != made.dimension:
+                raise ModelError(
+                    f"has {made.dimension} coordinates, {other.name} has {other.dimension}",
+                    made.name,
+                )
+            return  # all others agree with the first
+
+    @staticmethod
+    def _check_direction(node: Node | Nodes, direction: str, known) -> None:
         if direction not in known:
             raise ModelError(
-                f"unknown direction {written or direction!r}; known: {', '.join(known)}", node.name
+                f"unknown direction {direction!r}; known: {', '.join(known)}", node.name
             )
+
+    def _vector(self, entity: str, values, unit: str) -> tuple[Expression, ...]:
+        if len(values) != self.dimension:
+            raise ModelError(f"needs {self.dimension} numbers, got {len(values)}", entity)
+        return tuple(as_expression(v, entity, unit) for v in values)
 
     def _claim(self, name: str) -> None:
         if name in self.parameters or name in self.nodes or name in self.elements:

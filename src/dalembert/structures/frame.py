@@ -2,7 +2,9 @@
 
 The energy is that of a beam in its own chord, which turns with it (co-rotational): exact for large
 displacements and rotations of elements whose own deformation is small, and in the limit of small
-displacements the textbook element.
+displacements the textbook element. Stretched is the bent axis, not the chord (shallow-arch strain,
+averaged along the element; Crisfield, Non-linear Finite Element Analysis 2, 1997), so that bending
+softens under pressure within an element too.
 """
 
 from __future__ import annotations
@@ -14,6 +16,8 @@ import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
 from dalembert.errors import ModelError
+from dalembert.structures.base import Named
+from dalembert.structures.beams import Bending, linear_kinetic
 from dalembert.structures.lines import Line
 
 
@@ -21,8 +25,8 @@ from dalembert.structures.lines import Line
 class Frame(Line):
     """Euler–Bernoulli beam between two nodes of the plane.
 
-    ``W = E A e²/(2L) + 2 E I (θ₁² + θ₁θ₂ + θ₂²)/L`` with the elongation ``e`` of the chord and the
-    turns ``θ`` of the ends against it.
+    ``W = E A e²/(2L) + 2 E I (θ₁² + θ₁θ₂ + θ₂²)/L`` with the turns ``θ`` of the ends against the
+    chord and the elongation ``e`` of the axis: that of the chord, and ``½ ∫ w'² dx`` of the bow.
 
     Parameters
     ----------
@@ -37,26 +41,37 @@ class Frame(Line):
     modulus: Scalar = quantity("Pa", "Young's modulus", above=0.0, keyword=True)
     density: Scalar = quantity("kg/m^3", "density", default=0.0, minimum=0.0, keyword=True)
     turns: ClassVar[bool] = True
+    dimensions: ClassVar[tuple[int, ...]] = (2,)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.node_i.dimension != 2:
             raise ModelError(
-                "is an element of the plane; its nodes need two coordinates", self.name
+                "is an element of the plane, whose nodes have two coordinates; take SpaceFrame "
+                "in space",
+                self.name,
             )
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        length, (first, second) = cls.length(x), cls.end_turns(u, x)
-        stretch = q["modulus"] * q["area"] * cls.elongation(u, x) ** 2 / (2 * length)
-        softness = cls.shear_softness(x, q)
-        bend = q["modulus"] * q["second_moment"] / (2 * length * (1 + softness))
-        own, mixed = 4 + softness, 2 * (2 - softness)
-        return stretch + bend * (own * (first**2 + second**2) + mixed * first * second)
+        beam, turns = cls.bending(x, q), cls.end_turns(u, x)
+        longer = cls.elongation(u, x) + beam.bow(*turns)
+        return q["modulus"] * q["area"] * longer**2 / (2 * beam.length) + beam.energy(*turns)
+
+    @classmethod
+    def bending(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> Bending:
+        """The beam as it bends."""
+        rigidity = q["modulus"] * q["second_moment"]
+        return Bending(cls.length(x), rigidity, cls.shear_softness(x, q))
 
     @classmethod
     def shear_softness(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         """``φ = 12 E I / (G A_s L²)``; zero where shear does not deform."""
+        return ca.SX(0)
+
+    @classmethod
+    def rotary_inertia(cls, q: dict[str, ca.SX]) -> ca.SX:
+        """``ρ I`` where the turning of the cross-section counts [kg m]."""
         return ca.SX(0)
 
     @classmethod
@@ -74,14 +89,22 @@ class Frame(Line):
         return against_chord(u[0][2]), against_chord(u[1][2])
 
     @classmethod
-    def measures(cls, u, x, q) -> dict[str, tuple[ca.SX, str]]:
-        length, (first, second) = cls.length(x), cls.end_turns(u, x)
-        softness = cls.shear_softness(x, q)
-        bend = q["modulus"] * q["second_moment"] / (length * (1 + softness))
-        own, mixed = 4 + softness, 2 - softness
-        moment_i = bend * (own * first + mixed * second)
-        moment_j = bend * (mixed * first + own * second)
-        axial = q["modulus"] * q["area"] * cls.elongation(u, x) / length
+    def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        length = cls.length(x)
+        axis = (x[1] - x[0]) / length
+        across = ca.vertcat(-axis[1], axis[0])
+        mass = q["density"] * q["area"]
+        first, second = (ca.dot(axis, end[:2]) for end in v)
+        ends = [motion for end in v for motion in (ca.dot(across, end[:2]), end[2])]
+        bent = cls.bending(x, q).kinetic(ends, mass, cls.rotary_inertia(q))
+        return linear_kinetic(first, second, mass * length) + bent
+
+    @classmethod
+    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
+        beam, turns, length = cls.bending(x, q), cls.end_turns(u, x), cls.length(x)
+        moment_i, moment_j = beam.moments(*turns)
+        longer = cls.elongation(u, x) + beam.bow(*turns)
+        axial = q["modulus"] * q["area"] * longer / length
         return {
             "force": (axial, "N"),
             "stress": (axial / q["area"], "Pa"),
@@ -90,14 +113,10 @@ class Frame(Line):
             "moment_j": (moment_j, "N m"),
         }
 
-    @classmethod
-    def mass(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        return q["density"] * q["area"] * cls.length(x)
-
 
 @dataclass(eq=False)
 class TimoshenkoFrame(Frame):
-    """Frame element that shear deforms too, ``φ = 12 E I / (G A_s L²)``.
+    """Frame element that shear deforms too, ``φ = 12 E I / (G A_s L²)``, with rotary inertia.
 
     Parameters
     ----------
@@ -112,3 +131,7 @@ class TimoshenkoFrame(Frame):
     def shear_softness(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         bending = 12 * q["modulus"] * q["second_moment"]
         return bending / (q["shear_modulus"] * q["shear_area"] * ca.sumsqr(x[1] - x[0]))
+
+    @classmethod
+    def rotary_inertia(cls, q: dict[str, ca.SX]) -> ca.SX:
+        return q["density"] * q["second_moment"]

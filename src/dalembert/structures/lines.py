@@ -22,6 +22,7 @@ class Line(StructuralElement):
 
     node_i: Node
     node_j: Node
+    node_count = 2
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -41,8 +42,14 @@ class Line(StructuralElement):
 
     @classmethod
     def elongation(cls, u: list[ca.SX], x: list[ca.SX]) -> ca.SX:
-        """Change of the distance of the nodes."""
-        if x[0].numel() == 1:
-            return u[1][0] - u[0][0]
+        """Change ``(l² − L²)/(l + L)`` of the distance, free of cancellation."""
         d = x[0].numel()
-        return cls.length([x[0] + u[0][:d], x[1] + u[1][:d]]) - cls.length(x)
+        apart = u[1][:d] - u[0][:d]
+        if d == 1:
+            return apart
+        before = x[1] - x[0]
+        return ca.dot(apart, 2 * before + apart) / (ca.norm_2(before) + ca.norm_2(before + apart))
+
+    @classmethod
+    def checks(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> list[tuple[ca.SX, str]]:
+        return [(cls.length(x), "has no length; its nodes must lie apart")]

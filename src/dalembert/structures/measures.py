@@ -6,22 +6,21 @@ formula of measures has exact gradients.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 
 from dalembert.structures.block import ElementBlock
-from dalembert.symbolic.expression import Expression
 
 
 @dataclass
 class State:
-    """Displacements (n,), external forces (n,) with reactions, parameters."""
+    """Displacements (n,), external forces (n,) with reactions, parameters, share of the load."""
 
     u: np.ndarray
     forces: np.ndarray
     p: np.ndarray
+    load_factor: float = 1.0
 
 
 @dataclass
@@ -31,10 +30,16 @@ class Weights:
     u: np.ndarray
     forces: np.ndarray
     p: np.ndarray
+    load_factor: float = 0.0
 
     @classmethod
     def zero(cls, size: int, parameters: int) -> Weights:
         return cls(np.zeros(size), np.zeros(size), np.zeros(parameters))
+
+    def along(self, change: State) -> float:
+        """What they make of a change of the state."""
+        moved = self.u @ change.u + self.forces @ change.forces + self.p @ change.p
+        return float(moved + self.load_factor * change.load_factor)
 
 
 class Measure:
@@ -48,6 +53,12 @@ class Measure:
     def pull(self, s: State, weight: float, into: Weights) -> None:
         """Add the weights of the state."""
         raise NotImplementedError
+
+    def turn(self, s: State, change: State, weight: float, into: Weights) -> None:
+        """Add the change of these weights with the state; there is none where ``value`` is linear.
+
+        ``change`` holds the rates of displacements, forces and parameters.
+        """
 
 
 @dataclass
@@ -79,28 +90,100 @@ class ExternalForce(Measure):
 
 
 @dataclass
-class ElementMeasure(Measure):
-    """A quantity of one element."""
+class LoadFactor(Measure):
+    """Share of the load that acts."""
 
-    block: ElementBlock
-    row: int
-    name: str
     unit: str = ""
 
     def value(self, s: State) -> float:
-        b, k = self.block, [self.row]
-        return float(b.kind.measure(self.name, b.gather(s.u)[:, k], b.data(s.p)[:, k])[0, 0])
+        return s.load_factor
 
     def pull(self, s: State, weight: float, into: Weights) -> None:
-        b, k = self.block, [self.row]
-        data = b.data(s.p)
+        into.load_factor += weight
+
+
+@dataclass
+class ElementMeasure(Measure):
+    """A quantity of one element, or drawn from the same quantity of several.
+
+    Parameters
+    ----------
+    block : of the elements
+    rows : of the elements in their block
+    name : of the quantity
+    reduction : ``max``, ``min`` or ``sum``; of one element they are all the same
+    smooth : ``ρ`` of the aggregate ``(1/ρ) ln Σ exp(ρ m_k)`` (Kreisselmeier and Steinhauser 1979)
+        instead of the largest and smallest themselves, one over the unit of the quantity
+    """
+
+    block: ElementBlock
+    rows: np.ndarray
+    name: str
+    unit: str = ""
+    reduction: str = "sum"
+    smooth: float | None = None
+
+    def field(self, s: State) -> np.ndarray:
+        """(k,) the quantity of each element."""
+        b, k = self.block, self.rows
+        return b.kind.measure(self.name, b.gather(s.u)[:, k], b.data(s.p)[:, k]).ravel()
+
+    def value(self, s: State) -> float:
+        found = self.field(s)
+        if self.reduction == "sum":
+            return float(found.sum())
+        sign = 1.0 if self.reduction == "max" else -1.0
+        top = float((sign * found).max())
+        if self.smooth is not None:
+            rest = np.exp(self.smooth * (sign * found - top))
+            top += float(np.log(rest.sum())) / self.smooth
+        return sign * top
+
+    def slopes(self, s: State) -> np.ndarray:
+        """(k,) derivatives of the value by the quantity of each element."""
+        found = self.field(s)
+        if self.reduction == "sum":
+            return np.ones_like(found)
+        signed = found if self.reduction == "max" else -found
+        if self.smooth is None:
+            return np.eye(1, found.size, int(np.argmax(signed))).ravel()
+        parts = np.exp(self.smooth * (signed - signed.max()))
+        return parts / parts.sum()
+
+    def slopes_change(self, s: State, change: np.ndarray) -> np.ndarray:
+        """(k,) change of the slopes when the quantities change."""
+        if self.reduction == "sum" or self.smooth is None:
+            return np.zeros_like(change)
+        parts, sign = self.slopes(s), 1.0 if self.reduction == "max" else -1.0
+        return sign * self.smooth * parts * (change - parts @ change)
+
+    def pull(self, s: State, weight: float, into: Weights) -> None:
+        b, slopes = self.block, self.slopes(s)
+        felt = np.flatnonzero(slopes)  # of a largest value just one
+        k = self.rows[felt]
         u_bar, data_bar = b.kind.pull_measure(
-            self.name, b.gather(s.u)[:, k], data[:, k], np.array([[weight]])
+            self.name, b.gather(s.u)[:, k], b.data(s.p)[:, k], weight * slopes[None, felt]
         )
         np.add.at(into.u, b.degrees[:, k], u_bar)
-        whole = np.zeros_like(data)
-        whole[:, k] = data_bar
-        into.p += b.pull_data(s.p, whole)
+        into.p += b.pull_data(s.p, self._spread(data_bar, k))
+
+    def turn(self, s: State, change: State, weight: float, into: Weights) -> None:
+        b, k = self.block, self.rows
+        at = self.name, b.gather(s.u)[:, k], b.data(s.p)[:, k]
+        du, ddata = b.gather(change.u)[:, k], b.push_data(s.p, change.p)[:, k]
+        by_u, by_data = b.kind.pull_measure(*at, np.ones((1, k.size)))
+        moved = (by_u * du).sum(axis=0) + (by_data * ddata).sum(axis=0)
+        slopes, turned = weight * self.slopes(s), weight * self.slopes_change(s, moved)
+        u_bar, data_bar = b.kind.turn_measure(*at, slopes[None, :], du, ddata)
+        np.add.at(into.u, b.degrees[:, k], u_bar + turned * by_u)
+        into.p += b.pull_data(s.p, self._spread(data_bar + turned * by_data, k))
+        into.p += b.turn_data(s.p, self._spread(slopes * by_data, k), change.p)
+
+    def _spread(self, chosen: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """(m, ne) numbers of all elements from those of some."""
+        whole = np.zeros((chosen.shape[0], self.block.count))
+        whole[:, rows] = chosen
+        return whole
 
 
 @dataclass
@@ -124,6 +207,10 @@ class Total(Measure):
             into.u += b.scatter(u_bar, into.u.size)
             into.p += b.pull_data(s.p, data_bar)
 
+    def turn(self, s: State, change: State, weight: float, into: Weights) -> None:
+        for b in self.blocks:
+            ElementMeasure(b, np.arange(b.count), self.name).turn(s, change, weight, into)
+
 
 @dataclass
 class Compliance(Measure):
@@ -138,64 +225,5 @@ class Compliance(Measure):
         into.u += weight * s.forces
         into.forces += weight * s.u
 
-
-@dataclass
-class StructuralMeasures:
-    """Measures by name; each is a symbol in formulas.
-
-    Parameters
-    ----------
-    degrees : (node, direction) → number of the displacement
-    blocks : all elements
-    """
-
-    degrees: dict[tuple[str, str], int]
-    blocks: list[ElementBlock]
-    _made: dict[str, Expression] = field(default_factory=dict)
-    _behind: dict[str, Measure] = field(default_factory=dict)
-
-    def find(self, name: str) -> Expression | None:
-        """The measure of this name, None if there is none."""
-        if name not in self._made:
-            measure = self._measure(name)
-            if measure is None:
-                return None
-            symbol = ca.SX.sym(name)
-            self._made[name] = Expression(symbol, name, measure.unit)
-            self._behind[name] = measure
-        return self._made[name]
-
-    def of(self, name: str) -> Measure:
-        """The measure behind the name of a symbol."""
-        self.find(name)
-        return self._behind[name]
-
-    def _measure(self, name: str) -> Measure | None:
-        if name == "compliance":
-            return Compliance()
-        if name in ("strain_energy", "mass"):
-            energy = name == "strain_energy"
-            return Total(self.blocks, "energy" if energy else "mass", "J" if energy else "kg")
-        owner, _, quantity = name.partition(".")
-        if (owner, quantity) in self.degrees:
-            unit = "m" if quantity.startswith("u") else "rad"
-            return Displacement(self.degrees[owner, quantity], unit)
-        motion = quantity.replace("f", "u", 1).replace("m", "r", 1)
-        if quantity[:1] in ("f", "m") and (owner, motion) in self.degrees:
-            unit = "N" if quantity.startswith("f") else "N m"
-            return ExternalForce(self.degrees[owner, motion], unit)
-        for block in self.blocks:
-            if owner in block.names and quantity in block.kind.measures:
-                unit = block.kind.measures[quantity][1]
-                return ElementMeasure(block, block.names.index(owner), quantity, unit)
-        return None
-
-    def names(self) -> list[str]:
-        """Names of all measures."""
-        found = ["compliance", "strain_energy", "mass"]
-        for node, direction in self.degrees:
-            force = direction.replace("u", "f").replace("r", "m")
-            found += [f"{node}.{direction}", f"{node}.{force}"]
-        for block in self.blocks:
-            found += [f"{name}.{m}" for name in block.names for m in block.kind.measures]
-        return found
+    def turn(self, s: State, change: State, weight: float, into: Weights) -> None:
+        self.pull(change, weight, into)  # it is bilinear

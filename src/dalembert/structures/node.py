@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dalembert.elements.base import Element, Vector
+from dalembert.errors import ModelError
 from dalembert.symbolic.expression import as_expression
 
 TRANSLATIONS = ("ux", "uy", "uz")
@@ -27,6 +28,8 @@ class Node(Element):
         super().__post_init__()
         given = self.position if isinstance(self.position, (tuple, list)) else (self.position,)
         size = len(given)
+        if size not in DIMENSIONS:
+            raise ModelError(f"needs 1, 2 or 3 coordinates, got {size}", self.name)
         value = given if size > 1 else given[0]
         self.position = as_expression(value, f"{self.name}.position", "m", size)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
+from dalembert.structures.base import Named
 from dalembert.structures.lines import Line
 
 
@@ -28,6 +29,10 @@ class AxialSpring(Line):
         return q["stiffness"] * cls.elongation(u, x) ** 2 / 2
 
     @classmethod
-    def measures(cls, u, x, q) -> dict[str, tuple[ca.SX, str]]:
+    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         elongation = cls.elongation(u, x)
         return {"elongation": (elongation, "m"), "force": (q["stiffness"] * elongation, "N")}
+
+    @classmethod
+    def checks(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> list[tuple[ca.SX, str]]:
+        return [] if x[0].numel() == 1 else super().checks(x, q)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from dalembert.structures.description import StructureDescription
+from dalembert.structures.mesh import Classes, Mesh, add_mesh
 from dalembert.structures.model import StructuralModel
 
 
@@ -16,6 +19,39 @@ class Structure(StructureDescription):
     name : str
     description : str
     """
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str):
+            raise AttributeError(
+                f"{type(self).__name__} {vars(self).get('name', '')!r} has no {name!r}; analyses "
+                "take the model that its build() makes"
+            )
+
+    def add_mesh(self, name: str, mesh: Any, element: Classes = None, **quantities: Any) -> Mesh:
+        """Add the nodes and elements of a mesh.
+
+        Nodes are called ``name_nodes[k]``, elements ``name[k]`` (``name_shape[k]`` where cells of
+        several shapes become elements). Points in the plane ``z = 0`` get two coordinates; points
+        that no element has are left out; cells of fewer dimensions, such as the edges of an area,
+        only serve as groups of nodes.
+
+        Parameters
+        ----------
+        name : of the mesh
+        mesh : meshio.Mesh, path of a file that meshio reads, or ``(points, cells)`` with cells an
+            array (cells, nodes) or a table of such arrays by shape
+        element : class of the elements, or a table of classes by shape; by shape and dimension if
+            None, lines always need it
+        **quantities : of the elements: a number or formula for all, an array with one for each, or
+            a table with one for each group of elements; options
+
+        Raises
+        ------
+        ModelError, FileError, UnsupportedError
+            No mesh, an element that does not fit its cells, meshio missing.
+        """
+        return add_mesh(self, name, mesh, element, quantities)
 
     def build(self) -> StructuralModel:
         """Check and freeze.

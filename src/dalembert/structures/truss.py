@@ -7,12 +7,16 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
+from dalembert.structures.base import Named
+from dalembert.structures.beams import linear_kinetic
 from dalembert.structures.lines import Line
 
 
 @dataclass(eq=False)
 class Truss(Line):
     """Bar that carries axial force only, ``W = E A e² / (2 L)`` with the elongation ``e``.
+
+    Its mass follows the linear course of the velocity between its ends.
 
     Parameters
     ----------
@@ -31,7 +35,12 @@ class Truss(Line):
         return stiffness * cls.elongation(u, x) ** 2 / 2
 
     @classmethod
-    def measures(cls, u, x, q) -> dict[str, tuple[ca.SX, str]]:
+    def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        mass = q["density"] * q["area"] * cls.length(x)
+        return linear_kinetic(v[0], v[1], mass)
+
+    @classmethod
+    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         strain = cls.elongation(u, x) / cls.length(x)
         stress = q["modulus"] * strain
         return {
@@ -39,7 +48,3 @@ class Truss(Line):
             "stress": (stress, "Pa"),
             "force": (stress * q["area"], "N"),
         }
-
-    @classmethod
-    def mass(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        return q["density"] * q["area"] * cls.length(x)

@@ -1,0 +1,136 @@
+"""Elements at one node: springs to the ground, and masses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from dalembert.elements.base import Scalar, quantity
+from dalembert.errors import ModelError
+from dalembert.structures.base import Named, StructuralElement
+from dalembert.structures.node import Node
+
+AXES = ("x", "y", "z")
+
+
+@dataclass(eq=False)
+class Attached(StructuralElement):
+    """An element at one node.
+
+    Parameters
+    ----------
+    node : where it is
+    """
+
+    node: Node
+    node_count: ClassVar[int] = 1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.node, Node) or self.node.dimension not in self.dimensions:
+            known = " or ".join(map(str, self.dimensions))
+            raise ModelError(f"needs a node with {known} coordinates; got {self.node!r}", self.name)
+
+    def nodes(self) -> tuple[Node, ...]:
+        return (self.node,)
+
+    @classmethod
+    def directions(cls, x: list[ca.SX]) -> list[tuple[str, int]]:
+        """Axis and row of its motions: translations of the node, or rotations if it turns."""
+        d = x[0].numel()
+        if not cls.turns:
+            return [(AXES[k], k) for k in range(d)]
+        return [(axis, d + k) for k, axis in enumerate(AXES[2:] if d == 2 else AXES)]
+
+
+@dataclass(eq=False)
+class GroundSpring(Attached):
+    """Springs that hold a node to its initial place, ``W = Σ k u²/2``.
+
+    Parameters
+    ----------
+    stiffness_x, stiffness_y, stiffness_z : along the axes [N/m]; axes that the node has not count
+        nothing
+    """
+
+    stiffness_x: Scalar = quantity("N/m", "along x", default=0.0, minimum=0.0, keyword=True)
+    stiffness_y: Scalar = quantity("N/m", "along y", default=0.0, minimum=0.0, keyword=True)
+    stiffness_z: Scalar = quantity("N/m", "along z", default=0.0, minimum=0.0, keyword=True)
+    effort: ClassVar[tuple[str, str]] = ("force", "N")
+
+    @classmethod
+    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        parts = (q[f"stiffness_{a}"] * u[0][k] ** 2 / 2 for a, k in cls.directions(x))
+        return sum(parts, ca.SX(0))
+
+    @classmethod
+    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
+        name, unit = cls.effort
+        return {f"{name}_{a}": (q[f"stiffness_{a}"] * u[0][k], unit) for a, k in cls.directions(x)}
+
+
+@dataclass(eq=False)
+class GroundRotationSpring(GroundSpring):
+    """Springs that hold the rotation of a node, ``W = Σ k r²/2``.
+
+    In the plane only ``stiffness_z`` counts. In space ``r`` are the components of the rotation
+    vector.
+
+    Parameters
+    ----------
+    stiffness_x, stiffness_y, stiffness_z : about the axes [N m/rad]
+    """
+
+    stiffness_x: Scalar = quantity("N m/rad", "about x", default=0.0, minimum=0.0, keyword=True)
+    stiffness_y: Scalar = quantity("N m/rad", "about y", default=0.0, minimum=0.0, keyword=True)
+    stiffness_z: Scalar = quantity("N m/rad", "about z", default=0.0, minimum=0.0, keyword=True)
+    effort: ClassVar[tuple[str, str]] = ("moment", "N m")
+    turns: ClassVar[bool] = True
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+
+
+@dataclass(eq=False)
+class PointMass(Attached):
+    """A mass at a node, ``T = m v²/2``.
+
+    Parameters
+    ----------
+    mass : [kg]
+    """
+
+    mass: Scalar = quantity("kg", "mass", minimum=0.0, keyword=True)
+
+    @classmethod
+    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return ca.SX(0)
+
+    @classmethod
+    def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return q["mass"] * ca.sumsqr(v[0]) / 2
+
+
+@dataclass(eq=False)
+class PointInertia(Attached):
+    """Moments of inertia at a node that turns, ``T = Σ J ω²/2``.
+
+    Parameters
+    ----------
+    inertia_x, inertia_y, inertia_z : about the axes, principal ones [kg m²]; only ``inertia_z``
+        counts in the plane
+    """
+
+    inertia_x: Scalar = quantity("kg m^2", "about x", default=0.0, minimum=0.0, keyword=True)
+    inertia_y: Scalar = quantity("kg m^2", "about y", default=0.0, minimum=0.0, keyword=True)
+    inertia_z: Scalar = quantity("kg m^2", "about z", minimum=0.0, keyword=True)
+    turns: ClassVar[bool] = True
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+
+    @classmethod
+    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return ca.SX(0)
+
+    @classmethod
+    def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return sum((q[f"inertia_{a}"] * v[0][k] ** 2 / 2 for a, k in cls.directions(x)), ca.SX(0))

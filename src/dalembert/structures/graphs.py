@@ -1,0 +1,241 @@
+"""One class of elements as CasADi functions: everything that follows from its energies."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+
+from dalembert.structures.base import Named, StructuralElement
+from dalembert.structures.node import ROTATIONS
+
+
+class ElementGraphs:
+    """Energies of one element, and the functions derived from them by name.
+
+    Parameters
+    ----------
+    cls : class of elements
+    dimension : of space
+    node_count : nodes of one element
+    options : switches that the elements have in common
+    linear : for small displacements: energies up to the second, measures to the first order
+    """
+
+    def __init__(
+        self,
+        cls: type[StructuralElement],
+        dimension: int,
+        node_count: int,
+        options: dict[str, Any],
+        linear: bool,
+    ):
+        self.cls, self.linear = cls, linear
+        per_node = dimension + (len(ROTATIONS[dimension]) if cls.turns else 0)
+        self._u = [ca.SX.sym(f"u{k}", per_node) for k in range(node_count)]
+        self._x = [ca.SX.sym(f"x{k}", dimension) for k in range(node_count)]
+        numbers = {f.name: ca.SX.sym(f.name, f.metadata["size"]) for f in cls.quantity_fields()}
+        self.at = ca.SX.sym("at", len(cls.samples[0]))
+        self._q: dict[str, Any] = {**numbers, **options, "at": self.at}
+        self.u = ca.vertcat(*self._u)
+        self.data = ca.vertcat(*self._x, *numbers.values())
+
+    # energies -----------------------------------------------------------------------------
+    @cached_property
+    def exact(self) -> ca.SX:
+        """Strain energy at displacements of any size."""
+        return ca.SX(self.cls.energy(self._u, self._x, self._q))
+
+    @cached_property
+    def energy(self) -> ca.SX:
+        """Strain energy."""
+        return self._expanded(self.exact, 2) if self.linear else self.exact
+
+    @cached_property
+    def kinetic(self) -> ca.SX:
+        """Kinetic energy of velocities ``u``."""
+        return ca.SX(self.cls.kinetic(self._u, self._x, self._q))
+
+    @cached_property
+    def mass(self) -> ca.SX:
+        """Twice the kinetic energy of a unit velocity of the whole."""
+        unit = [ca.vertcat(1, ca.DM.zeros(v.numel() - 1)) for v in self._u]
+        return 2 * ca.substitute(self.kinetic, self.u, ca.vertcat(*unit))
+
+    @cached_property
+    def measures(self) -> Named:
+        """Named quantities of the class: name → (expression, unit)."""
+        named = self.cls.measures(self._u, self._x, self._q)
+        if self.linear:
+            named = {name: (self._expanded(sx, 1), unit) for name, (sx, unit) in named.items()}
+        return named | self.cls.derived({name: sx for name, (sx, _) in named.items()}, self._q)
+
+    def _expanded(self, value: ca.SX, order: int) -> ca.SX:
+        """Taylor polynomial in the displacements, along a line from zero."""
+        share = ca.SX.sym("share")
+        along = ca.substitute(value, self.u, share * self.u)
+        total, factorial = ca.substitute(along, share, ca.SX(0)), 1
+        for k in range(1, order + 1):
+            along, factorial = ca.jacobian(along, share), factorial * k
+            total += ca.substitute(along, share, ca.SX(0)) / factorial
+        return total
+
+    def _at_rest(self, value: ca.SX) -> ca.SX:
+        return ca.substitute(value, self.u, ca.SX.zeros(self.u.numel()))
+
+    # functions ----------------------------------------------------------------------------
+    def function(self, what: str) -> ca.Function:
+        """A function of the sample and further columns; see the methods named like it."""
+        action, _, name = what.partition(" ")
+        inputs, outputs = getattr(self, f"_{action}")(*([name] if name else []))
+        outputs = [ca.densify(ca.SX(o)) for o in outputs]
+        return ca.Function(action, [self.at, *inputs], outputs, {"cse": True})
+
+    @property
+    def _forces(self) -> ca.SX:
+        return ca.gradient(self.energy, self.u)
+
+    def _symbols(self, *names: str) -> list[ca.SX]:
+        return [ca.SX.sym(n, (self.data if n == "change" else self.u).numel()) for n in names]
+
+    def _force(self):
+        return [self.u, self.data], [self._forces]
+
+    def _tangent(self):
+        return [self.u, self.data], [ca.vec(ca.jacobian(self._forces, self.u))]
+
+    def _push(self):
+        (change,) = self._symbols("change")
+        return [self.u, self.data, change], [ca.jtimes(self._forces, self.data, change)]
+
+    def _pull(self):
+        (w,) = self._symbols("w")
+        work = ca.jtimes(self.energy, self.u, w)
+        return [self.u, self.data, w], [ca.gradient(work, self.data)]
+
+    def _turn(self):
+        """Changes of ``K w`` and of ``pull`` with displacements and data."""
+        (w,) = self._symbols("w")
+        return self._turned(ca.jtimes(self.energy, self.u, w), w)
+
+    def _turned(self, value: ca.SX, weights: ca.SX):
+        """Change of the slopes of a weighted value."""
+        du, change = self._symbols("du", "change")
+        seen = ca.vertcat(self.u, self.data)
+        turned = ca.jtimes(ca.gradient(value, seen), seen, ca.vertcat(du, change))
+        outputs = ca.vertsplit(turned, [0, self.u.numel(), seen.numel()])
+        return [self.u, self.data, weights, du, change], outputs
+
+    def _push_tangent(self):
+        change, du, b = self._symbols("change", "du", "b")
+        product = ca.jtimes(self._forces, self.u, b)
+        pushed = ca.jtimes(product, self.u, du) + ca.jtimes(product, self.data, change)
+        return [self.u, self.data, change, du, b], [pushed]
+
+    def _pull_tangent(self):
+        a, b = self._symbols("a", "b")
+        value = ca.jtimes(ca.jtimes(self.energy, self.u, b), self.u, a)
+        return [self.u, self.data, a, b], [ca.gradient(value, s) for s in (self.u, self.data)]
+
+    def _geometric(self):
+        """Derivative of the exact tangent at rest along displacements ``u0``."""
+        (u0,) = self._symbols("u0")
+        change = ca.jtimes(ca.gradient(self.exact, self.u), self.u, u0)
+        return [u0, self.data], [ca.vec(self._at_rest(ca.jacobian(change, self.u)))]
+
+    def _push_geometric(self):
+        u0, change, du, b = self._symbols("u0", "change", "du", "b")
+        product = ca.jtimes(ca.gradient(self.exact, self.u), self.u, b)
+        at_rest = self._at_rest(ca.jtimes(product, self.u, u0))
+        pushed = ca.jtimes(at_rest, u0, du) + ca.jtimes(at_rest, self.data, change)
+        return [u0, self.data, change, du, b], [pushed]
+
+    def _pull_geometric(self):
+        u0, a, b = self._symbols("u0", "a", "b")
+        value = self.exact
+        for direction in (b, a, u0):
+            value = ca.jtimes(value, self.u, direction)
+        value = self._at_rest(value)
+        return [u0, self.data, a, b], [ca.gradient(value, s) for s in (u0, self.data)]
+
+    # of elements whose energy depends on the displacement gradient only
+    def _moduli(self):
+        return [self.u, self.data], self._contractible(self.linear, None)
+
+    def _geometric_moduli(self):
+        (u0,) = self._symbols("u0")
+        return [u0, self.data], self._contractible(True, u0)
+
+    def _contractible(self, rest: bool, along: ca.SX | None) -> list[ca.SX]:
+        """Slopes of the shape functions, and second derivative of the energy by the gradient.
+
+        ``along`` : its change with these displacements instead.
+        """
+        cls: Any = self.cls
+        slopes, volume = cls.slopes(self._x, self._q)
+        gradient = ca.mtimes(ca.horzcat(*self._u), slopes)
+        h = ca.SX.sym("h", *gradient.shape)
+        moduli, _ = ca.hessian(volume * cls.energy_density(h, self._q), ca.vec(h))
+        if along is not None:
+            by = ca.vec(ca.substitute(gradient, self.u, along))
+            moduli = ca.reshape(ca.jtimes(ca.vec(moduli), ca.vec(h), by), moduli.shape)
+        at = ca.SX.zeros(*h.shape) if rest else gradient
+        return [slopes, ca.substitute(moduli, h, at)]
+
+    # masses
+    def _masses(self):
+        return [self.data], [ca.vec(ca.hessian(self.kinetic, self.u)[0])]
+
+    def _push_mass(self):
+        b, change = self._symbols("b", "change")
+        momentum = ca.substitute(ca.gradient(self.kinetic, self.u), self.u, b)
+        return [b, self.data, change], [ca.jtimes(momentum, self.data, change)]
+
+    def _pull_mass(self):
+        a, b = self._symbols("a", "b")
+        momentum = ca.substitute(ca.gradient(self.kinetic, self.u), self.u, b)
+        return [a, b, self.data], [ca.gradient(ca.dot(a, momentum), self.data)]
+
+    @property
+    def _inertia(self) -> ca.SX:
+        """Diagonal of the mass matrix, and the mass."""
+        return ca.vertcat(ca.diag(ca.hessian(self.kinetic, self.u)[0]), self.mass)
+
+    def _diagonal(self):
+        return [self.data], [self._inertia]
+
+    def _push_diagonal(self):
+        (change,) = self._symbols("change")
+        return [self.data, change], [ca.jtimes(self._inertia, self.data, change)]
+
+    def _pull_diagonal(self):
+        w = ca.SX.sym("w", self.u.numel() + 1)
+        return [self.data, w], [ca.jtimes(self._inertia, self.data, w, True)]
+
+    # measures and checks
+    def _value(self, name: str) -> ca.SX:
+        totals = {"energy": self.energy, "mass": self.mass}
+        return totals[name] if name in totals else self.measures[name][0]
+
+    def _measure(self, name: str):
+        return [self.u, self.data], [self._value(name)]
+
+    def _weigh(self, name: str):
+        value = self._value(name)
+        w = ca.SX.sym("w", value.numel())
+        back = [ca.jtimes(value, s, w, True) for s in (self.u, self.data)]
+        return [self.u, self.data, w], back
+
+    def _turn_measure(self, name: str):
+        value = self._value(name)
+        w = ca.SX.sym("w", value.numel())
+        return self._turned(ca.dot(w, value), w)
+
+    @cached_property
+    def checks(self) -> list[tuple[ca.SX, str]]:
+        """(what must be positive, what is wrong if it is not)."""
+        return self.cls.checks(self._x, self._q)
+
+    def _checks(self):
+        return [self.data], [ca.vertcat(*(value for value, _ in self.checks))]

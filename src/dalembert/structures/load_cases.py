@@ -1,0 +1,89 @@
+"""From a description to load cases: forces at nodes, and loads spread over elements."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dalembert.errors import ModelError
+from dalembert.structures.assembly import Assembly
+from dalembert.structures.blocks import BlockMaker, Part
+from dalembert.structures.description import Load
+from dalembert.structures.elements import Elements
+from dalembert.structures.load_case import LoadCase, MassForce
+from dalembert.structures.numbering import Numbering
+from dalembert.structures.spread_loads import LineLoad, Spread, Weight
+from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.parametric_array import ArrayEntries
+
+
+class LoadCaseMaker:
+    """Load cases of a structure.
+
+    Parameters
+    ----------
+    maker : of the blocks
+    degrees : numbers of the displacements
+    assembly : of all elements
+    """
+
+    def __init__(self, maker: BlockMaker, degrees: Numbering, assembly: Assembly):
+        self.maker, self.degrees, self.assembly = maker, degrees, assembly
+        self.structure = maker.structure
+        self.held = np.zeros(len(degrees), dtype=bool)
+        self.held[assembly.prescribed] = True
+
+    def cases(self) -> dict[str, LoadCase]:
+        """All by name; one without loads where none is declared.
+
+        Raises
+        ------
+        ModelError
+            A force on a prescribed displacement, or where nothing moves.
+        """
+        s = self.structure
+        names = dict.fromkeys([*s.loads, *s.spread]) or {"": None}
+        return {n: self._case(s.loads.get(n, []), s.spread.get(n, [])) for n in names}
+
+    def _case(self, loads: list[Load], spread: list[Spread]) -> LoadCase:
+        entries = ArrayEntries(len(self.degrees))
+        for load in loads:
+            entries.add(self._places(load), load.value)
+        parts = [Part.of(s, self.structure.numbers) for s in spread if isinstance(s, Elements)]
+        blocks = [self.maker.block([part], self.degrees) for part in parts]
+        forces = [self._mass_force(s) for s in spread if isinstance(s, (Weight, LineLoad))]
+        return LoadCase(entries.array(self.maker.p), blocks, forces)
+
+    def _places(self, load: Load) -> np.ndarray:
+        places = self.degrees.of_nodes(load.nodes, load.direction)
+        wrong = np.flatnonzero((places < 0) | self.held[places])
+        if not wrong.size:
+            return places
+        node = self.structure.numbers.name(int(load.nodes[wrong[0]]))
+        if places[wrong[0]] < 0:
+            raise ModelError(f"{load.direction}: no element turns this node", f"load {node}")
+        raise ModelError(
+            f"{load.direction} is prescribed, so the force there is a reaction and cannot be "
+            "given; remove the load or the support",
+            f"load {node}",
+        )
+
+    def _mass_force(self, given: Weight | LineLoad) -> MassForce:
+        if isinstance(given, Weight):
+            return MassForce(self.assembly, self._field(given.acceleration))
+        one = Expression(1.0)  # of area and density, so that mass per length is one
+        blocks = []
+        for part in given.parts:
+            plain = Part.of(part, self.structure.numbers)
+            quantities = plain.quantities | {"area": one, "density": one}
+            blocks.append(self.maker.block([replace(plain, quantities=quantities)], self.degrees))
+        assembly = Assembly(blocks, len(self.degrees), self.assembly.prescribed)
+        return MassForce(assembly, self._field(given.force))
+
+    def _field(self, vector: tuple[Expression, ...]):
+        """The same vector at all nodes."""
+        entries = ArrayEntries(len(self.degrees))
+        for k, value in enumerate(vector):
+            entries.add(self.degrees.table[:, k], value)
+        return entries.array(self.maker.p)

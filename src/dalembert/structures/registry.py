@@ -1,0 +1,67 @@
+"""The one list of everything a structure can be made of: name → class.
+
+Model files, their schema, meshes, pictures and the laws tested over all elements are made from
+these tables. A new element is one file, one row in ``ELEMENTS`` and, where it is no straight line
+between two nodes, one in ``SHAPES``.
+"""
+
+from __future__ import annotations
+
+from dalembert.structures.attached import (
+    GroundRotationSpring,
+    GroundSpring,
+    PointInertia,
+    PointMass,
+)
+from dalembert.structures.base import StructuralElement
+from dalembert.structures.frame import Frame, TimoshenkoFrame
+from dalembert.structures.plane import Quadrilateral, Quadrilateral8, Triangle, Triangle6
+from dalembert.structures.solid import Hexahedron, Hexahedron20, Tetrahedron, Tetrahedron10
+from dalembert.structures.space_frame import SpaceFrame, TimoshenkoSpaceFrame
+from dalembert.structures.springs import AxialSpring
+from dalembert.structures.truss import Truss
+
+ELEMENTS: dict[str, type[StructuralElement]] = {
+    "AxialSpring": AxialSpring,
+    "Truss": Truss,
+    "Frame": Frame,
+    "TimoshenkoFrame": TimoshenkoFrame,
+    "SpaceFrame": SpaceFrame,
+    "TimoshenkoSpaceFrame": TimoshenkoSpaceFrame,
+    "Triangle": Triangle,
+    "Triangle6": Triangle6,
+    "Quadrilateral": Quadrilateral,
+    "Quadrilateral8": Quadrilateral8,
+    "Tetrahedron": Tetrahedron,
+    "Tetrahedron10": Tetrahedron10,
+    "Hexahedron": Hexahedron,
+    "Hexahedron20": Hexahedron20,
+    "GroundSpring": GroundSpring,
+    "GroundRotationSpring": GroundRotationSpring,
+    "PointMass": PointMass,
+    "PointInertia": PointInertia,
+}
+
+SHAPES: dict[type[StructuralElement], str] = {
+    Triangle: "triangle",
+    Triangle6: "triangle6",
+    Quadrilateral: "quad",
+    Quadrilateral8: "quad8",
+    Tetrahedron: "tetra",
+    Tetrahedron10: "tetra10",
+    Hexahedron: "hexahedron",
+    Hexahedron20: "hexahedron20",
+}
+"""Class → its shape as a cell of a mesh; the nodes of both are in the same order (that of VTK)."""
+
+
+def cell_of(cls: type[StructuralElement]) -> str:
+    """Shape of a class of elements: its own row, that of a class above it, else by its nodes."""
+    known = next((SHAPES[base] for base in cls.__mro__ if base in SHAPES), None)
+    return known or {1: "vertex", 2: "line"}.get(cls.node_count, "polygon")
+
+
+def element_for(cell: str, dimension: int) -> type[StructuralElement] | None:
+    """The class that a cell of a mesh becomes where none is asked for."""
+    fitting = [c for c, kind in SHAPES.items() if kind == cell and dimension in c.dimensions]
+    return fitting[0] if fitting else None

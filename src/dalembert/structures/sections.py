@@ -1,0 +1,121 @@
+"""Cross-sections and materials: the numbers of elements from those that people choose.
+
+Widths are along the section's own z axis, heights along its y axis, as seen along the beam; every
+number may be a formula of parameters. Shear areas are those of Cowper's classical estimates
+(5/6 of a rectangle, 9/10 of a circle, the web of an I section); torsion constants by Roark,
+Formulas for Stress and Strain, table 10.7.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+from dalembert.errors import ModelError
+from dalembert.structures.base import StructuralElement
+from dalembert.symbolic.functions import where
+
+Number = Any  # number or Expression
+
+
+@dataclass(frozen=True)
+class Section:
+    """A cross-section.
+
+    Parameters
+    ----------
+    area : [m²]
+    second_moment_y, second_moment_z : about its own axes [m⁴]
+    torsion_constant : [m⁴]
+    shear_area_y, shear_area_z : for shear forces along its own axes [m²]
+    """
+
+    area: Number
+    second_moment_y: Number
+    second_moment_z: Number
+    torsion_constant: Number
+    shear_area_y: Number
+    shear_area_z: Number
+
+    def of(self, cls: type[StructuralElement]) -> dict[str, Number]:
+        """The quantities of a class of elements; in the plane it bends about its z axis."""
+        plane = {"second_moment": self.second_moment_z, "shear_area": self.shear_area_y}
+        return _chosen(cls, {**vars(self), **plane}, "area", "section")
+
+
+@dataclass(frozen=True)
+class Material:
+    """An isotropic elastic material.
+
+    Parameters
+    ----------
+    modulus : Young's modulus [Pa]
+    poisson : Poisson's ratio [-]
+    density : [kg/m³]
+    """
+
+    modulus: Number
+    poisson: Number = 0.3
+    density: Number = 0.0
+
+    @property
+    def shear_modulus(self) -> Number:
+        """``G = E/(2 (1 + ν))`` [Pa]."""
+        return self.modulus / (2 * (1 + self.poisson))
+
+    def of(self, cls: type[StructuralElement]) -> dict[str, Number]:
+        """The quantities of a class of elements."""
+        known = {**vars(self), "shear_modulus": self.shear_modulus}
+        return _chosen(cls, known, "modulus", "material")
+
+
+def _chosen(cls, known: dict[str, Number], needed: str, what: str) -> dict[str, Number]:
+    fields = [field.name for field in cls.quantity_fields()]
+    if needed not in fields:
+        raise ModelError(f"has no {needed}, so it takes no {what}", cls.__name__)
+    return {name: known[name] for name in fields if name in known}
+
+
+def rectangle(width: Number, height: Number) -> Section:
+    """A solid rectangle."""
+    area = width * height
+    long = where(width > height, width, height) if _formula(width, height) else max(width, height)
+    short = where(width > height, height, width) if _formula(width, height) else min(width, height)
+    slender = short / long
+    twist = long * short**3 * (1 / 3 - 0.21 * slender * (1 - slender**4 / 12))
+    bend_y, bend_z = height * width**3 / 12, width * height**3 / 12
+    return Section(area, bend_y, bend_z, twist, 5 / 6 * area, 5 / 6 * area)
+
+
+def circle(diameter: Number) -> Section:
+    """A solid circle."""
+    area, bend = pi * diameter**2 / 4, pi * diameter**4 / 64
+    return Section(area, bend, bend, 2 * bend, 0.9 * area, 0.9 * area)
+
+
+def tube(diameter: Number, wall: Number) -> Section:
+    """A circular tube by its outer diameter and its wall; shear areas of a thin one."""
+    inner = diameter - 2 * wall
+    area, bend = pi * (diameter**2 - inner**2) / 4, pi * (diameter**4 - inner**4) / 64
+    return Section(area, bend, bend, 2 * bend, area / 2, area / 2)
+
+
+def i_section(width: Number, height: Number, flange: Number, web: Number) -> Section:
+    """Two flanges across a web in the direction of the height.
+
+    Parameters
+    ----------
+    width, height : of the whole [m]
+    flange, web : thicknesses [m]
+    """
+    clear = height - 2 * flange
+    area = 2 * width * flange + web * clear
+    bend_z = (width * height**3 - (width - web) * clear**3) / 12
+    bend_y = (2 * flange * width**3 + clear * web**3) / 12
+    twist = (2 * width * flange**3 + (height - flange) * web**3) / 3
+    return Section(area, bend_y, bend_z, twist, web * height, 5 / 3 * width * flange)
+
+
+def _formula(*numbers: Number) -> bool:
+    return any(not isinstance(n, (int, float)) for n in numbers)

@@ -1,0 +1,206 @@
+"""Frame elements in space: beams that carry axial force, shear, bending and torsion.
+
+Co-rotational as in the plane: the element's own axes turn with its chord and, about the chord, with
+the mean of its ends (Crisfield; Battini and Pacoste, Computer Methods in Applied Mechanics and
+Engineering 191, 2002). Rotations of nodes are rotation vectors, of any size below 2π.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from dalembert.elements.base import Scalar, Vector, quantity
+from dalembert.errors import ModelError
+from dalembert.structures.base import Named
+from dalembert.structures.beams import Bending, linear_kinetic
+from dalembert.structures.lines import Line
+from dalembert.structures.rotations import rotation_matrix, rotation_vector
+
+UPRIGHT = 1e-3
+"""Sine of the angle to the z axis below which a beam counts as vertical."""
+
+
+@dataclass(eq=False)
+class SpaceFrame(Line):
+    """Euler–Bernoulli beam between two nodes of space.
+
+    ``W = E A e²/(2L) + G J (φ_xj − φ_xi)²/(2L)`` and the bending energy of the plane frame in both
+    of its own planes, with the elongation ``e`` of the bent axis and the rotations ``φ`` of its
+    ends against its own axes: x along it, y towards ``orientation``, z across both.
+
+    Parameters
+    ----------
+    area : cross-section [m²]
+    second_moment_y, second_moment_z : second moments of area about its own y and z axes [m⁴]
+    torsion_constant : ``J`` [m⁴]
+    modulus : Young's modulus [Pa]
+    shear_modulus : ``G`` [Pa]
+    density : [kg/m³]
+    orientation : (3,) direction in the plane of its own x and y axes; zero stands for the z axis,
+        and for the y axis where the beam is vertical
+    """
+
+    area: Scalar = quantity("m^2", "cross-section", above=0.0, keyword=True)
+    second_moment_y: Scalar = quantity("m^4", "about its y axis", above=0.0, keyword=True)
+    second_moment_z: Scalar = quantity("m^4", "about its z axis", above=0.0, keyword=True)
+    torsion_constant: Scalar = quantity("m^4", "torsion constant", above=0.0, keyword=True)
+    modulus: Scalar = quantity("Pa", "Young's modulus", above=0.0, keyword=True)
+    shear_modulus: Scalar = quantity("Pa", "shear modulus", above=0.0, keyword=True)
+    density: Scalar = quantity("kg/m^3", "density", default=0.0, minimum=0.0, keyword=True)
+    orientation: Vector = quantity(
+        "", "direction towards its y axis", default=(0.0, 0.0, 0.0), size=3, keyword=True
+    )
+    turns: ClassVar[bool] = True
+    dimensions: ClassVar[tuple[int, ...]] = (3,)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.node_i.dimension != 3:
+            raise ModelError(
+                "is an element of space, whose nodes have three coordinates; take Frame in the "
+                "plane",
+                self.name,
+            )
+
+    # geometry -----------------------------------------------------------------------------
+    @classmethod
+    def axes(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        """Its own axes before displacement, by columns."""
+        along = (x[1] - x[0]) / cls.length(x)
+        third = ca.cross(along, cls._towards(along, q))
+        third /= ca.norm_2(third)
+        return ca.horzcat(along, ca.cross(third, along), third)
+
+    @staticmethod
+    def _towards(along: ca.SX, q: dict[str, ca.SX]) -> ca.SX:
+        """The orientation, or what stands for it."""
+        given = q["orientation"]
+        upright = ca.sumsqr(along[:2]) < UPRIGHT**2
+        default = ca.if_else(upright, ca.DM([0, 1, 0]), ca.DM([0, 0, 1]))
+        return ca.if_else(ca.sumsqr(given) > 0, given, default)
+
+    @classmethod
+    def end_rotations(
+        cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
+    ) -> tuple[ca.SX, ca.SX]:
+        """Rotation vectors of the ends against its turned axes, in these axes."""
+        before = cls.axes(x, q)
+        ends = [ca.mtimes(rotation_matrix(end[3:]), before) for end in u]
+        chord = x[1] - x[0] + u[1][:3] - u[0][:3]
+        along = chord / ca.norm_2(chord)
+        third = ca.cross(along, ends[0][:, 1] + ends[1][:, 1])
+        third /= ca.norm_2(third)
+        turned = ca.horzcat(along, ca.cross(third, along), third)
+        first, second = (rotation_vector(ca.mtimes(turned.T, end)) for end in ends)
+        return first, second
+
+    # energies -----------------------------------------------------------------------------
+    @classmethod
+    def bending(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> tuple[Bending, Bending]:
+        """The beam as it turns about its y and its z axis."""
+        length, (soft_y, soft_z) = cls.length(x), cls.shear_softness(x, q)
+        return (
+            Bending(length, q["modulus"] * q["second_moment_y"], soft_y),
+            Bending(length, q["modulus"] * q["second_moment_z"], soft_z),
+        )
+
+    @classmethod
+    def shear_softness(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
+        """``φ = 12 E I/(G A_s L²)`` of turns about y and z; zero where shear does not deform."""
+        return ca.SX(0), ca.SX(0)
+
+    @classmethod
+    def rotary_inertia(cls, q: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
+        """``ρ I`` about y and z where the turning of the cross-section counts [kg m]."""
+        return ca.SX(0), ca.SX(0)
+
+    @classmethod
+    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        length, (first, second) = cls.length(x), cls.end_rotations(u, x, q)
+        about_y, about_z = cls.bending(x, q)
+        stretch = q["modulus"] * q["area"] * cls.lengthening(u, x, q, first, second) ** 2
+        twist = q["shear_modulus"] * q["torsion_constant"] * (second[0] - first[0]) ** 2
+        bend = about_y.energy(first[1], second[1]) + about_z.energy(first[2], second[2])
+        return (stretch + twist) / (2 * length) + bend
+
+    @classmethod
+    def lengthening(cls, u, x, q: dict[str, ca.SX], first: ca.SX, second: ca.SX) -> ca.SX:
+        """Elongation of the axis, bent as the rotations of its ends say."""
+        about_y, about_z = cls.bending(x, q)
+        bow = about_y.bow(first[1], second[1]) + about_z.bow(first[2], second[2])
+        return cls.elongation(u, x) + bow
+
+    @classmethod
+    def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        length, axes = cls.length(x), cls.axes(x, q)
+        own = [(ca.mtimes(axes.T, end[:3]), ca.mtimes(axes.T, end[3:])) for end in v]
+        mass = q["density"] * q["area"]
+        polar = q["density"] * (q["second_moment_y"] + q["second_moment_z"])
+        (speed_i, spin_i), (speed_j, spin_j) = own
+        total = linear_kinetic(speed_i[0], speed_j[0], mass * length)
+        total += linear_kinetic(spin_i[0], spin_j[0], polar * length)
+        (about_y, about_z), (inertia_y, inertia_z) = cls.bending(x, q), cls.rotary_inertia(q)
+        # a deflection along z that grows with x turns about y the other way round
+        down = [motion for speed, spin in own for motion in (-speed[2], spin[1])]
+        side = [motion for speed, spin in own for motion in (speed[1], spin[2])]
+        total += about_y.kinetic(down, mass, inertia_y)
+        return total + about_z.kinetic(side, mass, inertia_z)
+
+    # measures -----------------------------------------------------------------------------
+    @classmethod
+    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
+        """Section forces in its own axes; moments ``_i``, ``_j`` are those on its ends."""
+        length, (first, second) = cls.length(x), cls.end_rotations(u, x, q)
+        axial = q["modulus"] * q["area"] * cls.lengthening(u, x, q, first, second) / length
+        torque = q["shear_modulus"] * q["torsion_constant"] * (second[0] - first[0]) / length
+        about_y, about_z = cls.bending(x, q)
+        y_i, y_j = about_y.moments(first[1], second[1])
+        z_i, z_j = about_z.moments(first[2], second[2])
+        return {
+            "force": (axial, "N"),
+            "stress": (axial / q["area"], "Pa"),
+            "torque": (torque, "N m"),
+            "shear_y": ((z_i + z_j) / length, "N"),
+            "shear_z": (-(y_i + y_j) / length, "N"),
+            "moment_y_i": (y_i, "N m"),
+            "moment_y_j": (y_j, "N m"),
+            "moment_z_i": (z_i, "N m"),
+            "moment_z_j": (z_j, "N m"),
+        }
+
+    @classmethod
+    def checks(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> list[tuple[ca.SX, str]]:
+        along = (x[1] - x[0]) / cls.length(x)
+        towards = cls._towards(along, q)
+        sine = ca.norm_2(ca.cross(along, towards)) / ca.norm_2(towards)
+        parallel = "has an orientation along its own axis; give a direction across it"
+        return [*super().checks(x, q), (sine - UPRIGHT / 2, parallel)]
+
+
+@dataclass(eq=False)
+class TimoshenkoSpaceFrame(SpaceFrame):
+    """Frame element in space that shear deforms too, with rotary inertia.
+
+    Parameters
+    ----------
+    shear_area_y, shear_area_z : cross-section times the shear correction factor for shear forces
+        along its own y and z axes [m²]
+    """
+
+    shear_area_y: Scalar = quantity("m^2", "for shear along y", above=0.0, keyword=True)
+    shear_area_z: Scalar = quantity("m^2", "for shear along z", above=0.0, keyword=True)
+
+    @classmethod
+    def shear_softness(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
+        ratio = 12 * q["modulus"] / (q["shear_modulus"] * ca.sumsqr(x[1] - x[0]))
+        return (
+            ratio * q["second_moment_y"] / q["shear_area_z"],
+            ratio * q["second_moment_z"] / q["shear_area_y"],
+        )
+
+    @classmethod
+    def rotary_inertia(cls, q: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
+        return q["density"] * q["second_moment_y"], q["density"] * q["second_moment_z"]

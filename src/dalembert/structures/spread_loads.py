@@ -1,0 +1,100 @@
+"""Loads spread over elements: weight, line loads, tractions; records that the builder keeps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dalembert.errors import ModelError
+from dalembert.structures.base import StructuralElement
+from dalembert.structures.cells import CELLS, facets
+from dalembert.structures.continuum import Continuum
+from dalembert.structures.elements import Elements
+from dalembert.structures.lines import Line
+from dalembert.structures.nodes import Nodes
+from dalembert.structures.reference_cells import REFERENCE_CELLS
+from dalembert.structures.tractions import TRACTIONS
+from dalembert.symbolic.expression import Expression
+
+Part = StructuralElement | Elements
+
+
+@dataclass(frozen=True)
+class Weight:
+    """Forces ``M a`` of a field of gravity ``a`` [m/s²] on the masses of all elements."""
+
+    acceleration: tuple[Expression, ...]
+
+
+@dataclass(frozen=True)
+class LineLoad:
+    """Force per length ``q`` [N/m] on beams and bars."""
+
+    parts: tuple[Part, ...]
+    force: tuple[Expression, ...]
+
+
+Spread = Weight | LineLoad | Elements
+
+
+def lines(parts: Any) -> tuple[Part, ...]:
+    """One line element, a set of them, or several, as a tuple.
+
+    Raises
+    ------
+    ModelError
+        Something else.
+    """
+    found = (parts,) if isinstance(parts, (StructuralElement, Elements)) else parts
+    known = isinstance(found, (list, tuple)) and found
+    if not known or not all(isinstance(part, (StructuralElement, Elements)) for part in found):
+        raise ModelError(f"needs elements or sets of elements; got {parts!r}", "line_load")
+    for part in found:
+        cls = part.cls if isinstance(part, Elements) else type(part)
+        fields = {f.name for f in cls.quantity_fields()}
+        if not issubclass(cls, Line) or not {"area", "density"} <= fields:
+            raise ModelError("carries no line load; take trusses or frames", part.name)
+    return tuple(found)
+
+
+def tractions(name: str, elements: Elements, nodes: Nodes, numbers: dict[str, Any]) -> Elements:
+    """Traction elements on the outer facets of cells all of whose nodes are among ``nodes``.
+
+    Raises
+    ------
+    ModelError
+        No continuum, no outer facet lies there, or a traction that cannot be.
+    """
+    if not isinstance(elements, Elements) or not issubclass(elements.cls, Continuum):
+        raise ModelError(f"needs a set of cells of a continuum, got {elements!r}", "traction")
+    known = [*("tx", "ty", "tz")[: nodes.dimension], "pressure"]
+    wrong = sorted(set(numbers) - set(known))
+    if wrong or not numbers:
+        raise ModelError(f"has no {', '.join(wrong) or 'value'}; give {', '.join(known)}", name)
+    cell = next(n for n, c in REFERENCE_CELLS.items() if c is elements.cls.cell)
+    shape, each = facets(cell)
+    among = np.isin(elements.nodes.index[elements.cells], nodes.index)
+    found, owners = [], []
+    for facet in each:
+        there = np.flatnonzero(among[:, facet].all(axis=1))
+        found.append(elements.cells[there][:, facet])
+        owners.append(there)
+    cells, owner = np.concatenate(found), np.concatenate(owners)
+    _, place, count = np.unique(np.sort(cells), axis=0, return_inverse=True, return_counts=True)
+    outer = count[place.ravel()] == 1  # between two cells there is no surface
+    cells, owner = cells[outer], owner[outer]
+    if nodes.points is not elements.nodes.points or not len(cells):
+        raise ModelError(
+            f"no {_WORD[CELLS[cell].dimension]} has all its nodes there, on the surface",
+            elements.name,
+        )
+    thickness = elements.quantities.get("thickness")
+    if thickness is not None:
+        one = isinstance(thickness, Expression)
+        numbers = {"thickness": thickness if one else thickness[owner]} | numbers
+    return Elements(name, TRACTIONS[shape], elements.nodes, cells, **numbers)
+
+
+_WORD = {2: "edge", 3: "face"}

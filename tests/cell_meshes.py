@@ -1,0 +1,70 @@
+"""Meshes of all cells on the unit square and cube, for tests."""
+
+from __future__ import annotations
+
+from itertools import combinations, permutations
+
+import casadi as ca
+import numpy as np
+
+from dalembert.structures.mesh_generators import box_mesh, rectangle_mesh
+from dalembert.structures.reference_cells import REFERENCE_CELLS
+
+CORNERS = {
+    "triangle6": "triangle",
+    "quad8": "quad",
+    "tetra10": "tetra",
+    "hexahedron20": "hexahedron",
+}
+
+
+def unit_mesh(shape: str, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, d) and cells of the unit square or cube, ``count`` divisions of each edge."""
+    plain = CORNERS.get(shape, shape)
+    if plain in ("triangle", "quad"):
+        points, cells = rectangle_mesh((1, 1), (count, count), plain)
+    else:
+        points, cells = box_mesh((1, 1, 1), (count, count, count))
+        if plain == "tetra":
+            cells = np.concatenate([cells[:, corners] for corners in _tetrahedra()])
+    return (points, cells) if plain == shape else with_middles(shape, points, cells)
+
+
+def with_middles(shape: str, points: np.ndarray, cells: np.ndarray):
+    """A quadratic mesh with straight edges from one of corners."""
+    edges = np.sort(np.stack([cells[:, [i, j]] for i, j in middles_of(shape)], axis=1), axis=2)
+    known, place = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True)
+    more = len(points) + place.reshape(edges.shape[:2])
+    return np.vstack([points, points[known].mean(axis=1)]), np.hstack([cells, more])
+
+
+def middles_of(shape: str) -> list[tuple[int, int]]:
+    """Corners between which the further nodes lie."""
+    nodes = np.array(REFERENCE_CELLS[shape].nodes)
+    corners = len(REFERENCE_CELLS[CORNERS[shape]].nodes)
+    pairs = list(combinations(range(corners), 2))
+    found = []
+    for middle in nodes[corners:]:  # diagonals meet in centres, which are no nodes
+        found += [(i, j) for i, j in pairs if np.allclose((nodes[i] + nodes[j]) / 2, middle)]
+    return found
+
+
+def _tetrahedra() -> list[list[int]]:
+    """Six tetrahedra of a hexahedron, along its diagonal (Kuhn)."""
+    numbers = {(0, 0, 0): 0, (1, 0, 0): 1, (1, 1, 0): 2, (0, 1, 0): 3}
+    numbers |= {(x, y, 1): k + 4 for (x, y, _), k in list(numbers.items())}
+    found = []
+    for order in permutations(range(3)):
+        steps = np.cumsum(np.vstack([np.zeros(3, int), np.eye(3, dtype=int)[list(order)]]), axis=0)
+        cell = [numbers[tuple(int(c) for c in step)] for step in steps]
+        odd = np.linalg.det(np.eye(3)[list(order)]) < 0
+        found.append([cell[0], cell[2], cell[1], cell[3]] if odd else cell)
+    return found
+
+
+def shape_values(shape: str, natural) -> np.ndarray:
+    """(nodes,) shape functions at natural coordinates."""
+    cell = REFERENCE_CELLS[shape]
+    place = ca.SX.sym("place", cell.dimension)
+    function = ca.Function("shapes", [place], [ca.densify(cell.shape_functions(place))])
+    return np.array(function(natural)).ravel()
