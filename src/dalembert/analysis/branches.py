@@ -9,6 +9,9 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.integrators.steps import Steps
 
+SHORT = 1e-2
+"""Length of a last step, relative to the one before, whose beginning is no output by itself."""
+
 
 @dataclass(frozen=True)
 class Branches:
@@ -23,6 +26,12 @@ class Branches:
             return np.zeros(self.index.size, dtype=bool)
         return (self.length > 0) & np.isclose(self.length, steps.h[self.index], rtol=1e-12, atol=0)
 
+    def ended(self, steps: Steps) -> Branches:
+        """With the last output at the end of the last step."""
+        return Branches(
+            np.append(self.index[:-1], steps.count - 1), np.append(self.length[:-1], steps.h[-1])
+        )
+
 
 def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
     """Where times lie among the steps taken.
@@ -34,7 +43,7 @@ def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
     """
     count = steps.count
     slack = 1e-12 * max(1.0, abs(steps.end))
-    if times[0] < steps.t[0] - slack or times[-1] > steps.end + slack:
+    if not (times[0] >= steps.t[0] - slack and times[-1] <= steps.end + slack):
         raise AnalysisError(
             f"times {times[0]:g}…{times[-1]:g} s leave the run {steps.t[0]:g}…{steps.end:g} s"
         )
@@ -47,12 +56,19 @@ def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
     return Branches(index, length)
 
 
-def outputs_of(steps: Steps, requested: np.ndarray | None) -> tuple[np.ndarray, Branches]:
+def outputs_of(
+    steps: Steps, requested: np.ndarray | None, at_event: bool = False
+) -> tuple[np.ndarray, Branches]:
     """Times of the outputs and where they lie: those asked for, or the ends of all steps.
 
-    Where the run ended early, its end is an output too.
+    Where the run ended early, its end is an output too; where an event ended it right after the
+    beginning of a step, the end stands for both.
     """
     count = steps.count
+    if requested is None and at_event and count > 1 and steps.h[-1] < SHORT * steps.h[-2]:
+        times, branches = outputs_of(steps, None)
+        keep = np.arange(times.size) != count - 1
+        return times[keep], Branches(branches.index[keep], branches.length[keep])
     if requested is None or count == 0:
         times = np.append(steps.t[:count], steps.end)
         index = np.minimum(np.arange(count + 1), max(count - 1, 0))

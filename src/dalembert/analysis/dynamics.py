@@ -8,20 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.branches import place_outputs
+from dalembert.analysis.branches import Branches, place_outputs
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics_run import DynamicsRun
-from dalembert.analysis.events import Events
+from dalembert.analysis.events import Events, Occurrence
+from dalembert.analysis.instants import end_by_event, ended_again, instant_of
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.runge_kutta import RK4
-from dalembert.integrators.steps import Steps
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
+from dalembert.results.status import Outcome
 from dalembert.symbolic.backends import BACKENDS
 
 STRATEGIES = {
@@ -52,6 +53,9 @@ class Dynamics:
     strict : refuse inconsistent initial speeds instead of projecting them
     backend : ``"vm"``, CasADi's virtual machine, at once; ``"c"``, compiled once by the system's
         C compiler and kept on disk; ``"auto"``, C where it exists or its work repays compiling
+    memory : bytes for the states that gradients and later questions need; of a longer run only
+        few are kept and the others computed again when needed, which costs another run.
+        Without ``outputs`` everything is kept
     """
 
     duration: float | None = None
@@ -65,6 +69,7 @@ class Dynamics:
     events: Events | None = None
     strict: bool = False
     backend: str = "vm"
+    memory: float = 2.0**28
 
     def __post_init__(self) -> None:
         for name, (kind, usual) in STRATEGIES.items():
@@ -109,14 +114,31 @@ class Dynamics:
         AnalysisError
             A time outside the run.
         """
-        steps: Steps = motion.record.steps
-        branches = place_outputs(steps, times)
-        trajectory = motion.record.kernel.trajectory(times, steps, branches, motion.parameters)
-        record = DynamicsRecord(motion.record.kernel, steps, branches)
-        return replace(motion, trajectory=trajectory, record=record)
+        return self._sampled(motion, times, place_outputs(motion.record.steps, times))
+
+    def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
+        """The motion at the instant of an event.
+
+        Raises
+        ------
+        AnalysisError
+            Unknown event, or it did not happen so often.
+        """
+        found = instant_of(motion, occurrence)
+        time = motion.record.steps.t[found.index] + found.length
+        return self._sampled(motion, np.array([time]), found.branches)
+
+    def _sampled(self, motion: Motion, times: np.ndarray, branches: Branches) -> Motion:
+        kernel, steps = motion.record.kernel, motion.record.steps
+        trajectory = kernel.trajectory(times, steps, branches, motion.parameters)
+        return replace(
+            motion, trajectory=trajectory, record=replace(motion.record, branches=branches)
+        )
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
         """The same steps and outputs at other parameter values: the discrete map itself.
+
+        A run that ended by an event ends by it again, with a last step of another length.
 
         Raises
         ------
@@ -135,12 +157,16 @@ class Dynamics:
                 f"the steps of the run cannot be repeated with these parameters: {steps.message} "
                 f"after t = {steps.end:.9g} s"
             )
-        trajectory = kernel.trajectory(motion.time, steps, record.branches, p)
+        times, branches = motion.time, record.branches
+        if motion.status.outcome is Outcome.TERMINATED:
+            steps = ended_again(motion, steps, p)
+            if end_by_event(motion):
+                times, branches = np.append(times[:-1], steps.end), branches.ended(steps)
         return replace(
             motion,
             parameters=p,
-            trajectory=trajectory,
-            record=DynamicsRecord(kernel, steps, record.branches),
+            trajectory=kernel.trajectory(times, steps, branches, p),
+            record=DynamicsRecord(kernel, steps, branches, origin=motion),
         )
 
 

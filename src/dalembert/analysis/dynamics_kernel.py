@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,24 +16,32 @@ from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.adaptive import AdaptiveMarch
 from dalembert.integrators.base import Attempt, Integrator
+from dalembert.integrators.checkpoints import States
 from dalembert.integrators.march import FixedMarch
 from dalembert.integrators.steps import Steps, Switch
 from dalembert.model.assembly import AssembledState
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
-from dalembert.results.recording import Trajectory
+from dalembert.results.recording import Recording, Trajectory
 from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.kernel import Kernel
 
+BLOCK = 5000
+"""Columns of a mapped function at once, so that what it is given takes little memory."""
+
 
 @dataclass(frozen=True)
 class DynamicsRecord:
-    """What a gradient needs of a run: the steps taken and the branches to the outputs."""
+    """What a gradient needs of a run: the steps taken and the branches to the outputs.
+
+    ``origin`` is the run that this one repeats, if it does.
+    """
 
     kernel: DynamicsKernel
     steps: Steps
     branches: Branches
+    origin: Recording | None = None
 
 
 class DynamicsKernel:
@@ -82,7 +90,9 @@ class DynamicsKernel:
         self.fixed = FixedMarch(
             lambda mode: self.variants[mode].step, stabilization.period, self.backend
         )
-        self.adaptive = AdaptiveMarch(self._attempt, self.backend) if integrator.adaptive else None
+        self.adaptive: AdaptiveMarch | None = None
+        if integrator.adaptive:
+            self.adaptive = AdaptiveMarch(self._attempt, self.backend, self.fixed)
 
     def _attempt(self, mode: int) -> Attempt:
         found = self.variants[mode].attempt
@@ -154,17 +164,14 @@ class DynamicsKernel:
 
     def branch_states(self, steps: Steps, branches: Branches, p: np.ndarray) -> np.ndarray:
         """States at the outputs: ends of steps as they are, others by a partial step."""
-        k = branches.index
-        states = steps.x[:, k].copy()
-        ends = branches.ends_of(steps)
-        states[:, ends] = steps.x[:, k[ends] + 1]
-        inside = np.flatnonzero((branches.length > 0) & ~ends)
-        for mode in np.unique(steps.mode[k[inside]]):
-            part = inside[steps.mode[k[inside]] == mode]
+        k, ends = branches.index, branches.ends_of(steps)
+        states = steps.x[:, k + ends]
+        inside = np.flatnonzero((branches.length != 0) & ~ends)
+        for mode, part in alike(steps.mode[k[inside]], inside):
             (states[:, part],) = self.over(self.variants[mode].step.function, part.size)(
                 steps.t[k[part]],
                 branches.length[part],
-                steps.x[:, k[part]],
+                states[:, part],
                 np.tile(p[:, None], part.size),
             )
         return states
@@ -181,15 +188,14 @@ class DynamicsKernel:
         function_of: Callable[[Variant], ca.Function],
         modes: np.ndarray,
         times: np.ndarray,
-        states: np.ndarray,
+        states: States,
         p: np.ndarray,
         *more: np.ndarray,
     ) -> list[np.ndarray]:
         """``(t, x, p, …)`` functions of the variants over outputs, each by its own variant."""
         results: list[np.ndarray] = []
         size = self.variants[0].step.state_size
-        for mode in np.unique(modes):
-            part = np.flatnonzero(modes == mode)
+        for mode, part in alike(modes, np.arange(modes.size)):
             function = function_of(self.variants[mode])
             found = self.over(function, part.size)(
                 times[part],
@@ -212,3 +218,11 @@ class DynamicsKernel:
         n = self.equations.coordinate_count + self.equations.speed_count
         work = states[n : n + 2] - steps.x[n : n + 2, :1]
         return Trajectory(times, y, v, a, multiplier, work)
+
+
+def alike(modes: np.ndarray, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """Parts of the chosen columns that have one mode, ``BLOCK`` at most."""
+    for mode in np.unique(modes):
+        part = chosen[modes == mode]
+        for begin in range(0, part.size, BLOCK):
+            yield int(mode), part[begin : begin + BLOCK]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -96,13 +97,13 @@ class DynamicsRun:
         self.prepare(mode)
         prepared, begin = clock.perf_counter() - begin, clock.perf_counter()
         with progress_reporter(progress, f"integrating {self.model.name}") as report:
-            watch = Watch(report, self.events.terminal_crossing, self.switch)
+            watch = self.watch(report)
             steps = self.march(x0, mode, watch)
         elapsed = clock.perf_counter() - begin
         happened, ends = self.events.find(steps)
         if ends is not None:
             steps = self.events.cut(steps, *ends)
-        times, branches = outputs_of(steps, self.requested)
+        times, branches = outputs_of(steps, self.requested, ends is not None)
         trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         motion = Motion(
             model=self.model,
@@ -134,6 +135,11 @@ class DynamicsRun:
         longest = kernel.integrator.longest_step or (self.end - self.start) / 4
         first = min(self.step, longest) if self.analysis.step else 1e-4 * (self.end - self.start)
         return kernel.adaptive.run(self.start, self.end, x0, self.p, first, longest, mode, watch)
+
+    def watch(self, report: Callable[[float], None]) -> Watch:
+        """What follows the march: states of every step are kept where all are outputs anyway."""
+        memory = np.inf if self.requested is None else self.analysis.memory
+        return Watch(report, self.events.terminal_crossing, self.switch, memory, self.requested)
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int) -> Switch:
         return self.kernel.switch(times, states, mode, self.p)

@@ -98,8 +98,9 @@ class Equilibrium:
         model: Model,
         parameters: Mapping[str, float] | np.ndarray | None = None,
         progress: Any = False,
+        start: np.ndarray | None = None,
     ) -> Motion:
-        """Find the equilibrium nearest to the assembled position.
+        """Find the equilibrium nearest to the assembled position, or to the pose ``start``.
 
         The result is a motion of one instant; ``statistics`` tells whether it is stable.
 
@@ -109,11 +110,26 @@ class Equilibrium:
             The mechanism cannot be assembled.
         """
         p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
-        return _Search(self, model, p).execute()
+        return _Search(self, model, p).execute(start)
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
         """The equilibrium at other parameter values, reached from this one."""
-        return _Search(self, motion.model, p).execute(motion.trajectory.y[:, 0])
+        return self.run(motion.model, p, start=motion.trajectory.y[:, 0])
+
+    def resample(self, motion: Motion, times: np.ndarray) -> Motion:
+        """The same, at the instant of the equilibrium.
+
+        Raises
+        ------
+        AnalysisError
+            Any other time.
+        """
+        if np.any(times != self.time):
+            raise AnalysisError(
+                f"an equilibrium has one instant, t = {self.time:g} s, and t = {times[0]:g} s was "
+                "asked for; take the final value"
+            )
+        return motion
 
 
 class _Search:

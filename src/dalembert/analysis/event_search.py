@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property, partial
+from functools import cached_property
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.events import Event, locate
-from dalembert.analysis.variant import Variant
+from dalembert.analysis.flow import Flow, measured
+from dalembert.integrators.checkpoints import States
 from dalembert.integrators.steps import Steps
 from dalembert.results.recording import EventRecord
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.expression import Expression
 
 SHORTEST = 1e-15
 """Length [s] left to a step that ends where it begins."""
@@ -31,25 +31,23 @@ class EventSearch:
 
     def __init__(self, kernel: DynamicsKernel, events: Mapping[str, Event], p: np.ndarray):
         self.kernel, self.events, self.p = kernel, events, p
-        self._functions: dict[tuple[str, Variant], ca.Function] = {}
 
     @cached_property
-    def measures(self) -> dict[str, ca.SX]:
+    def measures(self) -> dict[str, Expression]:
         model = self.kernel.model
-        return {n: model.at_ground(e.expression(model).sx) for n, e in self.events.items()}
+        return {name: event.expression(model) for name, event in self.events.items()}
 
-    def values(
-        self, name: str, times: np.ndarray, states: np.ndarray, modes: np.ndarray
-    ) -> np.ndarray:
+    def values(self, name: str, times: np.ndarray, states: States, modes: np.ndarray) -> np.ndarray:
         """Values of an event's measure."""
-
-        def function_of(variant: Variant) -> ca.Function:
-            key = (name, variant)
-            if key not in self._functions:
-                self._functions[key] = variant.measured([self.measures[name]], "event").function
-            return self._functions[key]
-
-        return self.kernel.mapped(function_of, modes, times, states, self.p)[0].ravel()
+        measure = self.measures[name]
+        found = self.kernel.mapped(
+            lambda variant: measured(self.kernel, variant, measure).function,
+            modes,
+            times,
+            states,
+            self.p,
+        )
+        return found[0].ravel()
 
     def terminal_crossing(self, times: np.ndarray, states: np.ndarray) -> bool:
         """Whether a terminal event happens between these states."""
@@ -60,15 +58,25 @@ class EventSearch:
             for name, event in self.events.items()
         )
 
+    def crossings(self, name: str, steps: Steps) -> np.ndarray:
+        """Steps in which an event happens."""
+        if not steps.count:
+            return np.zeros(0, dtype=int)
+        times = np.append(steps.t[: steps.count], steps.end)
+        modes = np.append(steps.mode, steps.mode[-1:])
+        return self.events[name].crossings(self.values(name, times, steps.x, modes))
+
+    def locate(self, name: str, steps: Steps, k: int) -> float:
+        """Time from the beginning of step ``k`` to the crossing inside it [s]."""
+        flow, measure = Flow(self.kernel, steps, self.p), self.measures[name]
+        return locate(lambda length: flow.value(measure, k, length), 0.0, float(steps.h[k]))
+
     def find(self, steps: Steps) -> tuple[list[EventRecord], tuple[int, float] | None]:
         """All crossings up to the first terminal one; its step and length, if there is one."""
         found: list[tuple[float, str, int, float]] = []
-        times = np.append(steps.t[: steps.count], steps.end)
-        for name, event in self.events.items() if steps.count else ():
-            modes = np.append(steps.mode, steps.mode[-1:])
-            for k in event.crossings(self.values(name, times, steps.x, modes)):
-                inside = partial(self._inside, name, steps, int(k))
-                length = locate(inside, 0.0, float(steps.h[k]))
+        for name in self.events:
+            for k in self.crossings(name, steps):
+                length = self.locate(name, steps, int(k))
                 found.append((steps.t[k] + length, name, int(k), length))
         found.sort()
         for i, (_, name, k, length) in enumerate(found):
@@ -76,23 +84,6 @@ class EventSearch:
                 return [EventRecord(n, float(t)) for t, n, _, _ in found[: i + 1]], (k, length)
         return [EventRecord(n, float(t)) for t, n, _, _ in found], None
 
-    def _inside(self, name: str, steps: Steps, k: int, length: float) -> float:
-        x = steps.x[:, k]
-        if length > 0:
-            x = self._stepped(steps, k, length).ravel()
-        time = np.array([steps.t[k] + length])
-        return float(self.values(name, time, x[:, None], steps.mode[k : k + 1])[0])
-
-    def _stepped(self, steps: Steps, k: int, length: float) -> np.ndarray:
-        """State after the part of step ``k`` that has this length."""
-        step = Kernel(self.kernel.variants[steps.mode[k]].step.function)
-        return step(steps.t[k], length, steps.x[:, k], self.p)[0]
-
     def cut(self, steps: Steps, k: int, length: float) -> Steps:
         """The steps up to the ``k``-th, which is shortened."""
-        made = steps.cut(k + 1)
-        made.h = made.h.copy()
-        made.h[k] = max(length, SHORTEST)
-        made.corrected[k] = True
-        made.x = np.hstack([made.x[:, :-1], self._stepped(steps, k, made.h[k])])
-        return made
+        return Flow(self.kernel, steps, self.p).ended(k, max(length, SHORTEST))

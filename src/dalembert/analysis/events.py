@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.symbolic.expression import Expression
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,10 @@ class Event:
         except KeyError:
             return model.formula(self.measure)
 
+    def passes(self, rate: float) -> bool:
+        """Whether a crossing at this rate of the measure counts."""
+        return rate * self.direction >= 0
+
     def crossings(self, values: np.ndarray) -> np.ndarray:
         """Indices ``k`` with a crossing between samples ``k`` and ``k + 1``."""
         before, after = values[:-1], values[1:]
@@ -46,6 +53,62 @@ class Event:
         falling = (before > 0) & (after <= 0)
         wanted = (rising & (self.direction >= 0)) | (falling & (self.direction <= 0))
         return np.flatnonzero(wanted)
+
+
+@dataclass(frozen=True)
+class Occurrence:
+    """The n-th time an event happens.
+
+    Parameters
+    ----------
+    event : name of one that was declared with the analysis, or an Event
+    number : 1 for the first time
+    """
+
+    event: str | Event
+    number: int = 1
+
+    def __post_init__(self) -> None:
+        if isinstance(self.number, bool) or not isinstance(self.number, int) or self.number < 1:
+            raise AnalysisError(f"{self}: occurrence is {self.number!r}; the first one is 1")
+
+    def declared(self, known: Mapping[str, Event]) -> Event:
+        """The event itself, looked up if it is meant by its name.
+
+        Raises
+        ------
+        AnalysisError
+            No event of this name.
+        """
+        if isinstance(self.event, Event):
+            return self.event
+        if self.event not in known:
+            raise AnalysisError(
+                f"no event {self.event!r} was declared with the analysis (known: "
+                f"{', '.join(known) or 'none'}); declare it, or give an Event"
+            )
+        return known[self.event]
+
+    def __str__(self) -> str:
+        given = self.event.measure if isinstance(self.event, Event) else self.event
+        return given if isinstance(given, str) else given.name or "event"
+
+    def among(self, found: Sequence[T]) -> T:
+        """The one meant of all times the event happened.
+
+        Raises
+        ------
+        AnalysisError
+            It did not happen so often.
+        """
+        if self.number > len(found):
+            often = {0: "never happened", 1: "happened once"}
+            told = often.get(len(found), f"happened {len(found)} times")
+            raise AnalysisError(
+                f"event {str(self)!r} {told} in this run, and occurrence {self.number} was asked "
+                "for; ask for an earlier one, check the event's direction, or run longer"
+            )
+        return found[self.number - 1]
 
 
 Events = Mapping[str, "Event | str | Expression"]
@@ -68,4 +131,23 @@ def locate(value: Callable[[float], float], low: float, high: float) -> float:
         return low
     if f_high == 0.0 or f_low * f_high > 0:
         return high
-    return float(brentq(value, low, high, xtol=1e-13, rtol=1e-14))
+    return float(brentq(value, low, high, xtol=1e-13, rtol=1e-14, maxiter=1000))
+
+
+def locate_again(
+    value: Callable[[float], float], rate: Callable[[float], float], near: float, name: str
+) -> float:
+    """Root of ``value`` next to one that parameters have moved a little (Newton).
+
+    Raises
+    ------
+    AnalysisError
+        There is none.
+    """
+    found = near
+    for _ in range(20):
+        change = value(found) / (rate(found) or np.nan)
+        found -= change
+        if abs(change) <= 1e-9 * max(1.0, abs(near)):  # the next change would be round-off
+            return found
+    raise AnalysisError(f"event {name!r} does not happen again near where it happened before")

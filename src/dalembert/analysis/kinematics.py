@@ -13,7 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.kinematics_run import KinematicsRun
+from dalembert.analysis.driven_instants import driven_instant
+from dalembert.analysis.events import Occurrence
+from dalembert.analysis.kinematics_run import TOLERANCE, KinematicsRun
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
@@ -60,31 +62,70 @@ class Kinematics:
         return KinematicsRun(self, model, parameters).execute(progress)
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
-        """The motion at other times, each reached from the nearest one computed."""
-        s = motion.trajectory
-        nearest = np.abs(s.t[None, :] - times[:, None]).argmin(axis=1)
+        """The motion at other times, each reached from the nearest position of the run.
+
+        Raises
+        ------
+        AnalysisError
+            A time outside the run, or one that needs shorter steps.
+        """
+        if motion.record.origin is not None:
+            near = self.resample(motion.record.origin, times).trajectory.y
+            return self.solve_at(motion, times, near, motion.parameters)
+        s = motion.record.path
+        refuse_outside(times, s.t)
+        nearest = np.searchsorted((s.t[1:] + s.t[:-1]) / 2, times)
         ahead = times - s.t[nearest]
         near = s.y[:, nearest] + ahead * s.v[:, nearest] + ahead**2 / 2 * s.a[:, nearest]
         return self.solve_at(motion, times, near, motion.parameters)
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
-        """The same instants at other parameter values, on the same branch."""
-        return self.solve_at(motion, motion.time, motion.trajectory.y, p)
+        """The same instants at other parameter values, on the same branch.
+
+        Raises
+        ------
+        AnalysisError
+            They are too far off for that.
+        """
+        repeated = self.solve_at(motion, motion.time, motion.trajectory.y, p)
+        repeated.record = replace(motion.record, origin=motion)
+        return repeated
+
+    def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
+        """The motion at the instant of an event, looked for between the positions of the run.
+
+        Raises
+        ------
+        AnalysisError
+            A name instead of an Event, or it did not happen so often.
+        """
+        return self.resample(motion, np.array([driven_instant(motion, occurrence)]))
 
     def solve_at(
         self, motion: Motion, times: np.ndarray, near: np.ndarray, p: np.ndarray
     ) -> Motion:
-        """Configurations at given times near given positions."""
+        """Configurations at given times near given positions.
+
+        Raises
+        ------
+        AnalysisError
+            None is found so near.
+        """
         function = motion.record.kernel.configuration.function
-        parts = function.map(times.size)(times, near, np.tile(p[:, None], times.size))
+        values = np.tile(p[:, None], times.size)
+        parts = function.map(times.size)(times, near, values)
         y, v, a, multiplier = (part.full() for part in parts)
+        open_by = motion.record.kernel.jacobian.map(times.size)(times, y, values)[0].full()
+        refuse_open(times, np.abs(open_by).max(axis=0, initial=0.0))
+        multiplier = motion.model.all_multipliers(multiplier)
         if not self.efforts:
             multiplier = np.full_like(multiplier, np.nan)
         work = np.full((2, times.size), np.nan)
-        if self.efforts and motion.time.size > 3:
+        path = motion.record.path
+        if self.efforts and path.t.size > 3:
             from scipy.interpolate import CubicSpline
 
-            work = CubicSpline(motion.time, motion.trajectory.work, axis=1)(times)
+            work = CubicSpline(path.t, path.work, axis=1)(times)
         trajectory = Trajectory(times, y, v, a, multiplier, work)
         return replace(motion, parameters=p, trajectory=trajectory)
 
@@ -118,3 +159,22 @@ def solve_kinematics(
     except TypeError as error:
         raise AnalysisError(f"solve_kinematics: {error}") from None
     return analysis.run(model, parameters, progress)
+
+
+def refuse_outside(times: np.ndarray, run: np.ndarray) -> None:
+    slack = 1e-12 * max(1.0, abs(run[-1]))
+    inside = (times >= run[0] - slack) & (times <= run[-1] + slack)
+    if not inside.all():
+        raise AnalysisError(
+            f"t = {times[~inside][0]:g} s is outside the run {run[0]:g}…{run[-1]:g} s"
+        )
+
+
+def refuse_open(times: np.ndarray, residual: np.ndarray) -> None:
+    open_ = ~(residual < TOLERANCE)
+    if open_.any():
+        raise AnalysisError(
+            f"no position was found at t = {times[open_][0]:.9g} s near the one before it "
+            f"(residual {residual[open_][0]:.2g}); take shorter steps",
+            float(residual[open_][0]),
+        )

@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
-from dalembert.results.recording import Trajectory
+from dalembert.results.recording import Recording, Trajectory
 from dalembert.symbolic.factor import QrFactor
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
 from dalembert.symbolic.kernel import Kernel
@@ -133,6 +133,12 @@ class KinematicsKernel:
 
 @dataclass(frozen=True)
 class KinematicsRecord:
-    """What a gradient needs: the kernel; each output stands for itself."""
+    """What a gradient needs: the kernel; each output stands for itself.
+
+    ``path`` has all positions that the run went through, outputs or not. ``origin`` is the run
+    that this one repeats, if it does.
+    """
 
     kernel: KinematicsKernel
+    path: Trajectory
+    origin: Recording | None = None

@@ -65,13 +65,13 @@ class KinematicsRun:
         first = self.first_configuration()
         with progress_reporter(progress, f"moving {self.model.name}") as report:
             times, table = self.march(first, report)
-        keep = np.isin(times, self.requested)
-        trajectory = self.trajectory(times, table, keep)
+        path = self.trajectory(times, table)
+        trajectory = path.some(np.isin(times, self.requested))
         events = self.branch_points(times, table)
         if self.fold is not None:
             events.append(EventRecord("dead centre", self.fold.time))
         statistics = {
-            "positions": int(keep.sum()),
+            "positions": trajectory.t.size,
             "steps": int(times.size - 1),
             "substeps": self.substeps,
             "computation time [s]": round(clock.perf_counter() - begin, 6),
@@ -84,7 +84,7 @@ class KinematicsRun:
             self.status(trajectory, table),
             statistics,
             sorted(events, key=lambda e: e.time),
-            record=KinematicsRecord(self.kernel),
+            record=KinematicsRecord(self.kernel, path),
         )
 
     def first_configuration(self) -> np.ndarray:
@@ -233,16 +233,13 @@ class KinematicsRun:
                 break
         return float((low + high) / 2)
 
-    def trajectory(self, times: np.ndarray, table: np.ndarray, keep: np.ndarray) -> Trajectory:
+    def trajectory(self, times: np.ndarray, table: np.ndarray) -> Trajectory:
         n, m = self.n, self.model.equations.constraint_count
-        rows = table[:, keep]
-        multiplier = self.model.all_multipliers(rows[3 * n : 3 * n + m])
+        multiplier = self.model.all_multipliers(table[3 * n : 3 * n + m])
         if not self.analysis.efforts:
             multiplier = np.full_like(multiplier, np.nan)
-        work = self.work(times, table)[:, keep]
-        return Trajectory(
-            times[keep], rows[:n], rows[n : 2 * n], rows[2 * n : 3 * n], multiplier, work
-        )
+        y, v, a = table[:n], table[n : 2 * n], table[2 * n : 3 * n]
+        return Trajectory(times, y, v, a, multiplier, self.work(times, table))
 
     def work(self, times: np.ndarray, table: np.ndarray) -> np.ndarray:
         """Energy dissipated and put in, by integrating the powers over the positions computed."""

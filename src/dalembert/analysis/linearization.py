@@ -9,73 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.equilibrium import Equilibrium
-from dalembert.errors import AnalysisError, SingularityError
-from dalembert.formulations.base import state_rate
-from dalembert.formulations.kkt import Kkt
+from dalembert.analysis.linearization_kernel import LinearizationKernel, Linearized
+from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
+from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
+from dalembert.results.status import Outcome, Status
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-
-@dataclass(frozen=True, eq=False)
-class Modes:
-    """Eigenvalues and modes of the linearised mechanism.
-
-    Attributes
-    ----------
-    eigenvalues : (k,) complex [1/s]; one of each conjugate pair
-    frequencies : (k,) undamped ``|s|/2π`` [Hz]
-    damping_ratios : (k,) ``−Re s/|s|``
-    shapes : (n, k) complex displacements, largest entry one
-    matrix : reduced state matrix
-    """
-
-    model: Model
-    eigenvalues: np.ndarray
-    frequencies: np.ndarray
-    damping_ratios: np.ndarray
-    shapes: np.ndarray
-    matrix: np.ndarray
-
-    @property
-    def stable(self) -> bool:
-        """No eigenvalue has a positive real part."""
-        return bool(np.all(self.eigenvalues.real <= 1e-9 * (1 + np.abs(self.eigenvalues))))
-
-    @property
-    def data(self) -> xr.Dataset:
-        """Labelled modes."""
-        import xarray as xr
-
-        names = list(self.model.guesses.names)
-        mode = np.arange(1, self.eigenvalues.size + 1)
-        return xr.Dataset(
-            {
-                "frequency": ("mode", self.frequencies, {"units": "Hz"}),
-                "damping_ratio": ("mode", self.damping_ratios, {"units": "1"}),
-                "eigenvalue_real": ("mode", self.eigenvalues.real, {"units": "1/s"}),
-                "eigenvalue_imag": ("mode", self.eigenvalues.imag, {"units": "rad/s"}),
-                "shape_real": (("coordinate", "mode"), self.shapes.real),
-                "shape_imag": (("coordinate", "mode"), self.shapes.imag),
-            },
-            {"mode": mode, "coordinate": names},
-            attrs={"model": self.model.name},
-        )
-
-    def __repr__(self) -> str:
-        rows = ", ".join(
-            f"{f:.6g} Hz (ζ {z:+.3g})"
-            for f, z in zip(self.frequencies, self.damping_ratios, strict=True)
-        )
-        return f"<Modes of {self.model.name!r}: {rows}>"
+__all__ = ["Linearization", "Modes", "MotionLinearization", "linearize"]
 
 
 @dataclass(frozen=True)
@@ -105,48 +51,84 @@ class Linearization:
             No equilibrium was found.
         """
         p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
-        if not self.equilibrium:
-            state = model.assemble(p, self.time)
-            return modes_at(model, self.time, state.y, state.v, p)
-        found = Equilibrium(time=self.time).run(model, p)
-        if not found.status.success:
-            raise AnalysisError(f"linearize: no equilibrium, {found.status}", found.status.residual)
-        s = found.trajectory
-        return modes_at(model, self.time, s.y[:, 0], s.v[:, 0], p)
+        return modes_of(self, self._state(model, p))
+
+    def _state(self, model: Model, p: np.ndarray) -> Linearized:
+        if self.equilibrium:
+            return at_rest(Equilibrium(self.time).run(model, p))
+        kernel, state = LinearizationKernel.of(model), model.assemble(p, self.time)
+        x = np.concatenate([state.y, state.v])
+        return Linearized(kernel, self.time, x, p, kernel.assembled, state.y, state.residual)
+
+    def replay(self, modes: Modes, p: np.ndarray) -> Modes:
+        """The same modes at other parameter values, told by their shapes, not their order."""
+        if self.equilibrium:
+            start = modes.record.x[: modes.model.equations.coordinate_count]
+            state = at_rest(Equilibrium(self.time).run(modes.model, p, start=start))
+        else:
+            state = self._state(modes.model, p)
+        return modes_of(self, state, modes)
 
 
-def modes_at(model: Model, time: float, y: np.ndarray, v: np.ndarray, p: np.ndarray) -> Modes:
-    """Modes about a given state."""
-    if model.diagnosis.massless:
-        raise SingularityError(
-            f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; no modes"
-        )
-    e = model.equations
-    n, k = e.coordinate_count, e.speed_count
+@dataclass(frozen=True)
+class MotionLinearization:
+    """Linearisation about the last instant of a motion.
 
-    def make() -> ca.Function:
-        x = ca.vertcat(e.y, e.v)
-        level = ca.vertcat(e.constraints, e.velocity_constraints)
-        rate = Kkt().acceleration(e, e.constraint_acceleration, [state_rate(e)[: n + k]])
-        out = rate.function(e.t, ca.vertcat(x, ca.SX.zeros(2)), e.p)
-        return ca.Function("linear", [e.t, x, e.p], [ca.jacobian(out, x), ca.jacobian(level, x)])
+    Parameters
+    ----------
+    motion : Motion
+    """
 
-    jacobian, tangency = (
-        a.full() for a in model.compiled("linearization", make)(time, np.r_[y, v], p)
-    )
-    rank = tangency.shape[0]
-    basis = np.linalg.svd(tangency)[2][rank:].T if rank else np.eye(n + k)
-    matrix = basis.T @ jacobian @ basis
-    values, vectors = np.linalg.eig(matrix) if matrix.size else (np.array([]), np.zeros((0, 0)))
-    order = np.lexsort((np.abs(values.imag), np.round(np.abs(values), 12)))
-    keep = [i for i in order if values[i].imag >= -1e-12 * (1 + abs(values[i]))]
-    values, shapes = values[keep], (basis @ vectors[:, keep])[:n]
-    peak = np.array([s[np.argmax(np.abs(s))] if s.size else 1 for s in shapes.T])
-    size = np.abs(values)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        ratios = np.where(size > 0, -values.real / size, 0.0)
+    motion: Motion
+
+    def replay(self, modes: Modes, p: np.ndarray) -> Modes:
+        """The same modes at the end of the motion at other parameter values."""
+        motion = self.motion.analysis.replay(self.motion, p)
+        return modes_of(self, last_instant(motion), modes)
+
+
+def at_rest(motion: Motion) -> Linearized:
+    """The system about an equilibrium.
+
+    Raises
+    ------
+    AnalysisError
+        The search for it failed.
+    """
+    status, s, kernel = motion.status, motion.trajectory, LinearizationKernel.of(motion.model)
+    if not status.success:
+        raise AnalysisError(f"linearize: no equilibrium, {status}", status.residual)
+    x = np.concatenate([s.y[:, 0], s.v[:, 0]])
+    time, near = float(s.t[0]), motion.record.kernel.near(s)[:, 0]
+    return Linearized(kernel, time, x, motion.parameters, kernel.resting, near, status.residual)
+
+
+def last_instant(motion: Motion) -> Linearized:
+    """The system about the end of a motion; how it depends on the parameters is not told."""
+    s, kernel = motion.trajectory, LinearizationKernel.of(motion.model)
+    x = np.concatenate([s.y[:, -1], s.v[:, -1]])
+    return Linearized(kernel, float(s.t[-1]), x, motion.parameters)
+
+
+def modes_of(analysis: Any, state: Linearized, earlier: Modes | None = None) -> Modes:
+    """One mode of each conjugate pair by increasing ``|s|``, or those that earlier ones became."""
+    if earlier is None:
+        positions = state.one_of_each_pair()
+        numbers = np.arange(1, positions.size + 1)
+    else:
+        positions = state.following(earlier.record, earlier.positions)
+        numbers = earlier.numbers
     return Modes(
-        model, values, size / (2 * np.pi), ratios, shapes / np.where(peak == 0, 1, peak), matrix
+        state.model,
+        analysis,
+        state.p,
+        numbers,
+        state.eigenvalues[positions],
+        state.displacements(positions),
+        state.matrix,
+        Status(Outcome.COMPLETED, f"{numbers.size} mode(s)", state.time, state.residual),
+        positions,
+        state,
     )
 
 
@@ -173,8 +155,9 @@ def linearize(
         mass.
     """
     if at is not None:
-        s = at.trajectory
-        return modes_at(model, float(s.t[-1]), s.y[:, -1], s.v[:, -1], at.parameters)
+        if isinstance(at.analysis, Equilibrium):
+            return modes_of(Linearization(at.analysis.time), at_rest(at))
+        return modes_of(MotionLinearization(at), last_instant(at))
     try:
         analysis = Linearization(**options)
     except TypeError as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.results.labelled import DATA_ONLY, LabelledRecording
 from dalembert.results.scene import motion_scene
+from dalembert.symbolic.parameter import Parameter
 
 MAX_FRAMES = 4000
 
@@ -45,7 +46,7 @@ def report_payload(
         "events": [{"name": e.name, "time": e.time} for e in motion.events],
         "diagnosis": _diagnosis(motion),
         "statistics": _statistics(motion),
-        "parameters": _parameters(motion),
+        "parameters": parameter_rows(motion.model.parameters, motion.parameters),
     }
     if trace is not None:
         payload["trace"] = list(trace)
@@ -243,9 +244,10 @@ def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:
     ]
 
 
-def _parameters(motion: LabelledRecording) -> list[dict[str, Any]]:
+def parameter_rows(parameters: Mapping[str, Parameter], values: np.ndarray) -> list[dict[str, Any]]:
+    """Parameters with their values and bounds."""
     rows = []
-    for parameter, value in zip(motion.model.parameters.values(), motion.parameters, strict=True):
+    for parameter, value in zip(parameters.values(), values, strict=True):
         low, high = parameter.bounds
         rows.append(
             {

@@ -30,6 +30,11 @@ class Trajectory:
     multiplier: np.ndarray
     work: np.ndarray
 
+    def some(self, which: np.ndarray) -> Trajectory:
+        """These columns only."""
+        columns = (self.y, self.v, self.a, self.multiplier, self.work)
+        return Trajectory(self.t[which], *(c[:, which] for c in columns))
+
 
 @dataclass(frozen=True)
 class EventRecord:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
@@ -20,8 +20,14 @@ def save_motion(motion: LabelledRecording, path: str | Path, plots=None, trace=N
     """NetCDF with the dataset and, as the text ``report``, what its report is drawn from."""
     from dalembert.results.payload import report_payload
 
-    payload = report_payload(motion, plots, trace)
-    return save_dataset(motion.data.assign(report=((), json.dumps(payload))), path)
+    return save_with_report(motion.data, report_payload(motion, plots, trace), path)
+
+
+def save_with_report(data: xr.Dataset, payload: dict[str, Any], path: str | Path) -> Path:
+    """Write a dataset with, as the text ``report``, what its report is drawn from."""
+    from dalembert.report.page import as_json
+
+    return save_dataset(data.assign(report=((), as_json(payload))), path)
 
 
 def save_dataset(data: xr.Dataset, path: str | Path) -> Path:
@@ -87,6 +93,11 @@ def flat_table(data: xr.Dataset) -> pd.DataFrame:
 
 def save_csv(data: xr.Dataset, path: str | Path) -> Path:
     """Write the flat table as CSV, whole or not at all."""
+    return save_table(flat_table(data), path)
+
+
+def save_table(table: pd.DataFrame, path: str | Path) -> Path:
+    """Write a table as CSV, whole or not at all."""
     with atomic_path(path) as temporary:
-        flat_table(data).to_csv(temporary)
+        table.to_csv(temporary)
     return Path(path)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.comparison_lines import (
+from dalembert.results.comparison.lines import (
     draw_lines,
     explain,
     floor,
@@ -18,12 +18,12 @@ from dalembert.results.comparison_lines import (
     name_colours,
     plain_ticks,
 )
-from dalembert.results.comparison_table import brief
+from dalembert.results.comparison.table import brief
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from dalembert.results.comparison_data import ComparisonData
+    from dalembert.results.comparison.data import ComparisonData
 
 CROWD = 2
 """More line styles than this are hard to tell apart."""

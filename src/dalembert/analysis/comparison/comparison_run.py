@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.combinations import Combination
+from dalembert.analysis.comparison.combinations import Combination
+from dalembert.analysis.comparison.observation import Observation, differences
+from dalembert.analysis.comparison.reference import Reference
 from dalembert.analysis.dynamics import Dynamics
-from dalembert.analysis.observation import Observation, differences
-from dalembert.analysis.reference import Reference
 from dalembert.errors import DalembertError, ModelError, UnsupportedError
 from dalembert.model.model import Model
-from dalembert.results.comparison_data import BETWEEN
+from dalembert.results.comparison.data import BETWEEN
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.combinations import label
+from dalembert.analysis.comparison.combinations import label
+from dalembert.analysis.comparison.observation import Observation, differences
 from dalembert.analysis.dynamics import Dynamics
-from dalembert.analysis.observation import Observation, differences
 from dalembert.errors import AnalysisError
 from dalembert.formulations.kkt import Kkt
 from dalembert.formulations.range_space import RangeSpace

@@ -8,18 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.statics import StaticsRecord, factorised
-from dalembert.errors import SingularityError, UnsupportedError
+from dalembert.analysis.structural.numbers import require
+from dalembert.analysis.structural.statics import StaticsRecord, factorised
+from dalembert.errors import SingularityError
 from dalembert.results.status import Outcome, Status
-from dalembert.results.structural import StructuralResult
+from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 
 SHORTEST = 1e-6
 """Share of the load below which a step is not halved any more."""
 STANDS = 1e-13
 """Change of the displacements that only round-off makes, where residuals cannot fall further."""
-ROUNDING = 1e-7
-"""Residual that is then taken for round-off of stiff parts."""
+ROUNDING = 1e-13
+"""Residual relative to ``|K| |u|``, row by row, that is then taken for round-off."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +47,7 @@ class NonlinearStatics:
     max_iterations: int = 25
 
     def __post_init__(self) -> None:
-        for name in ("steps", "tolerance", "max_iterations"):
-            if not getattr(self, name) > 0:
-                raise UnsupportedError(f"NonlinearStatics: {name} must be positive")
+        require(self, ("tolerance",), ("steps", "max_iterations"))
 
     def run(
         self,
@@ -117,7 +116,7 @@ class LoadPath:
         """Equilibrium under a share of the load, None where Newton's method fails."""
         u, free = self.u.copy(), self.assembly.free
         u[self.assembly.prescribed] = share * self.held
-        stands = False
+        stands, noise = False, np.zeros(free.size)
         for _ in range(self.analysis.max_iterations):
             internal = self.assembly.internal_forces(u, self.p)
             rest = (share * self.applied - internal)[free]
@@ -125,20 +124,21 @@ class LoadPath:
             size = np.abs(rest).max(initial=0.0) / scale
             if not np.isfinite(size):
                 return None
-            if size < max(self.analysis.tolerance, ROUNDING if stands else 0.0):
+            if size < self.analysis.tolerance or (stands and np.all(np.abs(rest) <= noise)):
                 self.residual = float(size)
                 return u
             if stands:
                 return None
-            matrix = self.assembly.stiffness(u, self.p)[free][:, free]
+            rows = self.assembly.stiffness(u, self.p)[free]
             try:
-                change = factorised(self.model, matrix).solve(rest)  # type: ignore[union-attr]
+                change = factorised(self.model, rows[:, free]).solve(rest)  # type: ignore[union-attr]
             except SingularityError:
                 if share == 0 or (self.reached == 0 and not self.iterations):
                     raise
                 return None
             u[free] += change
             stands = np.abs(change).max() < STANDS * max(np.abs(u).max(), 1e-300)
+            noise = ROUNDING * (abs(rows) @ np.abs(u)) if stands else noise
             self.iterations += 1
         return None
 
@@ -146,7 +146,8 @@ class LoadPath:
         """(n,) applied forces, and reactions at prescribed displacements."""
         found = self.reached * self.applied
         internal = self.assembly.internal_forces(self.u, self.p)
-        found[self.assembly.prescribed] = internal[self.assembly.prescribed]
+        held = self.assembly.prescribed
+        found[held] = (internal - found)[held]
         return found
 
     def record(self) -> StaticsRecord:

@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from dalembert.results.comparison_data import BETWEEN
+from dalembert.results.comparison.data import BETWEEN
 from dalembert.results.status import Outcome
 
 if TYPE_CHECKING:
-    from dalembert.results.comparison_data import ComparisonData
+    from dalembert.results.comparison.data import ComparisonData
 
 TARGETS = (1e-3, 1e-6, 1e-9)
 Row = Mapping[str, Any]

@@ -8,22 +8,22 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.combinations import (
+from dalembert.analysis.comparison.combinations import (
     TOLERANCES,
     Combination,
     checked_values,
     combinations,
     usual_steps,
 )
-from dalembert.analysis.comparison_run import ComparisonRun
+from dalembert.analysis.comparison.comparison_run import ComparisonRun
+from dalembert.analysis.comparison.observation import KINDS, Observation, observe
+from dalembert.analysis.comparison.reference import Reference, find_reference
 from dalembert.analysis.dynamics import Dynamics
-from dalembert.analysis.observation import KINDS, Observation, observe
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.reference import Reference, find_reference
 from dalembert.analysis.timeline import checked_span, output_times
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
-from dalembert.results.comparison import Comparison, comparison_of
+from dalembert.results.comparison.result import Comparison, comparison_of
 from dalembert.results.motion import Motion
 
 

@@ -7,15 +7,21 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sparse
 import scipy.sparse.linalg as linalg
 
 from dalembert.errors import SingularityError
 from dalembert.results.status import Outcome, Status
-from dalembert.results.structural import StructuralResult
+from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 
-SINGULAR = 1e-13
-"""Stiffness of a motion, relative to the stiffest, that counts as none."""
+SHIFT = 1e-12
+"""What is added to an exactly singular stiffness, relative to its diagonal, to find what moves."""
+SOFTEST = 1e-14
+"""Energy of a motion that counts as none, relative to the terms of which it is the difference."""
+
+BACKWARD = 1e-10
+"""Backward error that factors without pivots may have."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +67,7 @@ class Statics:
                 u[free, k] = factor.solve(open_by[free])
             internal = start + stiffness @ u[:, k]
             forces[:, k] = applied
-            forces[held, k] = internal[held]
+            forces[held, k] = (internal - applied)[held]
         residual = self._residual(model, p, u, forces)
         status = Status(Outcome.COMPLETED, "linear statics", 0.0, residual)
         record = StaticsRecord(factor, stiffness)
@@ -72,11 +78,11 @@ class Statics:
 
     @staticmethod
     def _residual(model: StructuralModel, p, u: np.ndarray, forces: np.ndarray) -> float:
-        """Largest force left over, relative to the largest."""
-        left = [
-            np.abs(model.assembly.internal_forces(u[:, k], p) - forces[:, k]).max(initial=0.0)
-            for k in range(u.shape[1])
-        ]
+        """Largest force left over on free displacements, relative to the largest of all."""
+        free, left = model.assembly.free, []
+        for k in range(u.shape[1]):
+            rest = model.assembly.internal_forces(u[:, k], p) - forces[:, k]
+            left.append(np.abs(rest[free]).max(initial=0.0))
         return float(max(left, default=0.0) / max(np.abs(forces).max(initial=0.0), 1e-300))
 
     def replay(self, result: StructuralResult, p: np.ndarray) -> StructuralResult:
@@ -94,30 +100,48 @@ def factorised(model: StructuralModel, matrix) -> linalg.SuperLU | None:
     """
     if not matrix.shape[0]:
         return None
-    options = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
-    scale = float(abs(matrix).max())
-    try:
-        factor = linalg.splu(matrix.tocsc(), diag_pivot_thresh=0.0, **options)
-    except RuntimeError:
-        factor = linalg.splu((matrix + SINGULAR * scale * _eye(matrix)).tocsc(), **options)
-    motion = np.random.default_rng(0).standard_normal(matrix.shape[0])
-    for _ in range(2):  # inverse iteration finds the softest motion
-        motion = factor.solve(motion / np.linalg.norm(motion))
-        if not np.all(np.isfinite(motion)):
-            raise SingularityError("the stiffness matrix is singular; support the structure")
-    softest = 1.0 / np.linalg.norm(motion)
-    if softest < 10 * SINGULAR * scale:
-        shape = np.abs(motion) / np.abs(motion).max()
-        places = [list(model.degrees)[k] for k in model.assembly.free]
-        moving = dict.fromkeys(place[0] for place, s in zip(places, shape, strict=True) if s > 0.1)
+    own = np.abs(matrix.diagonal())
+    own[own == 0] = own.max() or 1.0
+    factor = _factors(matrix, own)
+    motion, error = _softest(factor, matrix, np.sqrt(own))
+    if not (error < BACKWARD and SOFTEST * np.linalg.norm(motion) < 1.0):
+        factor = _factors(matrix, own, pivoting=True)  # past a limit point pivots may vanish
+        motion, error = _softest(factor, matrix, np.sqrt(own))
+    if not np.all(np.isfinite(motion)):
+        raise SingularityError("the stiffness matrix is singular; support the structure")
+    if SOFTEST * np.linalg.norm(motion) > 1.0:
+        shape = np.abs(motion) / np.sqrt(own)
+        moved = model.assembly.free[shape > 0.1 * shape.max()][:100]
+        moving = dict.fromkeys(model.degrees.place(int(k))[0] for k in moved)
         raise SingularityError(
             f"the structure is a mechanism: {', '.join(list(moving)[:8])} can move without "
-            "straining anything; support them or add elements"
+            "straining anything that counts beside the stiffness of the rest; support them or add "
+            "elements"
         )
     return factor
 
 
-def _eye(matrix):
-    from scipy.sparse import identity
+def _factors(matrix, own: np.ndarray, pivoting: bool = False) -> linalg.SuperLU:
+    """Factors by symmetric elimination, or with pivots; of a matrix nearby where one vanishes."""
+    options: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A"}
+    if not pivoting:
+        options |= {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    try:
+        return linalg.splu(matrix.tocsc(), **options)
+    except RuntimeError:
+        shifted = matrix + sparse.diags(0.1 * SOFTEST * own)
+        return linalg.splu(shifted.tocsc(), **options)
 
-    return identity(matrix.shape[0], format="csc")
+
+def _softest(factor: linalg.SuperLU, matrix, root: np.ndarray) -> tuple[np.ndarray, float]:
+    """The softest motion by inverse iteration, in units of ``root`` and so long as it is soft.
+
+    The backward error of the factors comes along.
+    """
+    motion = np.random.default_rng(0).standard_normal(root.size)
+    for _ in range(2):
+        load = root * motion / np.linalg.norm(motion)
+        moved = factor.solve(load)
+        motion = root * moved
+    size = abs(matrix) @ np.abs(moved) + np.abs(load)
+    return motion, float((np.abs(matrix @ moved - load) / size).max())

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.atomic import atomic_path
-from dalembert.results.comparison_data import COLUMNS, TEXTS, ComparisonData
+from dalembert.results.comparison.data import COLUMNS, TEXTS, ComparisonData
 
 
 @dataclass(eq=False, repr=False)
@@ -25,7 +25,7 @@ class Comparison(ComparisonData):
 
     def summary(self) -> list[str]:
         """What the table says, in a few sentences."""
-        from dalembert.results.comparison_table import summary
+        from dalembert.results.comparison.table import summary
 
         return summary(self)
 
@@ -40,7 +40,7 @@ class Comparison(ComparisonData):
         AnalysisError
             Another kind, or nothing to draw.
         """
-        from dalembert.results.comparison_plot import plot_comparison
+        from dalembert.results.comparison.plot import plot_comparison
 
         return plot_comparison(self, kind, ax)
 
@@ -70,7 +70,7 @@ class Comparison(ComparisonData):
         return "\n".join([f"<Comparison of {self.data.sizes['run']} runs>", *self.summary()])
 
     def _repr_html_(self) -> str:
-        from dalembert.results.comparison_table import html_table
+        from dalembert.results.comparison.table import html_table
 
         return html_table(self)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from dalembert.analysis.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.statics import Statics
+from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
+from dalembert.analysis.structural.statics import Statics
 from dalembert.errors import AnalysisError
-from dalembert.results.structural import StructuralResult
+from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 
 

@@ -1,0 +1,1 @@
+"""The same motion by many formulations and integrators, side by side."""

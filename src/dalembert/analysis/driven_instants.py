@@ -1,0 +1,53 @@
+"""When events happen in a driven mechanism, where every instant stands for itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dalembert.analysis.events import Occurrence, locate, locate_again
+from dalembert.results.motion import Motion
+from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.implicit import ImplicitFunction
+
+
+def driven_instant(motion: Motion, occurrence: Occurrence) -> float:
+    """Time at which an event happens [s], looked for between the positions of the run.
+
+    Raises
+    ------
+    AnalysisError
+        The event is given by a name, or did not happen so often.
+    """
+    event = occurrence.declared({})
+    measure = event.expression(motion.model)
+
+    def value(time: float) -> float:
+        return float(motion.at(np.array([time])).values(measure)[0])
+
+    def rate(time: float) -> float:
+        return measure_rate(motion.at(np.array([time])), measure)
+
+    if motion.record.origin is not None:
+        before = driven_instant(motion.record.origin, occurrence)
+        return locate_again(value, rate, before, str(occurrence))
+    path = replace(motion, trajectory=motion.record.path)
+    k = occurrence.among(event.crossings(path.values(measure)).tolist())
+    return locate(value, float(path.time[k]), float(path.time[k + 1]))
+
+
+def measured(motion: Motion, measure: Expression) -> ImplicitFunction:
+    """``(t, y_near, p) → measure`` of a configuration; made once."""
+    model, kernel = motion.model, motion.record.kernel
+    return model.compiled(
+        ("measured", kernel, measure), lambda: kernel.measured(model.at_ground(measure.sx))
+    )
+
+
+def measure_rate(motion: Motion, measure: Expression) -> float:
+    """``ṁ`` at the last instant, the total derivative along the driven motion."""
+    s, p = motion.trajectory, motion.parameters
+    y = motion.record.kernel.near(s)[:, -1]
+    tangent = measured(motion, measure).tangent
+    return float(tangent(s.t[-1], y, p, 1.0, np.zeros(y.size), np.zeros(p.size)))

@@ -1,0 +1,155 @@
+"""The linearised system about a state, and its whole spectrum.
+
+``J = ∂F/∂x`` of ``ẋ = F(x)`` and ``G = ∂(Φ, Ψ)/∂x``; with an orthonormal basis ``B`` of the null
+space of ``G`` the reduced matrix is ``A = Bᵀ J B``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.equilibrium import StaticsKernel
+from dalembert.errors import SingularityError
+from dalembert.formulations.base import state_rate
+from dalembert.formulations.kkt import Kkt
+from dalembert.model.model import Model
+from dalembert.symbolic.implicit import ImplicitFunction
+
+
+class LinearizationKernel:
+    """Compiled functions of one model.
+
+    Raises
+    ------
+    SingularityError
+        Something can move without any mass moving.
+    """
+
+    def __init__(self, model: Model):
+        if model.diagnosis.massless:
+            raise SingularityError(
+                f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; no modes"
+            )
+        self.model = model
+
+    @classmethod
+    def of(cls, model: Model) -> LinearizationKernel:
+        """The one of this model."""
+        return model.compiled("linearization", lambda: cls(model))
+
+    @cached_property
+    def system(self) -> ImplicitFunction:
+        """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``."""
+        e = self.model.equations
+        rate = state_rate(e)[: e.coordinate_count + e.speed_count]
+        level = ca.vertcat(e.constraints, e.velocity_constraints)
+        found = Kkt().acceleration(e, e.constraint_acceleration, [rate, level])
+        inputs = [e.t, ca.vertcat(e.y, e.v), e.p]
+        return ImplicitFunction("linearized", inputs, found.stages, found.outputs)
+
+    @cached_property
+    def resting(self) -> ImplicitFunction:
+        """``(t, [y; λ] nearby, p) → x`` of the equilibrium."""
+        found = self.model.compiled("statics", lambda: StaticsKernel(self.model)).configuration
+        e = self.model.equations
+        x = ca.vertcat(e.y, ca.SX.zeros(e.speed_count))
+        return ImplicitFunction("resting", found.inputs, found.stages, [x])
+
+    @cached_property
+    def assembled(self) -> ImplicitFunction:
+        """``(t, y nearby, p) → x`` of the assembled state."""
+        found = self.model.initial_state
+        x = ca.vertcat(*found.outputs)
+        return ImplicitFunction("assembled", found.inputs, found.stages, [x])
+
+    def matrices(self, t: float, x: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
+        """``J`` and ``G``."""
+        unit, still = np.eye(x.size), np.zeros((p.size, x.size))
+        found = self.system.tangent.map(x.size)(t, x, p, 0, unit, still)
+        return [matrix.full() for matrix in found]
+
+
+@dataclass(frozen=True, eq=False)
+class Linearized:
+    """The linearised system about a state.
+
+    Attributes
+    ----------
+    kernel : LinearizationKernel
+    time, x, p : the state, (N,), and the parameters
+    origin : ``(t, near, p) → x``, how the state follows the parameters; None if that is not known
+    near : its second argument
+    residual : of the state
+    """
+
+    kernel: LinearizationKernel
+    time: float
+    x: np.ndarray
+    p: np.ndarray
+    origin: ImplicitFunction | None = None
+    near: np.ndarray | None = None
+    residual: float = 0.0
+
+    @property
+    def model(self) -> Model:
+        return self.kernel.model
+
+    @cached_property
+    def derivatives(self) -> tuple[np.ndarray, np.ndarray]:
+        """``J`` (N, N) and ``G`` (m, N)."""
+        jacobian, tangency = self.kernel.matrices(self.time, self.x, self.p)
+        return jacobian, tangency
+
+    @cached_property
+    def basis(self) -> np.ndarray:
+        """``B`` (N, f): orthonormal directions along the constraints."""
+        tangency = self.derivatives[1]
+        rank = tangency.shape[0]
+        return np.linalg.svd(tangency)[2][rank:].T if rank else np.eye(self.x.size)
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """``A = Bᵀ J B`` (f, f)."""
+        return self.basis.T @ self.derivatives[0] @ self.basis
+
+    @cached_property
+    def _spectrum(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        from scipy.linalg import eig
+
+        if not self.matrix.size:
+            return np.zeros(0, complex), *(np.zeros((self.x.size, 0), complex),) * 2
+        values, left, right = eig(self.matrix, left=True)
+        return values, self.basis @ left, self.basis @ right
+
+    @property
+    def eigenvalues(self) -> np.ndarray:
+        """(f,) all of them; conjugate ones are neighbours, the positive imaginary part first."""
+        return self._spectrum[0]
+
+    def one_of_each_pair(self) -> np.ndarray:
+        """Positions of one eigenvalue of each conjugate pair, by increasing size."""
+        values = self.eigenvalues
+        order = np.lexsort((np.abs(values.imag), np.round(np.abs(values), 12)))
+        kept = [i for i in order if values[i].imag >= -1e-12 * (1 + abs(values[i]))]
+        return np.array(kept, dtype=int)
+
+    def following(self, earlier: Linearized, positions: np.ndarray) -> np.ndarray:
+        """Positions of the modes that were these ones in an earlier spectrum.
+
+        Left vectors of a spectrum are orthogonal to the right ones of all other modes, so the
+        modes are paired for the largest ``Σ |wᵢᴴ vⱼ|``.
+        """
+        from scipy.optimize import linear_sum_assignment
+
+        left, right = earlier._spectrum[1][:, positions], self._spectrum[2]
+        return linear_sum_assignment(np.abs(left.conj().T @ right), maximize=True)[1]
+
+    def displacements(self, positions: np.ndarray) -> np.ndarray:
+        """(n, k) shapes, their largest entries one."""
+        shapes = self._spectrum[2][: self.model.equations.coordinate_count, positions]
+        peak = np.array([s[np.argmax(np.abs(s))] if s.size else 1 for s in shapes.T])
+        return shapes / np.where(peak == 0, 1, peak)

@@ -1,0 +1,1 @@
+"""Analyses of structures: statics, load paths, vibration, buckling, transients."""

@@ -1,0 +1,148 @@
+"""Linear buckling: ``(K + λ K_g(u₀)) φ = 0`` with the displacements ``u₀`` of linear statics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.structural.modal import status_of
+from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
+from dalembert.analysis.structural.spectrum import Spectrum, largest
+from dalembert.analysis.structural.statics import Statics, factorised
+from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
+from dalembert.results.structural.buckling_modes import BucklingModes
+from dalembert.structures.model import StructuralModel
+
+
+@dataclass(frozen=True)
+class Buckling:
+    """Linear buckling as a strategy object.
+
+    The exact strain energies of the elements give ``K_g = ∂³W/∂u³ (0) · u₀``. What is true of the
+    linear theory is true here: displacements before buckling must be small. Prescribed
+    displacements belong to every load case, as they do in statics.
+
+    Parameters
+    ----------
+    count : of the modes; one more is found, to see whether it coincides with the last
+    case : load case that grows with the factor ``λ``
+    constant : load case that acts as it is, ``(K + K_g(u_c) + λ K_g(u₀)) φ = 0``
+    negative : also factors of the load turned round, all by their size
+
+    Raises
+    ------
+    UnsupportedError
+        A count that is not positive.
+    """
+
+    count: int = 3
+    case: str = ""
+    constant: str | None = None
+    negative: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.count > 0:
+            raise UnsupportedError(f"Buckling: count is {self.count}; it must be positive")
+
+    def run(
+        self,
+        model: StructuralModel,
+        parameters: Mapping[str, float] | np.ndarray | None = None,
+        progress: Any = False,
+    ) -> BucklingModes:
+        """The modes.
+
+        Raises
+        ------
+        SingularityError
+            The structure is a mechanism, or the constant load alone makes it buckle.
+        AnalysisError
+            Unknown load case; no load factor of the sign asked for.
+        """
+        p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        pencil = self._pencil(model, p)
+        return self._modes(pencil, p, self._spectrum(pencil))
+
+    def replay(self, result: BucklingModes, p: np.ndarray) -> BucklingModes:
+        """The same modes at other parameter values, by their order."""
+        pencil = self._pencil(result.model, p)
+        spectrum = self._spectrum(pencil)
+        spectrum.align(result.record.shapes)
+        return self._modes(pencil, p, spectrum)
+
+    def _pencil(self, model: StructuralModel, p: np.ndarray) -> Pencil:
+        statics = Statics().run(model, p)
+
+        def loaded(case: str) -> Loaded:
+            return Loaded(statics.model, p, statics.at(np.array([statics.case(case)])))
+
+        stiffness: list[Term] = [Tangent(Loaded(statics.model, p))]
+        if self.constant is not None:
+            stiffness.append(Geometric(loaded(self.constant)))
+        return Pencil(model, [Geometric(loaded(self.case), -1.0)], stiffness)
+
+    def _spectrum(self, pencil: Pencil) -> Spectrum:
+        a, b = pencil.matrices()
+        factor = factorised(pencil.model, b)
+        if factor is None:
+            raise AnalysisError("nothing in the structure can move; release a support")
+        if self.constant is not None and not (factor.U.diagonal() > 0).all():
+            raise SingularityError(
+                f"load case {self.constant!r} alone makes the structure buckle; lower it"
+            )
+        values, vectors = largest(a, b, self.count + 1, factor.solve, self.negative)
+        if not values.size:
+            raise AnalysisError(
+                f"load case {self.case!r} does not make the structure buckle in this direction; "
+                "negative=True finds factors of the load turned round"
+            )
+        return Spectrum(pencil, (a, b), values, vectors)
+
+    def _modes(self, pencil: Pencil, p: np.ndarray, spectrum: Spectrum) -> BucklingModes:
+        count = min(self.count, spectrum.values.size)
+        return BucklingModes(
+            pencil.model,
+            self,
+            p,
+            np.arange(1, count + 1),
+            spectrum.values[:count],
+            spectrum.shapes[:, :count],
+            status_of(spectrum, f"{count} mode(s) of buckling"),
+            np.arange(count),
+            spectrum,
+            {"displacements": pencil.model.assembly.size, "free": int(pencil.free.size)},
+        )
+
+
+def solve_buckling(
+    model: StructuralModel,
+    count: int = 3,
+    case: str = "",
+    *,
+    parameters: Mapping[str, float] | None = None,
+    **options: Any,
+) -> BucklingModes:
+    """Load factors at which a structure buckles, ``(K + λ K_g(u₀)) φ = 0``.
+
+    Parameters
+    ----------
+    model : StructuralModel
+    count : of the modes
+    case : load case that grows with the factor
+    parameters : new values of parameters, without rebuilding
+    **options : fields of ``Buckling``: constant, negative
+
+    Raises
+    ------
+    AnalysisError
+        Wrong options, unknown load case, no such factor; ``SingularityError`` where the structure
+        is a mechanism.
+    """
+    try:
+        analysis = Buckling(count, case, **options)
+    except TypeError as error:
+        raise AnalysisError(f"solve_buckling: {error}") from None
+    return analysis.run(model, parameters)

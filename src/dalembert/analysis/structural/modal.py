@@ -1,0 +1,192 @@
+"""Modes of vibration of structures: ``K φ = ω² M φ`` with the prescribed displacements at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse.linalg as linalg
+
+from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
+from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
+from dalembert.analysis.structural.spectrum import Spectrum, nearest
+from dalembert.analysis.structural.statics import Statics, factorised
+from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
+from dalembert.results.status import Outcome, Status
+from dalembert.results.structural.result import StructuralResult
+from dalembert.results.structural.vibration_modes import VibrationModes
+from dalembert.structures.model import StructuralModel
+
+CONVERGED = 1e-6
+"""Largest residual of eigenpairs that counts as none."""
+
+
+@dataclass(frozen=True)
+class Modal:
+    """Modes of vibration as a strategy object.
+
+    Parameters
+    ----------
+    count : of the modes; one more is found, to see whether it coincides with the last
+    lumped : take the lumped mass matrix instead of the one consistent with the stiffness
+    shift : ``σ``: the modes nearest to ``ω² = σ`` [rad²/s²]; negative where the structure floats
+    about : statics with one load case (``result.at([0])`` picks one): modes about the loaded state,
+        with the tangent stiffness at large displacements, and ``K + K_g`` at small ones
+
+    Raises
+    ------
+    UnsupportedError
+        A count that is not positive; ``about`` with several load cases, or of another analysis.
+    """
+
+    count: int = 6
+    lumped: bool = False
+    shift: float = 0.0
+    about: StructuralResult | None = None
+
+    def __post_init__(self) -> None:
+        if not self.count > 0:
+            raise UnsupportedError(f"Modal: count is {self.count}; it must be positive")
+        if self.about is None:
+            return
+        if not isinstance(self.about.analysis, (Statics, NonlinearStatics)):
+            kind = type(self.about.analysis).__name__
+            raise UnsupportedError(f"Modal: about is of {kind}; take a result of solve_statics")
+        if len(self.about.cases) != 1:
+            raise UnsupportedError(
+                f"Modal: about has the load cases {', '.join(map(repr, self.about.cases))}; "
+                "pick one with about=result.at([number])"
+            )
+
+    def run(
+        self,
+        model: StructuralModel,
+        parameters: Mapping[str, float] | np.ndarray | None = None,
+        progress: Any = False,
+    ) -> VibrationModes:
+        """The modes.
+
+        Raises
+        ------
+        SingularityError
+            Something moves freely and the shift is zero.
+        AnalysisError
+            Nothing has mass; ``about`` is of another structure, or failed.
+        """
+        if self.about is None:
+            p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        else:
+            p = self._loaded_parameters(self.about, model, parameters)
+        pencil = self._pencil(model, p)
+        return self._modes(pencil, p, self._spectrum(pencil))
+
+    def replay(self, result: VibrationModes, p: np.ndarray) -> VibrationModes:
+        """The same modes at other parameter values, by their order."""
+        analysis = self
+        if self.about is not None:
+            again = self.about.analysis.replay(self.about, p)
+            analysis = replace(self, about=again.at([again.case(self.about.cases[0])]))
+            self._loaded_parameters(again, result.model, None)
+        pencil = analysis._pencil(result.model, p)
+        spectrum = analysis._spectrum(pencil)
+        spectrum.align(result.record.shapes)
+        return analysis._modes(pencil, p, spectrum)
+
+    @staticmethod
+    def _loaded_parameters(about: StructuralResult, model: StructuralModel, given) -> np.ndarray:
+        if about.model.structure is not model.structure:
+            raise AnalysisError(f"about is a result of {about.model.name}, not of this structure")
+        if given is not None:
+            raise AnalysisError("about has its own parameter values; solve its statics with others")
+        if not about.status.success:
+            raise AnalysisError(f"about is no equilibrium: {about.status}", about.status.residual)
+        return about.parameters
+
+    def _pencil(self, model: StructuralModel, p: np.ndarray) -> Pencil:
+        rest = Loaded(model.linearized, p)
+        stiffness: list[Term] = [Tangent(rest)]
+        if self.about is not None:
+            loaded = Loaded(self.about.model, p, self.about)
+            if self.about.model.linear:
+                stiffness.append(Geometric(loaded))
+            else:
+                stiffness = [Tangent(loaded)]
+        return Pencil(model, stiffness, [Mass(rest, self.lumped)])
+
+    def _spectrum(self, pencil: Pencil) -> Spectrum:
+        a, b = pencil.matrices()
+        if not a.shape[0]:
+            raise AnalysisError("nothing in the structure can move; release a support")
+        values, vectors = nearest(a, b, self.count + 1, self.shift, self._solve(pencil, a, b))
+        return Spectrum(pencil, (a, b), values, vectors)
+
+    def _solve(self, pencil: Pencil, a, b):
+        matrix = a - self.shift * b
+        if self.shift > 0 or self.about is not None:  # may be indefinite
+            try:
+                return linalg.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A").solve
+            except RuntimeError:
+                raise SingularityError(
+                    f"the stiffness is singular at the shift {self.shift:g}; give another one"
+                ) from None
+        try:
+            factor = factorised(pencil.model, matrix)
+        except SingularityError as error:
+            raise SingularityError(
+                f"{error}; for the modes of what floats give a negative shift, of the size of the "
+                "lowest ω² of interest"
+            ) from None
+        return factor.solve  # type: ignore[union-attr]
+
+    def _modes(self, pencil: Pencil, p: np.ndarray, spectrum: Spectrum) -> VibrationModes:
+        count = min(self.count, spectrum.values.size)
+        return VibrationModes(
+            pencil.model,
+            self,
+            p,
+            np.arange(1, count + 1),
+            spectrum.values[:count],
+            spectrum.shapes[:, :count],
+            status_of(spectrum, f"{count} mode(s) of vibration"),
+            np.arange(count),
+            spectrum,
+            {"displacements": pencil.model.assembly.size, "free": int(pencil.free.size)},
+        )
+
+
+def status_of(spectrum: Spectrum, told: str) -> Status:
+    """How well the eigenpairs fulfil their equation."""
+    residual = spectrum.residual
+    if not residual < CONVERGED:
+        return Status(Outcome.NOT_CONVERGED, f"residual {residual:.3g}", 0.0, residual)
+    return Status(Outcome.COMPLETED, told, 0.0, residual)
+
+
+def solve_modes(
+    model: StructuralModel,
+    count: int = 6,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    **options: Any,
+) -> VibrationModes:
+    """Frequencies and shapes of free vibration, ``K φ = ω² M φ``.
+
+    Parameters
+    ----------
+    model : StructuralModel
+    count : of the modes
+    parameters : new values of parameters, without rebuilding
+    **options : fields of ``Modal``: lumped, shift, about
+
+    Raises
+    ------
+    AnalysisError
+        Wrong options, nothing has mass; ``SingularityError`` where something moves freely.
+    """
+    try:
+        analysis = Modal(count, **options)
+    except TypeError as error:
+        raise AnalysisError(f"solve_modes: {error}") from None
+    return analysis.run(model, parameters)

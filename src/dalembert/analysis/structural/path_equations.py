@@ -1,0 +1,112 @@
+"""The bordered equations of a load path, ``[K −q; nᵀ/s² ν]`` with ``q = P_f − K_fp U_p``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sparse
+import scipy.sparse.linalg as linalg
+
+from dalembert.analysis.structural.statics import factorised
+from dalembert.errors import AnalysisError, SingularityError
+from dalembert.results.structural.load_path import Plane
+from dalembert.structures.model import StructuralModel
+
+
+class PathEquations:
+    """Equilibrium in free displacements and load factor, ``point = (u_f, λ)``.
+
+    Parameters
+    ----------
+    model : StructuralModel
+    p : (np,) parameters
+    case : load case
+
+    Raises
+    ------
+    AnalysisError
+        The load moves nothing; ``SingularityError``: the structure is a mechanism.
+    """
+
+    def __init__(self, model: StructuralModel, p: np.ndarray, case: str):
+        self.model, self.p, self.assembly = model, p, model.assembly
+        self.free, self.held = self.assembly.free, self.assembly.prescribed
+        self.size = int(self.free.size)
+        self.applied = model.loads[case].values(p)
+        self.given = model.prescribed.values(p)
+        stiffness, load, _ = self.matrix(np.zeros(self.size + 1))
+        factor = factorised(model, stiffness)
+        self._slope = factor.solve(load) if factor is not None else np.zeros(0)
+        self.scale = float(np.linalg.norm(self._slope))
+        if not self.scale > 0:
+            raise AnalysisError(f"load case {case!r} moves nothing; give it loads")
+
+    def start(self) -> np.ndarray:
+        """Unit direction of the path at rest."""
+        return np.append(self._slope, 1.0) / np.sqrt(2.0)
+
+    def metric(self, direction: np.ndarray) -> np.ndarray:
+        """What a direction is multiplied with in an inner product."""
+        return np.append(direction[:-1] / self.scale**2, direction[-1])
+
+    def displaced(self, point: np.ndarray) -> np.ndarray:
+        """(n,) all displacements."""
+        u = np.zeros(self.assembly.size)
+        u[self.free], u[self.held] = point[:-1], point[-1] * self.given
+        return u
+
+    def forces(self, point: np.ndarray) -> np.ndarray:
+        """(n,) applied forces, and reactions at prescribed displacements."""
+        found = point[-1] * self.applied
+        internal = self.assembly.internal_forces(self.displaced(point), self.p)
+        found[self.held] = (internal - found)[self.held]
+        return found
+
+    def residual(self, point: np.ndarray) -> tuple[np.ndarray, float]:
+        """Force left over on the free displacements, and its size relative to the largest."""
+        internal = self.assembly.internal_forces(self.displaced(point), self.p)
+        applied = point[-1] * self.applied
+        rest = (applied - internal)[self.free]
+        largest = max(np.abs(applied).max(initial=0.0), np.abs(internal).max(initial=0.0), 1e-300)
+        return rest, float(np.abs(rest).max(initial=0.0) / largest)
+
+    def matrix(self, point: np.ndarray) -> tuple[Any, np.ndarray, Any]:
+        """``K_ff``, ``q`` and the whole stiffness."""
+        whole = self.assembly.stiffness(self.displaced(point), self.p).tocsr()
+        rows = whole[self.free]
+        load = self.applied[self.free] - rows[:, self.held] @ self.given
+        return rows[:, self.free].tocsc(), load, whole
+
+    def factor(self, point: np.ndarray, plane: Plane) -> linalg.SuperLU:
+        """Factors of the bordered matrix, regular at limit points.
+
+        Raises
+        ------
+        SingularityError
+            Two paths cross there.
+        """
+        stiffness, load, _ = self.matrix(point)
+        row = plane.row
+        parts = [[stiffness, -load[:, None]], [row[None, :-1], row[None, -1:]]]
+        try:
+            return linalg.splu(sparse.bmat(parts, format="csc"))
+        except RuntimeError:
+            raise SingularityError("the path branches there") from None
+
+    def direction(self, point: np.ndarray, plane: Plane) -> np.ndarray:
+        """Unit direction of the path at a point, to the side to which the plane looks."""
+        ahead = np.eye(1, self.size + 1, self.size).ravel()
+        found = self.factor(point, plane).solve(ahead)
+        return found / np.sqrt(found @ self.metric(found))
+
+    def negative(self, point: np.ndarray) -> int:
+        """Negative eigenvalues of ``K_ff``: pivots of its symmetric elimination."""
+        if not self.size:
+            return 0
+        options = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
+        try:
+            factor = linalg.splu(self.matrix(point)[0], diag_pivot_thresh=0.0, **options)
+        except RuntimeError:
+            return 0
+        return int((factor.U.diagonal() < 0).sum())

@@ -1,0 +1,144 @@
+"""Pairs of symmetric matrices of a structure, ``A φ = λ B φ``, and how they follow the parameters.
+
+Vibration has ``A = K`` and ``B = M``; buckling has ``A = −K_g`` and ``B = K``. Each matrix is a sum
+of terms; a term may depend on displacements that an analysis of statics found before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sparse
+
+from dalembert.results.structural.result import StructuralResult
+from dalembert.structures.model import StructuralModel
+
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """A structure at rest or under one load case.
+
+    Attributes
+    ----------
+    model : StructuralModel
+    p : (np,) parameters
+    result : statics with one load case; None at rest
+    """
+
+    model: StructuralModel
+    p: np.ndarray
+    result: StructuralResult | None = None
+
+    @property
+    def u(self) -> np.ndarray:
+        """(n,) displacements."""
+        if self.result is None:
+            return np.zeros(len(self.model.degrees))
+        return self.result.displacements[:, 0]
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """One matrix ``X(u, p)``, which is symmetric.
+
+    Attributes
+    ----------
+    state : what it is taken at
+    """
+
+    state: Loaded
+
+    def matrix(self) -> sparse.csc_matrix:
+        """(n, n)."""
+        raise NotImplementedError
+
+    def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
+        """(n,) change of ``X b`` with displacements and parameters."""
+        raise NotImplementedError
+
+    def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What ``aᵀ X b`` weighs displacements (n,) and parameters (np,)."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class Mass(Term):
+    """The mass matrix ``M``, lumped or consistent with the stiffness."""
+
+    lumped: bool = False
+
+    def matrix(self) -> sparse.csc_matrix:
+        return self.state.model.assembly.mass(self.state.p, self.lumped)
+
+    def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
+        return self.state.model.assembly.push_mass(b, self.state.p, dp, self.lumped)
+
+    def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        weights = self.state.model.assembly.pull_mass(a, b, self.state.p, self.lumped)
+        return np.zeros_like(a), weights
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent(Term):
+    """The tangent stiffness ``∂²W/∂u²`` at the displacements of the state."""
+
+    def matrix(self) -> sparse.csc_matrix:
+        return self.state.model.assembly.stiffness(self.state.u, self.state.p)
+
+    def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
+        s = self.state
+        return s.model.assembly.push_stiffness(b, s.u, s.p, du, dp)
+
+    def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self.state.model.assembly.pull_stiffness(a, b, self.state.u, self.state.p)
+
+
+@dataclass(frozen=True, eq=False)
+class Geometric(Term):
+    """``f K_g``: the geometric stiffness ``K_g = ∂³W/∂u³ (0) · u`` times a number.
+
+    It is what the displacements ``u`` add to the stiffness at rest, to the first order.
+    """
+
+    factor: float = 1.0
+
+    def matrix(self) -> sparse.csc_matrix:
+        return self.factor * self.state.model.assembly.geometric(self.state.u, self.state.p)
+
+    def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
+        s = self.state
+        return self.factor * s.model.assembly.push_stiffness(b, s.u, s.p, du, dp, geometric=True)
+
+    def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        s = self.state
+        return s.model.assembly.pull_stiffness(self.factor * a, b, s.u, s.p, geometric=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Pencil:
+    """``A φ = λ B φ`` on the free displacements; the prescribed ones are zero.
+
+    Attributes
+    ----------
+    model : StructuralModel
+    left, right : terms of ``A`` and of ``B``
+    """
+
+    model: StructuralModel
+    left: Sequence[Term]
+    right: Sequence[Term]
+
+    @property
+    def free(self) -> np.ndarray:
+        """Numbers of the free displacements."""
+        return self.model.assembly.free
+
+    def matrices(self) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+        """``A`` and ``B``, free displacements only."""
+        return self._sum(self.left), self._sum(self.right)
+
+    def _sum(self, terms: Sequence[Term]) -> sparse.csc_matrix:
+        total = sum((term.matrix() for term in terms[1:]), terms[0].matrix())
+        return total[self.free][:, self.free].tocsc()

@@ -1,0 +1,146 @@
+"""Transient analysis of structures: ``M a + C v + ∂W/∂u(u) = P(t)`` step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.branches import place_outputs
+from dalembert.analysis.structural.transient_equation import Rayleigh
+from dalembert.analysis.structural.transient_run import TransientRun, motion_at
+from dalembert.analysis.structural.transient_start import STARTS
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.integrators.newmark import Newmark, NewmarkFamily
+from dalembert.results.structural.motion import StructuralMotion
+from dalembert.structures.model import StructuralModel
+
+
+@dataclass(frozen=True, eq=False)
+class Transient:
+    """Motion of a structure under loads and support motions that may depend on time.
+
+    Parameters
+    ----------
+    duration : length of the run from t = 0 [s]
+    step : step length, by default a thousandth of the run [s]
+    outputs : number of equally spaced times, or the times [s]; default every step
+    integrator : ``Newmark()`` (average acceleration), ``HHT()`` or ``GeneralizedAlpha()``
+    nonlinear : for large displacements
+    lumped : diagonal mass matrix instead of the consistent one
+    damping : Rayleigh
+    case : name of the load case; not needed where there is one only
+    start : ``"rest"``, from the initial motion that ``structure.initial`` gives; ``"statics"``,
+        from equilibrium under the loads at t = 0
+
+    Raises
+    ------
+    AnalysisError, UnsupportedError
+        A choice that is none of these.
+    """
+
+    duration: float | None = None
+    step: float | None = None
+    outputs: int | Sequence[float] | None = None
+    integrator: NewmarkFamily = field(default_factory=Newmark)
+    nonlinear: bool = False
+    lumped: bool = False
+    damping: Rayleigh = field(default_factory=Rayleigh)
+    case: str = ""
+    start: str = "rest"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.integrator, NewmarkFamily):
+            raise UnsupportedError(
+                f"integrator is {self.integrator!r}; transients of structures take Newmark(), "
+                "HHT() or GeneralizedAlpha()"
+            )
+        if not isinstance(self.damping, Rayleigh):
+            raise AnalysisError(f"damping is {self.damping!r}; give Rayleigh(mass=, stiffness=)")
+        if self.start not in STARTS:
+            known = " or ".join(map(repr, STARTS))
+            raise AnalysisError(f"start is {self.start!r}; it must be {known}")
+
+    def case_of(self, model: StructuralModel) -> str:
+        """The load case that acts.
+
+        Raises
+        ------
+        AnalysisError
+            There is none of this name.
+        """
+        if self.case in model.loads:
+            return self.case
+        if not self.case and len(model.loads) == 1:
+            return next(iter(model.loads))
+        known = ", ".join(map(repr, model.loads))
+        raise AnalysisError(f"no load case {self.case!r}; give case= one of {known}")
+
+    def run(
+        self,
+        model: StructuralModel,
+        parameters: Mapping[str, float] | np.ndarray | None = None,
+        progress: bool | Callable[[float], None] = False,
+    ) -> StructuralMotion:
+        """Integrate; a run that fails keeps what it had and says why in its status.
+
+        Raises
+        ------
+        AnalysisError
+            Wrong step, duration or outputs.
+        SingularityError
+            The run cannot begin.
+        """
+        p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        return TransientRun(self, model, p).execute(progress)
+
+    def resample(self, motion: StructuralMotion, times: np.ndarray) -> StructuralMotion:
+        """The motion at other times within the run.
+
+        Between the ends of two steps it is found by a shorter step from the first, which is a
+        smooth function of the parameters.
+
+        Raises
+        ------
+        AnalysisError
+            A time outside the run.
+        """
+        record = motion.record
+        branches = place_outputs(record.steps, times)
+        return motion_at(record.march, self, times, branches, motion.status, motion.statistics)
+
+    def replay(self, motion: StructuralMotion, p: np.ndarray) -> StructuralMotion:
+        """The same steps and outputs at other parameter values."""
+        return self.run(motion.model, p).at(motion.time)
+
+
+def solve_transient(
+    model: StructuralModel,
+    duration: float | None = None,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    progress: bool | Callable[[float], None] = False,
+    **options: Any,
+) -> StructuralMotion:
+    """Motion of a structure, ``M a + C v + ∂W/∂u(u) = P(t)``, with its exact gradients.
+
+    Parameters
+    ----------
+    model : StructuralModel
+    duration : [s]
+    parameters : new values of parameters, without rebuilding
+    progress : True for a bar, or a function of the fraction done
+    **options : fields of ``Transient``: step, outputs, integrator, nonlinear, lumped, damping, …
+
+    Raises
+    ------
+    AnalysisError
+        Wrong options; ``SingularityError`` where the run cannot begin.
+    """
+    try:
+        analysis = Transient(duration=duration, **options)
+    except TypeError as error:
+        raise AnalysisError(f"solve_transient: {error}") from None
+    return analysis.run(model, parameters, progress)

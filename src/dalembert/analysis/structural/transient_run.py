@@ -1,0 +1,201 @@
+"""Marching a structure through time: start, steps, outputs, status."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.branches import Branches, outputs_of
+from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.structural.transient_equation import EquationOfMotion
+from dalembert.analysis.structural.transient_start import TransientStart
+from dalembert.analysis.structural.transient_step import Moving, TransientStep
+from dalembert.analysis.timeline import checked_span, checked_step, output_times, uniform_grid
+from dalembert.integrators.steps import Steps
+from dalembert.results.status import Outcome, Status
+from dalembert.results.structural.motion import StructuralMotion
+from dalembert.structures.model import StructuralModel
+
+
+class March:
+    """Steps taken, and the states at their ends.
+
+    Parameters
+    ----------
+    analysis : strategy object with the fields of ``Transient``
+    model : StructuralModel, linear or not as the analysis wants it
+    p : (np,) values of the parameters
+    """
+
+    def __init__(self, analysis: Any, model: StructuralModel, p: np.ndarray):
+        case = analysis.case_of(model)
+        self.analysis = analysis
+        self.equation = EquationOfMotion(model, p, case, analysis.damping, analysis.lumped)
+        self.start = TransientStart(self.equation, analysis.start, case)
+        self._steps: dict[float, TransientStep] = {}
+        self.steps: Steps
+
+    def step(self, h: float) -> TransientStep:
+        """Steps of a length; equal lengths share their factors."""
+        if h not in self._steps:
+            self._steps[h] = TransientStep(self.equation, self.analysis.integrator, h)
+        return self._steps[h]
+
+    @property
+    def iterations(self) -> int:
+        """Of Newton's method, in all steps."""
+        return sum(step.iterations for step in self._steps.values())
+
+    def run(self, times: np.ndarray, report: Callable[[float], None]) -> tuple[Outcome, str]:
+        """Take the steps between the times; how and why it ended."""
+        n, count = self.equation.assembly.size, times.size - 1
+        x = np.zeros((4 * n, count + 1), order="F")
+        now = self.start.state()
+        x[:, 0] = np.concatenate(now)
+        lengths, taken = _lengths(times), 0
+        outcome, message = Outcome.COMPLETED, ""
+        try:
+            for k, h in enumerate(lengths):
+                new = self.step(h).advance(now, float(times[k + 1]))
+                if new is None:
+                    outcome = Outcome.NOT_CONVERGED
+                    message = f"Newton's method fails after t = {times[k]:.6g} s; use shorter steps"
+                    break
+                if not np.all(np.isfinite(new.a)):
+                    outcome, message = Outcome.DIVERGED, f"diverged after t = {times[k]:.6g} s"
+                    break
+                now = new
+                x[:, k + 1] = np.concatenate(now)
+                taken = k + 1
+                report(taken / count)
+        except KeyboardInterrupt:
+            outcome, message = Outcome.INTERRUPTED, f"interrupted at t = {times[taken]:.6g} s"
+        modes = np.zeros(count, dtype=int)
+        whole = Steps(times[:-1], lengths, x, modes.astype(bool), modes)
+        self.steps = whole if taken == count else whole.cut(taken)
+        return outcome, message
+
+    def node(self, k: int) -> Moving:
+        """State at the end of step ``k``; the beginning for zero."""
+        return Moving(*self.steps.x[:, k].reshape(4, -1))
+
+    def states(self, branches: Branches) -> list[Moving]:
+        """States at outputs; between the ends of steps by a step of the length that is needed."""
+        ends = branches.ends_of(self.steps)
+        return [
+            self.node(int(k) + int(end)) if end or not length else self._inside(int(k), length)
+            for k, length, end in zip(branches.index, branches.length, ends, strict=True)
+        ]
+
+    def _inside(self, k: int, length: float) -> Moving:
+        time, h = float(self.steps.t[k]) + length, float(self.steps.h[k])
+        step = TransientStep(self.equation, self.analysis.integrator, length)
+        found = step.advance(shortened(self.node(k), length / h), time)
+        if found is None:
+            return Moving(*np.full((4, self.equation.assembly.size), np.nan))
+        return found
+
+
+def shortened(x: Moving, share: float) -> Moving:
+    """What a step of a ``share`` of the length begins with: ``α − a`` grows with the length."""
+    return x._replace(algorithmic=x.a + share * (x.algorithmic - x.a))
+
+
+def _lengths(times: np.ndarray) -> np.ndarray:
+    """Lengths of the steps, equal ones to the last bit."""
+    h = np.diff(times)
+    same = np.isclose(h, h[0], rtol=1e-9, atol=0)
+    return np.where(same, h[0], h)
+
+
+@dataclass
+class TransientRun:
+    """One execution of a transient analysis.
+
+    Parameters
+    ----------
+    analysis : strategy object with the fields of ``Transient``
+    model : StructuralModel
+    p : (np,) values of the parameters
+    """
+
+    analysis: Any
+    model: StructuralModel
+    p: np.ndarray
+
+    def execute(self, progress: Any = False) -> StructuralMotion:
+        """March, and take the outputs."""
+        a, begin = self.analysis, clock.perf_counter()
+        start, end = checked_span(a.duration, None)
+        times = uniform_grid(start, end, checked_step(a.step, start, end))
+        requested = output_times(a.outputs, start, end)
+        model = self.model if a.nonlinear else self.model.linearized
+        march = March(a, model, self.p)
+        with progress_reporter(progress, f"integrating {model.name}") as report:
+            outcome, message = march.run(times, report)
+        placed, branches = outputs_of(march.steps, requested)
+        statistics = {
+            "displacements": march.equation.assembly.size,
+            "steps": march.steps.count,
+            "iterations": march.iterations,
+            "seconds": clock.perf_counter() - begin,
+        }
+        status = self._status(march, outcome, message)
+        return motion_at(march, a, placed, branches, status, statistics)
+
+    @staticmethod
+    def _status(march: March, outcome: Outcome, message: str) -> Status:
+        e, last = march.equation, march.node(march.steps.count).motion
+        inner, loads = e.forces(last), e.loads(march.steps.end)
+        free = e.free if march.steps.count else e.massive
+        largest = max(np.abs(inner).max(initial=0.0), np.abs(loads).max(initial=0.0), 1e-300)
+        residual = float(np.abs((inner - loads)[free]).max(initial=0.0) / largest)
+        return Status(outcome, message or "transient", march.steps.end, residual)
+
+
+def motion_at(
+    march: March,
+    analysis: Any,
+    times: np.ndarray,
+    branches: Branches,
+    status: Status,
+    statistics: dict[str, Any],
+) -> StructuralMotion:
+    """The motion at outputs."""
+    e, found = march.equation, march.states(branches)
+    forces = [e.external_forces(x.motion, float(t)) for x, t in zip(found, times, strict=True)]
+    u, v, a = (np.stack(column, axis=1) for column in zip(*(x.motion for x in found), strict=True))
+    return StructuralMotion(
+        model=e.model,
+        analysis=analysis,
+        parameters=e.p,
+        time=times,
+        displacements=u,
+        velocities=v,
+        accelerations=a,
+        forces=np.stack(forces, axis=1),
+        mass=e.mass,
+        status=status,
+        statistics=statistics,
+        record=TransientRecord(march, march.steps, branches),
+    )
+
+
+@dataclass(frozen=True)
+class TransientRecord:
+    """What a gradient needs of a run.
+
+    Attributes
+    ----------
+    march : equations, steps and states
+    steps : the steps taken
+    branches : where the outputs lie among them
+    """
+
+    march: March
+    steps: Steps
+    branches: Branches

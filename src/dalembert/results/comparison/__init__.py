@@ -1,0 +1,1 @@
+"""Results of comparisons, as tables and pictures."""

@@ -1,0 +1,157 @@
+"""Modes of a linearised mechanism, and any measure of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.model.model import Model
+from dalembert.results.numbered import Numbered
+from dalembert.results.status import Status
+from dalembert.symbolic.expression import Expression, free_symbols
+from dalembert.symbolic.parser import parse_formula
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+REAL, IMAG = ca.SX.sym("eigenvalue_real"), ca.SX.sym("eigenvalue_imag")
+SIZE = ca.sqrt(REAL**2 + IMAG**2)
+MEASURES = {
+    "frequency": Expression(SIZE / (2 * np.pi), "frequency", "Hz"),
+    "damping_ratio": Expression(
+        ca.if_else(SIZE > 0, -REAL / ca.if_else(SIZE > 0, SIZE, 1), 0), "damping_ratio", "1"
+    ),
+    "eigenvalue_real": Expression(REAL, "eigenvalue_real", "1/s"),
+    "eigenvalue_imag": Expression(IMAG, "eigenvalue_imag", "rad/s"),
+}
+"""Of a mode with the eigenvalue ``s``: ``|s|/2π``, ``−Re s/|s|`` and the parts of ``s``."""
+
+
+def mode_formula(model: Model, text: str) -> Expression:
+    """A measure of a mode by its name, or a formula of such measures and of parameters.
+
+    Raises
+    ------
+    ExpressionError
+        Unknown names or a formula outside the grammar.
+    """
+    named = MEASURES | model.parameters | model.derived_parameters
+    return parse_formula(text, named.get, lambda: list(named))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Modes(Numbered):
+    """Eigenvalues and modes of the linearised mechanism.
+
+    Attributes
+    ----------
+    model : Model that was linearised
+    analysis : the analysis that made it
+    parameters : (np,) values used
+    numbers : (k,) of the modes, from 1, by increasing ``|s|``
+    eigenvalues : (k,) complex [1/s]; one of each conjugate pair
+    shapes : (n, k) complex displacements, largest entry one
+    matrix : reduced state matrix
+    status : Status, with the residual of the equilibrium
+    positions : (k,) of the eigenvalues in the whole spectrum of the record
+    record : what a gradient needs
+    statistics : name → number or text, for people
+    """
+
+    model: Model
+    analysis: Any
+    parameters: np.ndarray
+    numbers: np.ndarray
+    eigenvalues: np.ndarray
+    shapes: np.ndarray
+    matrix: np.ndarray
+    status: Status
+    positions: np.ndarray
+    record: Any = None
+    statistics: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """(k,) undamped ``|s|/2π`` [Hz]."""
+        return self.values("frequency")
+
+    @property
+    def damping_ratios(self) -> np.ndarray:
+        """(k,) ``−Re s/|s|``."""
+        return self.values("damping_ratio")
+
+    @property
+    def stable(self) -> bool:
+        """No eigenvalue has a positive real part."""
+        return bool(np.all(self.eigenvalues.real <= 1e-9 * (1 + np.abs(self.eigenvalues))))
+
+    def at(self, numbers: np.ndarray) -> Modes:
+        """Some of the modes, by number."""
+        index = self.places(numbers)
+        return replace(
+            self,
+            numbers=self.numbers[index],
+            eigenvalues=self.eigenvalues[index],
+            shapes=self.shapes[:, index],
+            positions=self.positions[index],
+        )
+
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, or a formula of measures and parameters.
+
+        Raises
+        ------
+        AnalysisError
+            It depends on something that a mode does not have; ``ExpressionError`` where a text
+            names it.
+        """
+        if isinstance(measure, str):
+            return mode_formula(self.model, measure)
+        foreign = free_symbols(measure.sx) - {REAL.name(), IMAG.name(), *self.model.parameters}
+        if foreign:
+            raise AnalysisError(
+                f"a mode has no {', '.join(sorted(foreign))}; it has {', '.join(MEASURES)}"
+            )
+        return measure
+
+    def values(self, measure: str | Expression) -> np.ndarray:
+        """(k,) values of a measure or formula."""
+        expression = self.expression(measure)
+        function = ca.Function("measure", [REAL, IMAG, self.model.equations.p], [expression.sx])
+        return self._each(function)[0]
+
+    def slopes(self, measure: Expression) -> tuple[np.ndarray, np.ndarray]:
+        """``(k,) ∂m/∂Re s − i ∂m/∂Im s``, so that ``dm = Re(slope ds)``, and (np, k) ``∂m/∂p``."""
+        inputs = [REAL, IMAG, self.model.equations.p]
+        by = ca.gradient(measure.sx, ca.vertcat(*inputs))
+        found = self._each(ca.Function("slopes", inputs, [ca.densify(by)]))
+        return found[0] - 1j * found[1], found[2:]
+
+    def _each(self, function: ca.Function) -> np.ndarray:
+        s, p = self.eigenvalues, self.parameters
+        if not s.size:
+            return np.zeros((function.size1_out(0), 0))
+        return function.map(s.size)(s.real, s.imag, np.tile(p[:, None], s.size)).full()
+
+    @property
+    def data(self) -> xr.Dataset:
+        """Labelled modes."""
+        import xarray as xr
+
+        found = {name: self[name] for name in MEASURES}
+        names = list(self.model.guesses.names)
+        for part in ("real", "imag"):
+            shape = (("coordinate", "mode"), getattr(self.shapes, part))
+            found[f"shape_{part}"] = xr.DataArray(shape[1], {"coordinate": names}, shape[0])
+        return xr.Dataset(found, attrs={"model": self.model.name})
+
+    def __repr__(self) -> str:
+        rows = ", ".join(
+            f"{f:.6g} Hz (ζ {z:+.3g})"
+            for f, z in zip(self.frequencies, self.damping_ratios, strict=True)
+        )
+        return f"<Modes of {self.model.name!r}: {rows}>"

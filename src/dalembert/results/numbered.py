@@ -1,0 +1,68 @@
+"""What results share whose states are numbered, as modes are, and have no instants."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.symbolic.expression import Expression
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class Numbered:
+    """Modes by their numbers; responses see the numbers as they see the instants of a motion.
+
+    Attributes
+    ----------
+    numbers : (k,) from 1
+    """
+
+    continuous = False
+    """There is nothing between two numbers: integrals over them are sums."""
+    numbers: np.ndarray
+
+    @property
+    def time(self) -> np.ndarray:
+        """(k,) numbers of the modes: what instants are to a motion."""
+        return self.numbers.astype(float)
+
+    def places(self, numbers: np.ndarray) -> list[int]:
+        """Where modes stand, by number.
+
+        Raises
+        ------
+        AnalysisError
+            There is no mode of a number.
+        """
+        wanted = np.asarray(numbers, dtype=float)
+        for number in wanted:
+            if number not in self.numbers:
+                known = ", ".join(map(str, self.numbers)) or "none"
+                raise AnalysisError(f"there is no mode {number:g} (known: {known})")
+        return [int(np.flatnonzero(self.numbers == number)[0]) for number in wanted]
+
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, or a formula of measures and parameters."""
+        raise NotImplementedError
+
+    def values(self, measure: str | Expression) -> np.ndarray:
+        """(k,) values of a measure or formula."""
+        raise NotImplementedError
+
+    def __getitem__(self, measure: str | Expression) -> xr.DataArray:
+        """A measure by name, or a formula of measures, as a labelled array over the modes."""
+        import xarray as xr
+
+        expression = self.expression(measure)
+        name = expression.name or (measure if isinstance(measure, str) else "measure")
+        return xr.DataArray(
+            self.values(expression),
+            dims="mode",
+            coords={"mode": self.numbers},
+            name=name,
+            attrs={"units": expression.unit},
+        )

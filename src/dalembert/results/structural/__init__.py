@@ -1,0 +1,1 @@
+"""Results of structures: states under loads, modes, motions; their pictures and tables."""

@@ -1,0 +1,209 @@
+"""What a structure looks like: lines, faces and points, and how displacements move them.
+
+Pictures and pages are drawn from this, whatever analysis the displacements come from.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dalembert.results.structural.shapes import (
+    COIL,
+    Shapes,
+    between,
+    lanes,
+    outside,
+    samples,
+    turned_tangent,
+)
+from dalembert.structures.block import ElementBlock
+from dalembert.structures.cells import CELLS
+from dalembert.structures.model import StructuralModel
+from dalembert.structures.node import ROTATIONS
+from dalembert.structures.registry import cell_of
+from dalembert.structures.springs import AxialSpring
+
+SHARP = 0.6
+"""Angle between two faces from which on their edge is drawn [rad]."""
+
+
+@dataclass(eq=False)
+class StructuralDrawing:
+    """Vertices and what is drawn between them; the first vertices are the nodes.
+
+    Parameters
+    ----------
+    model : StructuralModel
+    p : (np,) parameter values
+
+    Attributes
+    ----------
+    rest : (v, 3) places before anything moves [m]
+    lines, faces, points : what is drawn
+    starts : number of the first element of every block
+    """
+
+    model: StructuralModel
+    p: np.ndarray
+    lines: list[Shapes] = field(default_factory=list)
+    faces: list[Shapes] = field(default_factory=list)
+    points: list[Shapes] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        blocks = self.model.blocks
+        self.dimension = self.model.degrees.dimension
+        self.starts = np.cumsum([0, *(b.count for b in blocks)])
+        self.rest = self._nodes()
+        self.node_count = len(self.rest)
+        self._curves: list[tuple[ElementBlock, np.ndarray, slice]] = []
+        solids: list[Shapes] = []
+        for block, start in zip(blocks, self.starts, strict=False):
+            cell, owners = cell_of(block.kind.cls), start + np.arange(block.count)
+            if cell == "line":
+                self._add_lines(block, owners)
+            elif cell == "vertex":
+                self.points.append(Shapes(block.nodes.T, owners))
+            else:
+                known = CELLS.get(cell)
+                outlines = known.faces if known else (tuple(range(block.nodes.shape[0])),)
+                made = [Shapes(block.nodes[list(f)].T, owners) for f in outlines]
+                (solids if known and known.dimension == 3 else self.faces).extend(made)
+        self.faces += outside(solids)
+
+    @property
+    def extent(self) -> float:
+        """Size of the structure [m]."""
+        return float(np.ptp(self.rest, axis=0).max(initial=0.0)) or 1.0
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """(n, 3) places of the nodes [m]."""
+        return self.rest[: self.node_count]
+
+    @property
+    def element_names(self) -> list[str]:
+        """Names of all elements, block by block."""
+        return [name for block in self.model.blocks for name in block.names.names]
+
+    def displaced(self, u: np.ndarray, finite: bool = False) -> np.ndarray:
+        """(v, 3) displacements of the vertices.
+
+        Parameters
+        ----------
+        u : (n,) displacements and rotations of the structure
+        finite : rotations are large: those of rotation vectors
+        """
+        moved = np.zeros_like(self.rest)
+        moved[: self.node_count] = self._translations(u)
+        for block, along, place in self._curves:
+            moved[place] = self._curve(block, along, u, finite).reshape(-1, 3)
+        return moved
+
+    def outline(self) -> np.ndarray:
+        """(k, 2) vertices of the edges where faces end or their surface bends sharply."""
+        if not self.faces:
+            return np.zeros((0, 2), dtype=int)
+        edges, normals = [], []
+        for shape in self.faces:
+            corner = self.rest[shape.vertices]
+            normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, -1] - corner[:, 0])
+            normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+            around = np.stack([shape.vertices, np.roll(shape.vertices, -1, axis=1)], axis=2)
+            edges.append(np.sort(around.reshape(-1, 2), axis=1))
+            normals.append(np.repeat(normal, shape.vertices.shape[1], axis=0))
+        found, where, counts = np.unique(
+            np.concatenate(edges), axis=0, return_inverse=True, return_counts=True
+        )
+        total = np.zeros((len(found), 3))
+        np.add.at(total, where.ravel(), np.concatenate(normals))
+        smooth = (counts == 2) & (np.linalg.norm(total, axis=1) > 2 * np.cos(SHARP / 2))
+        return found[~smooth]
+
+    # nodes ---------------------------------------------------------------------------------
+    def _nodes(self) -> np.ndarray:
+        """Places of the nodes, taken from the elements that they belong to."""
+        d = self.dimension
+        found = np.zeros((len(self.model.degrees.nodes), 3))
+        for block in self.model.blocks:
+            data = block.data(self.p)
+            for k, nodes in enumerate(block.nodes):
+                found[nodes, :d] = data[k * d : (k + 1) * d].T
+        return found
+
+    def _translations(self, u: np.ndarray) -> np.ndarray:
+        numbers = self.model.degrees.table[:, : self.dimension]
+        moved = np.zeros((len(numbers), 3))
+        moved[:, : self.dimension] = np.where(numbers >= 0, u[numbers], 0.0)
+        return moved
+
+    def _rotations(self, u: np.ndarray) -> np.ndarray:
+        """(n, 3) rotation vectors of the nodes."""
+        numbers = self.model.degrees.table[:, self.dimension :]
+        turned = np.zeros((len(numbers), 3))
+        axes = [("rx", "ry", "rz").index(r) for r in ROTATIONS[self.dimension]]
+        turned[:, axes] = np.where(numbers >= 0, u[numbers], 0.0)
+        return turned
+
+    # lines ---------------------------------------------------------------------------------
+    def _add_lines(self, block: ElementBlock, owners: np.ndarray) -> None:
+        spring = issubclass(block.kind.cls, AxialSpring)
+        flat = self.dimension == 1
+        if not (spring or flat or block.kind.cls.turns):
+            self.lines.append(Shapes(block.nodes.T, owners))
+            return
+        along = COIL if spring else np.linspace(0, 1, samples(block.count))
+        if flat:
+            along = np.array([0, *along, 1])
+        ends = self.rest[block.nodes]  # (2, ne, 3)
+        places = between(ends, along)
+        if spring:
+            places += self._turns(block, along)
+        if flat:
+            height = 0.1 * np.ptp(self.rest[:, 0]) * lanes(np.sort(ends[:, :, 0], axis=0).T)
+            places[:, 1:-1, 1] += height[:, None]
+        first = len(self.rest)
+        place = slice(first, first + places.shape[0] * places.shape[1])
+        self.rest = np.vstack([self.rest, places.reshape(-1, 3)])
+        numbers = np.arange(place.start, place.stop).reshape(places.shape[:2])
+        self.lines.append(Shapes(numbers, owners))
+        self._curves.append((block, along, place))
+
+    def _turns(self, block: ElementBlock, along: np.ndarray) -> np.ndarray:
+        """(ne, s, 3) sideways places of the turns of springs."""
+        ends = self.rest[block.nodes]
+        chord = ends[1] - ends[0]
+        across = np.cross([0.0, 0.0, 1.0], chord)
+        vertical = np.linalg.norm(across, axis=1) < 1e-9 * np.linalg.norm(chord, axis=1)
+        across[vertical] = np.cross([1.0, 0.0, 0.0], chord[vertical])
+        size = np.linalg.norm(across, axis=1, keepdims=True)
+        across = np.divide(across, size, out=np.zeros_like(across), where=size > 0)
+        inner = np.flatnonzero((along > 0.2) & (along < 0.8))
+        side = np.zeros(along.size)
+        side[inner] = np.where(np.arange(inner.size) % 2, -1.0, 1.0)
+        width = 0.015 * float(np.ptp(self.rest[: len(self.model.degrees.nodes)], axis=0).max())
+        return width * side[None, :, None] * across[:, None, :]
+
+    def _curve(
+        self, block: ElementBlock, along: np.ndarray, u: np.ndarray, finite: bool
+    ) -> np.ndarray:
+        """(ne, s, 3) displacements along lines; a cubic where the ends have rotations."""
+        moved = self._translations(u)[block.nodes]
+        if not block.kind.cls.turns:
+            return between(moved, along)
+        chord = self.nodes[block.nodes[1]] - self.nodes[block.nodes[0]]
+        turned = self._rotations(u)[block.nodes]
+        after = chord + moved[1] - moved[0]
+        stretch = (after - chord) * chord / np.sum(chord**2, axis=1, keepdims=True)
+        along_chord = stretch.sum(axis=1, keepdims=True) * chord
+        slopes = [
+            turned_tangent(r, chord, after) if finite else np.cross(r, chord) + along_chord
+            for r in turned
+        ]
+        s = along[None, :, None]
+        first, second = (part[:, None, :] for part in slopes)
+        i, j = (end[:, None, :] for end in moved)
+        apart = j - i
+        bent = first * s * (1 - s) ** 2 - second * s**2 * (1 - s)
+        return i + apart * (3 * s**2 - 2 * s**3) + bent

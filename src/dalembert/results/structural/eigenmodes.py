@@ -1,0 +1,203 @@
+"""Modes of a structure, in vibration or in buckling, and any measure of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.results.numbered import Numbered
+from dalembert.results.status import Status
+from dalembert.results.structural.measured_states import MeasuredStates
+from dalembert.results.structural.outputs import StructuralOutputs
+from dalembert.structures.measures import Compliance, ExternalForce, Measure, State, Weights
+from dalembert.structures.model import StructuralModel
+from dalembert.symbolic.expression import Expression, free_symbols
+from dalembert.symbolic.parser import parse_formula
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+EIGENVALUE = ca.SX.sym("eigenvalue")
+
+
+@dataclass(kw_only=True)
+class ModeState(State):
+    """A shape with its eigenvalue."""
+
+    eigenvalue: float
+
+
+@dataclass(kw_only=True)
+class ModeWeights(Weights):
+    """The same for weights."""
+
+    eigenvalue: float = 0.0
+
+
+@dataclass
+class Eigenvalue(Measure):
+    """The eigenvalue of a mode."""
+
+    def value(self, s: State) -> float:
+        return cast(ModeState, s).eigenvalue
+
+    def pull(self, s: State, weight: float, into: Weights) -> None:
+        cast(ModeWeights, into).eigenvalue += weight
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
+    """Eigenvalues and shapes of ``A φ = λ B φ``, scaled to ``φᵀ B φ = 1`` in SI units.
+
+    Measures are those in ``named``, displacements of a shape such as ``"n2.uy"``, quantities of
+    elements that it strains (from rest and to the first order), and formulas of them.
+
+    Attributes
+    ----------
+    model : StructuralModel
+    analysis : the analysis that made it
+    parameters : (np,) values used
+    numbers : (k,) of the modes, from 1
+    eigenvalues : (k,)
+    shapes : (n, k) displacements; the largest entry is positive
+    status : Status, with the residual of the eigenpairs
+    positions : (k,) of the modes in the spectrum of the record
+    record : what a gradient needs
+    statistics : name → number or text, for people
+    """
+
+    model: StructuralModel
+    analysis: Any
+    parameters: np.ndarray
+    numbers: np.ndarray
+    eigenvalues: np.ndarray
+    shapes: np.ndarray
+    status: Status
+    positions: np.ndarray
+    record: Any = None
+    statistics: dict[str, Any] = field(default_factory=dict)
+
+    named: ClassVar[dict[str, Expression]] = {}
+    """Measures of the eigenvalue alone."""
+    main: ClassVar[str]
+    """The one of them that people ask for first."""
+
+    def at(self, numbers: np.ndarray) -> Self:
+        """Some of the modes, by number."""
+        index = self.places(numbers)
+        return replace(
+            self,
+            numbers=self.numbers[index],
+            eigenvalues=self.eigenvalues[index],
+            shapes=self.shapes[:, index],
+            positions=self.positions[index],
+        )
+
+    # measures -----------------------------------------------------------------------------
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, or a formula of measures and parameters.
+
+        Raises
+        ------
+        ExpressionError
+            A text that names something unknown; ``AnalysisError`` for what a mode does not have.
+        """
+        if isinstance(measure, str):
+            found = self._find(measure)
+            if found is None:
+                found = parse_formula(measure, self._find, lambda: list(self.named))
+            measure = found
+        for name in free_symbols(measure.sx) - set(self.model.parameters):
+            self.measure(name)
+        return measure
+
+    def _find(self, name: str) -> Expression | None:
+        if name in self.named:
+            return self.named[name]
+        if name in self.model.parameters:
+            return self.model.parameters[name]
+        return self.model.linearized.measures.find(name)
+
+    def measure(self, name: str) -> Measure:
+        """What a symbol in a formula stands for.
+
+        Raises
+        ------
+        AnalysisError
+            A mode does not have it.
+        """
+        if name == EIGENVALUE.name():
+            return Eigenvalue()
+        try:
+            found = self.model.linearized.measure(name)
+        except KeyError:
+            found = None
+        if found is None or isinstance(found, (ExternalForce, Compliance)):
+            raise AnalysisError(
+                f"a mode has no {name}; it has {', '.join(self.named)}, displacements of nodes and "
+                "quantities of elements"
+            )
+        return found
+
+    def state(self, k: int) -> ModeState:
+        """A shape as displacements; nothing acts on it."""
+        u = self.shapes[:, k]
+        return ModeState(
+            u, np.zeros_like(u), self.parameters, eigenvalue=float(self.eigenvalues[k])
+        )
+
+    def no_weights(self) -> ModeWeights:
+        n = len(self.model.degrees)
+        return ModeWeights(u=np.zeros(n), forces=np.zeros(n), p=np.zeros(self.parameters.size))
+
+    # for people ---------------------------------------------------------------------------
+    kind_of_state = "mode"
+    totals = ()
+    of_any_size = True
+
+    @property
+    def cases(self) -> list[str]:  # type: ignore[override]
+        """Number and main measure of each mode."""
+        unit = f" {self.named[self.main].unit}".rstrip()
+        values = zip(self.numbers, self.values(self.main), strict=True)
+        return [f"mode {number}: {value:.5g}{unit}" for number, value in values]
+
+    @property
+    def displacements(self) -> np.ndarray:  # type: ignore[override]
+        """(n, k) shapes."""
+        return self.shapes
+
+    @property
+    def forces(self) -> np.ndarray:  # type: ignore[override]
+        """(n, k) none."""
+        return np.zeros_like(self.shapes)
+
+    def case(self, name: str | int) -> int:
+        """Place of a mode, by its number."""
+        return self.places(np.array([name]))[0] if isinstance(name, int) else super().case(name)
+
+    def plot(self, field: str | None = None, case: str | int = 1, **options: Any) -> Any:
+        """Draw a shape, ``case`` being the number of the mode; see ``StructuralResult.plot``."""
+        return super().plot(field, case, **options)
+
+    @property
+    def data(self) -> xr.Dataset:
+        """Labelled modes."""
+        import xarray as xr
+
+        found = {name: self[name] for name in self.named}
+        names = [f"{node}.{direction}" for node, direction in self.model.degrees]
+        about = {"units": "m or rad"}
+        coords = {"degree": names, "mode": self.numbers}
+        found["shape"] = xr.DataArray(self.shapes, coords, ("degree", "mode"), attrs=about)
+        return xr.Dataset(found, attrs={"model": self.model.name, "status": str(self.status)})
+
+    def __repr__(self) -> str:
+        values = self.values(self.main)
+        unit = f" {self.named[self.main].unit}".rstrip()
+        rows = ", ".join(f"{v:.6g}{unit}" for v in values)
+        return f"<{type(self).__name__} of {self.model.name!r}: {rows}>"

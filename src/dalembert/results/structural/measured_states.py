@@ -1,0 +1,145 @@
+"""Formulas of measures over the states of a structure, and what they weigh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.structures.measures import Measure, State, Weights
+from dalembert.structures.model import StructuralModel
+from dalembert.symbolic.expression import Expression, stack, t
+from dalembert.symbolic.parser import parse_formula
+
+
+class MeasuredStates:
+    """States by number, load cases or instants, and any formula of their measures.
+
+    Attributes
+    ----------
+    model : StructuralModel
+    parameters : (np,) values used
+    time : (K,) instants, or numbers of the states
+    """
+
+    model: StructuralModel
+    parameters: np.ndarray
+    time: np.ndarray
+
+    def state(self, k: int) -> State:
+        """What a measure sees."""
+        raise NotImplementedError
+
+    def measure(self, name: str) -> Measure:
+        """What a symbol in a formula stands for."""
+        return self.model.measure(name)
+
+    def no_weights(self) -> Weights:
+        """Weights of nothing, to which those of measures are added."""
+        return Weights.zero(len(self.model.degrees), self.parameters.size)
+
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, or a formula of measures."""
+        if isinstance(measure, Expression):
+            return measure
+        if not isinstance(measure, str):
+            raise AnalysisError(f"a measure is a name or a formula, got {measure!r}")
+        found = self._found(measure)
+        if found is None and any(c in measure for c in "+-*/( "):
+            return parse_formula(measure, self._found, self.model.measures.names)
+        return self.model[measure] if found is None else found
+
+    def values(self, measure: str | Expression) -> np.ndarray:
+        """(K,) values of a scalar measure or formula."""
+        formula = Formula(self, self.expression(measure).sx)
+        return formula.values
+
+    def weights(self, sx: ca.SX, k: int) -> Weights:
+        """What a formula weighs the state ``k`` and the parameters."""
+        return Formula(self, sx).weights(k)
+
+    def _found(self, name: str) -> Expression | None:
+        known = self.model.parameters.get(name) or self.model.measures.find(name)
+        return t if known is None and name == "t" else known
+
+
+@dataclass
+class Formula:
+    """A scalar formula of measures, parameters and time, over all states.
+
+    Parameters
+    ----------
+    states : MeasuredStates
+    sx : the formula
+    """
+
+    states: MeasuredStates
+    sx: ca.SX
+
+    def __post_init__(self) -> None:
+        model = self.states.model
+        others = {"t", *model.parameters}
+        symbols = stack(s for s in ca.symvar(self.sx) if s.name() not in others)
+        self._measures = [self.states.measure(s.name()) for s in ca.vertsplit(symbols)]
+        given = [t.sx, symbols, model.p]
+        slopes = [ca.gradient(self.sx, symbols), ca.gradient(self.sx, model.p)]
+        self._value = ca.Function("formula", given, [ca.densify(self.sx)])
+        self._slopes = ca.Function("slopes", given, [ca.densify(slope) for slope in slopes])
+
+    @property
+    def values(self) -> np.ndarray:
+        """(K,) at all states."""
+        count = len(self.states.time)
+        if not count:
+            return np.zeros(0)
+        numbers = np.array([self._numbers(k) for k in range(count)]).reshape(count, -1).T
+        p = np.tile(self.states.parameters[:, None], count)
+        return self._value.map(count)(self.states.time[None, :], numbers, p).full().ravel()
+
+    def weights(self, k: int, weight: float = 1.0) -> Weights:
+        """What the formula weighs the state ``k`` and the parameters."""
+        into, state = self.states.no_weights(), self.states.state(k)
+        given = self.states.time[k], self._numbers(k), self.states.parameters
+        slopes, own = (found.full().ravel() for found in self._slopes(*given))
+        into.p += weight * own
+        for measure, slope in zip(self._measures, slopes, strict=True):
+            measure.pull(state, weight * float(slope), into)
+        return into
+
+    def rate(self, k: int, change: State) -> float:
+        """Change of the value with the state ``k``; ``change.p`` is that of the parameters."""
+        return self.weights(k).along(change)
+
+    @cached_property
+    def _turns(self) -> ca.Function:
+        """Change of the slopes with the measures and the parameters."""
+        given = self._slopes.sx_in()
+        seen = ca.vertcat(*given[1:])
+        change = ca.SX.sym("change", seen.numel())
+        turned = [ca.densify(ca.jtimes(slope, seen, change)) for slope in self._slopes(*given)]
+        return ca.Function("turns", [*given, change], turned)
+
+    def turn(self, k: int, change: State, weight: float = 1.0) -> Weights:
+        """Change of ``weights`` with the state ``k``."""
+        into, state = self.states.no_weights(), self.states.state(k)
+        given = self.states.time[k], self._numbers(k), self.states.parameters
+        slopes = self._slopes(*given)[0].full().ravel()
+        moved = []
+        for measure in self._measures:
+            alone = self.states.no_weights()
+            measure.pull(state, 1.0, alone)
+            moved.append(alone.along(change))
+        rates = np.concatenate([moved, change.p])
+        turned, own = (found.full().ravel() for found in self._turns(*given, rates))
+        into.p += weight * own
+        for measure, slope, more in zip(self._measures, slopes, turned, strict=True):
+            measure.pull(state, weight * float(more), into)
+            measure.turn(state, change, weight * float(slope), into)
+        return into
+
+    def _numbers(self, k: int) -> list[float]:
+        state = self.states.state(k)
+        return [measure.value(state) for measure in self._measures]

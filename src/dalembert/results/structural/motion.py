@@ -1,0 +1,132 @@
+"""The result of a transient analysis of a structure: its motion and any measure of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.sparse as sparse
+
+from dalembert.results.status import Status
+from dalembert.results.structural.measured_states import MeasuredStates
+from dalembert.results.structural.outputs import StructuralOutputs
+from dalembert.structures.model import StructuralModel
+from dalembert.structures.motion_measures import MovingState, MovingWeights
+from dalembert.symbolic.expression import Expression
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(eq=False, repr=False)
+class StructuralMotion(MeasuredStates, StructuralOutputs):
+    """Motion of a structure at the output times.
+
+    Measures are those of statics, velocities (``"n2.vx"``, of rotations ``"n2.vrz"``),
+    accelerations (``"n2.ax"``), ``"kinetic_energy"``, and formulas of them.
+
+    Attributes
+    ----------
+    model : StructuralModel that was solved
+    analysis : the analysis that made it
+    parameters : (np,) values used
+    time : (K,) [s]
+    displacements, velocities, accelerations : (n, K)
+    forces : (n, K) applied forces, and reactions at prescribed displacements
+    mass : (n, n) mass matrix
+    status : Status
+    statistics : name → number, for people
+    record : what a gradient needs of the run
+    """
+
+    model: StructuralModel
+    analysis: Any
+    parameters: np.ndarray
+    time: np.ndarray
+    displacements: np.ndarray
+    velocities: np.ndarray
+    accelerations: np.ndarray
+    forces: np.ndarray
+    mass: sparse.csc_matrix
+    status: Status
+    statistics: dict[str, Any] = field(default_factory=dict)
+    record: Any = None
+
+    kind_of_state = "instant"
+    totals = ("mass",)
+    in_sequence = True
+
+    @property
+    def cases(self) -> list[str]:  # type: ignore[override]
+        """The instants."""
+        return [f"{time:.6g} s" for time in self.time]
+
+    @property
+    def large(self) -> bool:
+        return bool(self.analysis.nonlinear)
+
+    def at(self, times: np.ndarray) -> StructuralMotion:
+        """The same motion at other times, by the steps that were taken."""
+        return self.analysis.resample(self, np.atleast_1d(np.asarray(times, dtype=float)))
+
+    def state(self, k: int) -> MovingState:
+        return MovingState(
+            u=self.displacements[:, k],
+            forces=self.forces[:, k],
+            p=self.parameters,
+            v=self.velocities[:, k],
+            a=self.accelerations[:, k],
+            mass=self.mass,
+            lumped=self.analysis.lumped,
+        )
+
+    def no_weights(self) -> MovingWeights:
+        return MovingWeights.zero(len(self.model.degrees), self.parameters.size)
+
+    def __getitem__(self, measure: str | Expression) -> xr.DataArray:
+        """A measure by name, or a formula of measures, as a labelled array over time.
+
+        Raises
+        ------
+        KeyError
+            Unknown name, with the nearest known ones.
+        """
+        import xarray as xr
+
+        expression = self.expression(measure)
+        name = expression.name or (measure if isinstance(measure, str) else "measure")
+        return xr.DataArray(
+            self.values(expression),
+            coords={"time": ("time", self.time, {"units": "s"})},
+            dims="time",
+            name=name,
+            attrs={"units": expression.unit, "long_name": name},
+        )
+
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """Displacements, velocities, accelerations, forces and energies with names."""
+        import xarray as xr
+
+        tables = {
+            "displacement": (self.displacements, "m or rad"),
+            "velocity": (self.velocities, "m/s or rad/s"),
+            "acceleration": (self.accelerations, "m/s^2 or rad/s^2"),
+            "external_force": (self.forces, "N or N m"),
+        }
+        found: dict[str, Any] = {
+            name: (("degree", "time"), table, {"units": unit})
+            for name, (table, unit) in tables.items()
+        }
+        for name in ("kinetic_energy", "strain_energy"):
+            found[name] = ("time", self.values(name), {"units": "J"})
+        names = [f"{node}.{direction}" for node, direction in self.model.degrees]
+        coords = {"degree": names, "time": ("time", self.time, {"units": "s"})}
+        about = {"model": self.model.name, "status": str(self.status)}
+        return xr.Dataset(found, coords, about)
+
+    def __repr__(self) -> str:
+        span = f"{self.time.size} times to {self.status.time:g} s"
+        return f"<StructuralMotion of {self.model.name!r}: {span}, {self.status}>"

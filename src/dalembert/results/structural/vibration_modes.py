@@ -1,0 +1,107 @@
+"""Modes of vibration: frequencies, shapes, and what a motion of the supports moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import casadi as ca
+import numpy as np
+
+from dalembert.results.structural.eigenmodes import EIGENVALUE, EigenModes
+from dalembert.structures.measures import Measure, State, Weights
+from dalembert.structures.model import StructuralModel
+from dalembert.symbolic.expression import Expression
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+OMEGA = ca.sign(EIGENVALUE) * ca.sqrt(ca.fabs(EIGENVALUE))
+PARTICIPATION, EFFECTIVE = "participation.", "effective_mass."
+
+
+@dataclass
+class Participation(Measure):
+    """``Γ = φᵀ M r`` with a unit motion ``r`` of all nodes in one direction (Clough and Penzien).
+
+    Parameters
+    ----------
+    model : StructuralModel
+    direction : ux, uy or uz
+    lumped : the mass matrix
+    """
+
+    model: StructuralModel
+    direction: str
+    lumped: bool
+    unit: str = "kg^0.5"
+
+    @property
+    def motion(self) -> np.ndarray:
+        """(n,) ``r``."""
+        degrees = self.model.degrees
+        found = np.zeros(len(degrees))
+        found[degrees.table[:, degrees.directions.index(self.direction)]] = 1.0
+        return found
+
+    def value(self, s: State) -> float:
+        return float(s.u @ self._moved(s))
+
+    def pull(self, s: State, weight: float, into: Weights) -> None:
+        into.u += weight * self._moved(s)
+        into.p += weight * self.model.assembly.pull_mass(s.u, self.motion, s.p, self.lumped)
+
+    def _moved(self, s: State) -> np.ndarray:
+        return self.model.assembly.mass(s.p, self.lumped) @ self.motion
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class VibrationModes(EigenModes):
+    """Modes of ``K φ = ω² M φ`` by increasing ``ω²``, scaled to ``φᵀ M φ = 1 kg m²``.
+
+    Where the structure is unstable ``ω²`` is negative; then so are ``frequency`` and
+    ``angular_frequency``, of its size. ``participation.ux`` is ``Γ``, ``effective_mass.ux`` is
+    ``Γ²``, also with uy and uz: the part of the mass that a motion of all supports in this
+    direction sets in motion through the mode.
+    """
+
+    named: ClassVar[dict[str, Expression]] = {
+        "frequency": Expression(OMEGA / (2 * np.pi), "frequency", "Hz"),
+        "angular_frequency": Expression(OMEGA, "angular_frequency", "rad/s"),
+        "eigenvalue": Expression(EIGENVALUE, "eigenvalue", "rad^2/s^2"),
+    }
+    main = "frequency"
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """(k,) [Hz]."""
+        return self.values("frequency")
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """Displacements in which supports can move all nodes."""
+        return tuple(d for d in self.model.degrees.directions if d.startswith("u"))
+
+    def _find(self, name: str) -> Expression | None:
+        for prefix in (PARTICIPATION, EFFECTIVE):
+            direction = name.removeprefix(prefix)
+            if name != direction and direction in self.directions:
+                symbol = ca.SX.sym(PARTICIPATION + direction)
+                if prefix == EFFECTIVE:
+                    return Expression(symbol**2, name, "kg")
+                return Expression(symbol, name, Participation.unit)
+        return super()._find(name)
+
+    def measure(self, name: str) -> Measure:
+        direction = name.removeprefix(PARTICIPATION)
+        if name != direction and direction in self.directions:
+            return Participation(self.model, direction, self.analysis.lumped)
+        return super().measure(name)
+
+    @property
+    def data(self) -> xr.Dataset:
+        found: Any = super().data
+        for direction in self.directions:
+            name = EFFECTIVE + direction
+            found[name] = self[name]
+        return found

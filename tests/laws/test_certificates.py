@@ -1,0 +1,194 @@
+"""Certificates: right gradients pass on every kind of analysis, wrong ones do not."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, structures
+from dalembert.sensitivity.checks.certificate import certify
+from dalembert.sensitivity.registry import ENGINES
+from dalembert.structures.model import StructuralModel
+
+PLACES = {"a": (0.0, 0.0), "b": (1.0, -0.1), "c": (2.0, 0.0)}
+
+
+@cache
+def propped_bar(driven: bool = False) -> da.Model:
+    """A bar on a pin, held by an inclined spring, with a parameter that nothing uses."""
+    system = da.System("propped bar", gravity=(0.0, -9.81))
+    length = system.parameter("length", 1.2, "m", bounds=(1.2, 2.0))
+    mass = system.parameter("mass", 3.0, "kg")
+    stiffness = system.parameter("stiffness", 400.0, "N/m")
+    start = system.parameter("start", 0.2, "rad")
+    offset = system.parameter("offset", 0.0, "m", bounds=(-0.2, 0.2))
+    system.parameter("idle", 7.0)
+    bar = system.add(planar.Bar("bar", length=length, mass=mass, angle=start))
+    system.add(planar.Revolute("pin", system.ground.center, bar.start))
+    top = system.ground.point(0.3 + offset, 1.0)
+    system.add(planar.Spring("spring", top, bar.end, stiffness=stiffness, free_length=0.5))
+    if driven:
+        law = da.Formula(start + 0.5 * da.t + 0.1 * da.sin(3 * da.t))
+        system.add(planar.RotationalDriver("motor", system.ground, bar, law=law))
+    return system.build()
+
+
+@cache
+def cable() -> StructuralModel:
+    """Two inclined bars under a load, area in m^2 and modulus in Pa."""
+    structure = da.Structure("cable")
+    area = structure.parameter("area", 2e-6, "m^2", bounds=(1e-6, 5e-6))
+    modulus = structure.parameter("modulus", 2.1e11, "Pa")
+    load = structure.parameter("load", -500.0, "N")
+    a, b, c = (structure.node(n, *p) for n, p in PLACES.items())
+    for name, i, j in (("ab", a, b), ("bc", b, c)):
+        bar = structures.Truss(name, i, j, area=area, modulus=modulus, density=7850.0)
+        structure.add(bar)
+    structure.support(a)
+    structure.support(c)
+    structure.load(b, fy=load)
+    return structure.build()
+
+
+def dynamics(**choices) -> da.Motion:
+    return da.solve_dynamics(propped_bar(), 0.4, step=0.02, outputs=9, **choices)
+
+
+MECHANICAL = (
+    da.final("bar.end.x", name="place"),
+    da.integral("pin.force_norm", name="force"),
+    da.rms("spring.force", name="spring"),
+)
+STATIC = (da.final("b.uy"), da.final("ab.force"), da.final("a.fx"))
+RESULTS = {
+    "statics": (lambda: da.solve_statics(cable()), STATIC),
+    "nonlinear statics": (lambda: da.solve_statics(cable(), nonlinear=True), STATIC),
+    "equilibrium": (lambda: da.solve_equilibrium(propped_bar()), MECHANICAL[:1]),
+    "kinematics": (
+        lambda: da.solve_kinematics(propped_bar(True), 0.5, step=0.05),
+        (da.final("bar.end.x"), da.maximum("bar.end.vx", smooth=10.0), da.mean("bar.ax")),
+    ),
+    "inverse dynamics": (
+        lambda: da.solve_inverse_dynamics(propped_bar(True), 0.5, step=0.05),
+        (da.rms("motor.moment"), *MECHANICAL[1:]),
+    ),
+    "explicit": (dynamics, MECHANICAL),
+    "adaptive": (lambda: dynamics(integrator=da.DormandPrince()), MECHANICAL),
+    "partitioned": (lambda: dynamics(formulation=da.VelocityPartitioning()), MECHANICAL),
+    "implicit": (lambda: dynamics(integrator=da.GeneralizedAlpha()), MECHANICAL),
+    "event": (
+        lambda: dynamics(events={"low": da.Event("bar.end.x", terminal=True, direction=-1)}),
+        (da.event_time("low"), da.final("bar.end.vx"), da.integral("kinetic_energy")),
+    ),
+    "index 3": (
+        lambda: dynamics(formulation=da.Dae(index=3), integrator=da.Radau()),
+        MECHANICAL,
+    ),
+    "sundials": (lambda: dynamics(integrator=da.Cvodes()), MECHANICAL[:1]),
+    "modes": (lambda: da.linearize(propped_bar()), (da.final("frequency", name="f"),)),
+    "vibration": (lambda: da.solve_modes(cable(), 2), (da.at(1, "frequency"),)),
+    "buckling": (lambda: da.solve_buckling(cable(), 1), (da.at(1, "load_factor"),)),
+    "load path": (lambda: da.solve_load_path(cable()), (da.final("b.uy"), da.final("ab.force"))),
+    "transient": (
+        lambda: da.solve_transient(cable(), 0.01, step=5e-4),
+        (da.final("b.uy"), da.rms("ab.force")),
+    ),
+}
+
+
+@cache
+def certified(name: str):
+    make, responses = RESULTS[name]
+    result = make()
+    assert result.status.success
+    return da.sensitivity(result, responses, certificate=True)
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_right_gradients_pass(name):
+    gradient = certified(name)
+    certificate = gradient.attrs["certificate"]
+    assert certificate.passed, f"{certificate}\n{certificate.table()}"
+    tolerance = 1e-5 if name == "sundials" else 1e-9
+    assert float(certificate.data["disagreement"].max()) <= tolerance
+    assert float(certificate.data["error"].max()) <= 10 * max(tolerance, 1e-7)
+    slopes = certificate.data["taylor_slope"].values
+    assert np.all(np.isnan(slopes) | (slopes > 1.9))
+    assert np.nanmin(np.abs(slopes - 2.0)) < 0.1  # more where the curvature happens to vanish
+    np.testing.assert_allclose(certificate.data["adjoint"], gradient, rtol=1e-6, atol=1e-300)
+
+
+def test_every_engine_is_certified():
+    analyses = {type(make().analysis) for make, _ in RESULTS.values()}
+    assert all(any(issubclass(a, kind) for a in analyses) for kind in ENGINES)
+
+
+@pytest.mark.parametrize("name", ["statics", "kinematics", "explicit", "implicit"])
+@pytest.mark.parametrize("side", ["adjoint", "direct", "both"])
+def test_wrong_gradients_do_not(name, side, monkeypatch):
+    """One derivative of three is off by a ten-thousandth."""
+    make, responses = RESULTS[name]
+    result = make()
+    engine = next(ENGINES[c] for c in type(result.analysis).__mro__ if c in ENGINES)
+    true_adjoint, true_direct = engine.adjoint, engine.direct
+    wrong = np.array([1.0 + 1e-4, 1.0, 1.0])
+    if side != "direct":
+        monkeypatch.setattr(engine, "adjoint", lambda self: _spoilt(true_adjoint(self), wrong))
+    if side != "adjoint":
+        monkeypatch.setattr(
+            engine, "direct", lambda self, columns: _spoilt(true_direct(self, columns), wrong)
+        )
+    certificate = certify(result, responses, [0, 1, 2])
+    assert not certificate.passed
+    verdicts = certificate.data["verdict"].values
+    assert (verdicts[:, 0] == "contradicted").any()
+    assert not (verdicts[:, 1:] == "contradicted").any()
+    if side != "direct":  # the Taylor test looks at the adjoint
+        tests = certificate.data["taylor_slope"].values
+        assert np.nanmin(tests) == pytest.approx(1.0, abs=0.1)
+    assert "contradicted" in repr(certificate)
+
+
+def _spoilt(gradient: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    spoilt = gradient.copy()
+    spoilt[:, :3] *= factors
+    return spoilt
+
+
+def test_linear_responses_are_exact():
+    """A displacement is linear in the load: nothing remains but round-off."""
+    result = da.solve_statics(cable())
+    gradient = da.sensitivity(result, da.final("b.uy"), ["load"], certificate=True)
+    certificate = gradient.attrs["certificate"]
+    assert certificate.passed
+    assert certificate.data["taylor_verdict"].values.tolist() == ["exact"]
+    assert "exact" in repr(certificate)
+
+
+def test_what_nothing_depends_on():
+    certificate = certified("explicit").attrs["certificate"]
+    verdicts = certificate.data["verdict"].sel(parameter="idle")
+    assert set(verdicts.values.tolist()) == {"no influence"}
+
+
+def test_influences_too_small_to_show():
+    """What changes a response in its last digits only is neither contradicted nor in doubt."""
+    motion = dynamics()
+    names = list(motion.model.parameters)
+    tiny = da.final(1.0 + 1e-13 * motion.model[names[0]], name="tiny")
+    certificate = da.sensitivity(motion, tiny, certificate=True).attrs["certificate"]
+    assert certificate.passed
+
+
+def test_table_and_repr():
+    certificate = certified("statics").attrs["certificate"]
+    table = certificate.table()
+    assert len(table) == 9
+    assert {"response", "parameter", "adjoint", "difference", "step", "verdict"} <= set(table)
+    assert "passed" in repr(certificate)
+    assert "slope 2.0" in repr(certificate)
+    assert "<table" in certificate._repr_html_()
+    assert (certificate.data["step"] > 0).all()
