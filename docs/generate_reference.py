@@ -40,6 +40,7 @@ HOLDS = {
     "vector": "two formulas",
     "spring-law": "formula",
     "measure": "measure",
+    "event": "name of an event",
     "number": "number",
     "integer": "whole number",
     "flag": "true or false",

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the cores
+
 from hypothesis import settings
 
 settings.register_profile(

@@ -19,7 +19,7 @@ from dalembert import planar
 from dalembert.cli import main
 from dalembert.io.model_file import load_model_file
 from dalembert.io.tasks import check_tasks
-from dalembert.results.comparison_table import cells, notes
+from dalembert.results.comparison.table import cells, notes
 
 mpl.use("Agg")
 FOUR_BAR = Path(__file__).parents[1] / "examples" / "four_bar.toml"

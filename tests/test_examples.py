@@ -23,7 +23,9 @@ from dalembert.io.model_file import load_model_file
 from dalembert.io.tasks import make_analysis, make_design, make_responses, report_choices
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-FILES = sorted(path.stem for path in EXAMPLES.glob("*.toml"))
+EVERY = {p.stem: 'kind = "structure"' in p.read_text("utf-8") for p in EXAMPLES.glob("*.toml")}
+FILES = sorted(name for name, structure in EVERY.items() if not structure)
+STRUCTURES = sorted(name for name, structure in EVERY.items() if structure)
 SCRIPTS = sorted(path.stem for path in EXAMPLES.glob("*.py") if path.stem != "style")
 G = 9.81
 
@@ -87,7 +89,26 @@ def test_joints_stay_closed(name: str) -> None:
     assert float(run["velocity_violation"].max()) <= 1e-12 * (1 + np.abs(run.trajectory.v).max())
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_structure_runs_and_reports(name: str, tmp_path: Path) -> None:
+    run = motion(name)
+    assert run.status.success
+    assert run.status.residual <= 1e-10
+    assert run.report(tmp_path / "page.html").stat().st_size > 50_000
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_file_and_script_are_the_same_structure(name: str) -> None:
+    twin = script(name).build().build()
+    assert {n: p.value for n, p in twin.parameters.items()} == {
+        n: p.value for n, p in model(name).parameters.items()
+    }
+    again = make_analysis(file(name), twin).run(twin)
+    assert list(again.model.degrees) == list(motion(name).model.degrees)
+    np.testing.assert_allclose(again.displacements, motion(name).displacements, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", [*FILES, *STRUCTURES])
 def test_gradients_agree(name: str) -> None:
     responses = list(make_responses(file(name), model(name)).values())
     assert len(responses) >= 2
@@ -517,3 +538,150 @@ def test_string_force_without_a_matrix(pictures: Path) -> None:
     assert found["λ by (7.13) from λ by (6.3)"] < 1e-12
     assert found["string force from Newton's law [N]"] < 1e-11
     assert found["smallest string force [N]"] > 0
+
+
+def test_catapult_by_energy_alone(pictures: Path) -> None:
+    """One freedom: the speed follows from the heights, the best throw from two numbers."""
+    found = numbers("catapult", pictures)
+    arm, ball, counter, length, begin = 15.0, 3.0, 120.0, 3.0, math.radians(220)
+
+    def rate(short: float, angle: float) -> float:
+        long = length - short
+        balance = ball * long + arm * (length / 2 - short) - counter * short
+        inertia = ball * long**2 + counter * short**2
+        inertia += arm * (length**2 / 12 + (length / 2 - short) ** 2)
+        return -math.sqrt(2 * G * balance * (math.sin(begin) - math.sin(angle)) / inertia)
+
+    def throw(design) -> float:
+        (short, angle), long = design, length - design[0]
+        x, y = long * math.cos(angle), long * math.sin(angle)
+        vx, vy = (f * rate(short, angle) * long for f in (-math.sin(angle), math.cos(angle)))
+        return x + vx * (vy + math.sqrt(vy**2 + 2 * G * (y + 2.0))) / G
+
+    expected = minimize(
+        lambda design: -throw(design), [0.7, 2.0], method="Nelder-Mead", options={"xatol": 1e-9}
+    )
+    assert found["before"] == pytest.approx(throw((0.9, math.radians(115))), rel=1e-8)
+    assert found["after"] == pytest.approx(-expected.fun, rel=1e-8)
+    np.testing.assert_allclose([found["short"], found["release"]], expected.x, rtol=1e-3)
+    # a later angle is reached later by its inverse rate
+    slope = 1 / rate(found["short"], found["release"])
+    assert found["d(instant)/d(release)"] == pytest.approx(slope, rel=1e-8)
+
+
+def test_steps_of_differences_as_tabulated(pictures: Path) -> None:
+    """Example 8.10: Θ = 9/k₁ + 4/k₂, so −9/(1 + h) and −9/(1 − h²), −2/(2 + h) and −4/(4 − h²).
+
+    The text that we have keeps the captions of Tables 8.1 and 8.2, not their entries; what it says
+    of them is tested: truncation for large steps, round-off for small ones, central differences
+    better and over more steps, double precision more reliable.
+    """
+    found = numbers("finite_difference_steps", pictures)
+    assert found["compliance"] == pytest.approx(11.0, abs=1e-13)
+    assert (found["gradient d1"], found["gradient d2"]) == pytest.approx((-9.0, -1.0), abs=1e-13)
+    truncated = {
+        "forward d1": lambda h: -9 / (1 + h),
+        "central d1": lambda h: -9 / (1 - h * h),
+        "forward d2": lambda h: -2 / (2 + h),
+        "central d2": lambda h: -4 / (4 - h * h),
+    }
+    steps, eps = [float(f"1e-{k}") for k in range(1, 13)], {"double": 2.3e-16, "single": 1.2e-7}
+    errors: dict[str, list[float]] = {}
+    for precision in eps:
+        for entry, by_hand in truncated.items():
+            row = [found[f"{precision} {entry} {h:.0e}"] for h in steps]
+            for h, quotient in zip(steps, row, strict=True):  # 11 J, three roundings of half an eps
+                assert abs(quotient - by_hand(h)) < 33 * eps[precision] / h
+            errors[f"{precision} {entry}"] = [abs(q - by_hand(0.0)) for q in row]
+    for name, error in errors.items():
+        best = int(np.argmin(error))
+        assert 0 < best < len(steps) - 1, name  # both ends are worse
+        assert error[-1] > 30 * error[best]
+    for d in ("d1", "d2"):
+        for precision in eps:
+            forward, central = (errors[f"{precision} {s} {d}"] for s in ("forward", "central"))
+            assert min(central) < min(forward)
+            assert sum(e < 0.01 for e in central) >= sum(e < 0.01 for e in forward)
+        assert min(errors[f"double central {d}"]) < 1e-3 * min(errors[f"single central {d}"])
+        assert found[f"study against table {d}"] < 1e-8
+
+
+def test_tuned_mass_against_the_first_mode_alone(pictures: Path) -> None:
+    """One mode of the cantilever, φ(L) = 1: mass m L/4, of which 0.3915 m L feel the ground."""
+    found, tower = numbers("tuned_mass", pictures), script("tuned_mass")
+    modal, felt = tower.MASS * tower.HEIGHT / 4, 0.391496 * tower.MASS * tower.HEIGHT
+    beta = 2 * tower.DAMPING / tower.OMEGA
+
+    def shaken(time):
+        """Acceleration of the ground."""
+        h = 1e-3
+        x = [float(tower.ground(da.Expression(time + side * h)).sx) for side in (-1, 0, 1)]
+        return (x[0] - 2 * x[1] + x[2]) / h**2
+
+    def largest(share):
+        mass, spring = share * modal, share * modal * tower.OMEGA**2 / (1 + share) ** 2
+
+        def rate(time, s):
+            sway, hung, speed, hung_speed = s
+            stretch = hung - sway + beta * (hung_speed - speed)
+            bent = tower.OMEGA**2 * modal * (sway + beta * speed)
+            pull = (spring * stretch - bent - felt * shaken(time)) / modal
+            return speed, hung_speed, pull, -spring * stretch / max(mass, 1e-9) - shaken(time)
+
+        times = np.linspace(0, tower.DURATION, 2001)
+        run = solve_ivp(rate, (0, tower.DURATION), np.zeros(4), t_eval=times, rtol=1e-6, atol=1e-8)
+        return run.y[0].max()
+
+    assert found["without"] == pytest.approx(largest(0.0), rel=0.02)
+    assert found["with"] == pytest.approx(largest(tower.SHARE), rel=0.02)
+    assert found["slope of rms"] == pytest.approx(found["difference of rms"], rel=1e-6)
+
+
+def test_marimba_bar_sounds_one_four_ten(pictures: Path) -> None:
+    """Tuned as asked; without shear an even bar has the ratios of cos βL cosh βL = 1."""
+    found = numbers("marimba_bar", pictures)
+    roots = np.array([4.730040745, 7.853204624, 10.99560784]) ** 2
+    assert found["even second"] == pytest.approx(roots[1] / roots[0], rel=1e-3)
+    assert found["even third"] == pytest.approx(roots[2] / roots[0], rel=1e-3)
+    assert found["success"]
+    assert found["first"] == pytest.approx(261.63, rel=1e-8)
+    assert (found["second"], found["third"]) == pytest.approx((4.0, 10.0), rel=1e-8)
+    assert found["first, finer"] == pytest.approx(261.63, rel=1e-3)
+    assert found["third, finer"] == pytest.approx(2616.3, rel=5e-3)
+
+
+def test_truss_by_the_method_of_sections(pictures: Path) -> None:
+    found = numbers("truss", pictures)
+    height, load = 1.6, 30e3
+    moment = 1.5 * load * 3 - load * 2  # about u1 of the forces on the left
+    assert found["force in the bottom chord [N]"] == pytest.approx(moment / height, rel=1e-9)
+    diagonal = -1.5 * load * math.hypot(1, height) / height
+    assert found["force in the first diagonal [N]"] == pytest.approx(diagonal, rel=1e-9)
+    assert found["reaction on the left, wind [N]"] == pytest.approx(-20e3, rel=1e-9)
+
+    def lightest(height: float) -> float:  # statically determinate: least areas for given stresses
+        chord = moment / height / 120e6
+        web = 1.5 * load * math.hypot(1, height) / height / 90e6
+        return 7850 * (chord * 10 + web * 6 * math.hypot(1, height))
+
+    least = minimize(lambda h: lightest(h[0]), [1.6], bounds=[(0.8, 3.0)], tol=1e-12).fun
+    assert found["lightest mass [kg]"] == pytest.approx(least, rel=1e-6)
+    assert found["stress in the chord of the lightest [Pa]"] == pytest.approx(120e6, rel=1e-6)
+
+
+def test_plate_bends_like_a_beam(pictures: Path) -> None:
+    found = numbers("plate", pictures)
+    assert found["force on the end [N]"] == pytest.approx(9 * 2000.0, rel=1e-12)
+    assert found["deflection of the end [m]"] == pytest.approx(
+        found["deflection of a beam [m]"], rel=0.02
+    )
+    energy = found["strain energy [J]"]  # inversely proportional to the thickness
+    assert found["its derivative by the thickness [J/m]"] == pytest.approx(-energy / 0.01, rel=1e-9)
+
+
+def test_ten_bar_truss_is_the_published_one(pictures: Path) -> None:
+    """Weight 5060.85 lb with the published areas; deflection and the stress of bar 4 at limits."""
+    found = numbers("ten_bar_truss", pictures)
+    assert found["weight"] == pytest.approx(5060.85, rel=1e-5)
+    assert found["area of bar 0"] == pytest.approx(30.5218, rel=1e-4)
+    assert found["deflection"] == pytest.approx(2.0, abs=1e-6)

@@ -15,7 +15,7 @@ from dalembert.elements.registry import BODIES, CURVES, DRIVERS, FORCES, JOINTS,
 from dalembert.io import json_schema, load, load_model_file
 from dalembert.io.analyses import make_analysis
 from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES
-from dalembert.io.tasks import make_design, make_gradient
+from dalembert.io.tasks import make_design, make_gradient, make_responses
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 
@@ -156,6 +156,9 @@ def test_every_response_can_be_asked_for(name, tmp_path, schema):
     text = f'{HEAD}[responses.r]\ntype = "{name}"\nmeasure = "a.angle + k"\n'
     if name == "At":
         text += "time = 0.5\n"
+    if name == "AtEvent":
+        text += 'event = "passes"\noccurrence = 2\n'
+        text += '[analysis]\ntype = "Dynamics"\nduration = 1\nevents = { passes = "a.x" }\n'
     file = load_model_file(written(tmp_path, text))
     responses, parameters = make_gradient(file, file.model())
     assert type(responses["r"]) is RESPONSES[name]
@@ -307,6 +310,20 @@ def test_events_and_tables(tmp_path):
     assert analysis.events["flat"].terminal
     assert analysis.events["flat"].direction == -1
     assert not analysis.events["plain"].terminal
+
+
+def test_a_response_at_an_unknown_event_is_refused(tmp_path):
+    text = HEAD + (
+        '[analysis]\ntype = "Dynamics"\nduration = 1\nevents = { passes = "a.x" }\n'
+        '[responses.r]\ntype = "AtEvent"\nmeasure = "time"\nevent = "pases"\n'
+    )
+    file = load_model_file(written(tmp_path, text))
+    with pytest.raises(da.ModelError, match=r"responses\.r\.event.*'pases'.*did you mean 'passes'"):
+        make_responses(file, file.model())
+    text = text.replace("pases", "passes").replace("passes = ", "reached = ", 1)
+    file = load_model_file(written(tmp_path, text))
+    with pytest.raises(da.ModelError, match=r"known in \[analysis\.events\]: reached"):
+        make_responses(file, file.model())
 
 
 def test_limits(tmp_path):

@@ -6,23 +6,32 @@
 
 from dalembert import structures
 from dalembert.analysis import (
+    ArcLength,
+    Buckling,
     Dynamics,
     Equilibrium,
     Event,
     InverseDynamics,
     Kinematics,
     Linearization,
+    Modal,
     NonlinearStatics,
+    Rayleigh,
     Statics,
+    Transient,
     linearize,
     solve_assembly,
+    solve_buckling,
     solve_dynamics,
     solve_equilibrium,
     solve_inverse_dynamics,
     solve_kinematics,
+    solve_load_path,
+    solve_modes,
     solve_statics,
+    solve_transient,
 )
-from dalembert.analysis.compare import compare
+from dalembert.analysis.comparison.compare import compare
 from dalembert.design import Limit, Optimum, optimize
 from dalembert.elements import laws, planar
 from dalembert.elements.curves import FormulaCurve, SplineCurve, u
@@ -82,6 +91,7 @@ from dalembert.model.model import Model
 from dalembert.model.system import System
 from dalembert.responses import (
     At,
+    AtEvent,
     Final,
     Integral,
     Maximum,
@@ -90,7 +100,9 @@ from dalembert.responses import (
     Response,
     Rms,
     at,
+    at_event,
     evaluate,
+    event_time,
     final,
     integral,
     maximum,
@@ -98,10 +110,21 @@ from dalembert.responses import (
     minimum,
     rms,
 )
-from dalembert.results.comparison import Comparison
+from dalembert.results.comparison.result import Comparison
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome, Status
-from dalembert.sensitivity import Adjoint, Direct, FiniteDifference, sensitivity
+from dalembert.results.tornado import tornado
+from dalembert.sensitivity import (
+    Adjoint,
+    Certificate,
+    Direct,
+    FiniteDifference,
+    StepStudy,
+    eigenvalue_slopes,
+    hessian_product,
+    sensitivity,
+    step_study,
+)
 from dalembert.structures.structure import Structure
 from dalembert.symbolic.compiled import clear_cache
 from dalembert.symbolic.expression import Expression, t
@@ -131,8 +154,8 @@ from dalembert.symbolic.parameter import Parameter
 __version__ = "0.1.0"
 
 
-def load_model(path) -> System:
-    """Read a mechanism from a TOML or JSON model file; ``build()`` it to analyse it.
+def load_model(path) -> System | Structure:
+    """Read a mechanism or structure from a TOML or JSON model file; ``build()`` it to analyse it.
 
     Raises
     ------
@@ -145,7 +168,7 @@ def load_model(path) -> System:
 
 
 def load_results(path):
-    """Read a result file written by ``Motion.save`` as an ``xarray.Dataset``.
+    """Read a result file written by ``save`` as an ``xarray.Dataset``.
 
     Raises
     ------
@@ -163,12 +186,16 @@ __all__ = [
     "AbsoluteCoordinates",
     "Adjoint",
     "AnalysisError",
+    "ArcLength",
     "AssemblyError",
     "At",
+    "AtEvent",
     "AugmentedLagrangian",
     "BackwardEuler",
     "Baumgarte",
     "Bdf",
+    "Buckling",
+    "Certificate",
     "Comparison",
     "Cvodes",
     "CycloidalRise",
@@ -204,6 +231,7 @@ __all__ = [
     "Maximum",
     "Mean",
     "Minimum",
+    "Modal",
     "Model",
     "ModelError",
     "Motion",
@@ -221,6 +249,7 @@ __all__ = [
     "RKGill",
     "Radau",
     "RangeSpace",
+    "Rayleigh",
     "Response",
     "Rms",
     "SingularityError",
@@ -228,9 +257,11 @@ __all__ = [
     "Stabilization",
     "Statics",
     "Status",
+    "StepStudy",
     "Structure",
     "System",
     "Table",
+    "Transient",
     "Trapezoidal",
     "UnsupportedError",
     "VelocityPartitioning",
@@ -238,16 +269,20 @@ __all__ = [
     "acos",
     "asin",
     "at",
+    "at_event",
     "atan",
     "atan2",
     "clear_cache",
     "compare",
     "cos",
     "cosh",
+    "eigenvalue_slopes",
     "evaluate",
+    "event_time",
     "exp",
     "final",
     "floor",
+    "hessian_product",
     "hypot",
     "integral",
     "laws",
@@ -267,16 +302,22 @@ __all__ = [
     "sinh",
     "smooth_abs",
     "solve_assembly",
+    "solve_buckling",
     "solve_dynamics",
     "solve_equilibrium",
     "solve_inverse_dynamics",
     "solve_kinematics",
+    "solve_load_path",
+    "solve_modes",
     "solve_statics",
+    "solve_transient",
     "sqrt",
+    "step_study",
     "structures",
     "t",
     "tan",
     "tanh",
+    "tornado",
     "u",
     "where",
 ]

@@ -26,7 +26,7 @@ COMMANDS = {
 
 HELP = """Analysis and design optimisation of constrained mechanical systems.
 
-A mechanism is described in a model file (TOML or JSON). Begin with
+A mechanism or structure is described in a model file (TOML or JSON). Begin with
 
     dalembert examples four_bar     (copies an example here)
     dalembert check four_bar.toml   (explains it)

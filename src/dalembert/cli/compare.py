@@ -23,7 +23,7 @@ from dalembert.cli.console import (
 from dalembert.cli.loading import loaded, output_folder
 
 if TYPE_CHECKING:
-    from dalembert.results.comparison import Comparison
+    from dalembert.results.comparison.result import Comparison
 
 LONG = 1e300
 Numbers = Annotated[str, Parameter(allow_leading_hyphen=True)]
@@ -90,8 +90,8 @@ def compare(
     as_json
         Print one JSON document instead of text.
     """
-    from dalembert.analysis.compare import Comparing
-    from dalembert.analysis.observation import observe
+    from dalembert.analysis.comparison.compare import Comparing
+    from dalembert.analysis.comparison.observation import observe
     from dalembert.io.tasks import make_comparison
 
     file, built = loaded(model, settings)
@@ -144,7 +144,7 @@ def _write(made: Comparison, base: Path, kind: str) -> list[Path]:
 
 
 def _document(made: Comparison, code: int, files: list[Path]) -> dict[str, Any]:
-    from dalembert.results.comparison_data import BETWEEN
+    from dalembert.results.comparison.data import BETWEEN
 
     about = made.data.attrs
     uncertainty = {k: about[f"uncertainty_{k}"] for k in ("position", "velocity", "reaction")}
@@ -172,7 +172,7 @@ def _print(made: Comparison, files: list[Path]) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from dalembert.results.comparison_table import cells, notes, title
+    from dalembert.results.comparison.table import cells, notes, title
 
     out = console()
     limited = out.is_terminal or "COLUMNS" in os.environ

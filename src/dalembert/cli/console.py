@@ -68,6 +68,11 @@ def plain(data: Any) -> Any:
     return data if data is None or isinstance(data, (bool, int, str)) else str(data)
 
 
+def shown(value: Any) -> str:
+    """A number or text for people."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
 def fail(error: Exception, code: int, as_json: bool) -> int:
     """Tell an error on standard error, or as JSON on standard output; returns the exit code."""
     if as_json:

@@ -10,36 +10,46 @@ from dalembert.cli.loading import output_folder, pairs
 from dalembert.errors import ModelError
 
 if TYPE_CHECKING:
-    from dalembert.results.structural import StructuralResult
+    from dalembert.results.structural.result import StructuralResult
 
 
 def run_deck(
     path: Path,
     output: Path | None,
     settings: list[str] | None,
+    report: bool,
     csv: bool,
     quiet: bool,
     as_json: bool,
 ) -> int:
     """Solve the structure, write its results, and print what the book's program prints."""
-    from dalembert.analysis import solve_statics
-    from dalembert.io.spring_deck import load_deck
-    from dalembert.results.store import save_dataset
+    from dalembert.cli.structures import write
 
-    with wrong_input():
-        model = load_deck(path).build()
-        given = {name: _number(name, text) for name, text in pairs(settings).items()}
-        result = solve_statics(model, parameters=given)
-    folder = output_folder(output)
-    files = [save_dataset(result.data, folder / f"{path.stem}.nc")]
-    if csv:
-        files.append(_write_csv(result, folder / f"{path.stem}.csv"))
+    result = solved_deck(path, settings)
+    files = write(result, output_folder(output) / path.stem, report, csv)
     made = _summary(result) | {"files": [str(f) for f in files]}
     if as_json:
         emit(made)
     elif not quiet:
         _print(made)
     return DONE
+
+
+def solved_deck(path: Path, settings: list[str] | None) -> StructuralResult:
+    """The structure of a deck under its loads, with the values of ``--set``.
+
+    Raises
+    ------
+    WrongInput
+        Anything wrong with the deck, the structure or the settings.
+    """
+    from dalembert.analysis import solve_statics
+    from dalembert.io.spring_deck import load_deck
+
+    with wrong_input():
+        model = load_deck(path).build()
+        given = {name: _number(name, text) for name, text in pairs(settings).items()}
+        return solve_statics(model, parameters=given)
 
 
 def _number(name: str, text: str) -> float:
@@ -53,7 +63,7 @@ def _summary(result: StructuralResult) -> dict[str, Any]:
     import dalembert as da
 
     model = result.model
-    springs = [name for block in model.blocks for name in block.names]
+    springs = [name for block in model.blocks for name in block.names.names]
     made: dict[str, Any] = {
         "ok": True,
         "name": model.name,
@@ -84,11 +94,3 @@ def _print(made: dict[str, Any]) -> None:
     out.print(f"  compliance                  {made['compliance']:12.6g} J", markup=False)
     for path in made["files"]:
         out.print(f"  written {path}", markup=False)
-
-
-def _write_csv(result: StructuralResult, path: Path) -> Path:
-    from dalembert.atomic import atomic_path
-
-    with atomic_path(path) as temporary:
-        result.data.to_dataframe().to_csv(temporary)
-    return path

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 from dalembert.cli.console import wrong_input
 from dalembert.errors import FileError, ModelError
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
-    from dalembert.model.model import Model
 
 
-def loaded(path: Path, settings: list[str] | None) -> tuple[ModelFile, Model]:
+def loaded(path: Path, settings: list[str] | None) -> tuple[ModelFile, Any]:
     """The file, with the values of ``--set``, and its assembled model.
 
     Raises
@@ -27,11 +27,19 @@ def loaded(path: Path, settings: list[str] | None) -> tuple[ModelFile, Model]:
     with wrong_input():
         if is_deck(path):
             raise FileError(
-                f"{path}: is the deck of a spring structure, which only 'dalembert run' reads; "
-                "this command takes a model file, .toml or .json"
+                f"{path}: is the deck of a spring structure, which only 'dalembert run' and "
+                "'dalembert sensitivity' read; this command takes a model file, .toml or .json"
             )
         file = load_model_file(path).with_parameters(pairs(settings))
         return file, file.model()
+
+
+def teller_of(model: Any) -> ModuleType:
+    """What the commands write and tell of a mechanism, or of a structure."""
+    from dalembert.cli import mechanisms, structures
+    from dalembert.structures.model import StructuralModel
+
+    return structures if isinstance(model, StructuralModel) else mechanisms
 
 
 def is_deck(path: Path) -> bool:

@@ -102,7 +102,7 @@ def _print(name: str, made: dict[str, Any]) -> None:
     if made["active"]:
         out.print(f"  limits that hold with equality: {', '.join(made['active'])}", markup=False)
     if made["violation"] > 0:
-        out.print(f"  largest violation of a limit: {made['violation']:.3g}", markup=False)
+        out.print(f"  largest relative violation of a limit: {made['violation']:.3g}", markup=False)
     failed = f", {made['failed_runs']} failed" if made["failed_runs"] else ""
     out.print(f"  {made['iterations']} iterations, {made['runs']} runs{failed}", markup=False)
     for path in made["files"]:

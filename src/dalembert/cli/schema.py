@@ -4,24 +4,32 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Literal
 
 from dalembert.cli.console import DONE, AsJson, console, emit, wrong_input
 
 
-def schema(*, output: Path | None = None, as_json: AsJson = False) -> int:
+def schema(
+    *,
+    kind: Literal["mechanism", "structure"] | None = None,
+    output: Path | None = None,
+    as_json: AsJson = False,
+) -> int:
     """Print the JSON Schema of model files, for editors that complete and check them.
 
     Parameters
     ----------
+    kind
+        Of mechanisms or structures only; both by default.
     output
         Write it to this file instead.
     as_json
         With --output, tell what was written as JSON; the schema itself always is JSON.
     """
     from dalembert.atomic import atomic_path
-    from dalembert.io.schema import json_schema
+    from dalembert.io.json_schema import json_schema
 
-    made = json_schema()
+    made = json_schema(kind)
     if output is None:
         emit(made)
         return DONE

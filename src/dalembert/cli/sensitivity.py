@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated
 
-from dalembert.cli.console import DONE, AsJson, Settings, console, emit, wrong_input
-from dalembert.cli.loading import loaded, output_folder
+from cyclopts import Parameter
+
+from dalembert.cli.console import DONE, FAILED, AsJson, Settings, console, emit
+from dalembert.cli.loading import output_folder
 
 if TYPE_CHECKING:
     import xarray as xr
+
+Names = Annotated[list[str], Parameter(negative=())]
 
 
 def sensitivity(
@@ -18,101 +22,80 @@ def sensitivity(
     /,
     *,
     method: str | None = None,
+    response: Names | None = None,
+    wrt: Names | None = None,
+    certificate: Annotated[bool, Parameter(negative=())] = False,
     output: Path | None = None,
+    plot: Annotated[bool, Parameter(negative=())] = False,
+    svg: Annotated[bool, Parameter(negative=())] = False,
     settings: Settings | None = None,
     as_json: AsJson = False,
 ) -> int:
-    """Derivatives of the responses of a model file by its parameters.
+    """Derivatives of the responses of a model file by its parameters, sorted by influence.
+
+    Beside them stand relative ones, percent of the response per percent of the parameter, and notes
+    on what is doubtful about them.
 
     Parameters
     ----------
     model
-        Model file with [analysis], [responses] and optionally [sensitivity].
+        Model file with [analysis], [responses] and optionally [sensitivity]; or the text deck of a
+        spring structure, .dat, with its sensitivity parameters.
     method
         auto, adjoint, direct or finite-difference, instead of the file's.
+    response
+        Name of a response, instead of the file's choice; of a deck a measure such as n4.ux, its
+        compliance by default; repeatable.
+    wrt
+        Name of a parameter, instead of the file's choice; repeatable.
+    certificate
+        Check every derivative by all methods and a Taylor test; takes about twenty runs per
+        parameter. Exit code 1 where it does not pass.
     output
-        Folder to write the table to (.sensitivity.csv); none is written by default.
+        Folder to write the table (.sensitivity.csv) and the tornado chart (.sensitivity.png) to;
+        none are written by default.
+    plot
+        Write the tornado chart, without --output to this folder.
+    svg
+        Write the chart as .svg instead of .png.
     settings
         New value of a parameter, name=value; repeatable.
     as_json
         Print one JSON document instead of text.
     """
-    from dalembert.io.analyses import make_analysis
-    from dalembert.io.tasks import make_gradient
-    from dalembert.responses.base import evaluate
+    from dalembert.cli.gradient_task import gradient_task
+    from dalembert.cli.gradient_text import document, show
     from dalembert.sensitivity.gradient import sensitivity as gradient_of
 
-    file, built = loaded(model, settings)
-    with wrong_input():
-        task = make_analysis(file, built)
-        responses, wrt = make_gradient(file, built)
-        chosen = _method(method or file.document.sensitivity.method)
-    folder = output_folder(output) if output else None
-    with file.located("analysis"):
-        motion = task.run(built, progress=not as_json and sys.stderr.isatty())
-    gradient = gradient_of(motion, list(responses.values()), wrt, chosen)
-    values = {name: evaluate(motion, response) for name, response in responses.items()}
-    files = [_write(gradient, folder / f"{file.path.stem}.sensitivity.csv")] if folder else []
+    task = gradient_task(model, settings, response, wrt, method)
+    folder = output_folder(output) if output or plot or svg else None
+    result = task.run(not as_json and sys.stderr.isatty())
+    gradient = gradient_of(result, task.responses, task.wrt, task.method, certificate)
+    kind = "svg" if svg else "png"
+    files = _write(gradient, folder / model.stem, kind, output is not None) if folder else []
+    passed = not certificate or gradient.attrs["certificate"].passed
+    code = DONE if passed else FAILED
     if as_json:
-        emit(_document(gradient, values, motion.status, files))
+        made = {"ok": passed, "name": task.name, "status": str(result.status)}
+        emit(made | document(gradient) | {"files": [str(f) for f in files]})
     else:
-        _print(file.name, gradient, values, files)
-    return DONE
+        show(task.name, gradient)
+        for path in files:
+            console().print(f"  written {path}", markup=False)
+    return code
 
 
-def _method(name: str) -> str:
-    from dalembert.errors import UnsupportedError
-    from dalembert.io.messages import nearest
-    from dalembert.sensitivity.methods import METHODS
+def _write(gradient: xr.DataArray, base: Path, kind: str, table: bool) -> list[Path]:
+    import matplotlib as mpl
 
-    if name not in METHODS:
-        known = ", ".join(METHODS)
-        raise UnsupportedError(
-            f"--method {name!r} is unknown{nearest(name, METHODS)}; known: {known}"
-        )
-    return name
-
-
-def _write(gradient: xr.DataArray, path: Path) -> Path:
     from dalembert.atomic import atomic_path
+    from dalembert.results.influence import gradient_table
+    from dalembert.results.tornado import save_tornado
 
-    with atomic_path(path) as temporary:
-        gradient.to_pandas().to_csv(temporary)
-    return path
-
-
-def _document(
-    gradient: xr.DataArray, values: dict[str, float], status: Any, files: list[Path]
-) -> dict[str, Any]:
-    parameters = [str(p) for p in gradient["parameter"].values]
-    return {
-        "ok": True,
-        "status": str(status),
-        "method": gradient.attrs.get("method"),
-        "responses": {
-            name: {
-                "value": value,
-                "unit": str(gradient["response_unit"].sel(response=name).item()),
-                "gradient": dict(
-                    zip(parameters, gradient.sel(response=name).values.tolist(), strict=True)
-                ),
-            }
-            for name, value in values.items()
-        },
-        "files": [str(f) for f in files],
-    }
-
-
-def _print(name: str, gradient: xr.DataArray, values: dict[str, float], files: list[Path]) -> None:
-    from rich.table import Table
-
-    table = Table(title=f"{name}: derivatives ({gradient.attrs.get('method', '')})")
-    for heading in ("response", "value", *(f"d/d {p}" for p in gradient["parameter"].values)):
-        table.add_column(str(heading), justify="left" if heading == "response" else "right")
-    for label, value in values.items():
-        unit = str(gradient["response_unit"].sel(response=label).item())
-        row = [f"{x:.6g}" for x in gradient.sel(response=label).values]
-        table.add_row(label, f"{value:.6g} {unit}", *row)
-    console().print(table)
-    for path in files:
-        console().print(f"  written {path}", markup=False)
+    mpl.use("Agg")
+    files = []
+    if table:
+        files.append(base.with_name(f"{base.name}.sensitivity.csv"))
+        with atomic_path(files[0]) as temporary:
+            gradient_table(gradient).to_csv(temporary, index=False)
+    return [*files, save_tornado(gradient, base.with_name(f"{base.name}.sensitivity.{kind}"))]

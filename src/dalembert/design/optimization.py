@@ -15,7 +15,7 @@ from dalembert.responses.base import Response, as_responses
 from dalembert.results.motion import Motion
 
 FEASIBLE = 1e-6
-"""Violation of a limit that counts as none, in the limit's unit."""
+"""Violation of a limit, relative to its size, that counts as none."""
 
 
 @dataclass(frozen=True)
@@ -189,9 +189,13 @@ class _Slsqp:
         found = self.problem.evaluate(self.unscale(z)) or self.best
         return self.sign * found.gradient[0] * self.width / self.scale
 
+    def size(self, k: int, bound: float) -> float:
+        """What one is for a limit: the bound, or the response at the start."""
+        return max(abs(bound), abs(self.first.values[self.rows[k]]), 1e-12)
+
     def constraint(self, k: int, bound: float, sense: float) -> dict:
         """SciPy's form ``c(z) ≥ 0`` of one side of a limit, scaled."""
-        row, size = self.rows[k], max(abs(bound), abs(self.first.values[self.rows[k]]), 1e-12)
+        row, size = self.rows[k], self.size(k, bound)
 
         def value(z: np.ndarray) -> float:
             found = self.problem.evaluate(self.unscale(z), gradient=False) or self.best
@@ -268,12 +272,12 @@ class _Slsqp:
 
     def violation(self, found) -> float:
         worst = 0.0
-        for row, limit in zip(self.rows, self.limits, strict=True):
-            value = found.values[row]
+        for k, limit in enumerate(self.limits):
+            value = found.values[self.rows[k]]
             if limit.lower is not None:
-                worst = max(worst, limit.lower - value)
+                worst = max(worst, (limit.lower - value) / self.size(k, limit.lower))
             if limit.upper is not None:
-                worst = max(worst, value - limit.upper)
+                worst = max(worst, (value - limit.upper) / self.size(k, limit.upper))
         return float(worst)
 
     def optimum(self, outcome, history: list[Iterate]) -> Optimum:

@@ -13,7 +13,7 @@ from dalembert.model.model import Model
 from dalembert.responses.base import Response, evaluate
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
-from dalembert.sensitivity.gradient import sensitivity
+from dalembert.sensitivity.gradient import gradient_values
 
 
 @dataclass
@@ -60,8 +60,7 @@ class DesignProblem:
                 self._cache.pop(next(iter(self._cache)))
         found = self._cache[key]
         if found is not None and gradient and found.gradient is None:
-            table = sensitivity(found.motion, self.responses, self.vary, self.method)
-            found.gradient = table.values
+            found.gradient = gradient_values(found.motion, self.responses, self.vary, self.method)
         return found
 
     def _run(self, x: np.ndarray) -> Evaluation | None:
@@ -77,7 +76,11 @@ class DesignProblem:
         if not motion.status.success:
             self.failures.append(str(motion.status))
             return None
-        values = np.array([evaluate(motion, r) for r in self.responses])
+        try:
+            values = np.array([evaluate(motion, r) for r in self.responses])
+        except AnalysisError as error:  # an event that does not happen with these parameters
+            self.failures.append(str(error))
+            return None
         if not np.all(np.isfinite(values)):
             self.failures.append("a response is not finite")
             return None

@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel
 
 from dalembert.analysis.dynamics import Dynamics
 from dalembert.analysis.events import Event
+from dalembert.analysis.structural.statics import Statics
+from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.timeline import checked_span, checked_step, output_times
 from dalembert.errors import SingularityError
 from dalembert.io.fields import kind_of, written
+from dalembert.io.formulas import Formulas, ParameterNames
+from dalembert.io.measures import read_measure
 from dalembert.io.messages import nearest
 from dalembert.io.model_file import ModelFile
-from dalembert.io.strategies import ANALYSES, STRATEGIES
+from dalembert.io.strategies import STRATEGIES
 from dalembert.io.tables import EventTable
 from dalembert.model.model import Model
-from dalembert.symbolic.expression import Expression
+from dalembert.results.structural.result import StructuralResult
+from dalembert.structures.model import StructuralModel
 
 
-def make_analysis(file: ModelFile, model: Model, kind: str | None = None) -> Any:
+def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
     """The analysis that the file asks for, or one of another type with the same options.
 
     Raises
@@ -28,18 +35,19 @@ def make_analysis(file: ModelFile, model: Model, kind: str | None = None) -> Any
         No analysis in the file, unknown type, options that cannot work; with the place.
     """
     table: Any = file.document.analysis
-    if table is None and kind is None:
+    known, usual = file.document.analyses, file.document.usual_analysis
+    if table is None and kind is None and usual is None:
         raise file.located.error(
             'is missing; add a table [analysis] with type = "Dynamics" and duration = …', "analysis"
         )
-    name = kind or table.type
-    if name not in ANALYSES:
+    name = kind or (table.type if table is not None else usual)
+    if name not in known:
         raise file.located.error(
-            f"unknown type {name!r}{nearest(name, ANALYSES)}; known: {', '.join(ANALYSES)}",
+            f"unknown type {name!r}{nearest(name, known)}; known: {', '.join(known)}",
             "analysis",
             "type",
         )
-    cls = ANALYSES[name]
+    cls = known[name]
     with file.located("analysis"):
         analysis = cls(**_options(file, model, cls, table))
         _check_times(analysis)
@@ -47,7 +55,7 @@ def make_analysis(file: ModelFile, model: Model, kind: str | None = None) -> Any
     return analysis
 
 
-def _check_choices(file: ModelFile, model: Model, analysis: Any) -> None:
+def _check_choices(file: ModelFile, model: Any, analysis: Any) -> None:
     """The strategies of an analysis can work together, and on this mechanism.
 
     The functions of the first step are made for that; the run finds them ready.
@@ -75,21 +83,40 @@ def _check_choices(file: ModelFile, model: Model, analysis: Any) -> None:
         return
 
 
-def _options(file: ModelFile, model: Model, cls: type, table: BaseModel | None) -> dict[str, Any]:
+def _options(file: ModelFile, model: Any, cls: type, table: BaseModel | None) -> dict[str, Any]:
     made = {}
     for field in written(cls, frozenset()):
         if table is None or field.name not in table.model_fields_set:
             continue
         given, kind = getattr(table, field.name), kind_of(field)
         with file.located("analysis", field.name):
-            if kind in STRATEGIES:
-                given = make_strategy(STRATEGIES[kind], given)
-            elif kind == "events":
-                given = {n: _event(file, model, n, e) for n, e in given.items()}
-            elif kind == "interval":
-                given = tuple(given)
-        made[field.name] = given
+            made[field.name] = _option(file, model, kind, given)
     return made
+
+
+def _option(file: ModelFile, model: Any, kind: str, given: Any) -> Any:
+    """What a key of ``[analysis]`` stands for."""
+    makers: dict[str, Callable[[], Any]] = {
+        "events": lambda: {n: _event(file, model, n, e) for n, e in given.items()},
+        "interval": lambda: tuple(given),
+        "damping": lambda: _damping(file, model, given),
+        "state": lambda: _state(model, given),
+    }
+    if kind in STRATEGIES:
+        return make_strategy(STRATEGIES[kind], given)
+    return makers[kind]() if kind in makers else given
+
+
+def _damping(file: ModelFile, model: StructuralModel, table: Any) -> Rayleigh:
+    formulas = Formulas(ParameterNames(model.parameters))
+    with file.located("analysis", "damping"):
+        return Rayleigh(formulas.read(table.mass), formulas.read(table.stiffness))
+
+
+def _state(model: StructuralModel, case: str) -> StructuralResult:
+    """Linear statics under one load case."""
+    solved = Statics().run(model)
+    return solved.at(np.array([solved.case(case)]))
 
 
 def make_strategy(registry: dict[str, type], given: str | BaseModel) -> Any:
@@ -119,17 +146,3 @@ def _check_times(analysis: Any) -> None:
     start, end = checked_span(analysis.duration, analysis.t_span)
     checked_step(analysis.step, start, end)
     output_times(analysis.outputs, start, end)
-
-
-def read_measure(model: Model, text: str) -> Expression:
-    """A measure by its name, or a formula of measures.
-
-    Raises
-    ------
-    ExpressionError
-        Unknown names or a formula outside the grammar.
-    """
-    try:
-        return model[text]
-    except KeyError:
-        return model.formula(text)

@@ -12,12 +12,13 @@ from pydantic import BaseModel
 from dalembert.elements.base import ForceElement
 from dalembert.elements.planar.user_constraint import UserConstraint
 from dalembert.elements.registry import BODIES, DRIVERS, FORCES, JOINTS
-from dalembert.io.fields import connected, kind_of, written
+from dalembert.io.fields import connected, given_fields, kind_of, written
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
 from dalembert.io.order import dependency_order
+from dalembert.io.parameters import declare_parameters
 from dalembert.io.references import References
-from dalembert.io.schema import DerivedTable, Document, ParameterTable
+from dalembert.io.schema import DerivedTable, Document
 from dalembert.io.shapes import Shapes, made_of
 from dalembert.model.system import System
 from dalembert.symbolic.expression import Expression, as_expression
@@ -48,7 +49,7 @@ class Builder:
         ModelError
             With file, place, value and cure.
         """
-        self.parameters()
+        declare_parameters(self.system, self.document, self.located)
         self.derived()
         if self.document.gravity is not None:
             with self.located("gravity"):
@@ -71,15 +72,6 @@ class Builder:
         return self.system
 
     # numbers -------------------------------------------------------------------
-    def parameters(self) -> None:
-        entries: dict[str, Any] = self.document.parameters
-        for name, given in entries.items():
-            table = given if isinstance(given, ParameterTable) else ParameterTable(value=given)
-            with self.located("parameters", name):
-                self.system.parameter(
-                    name, table.value, table.unit, table.bounds, table.description
-                )
-
     def derived(self) -> None:
         entries: dict[str, Any] = self.document.derived
         tables = {
@@ -118,21 +110,14 @@ class Builder:
             for k, (field, end) in enumerate(zip(connected(cls), given, strict=True)):
                 with self.located(*where, "connect", k):
                     ties.append(self.references.end(kind_of(field), end))
-            keys = self.keywords(cls, table, scope, where)
+            keys = given_fields(
+                cls,
+                table,
+                self.located,
+                where,
+                lambda field, value, here: self.value(field, value, scope, here),
+            )
             self.system.add(made_of(cls, name, *ties, **keys))
-
-    def keywords(
-        self, cls: type, table: BaseModel, scope: Scope, where: tuple[str, ...]
-    ) -> dict[str, Any]:
-        """The fields that a table gives, as the class takes them."""
-        made = {}
-        for field in written(cls):
-            if field.name not in table.model_fields_set:
-                continue
-            with self.located(*where, field.name):
-                given = getattr(table, field.name)
-                made[field.name] = self.value(field, given, scope, (*where, field.name))
-        return made
 
     def value(
         self, field: dataclasses.Field, given: Any, scope: Scope, where: tuple[str, ...]

@@ -6,8 +6,16 @@ The schema and the builder both ask here, so that a file is accepted exactly whe
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
+from typing import Any
 
-REFERENCES = {"Point": "point", "Body": "body", "Constraint": "joint"}
+REFERENCES = {
+    "Point": "point",
+    "Body": "body",
+    "Constraint": "joint",
+    "Node": "node",
+    "tuple[Node, ...]": "node",
+}
 BY_ANNOTATION = {
     "bool": "flag",
     "int": "integer",
@@ -19,14 +27,18 @@ BY_ANNOTATION = {
     "Formulation": "formulation",
     "Stabilization": "stabilization",
     "Integrator": "integrator",
+    "NewmarkFamily": "integrator",
+    "Rayleigh": "damping",
+    "StructuralResult": "state",
     "str | Expression": "measure",
+    "str | Event": "event",
     "Measure": "measure",
     "Events": "events",
     "tuple[float, float]": "interval",
     "int | Sequence[float]": "count or times",
     "int | Sequence[float] | np.ndarray": "count or times",
 }
-ALWAYS_NEEDED = {"law", "curve", "measure"}
+ALWAYS_NEEDED = {"law", "curve", "measure", "event"}
 
 
 def kind_of(field: dataclasses.Field) -> str:
@@ -49,22 +61,24 @@ def kind_of(field: dataclasses.Field) -> str:
         return REFERENCES[annotation]
     if annotation in BY_ANNOTATION:
         return BY_ANNOTATION[annotation]
+    if annotation.startswith("Callable["):
+        return "function"  # only Python can give one
     raise TypeError(f"field {field.name!r}: no file form for the annotation {annotation!r}")
 
 
 def connected(cls: type) -> list[dataclasses.Field]:
-    """The bodies and points that ``connect`` lists, in order."""
-    return (
-        [f for f in dataclasses.fields(cls) if not f.metadata and kind_of(f) in ("point", "body")]
-        if dataclasses.is_dataclass(cls)
-        else []
-    )
+    """The bodies, points and nodes that ``connect`` lists, in order."""
+    if not dataclasses.is_dataclass(cls):
+        return []
+    ties = ("point", "body", "node")
+    return [f for f in dataclasses.fields(cls) if not f.metadata and kind_of(f) in ties]
 
 
 def written(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> list[dataclasses.Field]:
     """The fields that a file gives by their own key."""
-    ties = {f.name for f in connected(cls)}
-    return [f for f in dataclasses.fields(cls) if f.name not in ties and f.name not in hidden]
+    left_out = {f.name for f in connected(cls)} | hidden
+    fields = [f for f in dataclasses.fields(cls) if f.name not in left_out]
+    return [f for f in fields if kind_of(f) != "function"]
 
 
 def is_needed(field: dataclasses.Field) -> bool:
@@ -72,6 +86,19 @@ def is_needed(field: dataclasses.Field) -> bool:
     if kind_of(field) in ALWAYS_NEEDED:
         return True
     return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+
+
+def given_fields(
+    cls: type, table: Any, located: Any, where: tuple[str, ...], value: Callable
+) -> dict[str, Any]:
+    """The fields that a table gives, as ``value(field, given, where)`` makes them."""
+    made = {}
+    for field in written(cls):
+        if field.name in table.model_fields_set:
+            here = (*where, field.name)
+            with located(*here):
+                made[field.name] = value(field, getattr(table, field.name), here)
+    return made
 
 
 FROM_FILE = {"Table": ("times", "values"), "SplineCurve": ("points",)}

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
+from typing import Protocol
 
 from dalembert.errors import ExpressionError
-from dalembert.model.system import System
-from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.symbolic.expression import Expression, as_expression, t
 from dalembert.symbolic.parser import parse_formula
 
 
@@ -19,15 +19,50 @@ class Scope(Enum):
     MOTION = "parameters, t and measures"
 
 
-class Formulas:
-    """Reads numbers and formulas for one system.
+class Names(Protocol):
+    """What formulas may name; a ``System`` under construction is one."""
+
+    @property
+    def parameters(self) -> Mapping[str, Expression]: ...
+
+    @property
+    def derived_parameters(self) -> Mapping[str, Expression]: ...
+
+    def lookup(self, name: str) -> Expression | None: ...
+
+    def measure_names(self) -> list[str]: ...
+
+
+class ParameterNames:
+    """Parameters and time alone.
 
     Parameters
     ----------
-    system : System under construction
+    parameters : name → Parameter
     """
 
-    def __init__(self, system: System):
+    def __init__(self, parameters: Mapping[str, Expression]):
+        self.parameters = parameters
+        self.derived_parameters: Mapping[str, Expression] = {}
+
+    def lookup(self, name: str) -> Expression | None:
+        """The parameter, or time."""
+        return self.parameters.get(name, t if name == "t" else None)
+
+    def measure_names(self) -> list[str]:
+        """There are none before anything is built."""
+        return []
+
+
+class Formulas:
+    """Reads numbers and formulas for one model.
+
+    Parameters
+    ----------
+    system : what they may name
+    """
+
+    def __init__(self, system: Names):
         self.system = system
 
     def read(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,9 +15,7 @@ from dalembert.errors import (
     UnsupportedError,
 )
 from dalembert.io.messages import place
-from dalembert.io.schema import Document
-
-SECTIONS = ("parameters", "derived", "bodies", "joints", "drivers", "forces")
+from dalembert.io.schema import ModelDocument
 
 
 class Located:
@@ -28,10 +27,10 @@ class Located:
     document : its contents, to find the section of an element
     """
 
-    def __init__(self, source: Path, document: Document):
+    def __init__(self, source: Path, document: ModelDocument):
         self.source = source
         self._section = {
-            name: section for section in SECTIONS for name in getattr(document, section)
+            name: section for section in document.sections for name in getattr(document, section)
         }
 
     def error(self, message: str, *keys: str | int) -> ModelError:
@@ -65,7 +64,7 @@ class Located:
         here = place(*keys)
         if not entity:
             return here
-        owner = entity.partition(".")[0]
+        owner = re.split(r"[.\[]", entity, maxsplit=1)[0]
         if owner not in self._section:
             return here or entity
         named = place(self._section[owner], owner) + entity[len(owner) :]

@@ -11,13 +11,24 @@ from pydantic import ValidationError
 
 from dalembert.errors import ModelError
 from dalembert.io.builder import Builder
-from dalembert.io.location import SECTIONS, Located
+from dalembert.io.location import Located
 from dalembert.io.messages import explain, nearest, place
 from dalembert.io.reading import read_document
 from dalembert.io.schema import Document, ParameterTable
-from dalembert.io.values import constant
+from dalembert.io.structure_builder import StructureBuilder
+from dalembert.io.structure_schema import StructureDocument
+from dalembert.io.values import constant, shown
 from dalembert.model.model import Model
 from dalembert.model.system import RESERVED, System
+from dalembert.structures.model import StructuralModel
+from dalembert.structures.structure import Structure
+
+BUILDERS: dict[str, Any] = {"mechanism": Builder, "structure": StructureBuilder}
+DOCUMENTS: dict[str, type[Document] | type[StructureDocument]] = {
+    "mechanism": Document,
+    "structure": StructureDocument,
+}
+"""Value of ``kind`` in a file → what it holds, and what makes that."""
 
 
 @dataclass(frozen=True)
@@ -27,15 +38,15 @@ class ModelFile:
     Attributes
     ----------
     path : Path
-    document : Document
+    document : what it holds: Document of a mechanism, StructureDocument
     """
 
     path: Path
-    document: Document
+    document: Document | StructureDocument
 
     @property
     def name(self) -> str:
-        """Name of the system."""
+        """Name of the model."""
         return self.document.name or self.path.stem
 
     @property
@@ -43,23 +54,23 @@ class ModelFile:
         """Tells errors with this file and the place in it."""
         return Located(self.path, self.document)
 
-    def build(self) -> System:
-        """The system, ready to be changed or built.
+    def build(self) -> System | Structure:
+        """The system or structure, ready to be changed or built.
 
         Raises
         ------
         ModelError, FileError
             With file, place, value and cure.
         """
-        return Builder(self.document, self.path).build()
+        return BUILDERS[self.document.kind](self.document, self.path).build()
 
-    def model(self) -> Model:
+    def model(self) -> Model | StructuralModel:
         """The assembled model.
 
         Raises
         ------
         ModelError, AssemblyError
-            As ``build``, and what only shows when the mechanism is put together.
+            As ``build``, and what only shows when the model is put together.
         """
         system = self.build()
         with self.located():
@@ -106,16 +117,23 @@ def load_model_file(path: str | Path) -> ModelFile:
     """
     path = Path(path)
     data = read_document(path)
+    kind = data.get("kind", "mechanism")
+    if not isinstance(kind, str) or kind not in DOCUMENTS:
+        known = ", ".join(DOCUMENTS)
+        close = nearest(kind, DOCUMENTS)
+        raise ModelError(f"unknown kind {shown(kind)}{close}; known: {known}", f"{path}: kind")
+    if "kind" not in data and {"nodes", "elements", "meshes"} & set(data):
+        raise ModelError('nodes and elements make a structure; add kind = "structure"', str(path))
     try:
-        document = Document.model_validate(data)
+        document = DOCUMENTS[kind].model_validate(data)
     except ValidationError as error:
         raise explain(error, data, path) from None
     _check_names(document, path)
     return ModelFile(path, document)
 
 
-def load(path: str | Path) -> System:
-    """The system that a model file describes.
+def load(path: str | Path) -> System | Structure:
+    """The system or structure that a model file describes.
 
     Raises
     ------
@@ -125,10 +143,10 @@ def load(path: str | Path) -> System:
     return load_model_file(path).build()
 
 
-def _check_names(document: Document, path: Path) -> None:
+def _check_names(document: Document | StructureDocument, path: Path) -> None:
     """Parameters and elements share one set of names, because formulas use them all."""
     seen: dict[str, str] = {}
-    for section in SECTIONS:
+    for section in document.sections:
         for name in getattr(document, section):
             here = place(section, name)
             if name in RESERVED:

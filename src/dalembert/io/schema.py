@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
 
@@ -121,28 +121,49 @@ class ReportTable(Record):
     trace: Names = Field(default_factory=list, description="points whose paths are drawn")
 
 
-def _any_of(registry: dict[str, type]) -> Any:
+def any_of(registry: dict[str, type]) -> Any:
+    """A table for an object of one of the registered classes."""
     return one_of({name: table_of(name, cls) for name, cls in registry.items()})
 
 
 _PARAMETER = table_or(ParameterTable, Number)
 _DERIVED = table_or(DerivedTable, Entry)
 _BODY = one_of({n: table_of(n, c, n == "Body") for n, c in BODIES.items()}, default="Body")
-_JOINT, _DRIVER, _FORCE = _any_of(JOINTS), _any_of(DRIVERS), _any_of(FORCES)
-_ANALYSIS, _RESPONSE = _any_of(ANALYSES), _any_of(RESPONSES)
+_JOINT, _DRIVER, _FORCE = any_of(JOINTS), any_of(DRIVERS), any_of(FORCES)
+_ANALYSIS, _RESPONSE = any_of(ANALYSES), any_of(RESPONSES)
 
 
-class Document(Record):
-    """A model file of dalembert: a mechanism, and what is to be computed on it."""
+class ModelDocument(Record):
+    """What every model file has."""
+
+    sections: ClassVar[tuple[str, ...]]
+    """Tables whose entries share one set of names."""
+    analyses: ClassVar[dict[str, type]]
+    """Name → analysis that the file may ask for."""
+    usual_analysis: ClassVar[str | None] = None
+    """The one where it asks for none."""
 
     schema_location: Text = Field(default=None, alias="$schema", description="for editors")
     format: Annotated[int, PlainValidator(_format), WithJsonSchema({"const": FORMAT})]
-    name: Text = Field(default=None, description="name of the system; the file name by default")
+    name: Text = Field(default=None, description="name of the model; the file name by default")
     description: Text = ""
+    parameters: dict[str, _PARAMETER] = Field(default_factory=dict)  # type: ignore[valid-type]
+    sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
+    optimize: OptimizeTable = None  # type: ignore[assignment]
+
+
+class Document(ModelDocument):
+    """A model file of dalembert: a mechanism, and what is to be computed on it."""
+
+    sections = ("parameters", "derived", "bodies", "joints", "drivers", "forces")
+    analyses = ANALYSES
+
+    kind: Literal["mechanism"] = Field(
+        default="mechanism", description='"mechanism"; a structure has tables of its own'
+    )
     gravity: Vector = Field(  # type: ignore[valid-type]
         default=None, description="acceleration of gravity [m/s^2]; none by default"
     )
-    parameters: dict[str, _PARAMETER] = Field(default_factory=dict)  # type: ignore[valid-type]
     derived: dict[str, _DERIVED] = Field(default_factory=dict)  # type: ignore[valid-type]
     ground: GroundTable = Field(default_factory=GroundTable)
     bodies: dict[str, _BODY] = Field(default_factory=dict)  # type: ignore[valid-type]
@@ -154,26 +175,5 @@ class Document(Record):
     )
     analysis: _ANALYSIS = None  # type: ignore[valid-type]
     responses: dict[str, _RESPONSE] = Field(default_factory=dict)  # type: ignore[valid-type]
-    sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
-    optimize: OptimizeTable = None  # type: ignore[assignment]
     compare: CompareTable = Field(default_factory=CompareTable)
     report: ReportTable = Field(default_factory=ReportTable)
-
-
-def json_schema() -> dict[str, Any]:
-    """JSON Schema (2020-12) of model files, for editors and other programs."""
-    made = Document.model_json_schema()
-    _drop_null_defaults(made)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **made}
-
-
-def _drop_null_defaults(node: Any) -> None:
-    """A missing key is missing; null is not a value of this format."""
-    if isinstance(node, dict):
-        if "default" in node and node["default"] is None:
-            del node["default"]
-        for child in node.values():
-            _drop_null_defaults(child)
-    elif isinstance(node, list):
-        for child in node:
-            _drop_null_defaults(child)

@@ -4,7 +4,7 @@ Records of numbers separated by commas or blanks, in this order: the counts of n
 forces and prescribed displacements; per element its left node, right node and stiffness; per force
 its node and value; per prescribed displacement its node and value; then, optionally, the count of
 parameters and per parameter its type (``'spring'``, ``'force'`` or ``'displacement'``), the number
-of the entity and its value, which replaces the one above.
+of the entity and its value, which replaces the one above; two more numbers bound it (example 8.17).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from dalembert.errors import FileError
+from dalembert.errors import FileError, ModelError
 from dalembert.structures.springs import AxialSpring
 from dalembert.structures.structure import Structure
 
@@ -60,8 +60,10 @@ class Deck:
         """An error at a line."""
         return FileError(f"{self.path}:{number}: {text}")
 
-    def read(self, what: str, kinds: tuple[type, ...]) -> tuple[int, list]:
-        """Number of the next line and its fields, converted.
+    def read(
+        self, what: str, kinds: tuple[type, ...], more: tuple[type, ...] = ()
+    ) -> tuple[int, list]:
+        """Number of the next line and its fields, converted; ``more`` may follow, all or none.
 
         Raises
         ------
@@ -71,10 +73,13 @@ class Deck:
         record = next(self.records, None)
         if record is None:
             raise self.error(self.last, f"the deck ends before {what}")
+        if len(record.fields) == len(kinds) + len(more):
+            kinds = kinds + more
         if len(record.fields) != len(kinds):
+            wanted = f"{len(kinds)}{f' or {len(kinds) + len(more)}' if more else ''}"
             raise self.error(
                 record.number,
-                f"{what} needs {len(kinds)} values, this line has {len(record.fields)}: "
+                f"{what} needs {wanted} values, this line has {len(record.fields)}: "
                 f"{', '.join(record.fields)}",
             )
         return record.number, [
@@ -135,14 +140,20 @@ def _parameters(deck: Deck, structure: Structure, counts: list[int]) -> dict:
     limits = {"spring": counts[1], "force": counts[2], "displacement": counts[3]}
     units = {"spring": "N/m", "force": "N", "displacement": "m"}
     for k in range(declared[0] if declared else 0):
-        number, (kind, entity, value) = deck.read(f"parameter {k + 1}", (str, int, float))
+        number, (kind, entity, value, *bounds) = deck.read(
+            f"parameter {k + 1}", (str, int, float), (float, float)
+        )
         if kind not in KINDS:
             raise deck.error(number, f"unknown type {kind!r}; known: {', '.join(KINDS)}")
         if not 1 <= entity <= limits[kind]:
             raise deck.error(number, f"there is no {kind} {entity}; there are {limits[kind]}")
         if (kind, entity) in found:
             raise deck.error(number, f"{kind} {entity} has a parameter already")
-        found[kind, entity] = structure.parameter(f"d{k + 1}", value, units[kind])
+        try:
+            made = structure.parameter(f"d{k + 1}", value, units[kind], tuple(bounds) or None)
+        except ModelError as error:
+            raise deck.error(number, str(error)) from None
+        found[kind, entity] = made
     deck.finish()
     return found
 

@@ -7,10 +7,17 @@ from dalembert.analysis.equilibrium import Equilibrium
 from dalembert.analysis.inverse_dynamics import InverseDynamics
 from dalembert.analysis.kinematics import Kinematics
 from dalembert.analysis.linearization import Linearization
+from dalembert.analysis.structural.buckling import Buckling
+from dalembert.analysis.structural.load_path import ArcLength
+from dalembert.analysis.structural.modal import Modal
+from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
+from dalembert.analysis.structural.statics import Statics
+from dalembert.analysis.structural.transient import Transient
 from dalembert.formulations.registry import FORMULATIONS, STABILIZATIONS
 from dalembert.integrators.registry import INTEGRATORS
 from dalembert.model.registry import COORDINATES
 from dalembert.responses.base import Response
+from dalembert.responses.events import AtEvent
 from dalembert.responses.extremes import Maximum, Minimum
 from dalembert.responses.integrals import Integral, Mean, Rms
 from dalembert.responses.values import At, Final
@@ -31,9 +38,19 @@ ANALYSES: dict[str, type] = {
     "Linearization": Linearization,
 }
 
+STRUCTURAL_ANALYSES: dict[str, type] = {
+    "Statics": Statics,
+    "NonlinearStatics": NonlinearStatics,
+    "ArcLength": ArcLength,
+    "Modal": Modal,
+    "Buckling": Buckling,
+    "Transient": Transient,
+}
+
 RESPONSES: dict[str, type[Response]] = {
     "Final": Final,
     "At": At,
+    "AtEvent": AtEvent,
     "Integral": Integral,
     "Mean": Mean,
     "Rms": Rms,

@@ -41,6 +41,13 @@ class EventTable(Record):
     direction: Integer = 0
 
 
+class RayleighTable(Record):
+    """Damping ``C = α M + β K``."""
+
+    mass: Entry = Field(default=0.0, description="α [1/s]")
+    stiffness: Entry = Field(default=0.0, description="β [s]")
+
+
 def named(known: dict[str, type]) -> Any:
     """The name of a strategy, or a table with its type and its options."""
 
@@ -77,6 +84,8 @@ def value_type(kind: str, size: int = 1) -> Any:
         "integer": Integer,
         "flag": Flag,
         "text": Text,
+        "event": Text,
+        "state": Text,
         "body": Text,
         "joint": Text,
         "rows": Rows,
@@ -92,6 +101,7 @@ def value_type(kind: str, size: int = 1) -> Any:
         "points": lambda: dict[str, Vector],  # type: ignore[valid-type]
         "law": lambda: one_of({n: table_of(n, c) for n, c in LAWS.items()}, plain=Entry),
         "curve": lambda: one_of({n: table_of(n, c) for n, c in CURVES.items()}),
+        "damping": lambda: RayleighTable,
         "names": lambda: list[Text],  # type: ignore[valid-type]
         "events": lambda: dict[str, table_or(EventTable, Entry)],  # type: ignore[misc]
     }
@@ -113,16 +123,18 @@ def table_of(name: str, cls: Any, optional_type: bool = False) -> type[BaseModel
     for field in written(cls):
         given = value_type(kind_of(field), field.metadata.get("size", 1))
         default = ... if is_needed(field) and field.name not in from_file else None
-        keys[field.name] = (given, Field(default, description=_about(field)))
-    return create_model(name, __base__=Record, __doc__=_summary(cls), **keys)
+        keys[field.name] = (given, Field(default, description=about_field(field)))
+    return create_model(name, __base__=Record, __doc__=summary_of(cls), **keys)
 
 
-def _about(field: dataclasses.Field) -> str | None:
+def about_field(field: dataclasses.Field) -> str | None:
+    """What a field holds, with its unit."""
     text, unit = field.metadata.get("description"), field.metadata.get("unit")
     if field.name == "points":
         return "name of a point: its coordinates in the body frame [m]"
     return f"{text} [{unit}]" if text and unit else text
 
 
-def _summary(cls: type) -> str:
+def summary_of(cls: type) -> str:
+    """The first paragraph of what is said about a class."""
     return (cls.__doc__ or "").strip().split("\n\n")[0].replace("\n    ", " ")

@@ -7,16 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.compare import Comparing
-from dalembert.analysis.observation import observe
+from dalembert.analysis.comparison.compare import Comparing
+from dalembert.analysis.comparison.observation import observe
 from dalembert.design.optimization import Limit
 from dalembert.errors import ModelError
-from dalembert.io.analyses import given_options, make_analysis, make_strategy, read_measure
+from dalembert.io.analyses import given_options, make_analysis, make_strategy
+from dalembert.io.measures import measure_reader, read_measure
 from dalembert.io.messages import nearest
 from dalembert.io.model_file import ModelFile
+from dalembert.io.schema import Document
 from dalembert.io.strategies import RESPONSES, STRATEGIES
-from dalembert.model.model import Model
 from dalembert.responses.base import Response
+from dalembert.responses.events import AtEvent
 from dalembert.results.labelled import DATA_ONLY
 
 COMPARED = {
@@ -28,7 +30,7 @@ COMPARED = {
 """Key of ``[compare]`` → kind of strategy."""
 
 
-def make_responses(file: ModelFile, model: Model) -> dict[str, Response]:
+def make_responses(file: ModelFile, model: Any) -> dict[str, Response]:
     """The responses of the file by name.
 
     Raises
@@ -38,15 +40,29 @@ def make_responses(file: ModelFile, model: Model) -> dict[str, Response]:
     """
     made = {}
     tables: dict[str, Any] = file.document.responses
+    read = measure_reader(file.document)
     for name, table in tables.items():
         with file.located("responses", name, "measure"):
-            measure = read_measure(model, str(table.measure))
+            measure = read(model, str(table.measure))
             if len(measure) != 1:
                 raise ModelError(f"{table.measure!r} has {len(measure)} components; take .x or .y")
         with file.located("responses", name):
             options = given_options(table) | {"measure": measure, "name": name}
             made[name] = RESPONSES[table.type](**options)
+        if isinstance(made[name], AtEvent):
+            _check_event(file, table.event, "responses", name, "event")
     return made
+
+
+def _check_event(file: ModelFile, name: str, *where: str) -> None:
+    table: Any = file.document.analysis
+    known = getattr(table, "events", None) or {}
+    if name not in known:
+        raise file.located.error(
+            f"unknown event {name!r}{nearest(name, known)}; known in [analysis.events]: "
+            f"{', '.join(known) or 'none'}",
+            *where,
+        )
 
 
 def chosen_response(
@@ -85,7 +101,7 @@ def chosen_parameters(file: ModelFile, names: list[str] | None, *where: str) -> 
     return list(names or known)
 
 
-def make_gradient(file: ModelFile, model: Model) -> tuple[dict[str, Response], list[str]]:
+def make_gradient(file: ModelFile, model: Any) -> tuple[dict[str, Response], list[str]]:
     """Responses and parameters of ``[sensitivity]``; all where none are named."""
     asked, made = file.document.sensitivity, make_responses(file, model)
     names = asked.responses or list(made) or [""]
@@ -96,7 +112,7 @@ def make_gradient(file: ModelFile, model: Model) -> tuple[dict[str, Response], l
     return responses, chosen_parameters(file, asked.wrt, "sensitivity", "wrt")
 
 
-def make_design(file: ModelFile, model: Model) -> dict[str, Any]:
+def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
     """The arguments of ``optimize`` that the file gives.
 
     Raises
@@ -131,7 +147,7 @@ def make_design(file: ModelFile, model: Model) -> dict[str, Any]:
     return design | {key: getattr(asked, key) for key in keys}
 
 
-def make_comparison(file: ModelFile, model: Model, given: Mapping[str, Any]) -> dict[str, Any]:
+def make_comparison(file: ModelFile, model: Any, given: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of ``compare`` that ``[compare]`` and the times of ``[analysis]`` give.
 
     Parameters
@@ -143,6 +159,8 @@ def make_comparison(file: ModelFile, model: Model, given: Mapping[str, Any]) -> 
     ModelError
         No duration, or options that cannot work, with their place.
     """
+    if not isinstance(file.document, Document):
+        raise file.located.error("of formulations is for mechanisms", "compare")
     asked = file.document.compare
     made: dict[str, Any] = {}
     for key in sorted(asked.model_fields_set - set(given)):
@@ -175,8 +193,10 @@ def _times(file: ModelFile) -> dict[str, Any]:
     return made | ({"t_span": tuple(table.t_span)} if "t_span" in made else {})
 
 
-def report_choices(file: ModelFile, model: Model) -> dict[str, Any]:
-    """What the report shows first: ``plots`` and ``trace``, each name checked."""
+def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
+    """What the report of a mechanism shows first: ``plots`` and ``trace``, each name checked."""
+    if not isinstance(file.document, Document):
+        return {}
     report = file.document.report
     for i, group in enumerate(report.plots):
         for k, measure in enumerate(group):
@@ -195,11 +215,11 @@ def report_choices(file: ModelFile, model: Model) -> dict[str, Any]:
     return {"plots": report.plots or None, "trace": report.trace or None}
 
 
-def check_tasks(file: ModelFile, model: Model) -> None:
+def check_tasks(file: ModelFile, model: Any) -> None:
     """Everything the file asks for can be made; nothing is computed."""
     make_responses(file, model)
     report_choices(file, model)
-    if file.document.analysis is not None:
+    if file.document.analysis is not None or file.document.usual_analysis is not None:
         make_analysis(file, model)
     if "compare" in file.document.model_fields_set:
         make_comparison(file, model, {})

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from dalembert.elements.base import Element
 from dalembert.errors import ModelError
 from dalembert.model.checks import check_membership, check_symbols, check_values
@@ -22,6 +24,14 @@ class System(Description):
     gravity : (2,) acceleration of gravity [m/s²]; none by default
     description : str
     """
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str):
+            raise AttributeError(
+                f"{type(self).__name__} {vars(self).get('name', '')!r} has no {name!r}; analyses "
+                "take the model that its build() makes"
+            )
 
     # building ----------------------------------------------------------------
     def parameter(

@@ -19,20 +19,30 @@ from typing import Any
 
 from dalembert.atomic import atomic_path
 
-__all__ = ["render_page", "write_page"]
+__all__ = ["as_json", "render_page", "write_page"]
 
-#: The scripts, in the order in which they are joined into one scope.
-SCRIPTS = (
-    "util.js",
-    "motion.js",
-    "player.js",
-    "symbols.js",
-    "scene.js",
-    "plots.js",
-    "picker.js",
-    "panels.js",
-    "page.js",
-)
+#: The scripts of each kind of page, in the order in which they are joined into one scope.
+SCRIPTS = {
+    "mechanism": (
+        "util.js",
+        "motion.js",
+        "player.js",
+        "symbols.js",
+        "scene.js",
+        "plots.js",
+        "picker.js",
+        "panels.js",
+        "page.js",
+    ),
+    "structure": (
+        "util.js",
+        "panels.js",
+        "structure.js",
+        "structure_scene.js",
+        "structure_tables.js",
+        "structure_page.js",
+    ),
+}
 
 #: Significant digits kept of every number (the page is for reading, not for archiving).
 DIGITS = 10
@@ -43,13 +53,13 @@ _ESCAPES = {ord(c): f"\\u{ord(c):04x}" for c in "<>&"}
 
 def render_page(payload: dict[str, Any]) -> str:
     """Return the whole report page of ``payload`` as one string of HTML."""
-    title = str(payload.get("title") or "Mechanism report")
+    title = str(payload.get("title") or "Report")
     title = title.encode("utf-8", "replace").decode("utf-8")  # a lone surrogate cannot be written
     parts = {
         "title": html.escape(title),
         "style": _asset("page.css"),
         "data": _embed(payload),
-        "script": "\n".join(_asset(name) for name in SCRIPTS),
+        "script": "\n".join(_asset(name) for name in SCRIPTS[payload.get("kind", "mechanism")]),
     }
     # One pass over the template: what is put in is not looked at again.
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], _asset("template.html"))
@@ -69,10 +79,10 @@ def _asset(name: str) -> str:
 
 def _embed(payload: dict[str, Any]) -> str:
     """Return ``payload`` as JSON that is safe inside a script element."""
-    return _json(payload).translate(_ESCAPES)
+    return as_json(payload).translate(_ESCAPES)
 
 
-def _json(value: Any) -> str:
+def as_json(value: Any) -> str:
     """Return ``value`` as ASCII JSON, with null for a number that is not finite."""
     if hasattr(value, "tolist"):  # a numpy array or scalar
         value = value.tolist()
@@ -83,14 +93,14 @@ def _json(value: Any) -> str:
     if isinstance(value, dict):
         return (
             "{"
-            + ",".join(f"{json.dumps(str(key))}:{_json(item)}" for key, item in value.items())
+            + ",".join(f"{json.dumps(str(key))}:{as_json(item)}" for key, item in value.items())
             + "}"
         )
     if isinstance(value, (list, tuple)):
         kinds = set(map(type, value))
         if float in kinds and kinds <= {float, int, type(None)}:
             return f"[{_numbers(value)}]"
-        return "[" + ",".join(map(_json, value)) + "]"
+        return "[" + ",".join(map(as_json, value)) + "]"
     raise TypeError(f"a report cannot hold a {type(value).__name__}")
 
 

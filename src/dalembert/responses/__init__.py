@@ -1,12 +1,14 @@
 """Responses: numbers drawn from a motion, each by one measure and one reduction."""
 
 from dalembert.responses.base import Response, evaluate
+from dalembert.responses.events import AtEvent, at_event, event_time
 from dalembert.responses.extremes import Maximum, Minimum, maximum, minimum
 from dalembert.responses.integrals import Integral, Mean, Rms, integral, mean, rms
 from dalembert.responses.values import At, Final, at, final
 
 __all__ = [
     "At",
+    "AtEvent",
     "Final",
     "Integral",
     "Maximum",
@@ -15,7 +17,9 @@ __all__ = [
     "Response",
     "Rms",
     "at",
+    "at_event",
     "evaluate",
+    "event_time",
     "final",
     "integral",
     "maximum",

@@ -1,8 +1,9 @@
 """What a response is.
 
 A response samples a scalar measure along a motion, ``m_k = m(t_k)``, and reduces the samples to
-a number ``R(m_1 … m_K)``. A new one gives ``reduce`` and its derivative ``weights``; gradients of
-any analysis by any method follow.
+a number ``R(m_1 … m_K; t_1 … t_K)``. A new one gives ``reduce`` and its derivatives ``weights``
+and, where the times themselves enter, ``time_weights``; gradients of any analysis by any method
+follow.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dalembert.analysis.events import Occurrence
+from dalembert.analysis.instants import end_by_event
 from dalembert.errors import AnalysisError
 from dalembert.results.motion import Motion
 from dalembert.symbolic.expression import Expression
@@ -44,9 +47,22 @@ class Response:
 
         return replace(self, name=name)
 
+    def over(self, motion: Motion) -> Response:
+        """The same response as it is taken of this result."""
+        return self
+
     def sample_times(self, motion: Motion) -> np.ndarray | None:
         """Own sampling times, or None for the outputs of the motion."""
         return None
+
+    def sampled(self, motion: Motion) -> Motion:
+        """The motion at the instants that the response looks at."""
+        times = self.sample_times(motion)
+        return motion if times is None else motion.at(times)
+
+    def moves_with(self, motion: Motion) -> Occurrence | None:
+        """The event at whose instant the last sample is taken; None where all times are fixed."""
+        return end_by_event(motion) if self.sample_times(motion) is None else None
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         """``R`` of the samples."""
@@ -55,6 +71,16 @@ class Response:
     def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
         """``∂R/∂m_k``."""
         raise NotImplementedError
+
+    def weights_change(
+        self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
+    ) -> np.ndarray:
+        """``Σ_l ∂²R/∂m_k∂m_l ṁ_l``; zero where ``R`` is linear in the samples."""
+        return np.zeros_like(samples)
+
+    def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        """``∂R/∂t_k`` with the samples held."""
+        return np.zeros(times.size)
 
     def unit(self, unit: str) -> str:
         """Unit of the response for a measure in ``unit``."""
@@ -67,9 +93,12 @@ def scalar_measure(motion: Motion, response: Response) -> Expression:
     Raises
     ------
     AnalysisError
-        It is a vector; a response needs one component or a norm.
+        No such measure, or it is a vector; a response needs one component or a norm.
     """
-    expression = motion.expression(response.measure)
+    try:
+        expression = motion.expression(response.measure)
+    except KeyError as error:
+        raise AnalysisError(f"response {response.label}: {error.args[0]}") from None
     if len(expression) != 1:
         raise AnalysisError(
             f"response {response.label}: the measure has {len(expression)} components; "
@@ -79,8 +108,20 @@ def scalar_measure(motion: Motion, response: Response) -> Expression:
 
 
 def as_responses(responses: Response | Sequence[Response]) -> list[Response]:
-    """One response or several as a list with different labels."""
-    listed = [responses] if isinstance(responses, Response) else list(responses)
+    """One response or several as a list with different labels.
+
+    Raises
+    ------
+    AnalysisError
+        Something else, none at all, or the same label twice.
+    """
+    several = isinstance(responses, Sequence) and not isinstance(responses, str)
+    listed: list[Response] = list(responses) if several else [responses]  # type: ignore
+    if not listed:
+        raise AnalysisError("no response is given; give at least one, such as da.final(measure)")
+    for given in listed:
+        if not isinstance(given, Response):
+            raise AnalysisError(f"{given!r} is not a response; give one such as da.final(measure)")
     labels = [r.label for r in listed]
     twice = next((label for label in labels if labels.count(label) > 1), None)
     if twice:
@@ -90,7 +131,6 @@ def as_responses(responses: Response | Sequence[Response]) -> list[Response]:
 
 def evaluate(motion: Motion, response: Response) -> float:
     """Value of a response on a motion."""
-    times = response.sample_times(motion)
-    sampled = motion if times is None else motion.at(times)
+    sampled = response.sampled(motion)
     samples = sampled.values(scalar_measure(motion, response))
-    return response.reduce(sampled.time, samples)
+    return response.over(motion).reduce(sampled.time, samples)

@@ -44,6 +44,14 @@ class Maximum(Response):
         parts = np.exp(self.smooth * (m - m.max()))
         return parts / parts.sum()
 
+    def weights_change(
+        self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
+    ) -> np.ndarray:
+        if self.smooth is None:
+            return np.zeros_like(samples)
+        weights = self.weights(times, samples)
+        return self.sign * self.smooth * weights * (change - weights @ change)
+
 
 @dataclass(frozen=True)
 class Minimum(Maximum):

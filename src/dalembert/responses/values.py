@@ -24,18 +24,18 @@ class Final(Response):
 
 @dataclass(frozen=True)
 class At(Response):
-    """Value at a time.
+    """Value at a time, or of a load case, mode or point of a path by number.
 
     Parameters
     ----------
-    time : instant within the run [s]
+    time : instant within the run [s], or number
     """
 
     time: float = 0.0
 
     @property
     def label(self) -> str:
-        return self.name or super().label.replace("at(", f"at({self.time:g} s, ", 1)
+        return self.name or super().label.replace("at(", f"at({self.time:g}, ", 1)
 
     def sample_times(self, motion: Motion) -> np.ndarray | None:
         return np.array([float(self.time)])
@@ -53,5 +53,5 @@ def final(measure: str | Expression, name: str = "") -> Final:
 
 
 def at(time: float, measure: str | Expression, name: str = "") -> At:
-    """Value of a measure at a time [s]."""
+    """Value of a measure at a time [s]; of a load case (from 0) or mode (from 1) by number."""
     return At(measure, name, time)

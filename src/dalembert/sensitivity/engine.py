@@ -7,9 +7,11 @@ Everything else (labels, units, certificates, the command line) follows.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 
+from dalembert.errors import UnsupportedError
 from dalembert.sensitivity.samples import Sample
 
 
@@ -31,3 +33,40 @@ class Engine:
     def adjoint(self) -> np.ndarray:
         """(responses, np) by one adjoint solution for each response."""
         raise NotImplementedError
+
+    def hessian_product(self, direction: np.ndarray) -> np.ndarray:
+        """(responses, np) change of the adjoint gradient along a direction of the parameters.
+
+        Raises
+        ------
+        UnsupportedError
+            Second derivatives of this analysis are not available.
+        """
+        kind = type(self.samples[0].motion.analysis).__name__
+        raise UnsupportedError(
+            f"second derivatives of {kind} are not available; take differences of gradients"
+        )
+
+    def rate(self, sample: Sample) -> float:
+        """``ṁ`` of a sample's measure along the motion, at its last instant."""
+        raise NotImplementedError
+
+
+class RowEngine(Engine):
+    """Responses one after the other, each by an object with ``direct(columns)``, ``adjoint()``.
+
+    Such an object is made of a sample and a table that all of them share, for what they have in
+    common.
+    """
+
+    row: ClassVar[type]
+
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        return np.array([row.direct(columns) for row in self._rows()])
+
+    def adjoint(self) -> np.ndarray:
+        return np.array([row.adjoint() for row in self._rows()])
+
+    def _rows(self) -> list[Any]:
+        shared: dict = {}
+        return [self.row(sample, shared) for sample in self.samples]

@@ -3,68 +3,135 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.responses.base import Response, as_responses
+from dalembert.responses.base import Response, as_responses, evaluate
+from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
-from dalembert.results.status import Outcome
-from dalembert.results.structural import StructuralResult
-from dalembert.sensitivity.finite_difference import FiniteDifference
-from dalembert.sensitivity.methods import METHODS, Adjoint, Automatic, Direct, Method
+from dalembert.results.structural.result import StructuralResult
+from dalembert.sensitivity.checks.certificate import certify
+from dalembert.sensitivity.checks.diagnosis import Findings, diagnose
+from dalembert.sensitivity.checks.finite_difference import FiniteDifference
+from dalembert.sensitivity.checks.kinks import refuse_kinks
+from dalembert.sensitivity.methods import METHODS, Adjoint, Automatic, Direct, Method, Strategy
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 def sensitivity(
-    motion: Motion | StructuralResult,
+    motion: Motion | Modes | StructuralResult,
     responses: Response | Sequence[Response],
     wrt: Sequence[str] | None = None,
     method: Method = "auto",
+    certificate: bool = False,
 ) -> xr.DataArray:
     """Gradient of responses with respect to parameters, ``response × parameter``.
 
-    The gradient is the exact derivative of the steps taken (step lengths frozen).
+    The gradient is the exact derivative of the steps taken (step lengths frozen). Its coordinates
+    carry units, values and bounds; ``attrs["notes"]`` tells what is worth knowing about it.
 
     Parameters
     ----------
     motion : result of ``solve_dynamics``, ``solve_kinematics``, ``solve_inverse_dynamics``,
-        ``solve_equilibrium`` or ``solve_statics``
+        ``solve_equilibrium``, ``linearize`` or ``solve_statics``
     responses : one or several
     wrt : names of parameters; all by default
     method : ``"auto"``, ``"adjoint"``, ``"direct"``, ``"finite-difference"`` or a strategy object
+    certificate : check every entry by all methods and by a Taylor test, about twenty runs per
+        parameter; the ``Certificate`` is in ``attrs["certificate"]``
 
     Raises
     ------
     AnalysisError
-        Unknown parameter or method; a run that failed or ended by an event.
+        Unknown parameter or method; a run that failed; a response that has no derivative at these
+        parameters, e.g. at an event that is only just reached.
     """
-    import xarray as xr
-
     motion = cast(Motion, motion)  # a structural result answers to the same names
     listed = as_responses(responses)
-    names = list(motion.model.parameters)
-    chosen = names if wrt is None else list(wrt)
+    refuse_unfinished(motion)
+    columns = chosen_columns(motion, wrt)
+    strategy = _strategy(method, len(listed), len(columns))
+    refuse_unknown_values(motion, listed)
+    refuse_kinks(motion, listed, columns)
+    found = _values(motion, listed, columns, strategy)
+    table = _labelled(motion, listed, columns, found, strategy)
+    table.attrs["notes"] = diagnose(Findings(motion, listed, columns, found))
+    if isinstance(strategy, FiniteDifference):
+        table.attrs["notes"] += strategy.notes(motion, columns)
+    if certificate:
+        table.attrs["certificate"] = certify(motion, listed, columns)
+    return table
+
+
+def gradient_values(
+    motion: Motion,
+    responses: Sequence[Response],
+    wrt: Sequence[str] | None = None,
+    method: Method = "auto",
+) -> np.ndarray:
+    """(responses, parameters) numbers alone, without a diagnosis: what optimisers need.
+
+    At a kink they are those of one side; see ``sensitivity`` for the parameters and what is raised.
+    """
+    refuse_unfinished(motion)
+    columns = chosen_columns(motion, wrt)
+    return _values(motion, responses, columns, _strategy(method, len(responses), len(columns)))
+
+
+def chosen_columns(motion: Motion, wrt: Sequence[str] | None) -> list[int]:
+    """Numbers of the parameters with these names, each once; all where ``wrt`` is None.
+
+    Raises
+    ------
+    AnalysisError
+        Unknown parameter, or none at all.
+    """
+    names = {name: k for k, name in enumerate(motion.model.parameters)}
+    if not names:
+        raise AnalysisError(f"{motion.model.name} has no parameters to differentiate by; add some")
+    listed = [wrt] if isinstance(wrt, str) else names if wrt is None else wrt
+    chosen = list(dict.fromkeys(listed))
+    if not chosen:
+        raise AnalysisError(f"no parameter is chosen; choose some of {', '.join(names)}")
     for name in chosen:
         if name not in names:
-            raise AnalysisError(f"unknown parameter {name!r} (known: {', '.join(names) or 'none'})")
-    strategy = _strategy(method, len(listed), len(chosen))
-    _refuse_unfinished(motion)
-    values = strategy.gradient(motion, listed, [names.index(n) for n in chosen])
-    units = [_unit(motion, r) for r in listed]
-    return xr.DataArray(
-        values.reshape(len(listed), len(chosen)),
-        dims=("response", "parameter"),
-        coords={
-            "response": [r.label for r in listed],
-            "parameter": chosen,
-            "response_unit": ("response", units),
-            "parameter_unit": ("parameter", [motion.model.parameters[n].unit for n in chosen]),
-        },
-        name="gradient",
-        attrs={"method": type(strategy).__name__, "model": motion.model.name},
-    )
+            raise AnalysisError(f"unknown parameter {name!r} (known: {', '.join(names)})")
+    return [names[n] for n in chosen]
+
+
+def _values(motion: Motion, responses, columns: list[int], strategy) -> np.ndarray:
+    values = strategy.gradient(motion, responses, columns).reshape(len(responses), len(columns))
+    if not np.all(np.isfinite(values)):
+        r, i = (int(k[0]) for k in np.nonzero(~np.isfinite(values)))
+        name = list(motion.model.parameters)[columns[i]]
+        raise AnalysisError(
+            f"the derivative of {responses[r].label} by {name} is {values[r, i]}: the measure has "
+            "none where the run passes, as a root has none at zero; use another measure or instant"
+        )
+    return values
+
+
+def _labelled(motion: Motion, responses, columns, values: np.ndarray, strategy) -> xr.DataArray:
+    import xarray as xr
+
+    listed = list(motion.model.parameters.values())
+    parameters = [listed[i] for i in columns]
+    along: dict[str, Any] = {
+        "response": [r.label for r in responses],
+        "parameter": [p.name for p in parameters],
+        "response_unit": ("response", [_unit(motion, r) for r in responses]),
+        "response_value": ("response", [evaluate(motion, r) for r in responses]),
+        "parameter_unit": ("parameter", [p.unit for p in parameters]),
+        "parameter_value": ("parameter", motion.parameters[columns]),
+        "lower": ("parameter", [p.bounds[0] for p in parameters]),
+        "upper": ("parameter", [p.bounds[1] for p in parameters]),
+    }
+    about = {"method": type(strategy).__name__, "model": motion.model.name}
+    return xr.DataArray(values, along, ("response", "parameter"), "gradient", about)
 
 
 def _strategy(
@@ -74,19 +141,33 @@ def _strategy(
         if method not in METHODS:
             raise AnalysisError(f"unknown method {method!r}; choose one of {', '.join(METHODS)}")
         method = METHODS[method]
+    if not isinstance(method, Strategy):
+        raise AnalysisError(f"method is {method!r}; give a name or an object such as da.Adjoint()")
     return method.choose(responses, parameters) if isinstance(method, Automatic) else method
 
 
 def _unit(motion: Motion, response: Response) -> str:
-    return response.unit(motion.expression(response.measure).unit)
+    return response.over(motion).unit(motion.expression(response.measure).unit)
 
 
-def _refuse_unfinished(motion: Motion) -> None:
-    outcome = motion.status.outcome
-    if outcome is Outcome.TERMINATED:
-        raise AnalysisError(
-            f"the run ended by an event ({motion.status.message}), whose time depends on the "
-            "parameters; a gradient at fixed time does not exist there: drop the terminal event"
-        )
+def refuse_unfinished(motion: Motion) -> None:
     if not motion.status.success:
         raise AnalysisError(f"no gradient of a run that failed: {motion.status}")
+
+
+def refuse_unknown_values(motion: Motion, responses: Sequence[Response]) -> None:
+    """A response whose value is not a number has no gradient.
+
+    Raises
+    ------
+    AnalysisError
+        Names the response.
+    """
+    for response in responses:
+        value = evaluate(motion, response)
+        if not np.isfinite(value):
+            raise AnalysisError(
+                f"response {response.label} is {value} in this run and has no gradient; take a "
+                "measure that this analysis knows everywhere (kinematics knows no forces, inverse "
+                "dynamics does), or another instant"
+            )

@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.responses.base import Response
 from dalembert.results.motion import Motion
-from dalembert.sensitivity.finite_difference import FiniteDifference
+from dalembert.sensitivity.checks.finite_difference import FiniteDifference
 from dalembert.sensitivity.registry import engine_of
 
 

@@ -11,22 +11,17 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.driven_instants import measure_rate, measured
 from dalembert.sensitivity.engine import Engine
-from dalembert.sensitivity.samples import Sample
-from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.sensitivity.samples import Sample, weights_change
 
 
 class PointwiseGradient:
     """Rows of the gradient for one sampled response."""
 
     def __init__(self, sample: Sample):
-        motion = sample.motion
-        model, kernel = motion.model, motion.record.kernel
-        self.sample, self.motion = sample, motion
-        self.measured: ImplicitFunction = model.compiled(
-            ("measured", kernel, sample.measure),
-            lambda: kernel.measured(model.at_ground(sample.measure.sx)),
-        )
+        self.sample, self.motion = sample, sample.motion
+        self.measured = measured(sample.motion, sample.measure)
 
     def _arguments(self) -> tuple:
         s = self.motion.trajectory
@@ -62,6 +57,29 @@ class PointwiseGradient:
             gradient[i] = float(rates.full().ravel() @ weights[active])
         return gradient
 
+    def hessian_product(self, direction: np.ndarray) -> np.ndarray:
+        """(np,) the derivative of the adjoint gradient along a direction of the parameters."""
+        t, y, p = self._arguments()
+        count, still_y = t.size, np.zeros_like(y)
+        dp = np.tile(direction[:, None], count)
+        change = self.measured.tangent.map(count)(t, y, p, np.zeros((1, count)), still_y, dp)
+        turned = weights_change(self.sample, change.full().ravel())
+        active = np.flatnonzero((self.sample.weights != 0) | (turned != 0))
+        if not active.size:
+            return np.zeros(direction.size)
+        mapped = self.measured.reverse.tangent.map(active.size)
+        rates = mapped(
+            t[active],
+            y[:, active],
+            p[:, active],
+            self.sample.weights[None, active],
+            np.zeros((1, active.size)),
+            still_y[:, active],
+            dp[:, active],
+            turned[None, active],
+        )
+        return rates[2].full().sum(axis=1)
+
 
 class PointwiseEngine(Engine):
     """One row after the other."""
@@ -71,3 +89,9 @@ class PointwiseEngine(Engine):
 
     def adjoint(self) -> np.ndarray:
         return np.array([PointwiseGradient(sample).adjoint() for sample in self.samples])
+
+    def hessian_product(self, direction: np.ndarray) -> np.ndarray:
+        return np.array([PointwiseGradient(s).hessian_product(direction) for s in self.samples])
+
+    def rate(self, sample: Sample) -> float:
+        return measure_rate(sample.motion, sample.measure)

@@ -7,23 +7,38 @@ from collections.abc import Sequence
 from dalembert.analysis.dynamics import Dynamics
 from dalembert.analysis.equilibrium import Equilibrium
 from dalembert.analysis.kinematics import Kinematics
-from dalembert.analysis.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.statics import Statics
+from dalembert.analysis.linearization import Linearization
+from dalembert.analysis.structural.buckling import Buckling
+from dalembert.analysis.structural.load_path import ArcLength
+from dalembert.analysis.structural.modal import Modal
+from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
+from dalembert.analysis.structural.statics import Statics
+from dalembert.analysis.structural.transient import Transient
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.results.motion import Motion
-from dalembert.sensitivity.dynamics import DynamicsEngine
+from dalembert.sensitivity.eigenvalues import EigenvalueEngine
 from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.events import EventEngine
+from dalembert.sensitivity.marching.dynamics import DynamicsEngine
 from dalembert.sensitivity.pointwise import PointwiseEngine
 from dalembert.sensitivity.samples import take_sample
-from dalembert.sensitivity.statics import StaticsEngine
+from dalembert.sensitivity.structural.eigenpairs import EigenpairEngine
+from dalembert.sensitivity.structural.load_path import LoadPathEngine
+from dalembert.sensitivity.structural.second_statics import TwiceStaticsEngine
+from dalembert.sensitivity.structural.transient import TransientEngine
 
 ENGINES: dict[type, type[Engine]] = {
     Dynamics: DynamicsEngine,
     Kinematics: PointwiseEngine,
     Equilibrium: PointwiseEngine,
-    Statics: StaticsEngine,
-    NonlinearStatics: StaticsEngine,
+    Linearization: EigenvalueEngine,
+    Statics: TwiceStaticsEngine,
+    NonlinearStatics: TwiceStaticsEngine,
+    Modal: EigenpairEngine,
+    Buckling: EigenpairEngine,
+    ArcLength: LoadPathEngine,
+    Transient: TransientEngine,
 }
 """Analysis → engine; subclasses of an analysis use the same."""
 
@@ -38,7 +53,10 @@ def engine_of(motion: Motion, responses: Sequence[Response]) -> Engine:
     """
     for kind in type(motion.analysis).__mro__:
         if kind in ENGINES:
-            return ENGINES[kind]([take_sample(motion, r) for r in responses])
+            samples = [take_sample(motion, r) for r in responses]
+            if any(sample.moves_with for sample in samples):
+                return EventEngine(motion, ENGINES[kind], samples)
+            return ENGINES[kind](samples)
     raise UnsupportedError(
         f"gradients of {type(motion.analysis).__name__} are not available; use "
         "method='finite-difference'"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dalembert.analysis.events import Occurrence
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.results.motion import Motion
 from dalembert.symbolic.expression import Expression
@@ -21,6 +22,8 @@ class Sample:
     measure : scalar expression
     value : ``R(m)``
     weights : (K,) ``∂R/∂m_k``
+    time_weights : (K,) ``∂R/∂t_k``
+    moves_with : the event at whose instant the last sample is taken, or None
     """
 
     response: Response
@@ -28,18 +31,27 @@ class Sample:
     measure: Expression
     value: float
     weights: np.ndarray
+    time_weights: np.ndarray
+    moves_with: Occurrence | None = None
+
+
+def weights_change(sample: Sample, change: np.ndarray) -> np.ndarray:
+    """(K,) change of the weights when the samples change."""
+    values = sample.motion.values(sample.measure)
+    return sample.response.weights_change(sample.motion.time, values, change)
 
 
 def take_sample(motion: Motion, response: Response) -> Sample:
     """Evaluate a response and its weights on a motion."""
-    times = response.sample_times(motion)
-    sampled = motion if times is None else motion.at(times)
+    sampled = response.sampled(motion)
     measure = scalar_measure(motion, response)
-    values = sampled.values(measure)
+    values, response = sampled.values(measure), response.over(motion)
     return Sample(
         response,
         sampled,
         measure,
         response.reduce(sampled.time, values),
         response.weights(sampled.time, values),
+        response.time_weights(sampled.time, values),
+        response.moves_with(motion),
     )

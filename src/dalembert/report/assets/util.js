@@ -1,4 +1,4 @@
-// Small helpers: numbers, ticks, colours, DOM.
+// Numbers, ticks, colours, DOM.
 
 const TAU = 2 * Math.PI;
 const clamp = (x, lo, hi) => Math.min(hi, Math.max(lo, x));

@@ -1,0 +1,160 @@
+"""How gradients are told: on the terminal, and as one JSON document."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dalembert.cli.console import console
+from dalembert.results.influence import by_influence, relative_influence
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from dalembert.sensitivity.checks.certificate import Certificate
+
+MOST = 30
+"""Parameters, or entries of a certificate, on the terminal; the files have all."""
+
+
+def document(gradient: xr.DataArray) -> dict[str, Any]:
+    """Everything, for programs."""
+    relative = relative_influence(gradient)
+    parameters = [str(p) for p in gradient["parameter"].values]
+
+    def row(table: xr.DataArray, response: str) -> dict[str, float]:
+        return dict(zip(parameters, table.sel(response=response).values.tolist(), strict=True))
+
+    made: dict[str, Any] = {
+        "method": gradient.attrs["method"],
+        "parameters": {
+            name: {
+                key: gradient[coordinate].sel(parameter=name).item()
+                for key, coordinate in (
+                    ("value", "parameter_value"),
+                    ("unit", "parameter_unit"),
+                    ("lower", "lower"),
+                    ("upper", "upper"),
+                )
+            }
+            for name in parameters
+        },
+        "responses": {
+            str(name): {
+                "value": gradient["response_value"].sel(response=name).item(),
+                "unit": str(gradient["response_unit"].sel(response=name).item()),
+                "gradient": row(gradient, name),
+                "relative": row(relative, name),
+            }
+            for name in gradient["response"].values
+        },
+        "by_influence": by_influence(gradient),
+        "notes": gradient.attrs["notes"],
+    }
+    if "certificate" in gradient.attrs:
+        made["certificate"] = _certified(gradient.attrs["certificate"])
+    return made
+
+
+def _certified(certificate: Certificate) -> dict[str, Any]:
+    tests = certificate.data[["taylor_slope", "taylor_verdict"]].to_dataframe()
+    return {
+        "passed": certificate.passed,
+        "entries": certificate.table().to_dict("records"),
+        "taylor": tests.reset_index().to_dict("records"),
+    }
+
+
+def show(name: str, gradient: xr.DataArray) -> None:
+    """Tables, the most influential parameter first, and notes."""
+    parameters = by_influence(gradient)
+    ordered = gradient.sel(parameter=parameters[:MOST])
+    _print_table(f"{name}: derivatives by {gradient.attrs['method']}", ordered, _number)
+    shares = relative_influence(gradient).sel(parameter=parameters[:MOST])
+    _print_table(f"{name}: percent of the response per percent of the parameter", shares, _share)
+    if len(parameters) > MOST:
+        _tell(f"… and {len(parameters) - MOST} parameters more; --output writes them all")
+    for note in gradient.attrs["notes"]:
+        _tell(f"note: {note}", "yellow")
+    if "certificate" in gradient.attrs:
+        _show_certificate(gradient.attrs["certificate"])
+
+
+def _print_table(title: str, table: xr.DataArray, text: Any) -> None:
+    """Parameters as rows where they are at least as many as the responses."""
+    along = table.sizes["parameter"] >= table.sizes["response"]
+    rows, columns = ("parameter", "response") if along else ("response", "parameter")
+    table = table.transpose(rows, columns)
+    heads = [_head(table.isel({columns: k}), columns) for k in range(table.sizes[columns])]
+    lines = [
+        [*_head(table.isel({rows: k}), rows), *(text(x) for x in line)]
+        for k, line in enumerate(table.values)
+    ]
+    headings = [rows, "value", *("\n".join(part for part in head if part) for head in heads)]
+    _boxed(title, headings, lines)
+
+
+def _head(entry: xr.DataArray, dimension: str) -> tuple[str, str]:
+    """Name, and value with unit, of a parameter or response."""
+    value = f"{float(entry[f'{dimension}_value']):.6g} {entry[f'{dimension}_unit'].item()}"
+    return str(entry[dimension].item()), value.rstrip()
+
+
+def _number(value: float) -> str:
+    return "0" if value == 0 else f"{value:.6g}"
+
+
+def _share(value: float) -> str:
+    if np.isnan(value):
+        return "–"
+    return "0" if abs(value) < 5e-13 else f"{value:+.4g}"
+
+
+def _boxed(title: str, headings: list[str], lines: list[list[str]]) -> None:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    out = console()
+    if not (out.is_terminal or "COLUMNS" in os.environ):
+        out.width = 1000  # a file has no edge
+    table = Table(
+        title=Text(title),
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        show_edge=False,
+        pad_edge=False,
+    )
+    for k, heading in enumerate(headings):
+        table.add_column(Text(heading), justify="right" if k else "left", no_wrap=k == 0)
+    for line in lines:
+        table.add_row(*map(Text, line))
+    out.print(table)
+
+
+def _show_certificate(certificate: Certificate) -> None:
+    table = certificate.table().sort_values("error", ascending=False)
+    lines = [
+        [
+            f"d {row.response} / d {row.parameter}",
+            f"{row.adjoint:.9g}",
+            f"{row.disagreement:.0e}",
+            f"{row.difference:.9g}",
+            f"{row.step:.1e}",
+            f"{row.error:.0e}",
+            row.verdict,
+        ]
+        for row in table.head(MOST).itertuples()
+    ]
+    headings = ["certificate", "adjoint", "− direct", "difference", "step", "error", "verdict"]
+    _boxed("", headings, lines)
+    if len(table) > MOST:
+        _tell(f"… and {len(table) - MOST} entries more, with smaller errors")
+    for line in certificate.summary():
+        _tell(line, "green" if certificate.passed else "red")
+
+
+def _tell(text: str, style: str | None = None) -> None:
+    console().print(f"  {text}", markup=False, style=style)

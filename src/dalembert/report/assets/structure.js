@@ -1,0 +1,132 @@
+// A structure and its states: places, displacements, fields, and colours for their values.
+
+const AUTO = 1;  // place of the slider that stands for the automatic scale
+
+class Structure {
+  constructor(payload) {
+    this.title = String(payload.title ?? "");
+    this.dimension = payload.dimension || 2;
+    this.solid = this.dimension === 3;
+    const drawing = payload.drawing || {};
+    const n = list(drawing.rest).length;
+    this.count = n / 3;
+    this.rest = floats(drawing.rest, n);
+    this.moved = list(payload.moved).map((m) => floats(m, n));
+    this.cases = list(payload.cases).map(String);
+    this.shapes = (key) => list(drawing[key]).map((s) => ({ size: s.size, vertices: list(s.vertices), owners: list(s.owners) }));
+    [this.lines, this.faces, this.points] = ["lines", "faces", "points"].map(this.shapes);
+    this.outline = list(drawing.outline);
+    this.nodes = list(payload.nodes);
+    this.elements = list(payload.elements);
+    const table = list(payload.table), names = list(payload.directions);
+    const used = [...names.keys()].filter((k) => this.nodes.some((_, n) => table[n * names.length + k] >= 0));
+    this.directions = used.map((k) => names[k]);
+    this.table = this.nodes.flatMap((_, n) => used.map((k) => table[n * names.length + k]));
+    this.displacements = list(payload.displacements);
+    this.fields = list(payload.fields).map((f) => ({ ...f, unit: unitOf(f), values: f.values.map((v) => floats(v, this.elements.length)) }));
+    this.fields.unshift(this.sizes());
+    this.supports = list(payload.supports);
+    this.loads = list(payload.loads);
+    this.reactions = list(payload.reactions);
+    this.scales = list(payload.scales);
+    this.sequence = Boolean(payload.sequence) && this.cases.length > 1;
+    this.kindOfState = String(payload.kind_of_state ?? "case");
+    this.drop = this.dimension === 1 ? 0.12 * this.extent() + this.height() : 0;
+    this.state = { case: 0, field: null, factor: AUTO };
+    this.onState = new Signal();
+  }
+
+  // The size of the displacement of every vertex is a field too.
+  sizes() {
+    const values = this.moved.map((m) => Float64Array.from({ length: this.count }, (_, k) => Math.hypot(m[3 * k], m[3 * k + 1], m[3 * k + 2])));
+    return { name: "displacement", unit: "m", values, atVertices: true };
+  }
+
+  spread(axis) {
+    const column = Float64Array.from({ length: this.count }, (_, k) => this.rest[3 * k + axis]);
+    return extent([column]) || [0, 0];
+  }
+
+  extent() { return Math.max(...[0, 1, 2].map((axis) => { const [a, b] = this.spread(axis); return b - a; })) || 1; }
+  height() { const [a, b] = this.spread(1); return b - a; }
+
+  set(change) {
+    Object.assign(this.state, change);
+    this.onState.emit();
+  }
+
+  // The automatic scale of the current case.
+  get scale() { return this.scales[this.state.case] || 1; }
+
+  get field() { return this.state.field; }
+
+  // Places of all vertices in the current case, displaced by a factor.
+  places(factor = this.state.factor * this.scale) {
+    const out = new Float64Array(this.rest);
+    const moved = this.moved[this.state.case];
+    if (moved) for (let i = 0; i < out.length; i++) out[i] += factor * moved[i];
+    if (this.drop) for (let k = 0; k < this.count; k++) out[3 * k + 1] -= this.drop;
+    return out;
+  }
+
+  // Of a field in the current case, or in all that follow one another: smallest and largest,
+  // about zero where both signs occur.
+  range(field) {
+    const [lo, hi] = extent(this.sequence ? field.values : [field.values[this.state.case] || []]) || [0, 0];
+    if (lo < 0 && hi > 0) { const most = Math.max(-lo, hi); return [-most, most]; }
+    return hi > lo ? [lo, hi] : [lo, lo + (Math.abs(lo) || 1)];
+  }
+
+  valueOf(field, element) {
+    const values = field.values[this.state.case];
+    return values && !field.atVertices ? values[element] : NaN;
+  }
+
+  // ux, uy, … of a node in the current case.
+  components(node) {
+    const u = list(this.displacements[this.state.case]);
+    const width = this.directions.length;
+    return this.directions.map((name, k) => {
+      const degree = this.table[node * width + k];
+      return degree >= 0 ? { name, unit: name[0] === "r" ? "rad" : "m", value: u[degree] } : null;
+    });
+  }
+}
+
+// Colours after viridis for one sign, blue over white to red for both.
+const RAMPS = {
+  one: ["#440154", "#482878", "#3e4a89", "#31688e", "#26828e", "#1f9e89", "#35b779", "#6dcd59", "#b4de2c", "#fde725"],
+  both: ["#0a3a70", "#2166ac", "#4393c3", "#92c5de", "#d1e5f0", "#f7f7f7", "#fddbc7", "#f4a582", "#d6604d", "#b2182b", "#76001f"],
+};
+
+class Ramp {
+  constructor([lo, hi]) {
+    [this.lo, this.hi] = [lo, hi];
+    const stops = lo < 0 && hi > 0 ? RAMPS.both : RAMPS.one;
+    this.steps = Array.from({ length: 256 }, (_, k) => {
+      const x = (k / 255) * (stops.length - 1), i = Math.min(Math.floor(x), stops.length - 2);
+      return mix(stops[i], stops[i + 1], x - i);
+    });
+  }
+
+  colour(value) {
+    if (!isNum(value)) return null;
+    return this.steps[clamp(Math.round((255 * (value - this.lo)) / (this.hi - this.lo)), 0, 255)];
+  }
+}
+
+// Power of ten and unit for a size: kN, MPa, mm, where the unit takes prefixes.
+function prefixed(size, unit) {
+  const takes = ["N", "Pa", "J", "m", "N m"].includes(unit) && size > 0;
+  const power = takes ? clamp(3 * Math.floor(Math.log10(size * (1 + 1e-9)) / 3), -9, 9) : 0;
+  const prefix = { "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G" }[power];
+  return { power, unit: prefix + unit, most: size };
+}
+
+// 12.3 kN, 4.5 MPa.
+function quantity(value, unit, digits = 4) {
+  if (!isNum(value)) return "–";
+  if (value === 0) return withUnit("0", unit);
+  const { power, unit: shown } = prefixed(Math.abs(value), unit);
+  return withUnit(number(value / 10 ** power, digits), shown);
+}

@@ -1,0 +1,81 @@
+"""Values at events, whose instants depend on the parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.analysis.events import Event, Occurrence
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.responses.base import Response
+from dalembert.results.motion import Motion
+from dalembert.symbolic.expression import Expression, t
+
+
+@dataclass(frozen=True)
+class AtEvent(Response):
+    """Value at the instant of an event ``g(t, x, p) = 0``.
+
+    The instant moves with the parameters, ``dt*/dp = −(dg/dp)/ġ``, and so does the value,
+    ``dR/dp = dm/dp + ṁ dt*/dp``, with ``d/dp`` at fixed time (Bestle and Eberhard 1992).
+
+    Parameters
+    ----------
+    event : name of one that was declared with the analysis; in Python also an Event
+    occurrence : how often the event has happened then, from 1
+    """
+
+    event: str | Event = ""
+    occurrence: int = 1
+
+    def __post_init__(self) -> None:
+        if self.event == "":
+            raise AnalysisError(f"{self.label}: it needs an event")
+        Occurrence(self.event, self.occurrence)
+
+    @property
+    def label(self) -> str:
+        if self.name:
+            return self.name
+        text = super().label.removeprefix("atevent(")
+        number = "" if self.occurrence == 1 else f" {self.occurrence}"
+        return f"at_event({Occurrence(self.event)}{number}, {text}"
+
+    def sampled(self, motion: Motion) -> Motion:
+        at_event = getattr(motion.analysis, "at_event", None)
+        if at_event is None:
+            kind = type(motion.analysis).__name__
+            raise UnsupportedError(
+                f"{self.label}: {kind} has no events; use solve_dynamics or solve_kinematics"
+            )
+        return at_event(motion, Occurrence(self.event, self.occurrence))
+
+    def moves_with(self, motion: Motion) -> Occurrence | None:
+        return Occurrence(self.event, self.occurrence)
+
+    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
+        return float(samples[0])
+
+    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        return np.ones(1)
+
+
+def at_event(
+    event: str | Event, measure: str | Expression, occurrence: int = 1, name: str = ""
+) -> AtEvent:
+    """Value of a measure when an event happens the n-th time.
+
+    Parameters
+    ----------
+    event : name of one that was declared with the analysis, or an Event
+    measure : name, formula or Expression
+    occurrence : n, from 1
+    name : label
+    """
+    return AtEvent(measure, name, event, occurrence)
+
+
+def event_time(event: str | Event, occurrence: int = 1, name: str = "") -> AtEvent:
+    """Time at which an event happens the n-th time [s]."""
+    return AtEvent(t, name, event, occurrence)

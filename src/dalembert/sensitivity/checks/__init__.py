@@ -1,0 +1,1 @@
+"""Whether a gradient is right and means something: differences, certificates, notes."""

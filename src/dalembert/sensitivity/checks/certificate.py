@@ -1,0 +1,190 @@
+"""Certificates: every entry of a gradient by all methods, and a Taylor test of every response."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.integrators.sundials import SundialsIntegrator
+from dalembert.responses.base import Response
+from dalembert.results.motion import Motion
+from dalembert.sensitivity.checks.diagnosis import NEGLIGIBLE
+from dalembert.sensitivity.checks.replays import Replays
+from dalembert.sensitivity.checks.scales import parameter_scales
+from dalembert.sensitivity.checks.stencils import EPS, place
+from dalembert.sensitivity.checks.taylor import TaylorTest, taylor_test
+from dalembert.sensitivity.registry import engine_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+STEPS = (1e-2, 1e-3, 1e-4, 1e-5)
+"""Relative steps of the differences."""
+AGREE = 1e-9
+"""Largest difference of direct and adjoint derivatives, relative to the largest influence."""
+CONFIRM = 1e-6
+"""Likewise, of exact derivatives and differences."""
+LOOSE = 1e-3
+"""Differences that are less certain than this confirm nothing."""
+BARELY = 1e-9
+"""Influence, relative to the response, of which a run shows no digits."""
+SLOPE = 0.1
+"""How far below 2 a slope may lie."""
+
+CONFIRMED, NO_INFLUENCE = "confirmed", "no influence"
+UNCONFIRMED, CONTRADICTED = "unconfirmed", "contradicted"
+EXACT = "exact"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Certificate:
+    """Proof that a gradient is the derivative of the numbers that the run gives.
+
+    ``data`` holds over ``response × parameter`` the ``direct`` and the ``adjoint`` derivative,
+    their ``disagreement``, the best ``difference`` with its ``step``, its ``error`` against the
+    adjoint and its own ``uncertainty``, and a ``verdict``; all relative numbers are shares of the
+    largest influence on the response, an influence being a derivative times the size of its
+    parameter (of the response, where nothing changes it by more than ``BARELY``). Over
+    ``response`` there is the Taylor test: ``taylor_slope`` (2 or more for a right gradient, 1 for
+    a wrong one) and ``taylor_verdict``; over ``response × taylor_step`` the
+    ``taylor_remainder``.
+
+    Verdicts: confirmed; no influence; unconfirmed, where differences are too rough to tell;
+    contradicted; exact, where the response is linear and nothing remains.
+    """
+
+    data: xr.Dataset
+
+    @property
+    def passed(self) -> bool:
+        """All is confirmed; what has no influence, or is linear, counts as such."""
+        entries = np.isin(self.data["verdict"].values, (CONFIRMED, NO_INFLUENCE))
+        tests = np.isin(self.data["taylor_verdict"].values, (CONFIRMED, EXACT))
+        return bool(entries.all() and tests.all())
+
+    def table(self) -> pd.DataFrame:
+        """One row per response and parameter."""
+        names = ("direct", "adjoint", "disagreement", "difference", "step", "error", "verdict")
+        return self.data[list(names)].to_dataframe().reset_index()
+
+    def summary(self) -> list[str]:
+        """What it says, one sentence per verdict."""
+        verdicts = self.data["verdict"]
+        words, counts = np.unique(verdicts.values.astype(str), return_counts=True)
+        found = ", ".join(f"{n} {word}" for word, n in zip(words, counts, strict=True))
+        worst = float(self.data["disagreement"].max())
+        lines = [
+            f"{verdicts.size} derivatives: {found}; direct and adjoint differ by {worst:.1e} at "
+            f"most, differences by {float(self.data['error'].max()):.1e}"
+        ]
+        for r in self.data["response"].values:
+            here = self.data.sel(response=r)
+            slope, verdict = float(here["taylor_slope"]), str(here["taylor_verdict"].item())
+            told = f"slope {slope:.2f}, {verdict}" if np.isfinite(slope) else verdict
+            lines.append(f"Taylor test of {r}: {told}")
+        return lines
+
+    def __repr__(self) -> str:
+        state = "passed" if self.passed else "not passed"
+        return "\n".join(
+            [f"<Certificate of {self.data.attrs['model']!r}: {state}>", *self.summary()]
+        )
+
+    def _repr_html_(self) -> str:
+        return self.table().to_html(index=False, float_format=lambda x: f"{x:.6g}")
+
+
+def certify(
+    motion: Motion,
+    responses: Sequence[Response],
+    columns: list[int],
+    rng: np.random.Generator | None = None,
+) -> Certificate:
+    """Compute every derivative three ways and test the expansion along a random direction."""
+    import xarray as xr
+
+    engine, values = engine_of(motion, responses), Replays(motion, responses)
+    direct, adjoint = engine.direct(columns), engine.adjoint()[:, columns]
+    scales = parameter_scales(motion, columns)
+    largest = np.abs(adjoint * scales).max(axis=1, keepdims=True)
+    size = np.abs(values(motion.parameters))[:, None]
+    largest = np.where(largest > BARELY * size, largest, np.where(size > 0, size, 1.0))
+    shares = scales / largest
+    steps, differences, uncertainty = _differences(values, columns)
+    agreement, rng = _agreement(motion), rng or np.random.default_rng(0)
+    taylor = taylor_test(values, columns, adjoint, agreement, rng)
+    cells: dict[str, Any] = {
+        "direct": direct,
+        "adjoint": adjoint,
+        "disagreement": np.abs(direct - adjoint) * shares,
+        "difference": differences,
+        "step": steps,
+        "error": np.abs(differences - adjoint) * shares,
+        "uncertainty": uncertainty * shares,
+    }
+    cells["verdict"] = _verdicts(cells, np.abs(adjoint) * shares, agreement)
+    names = list(motion.model.parameters)
+    coordinates = {
+        "response": [r.label for r in responses],
+        "parameter": [names[i] for i in columns],
+        "taylor_step": taylor.steps,
+    }
+    data: dict[str, Any] = {k: (("response", "parameter"), v) for k, v in cells.items()}
+    data["taylor_slope"] = ("response", [taylor.slope(r) for r in range(len(responses))])
+    found = [_taylor_verdict(taylor, r) for r in range(len(responses))]
+    data["taylor_verdict"] = ("response", np.array(found, dtype=object))
+    data["taylor_remainder"] = (("response", "taylor_step"), taylor.remainders)
+    return Certificate(xr.Dataset(data, coordinates, attrs={"model": motion.model.name}))
+
+
+def _agreement(motion: Motion) -> float:
+    """How well direct and adjoint derivatives must agree."""
+    integrator = getattr(motion.analysis, "integrator", None)
+    if isinstance(integrator, SundialsIntegrator):  # whose sensitivities have its tolerances
+        return max(AGREE, 1e3 * integrator.rtol)
+    return AGREE
+
+
+def _differences(values: Replays, columns: list[int]) -> tuple[np.ndarray, ...]:
+    """(responses, columns) steps, quotients and uncertainties, each where two steps agree best."""
+    size = values(values.parameters).size
+    shape = (len(STEPS), size, len(columns))
+    found, lengths = np.full(shape, np.nan), np.full(shape, np.nan)
+    for j, column in enumerate(columns):
+        for k, relative in enumerate(STEPS):
+            try:
+                quotient = place(values.motion, column, "richardson", relative)
+                found[k, :, j] = quotient.evaluate(values.parameters, values)
+            except AnalysisError:
+                continue  # another step may fit
+            lengths[k, :, j] = quotient.step
+    apart = np.abs(np.diff(found, axis=0))
+    best = np.argmin(np.where(np.isfinite(apart), apart, np.inf), axis=0)
+    rows, cols = np.indices(best.shape)
+    centre = np.abs(values(values.parameters))[:, None]
+    round_off = EPS * centre / lengths[best, rows, cols]
+    uncertainty = np.maximum(apart[best, rows, cols], round_off)
+    return lengths[best, rows, cols], found[best, rows, cols], uncertainty
+
+
+def _verdicts(cells: dict[str, np.ndarray], influence: np.ndarray, agreement: float) -> np.ndarray:
+    """A word for every entry."""
+    error, uncertainty = cells["error"], cells["uncertainty"]
+    within = np.maximum(max(CONFIRM, agreement), 10 * uncertainty)
+    verdicts = np.full(error.shape, CONFIRMED, dtype=object)
+    verdicts[influence <= NEGLIGIBLE] = NO_INFLUENCE
+    verdicts[~(uncertainty <= LOOSE)] = UNCONFIRMED
+    verdicts[(error > within) | ~(cells["disagreement"] <= agreement)] = CONTRADICTED
+    return verdicts
+
+
+def _taylor_verdict(taylor: TaylorTest, response: int) -> str:
+    slope = taylor.slope(response)
+    if np.isnan(slope):
+        return EXACT if taylor.exact(response) else UNCONFIRMED
+    return CONFIRMED if slope >= 2.0 - SLOPE else CONTRADICTED

@@ -1,0 +1,73 @@
+"""Finite differences of the discrete run: same steps, same branch, other parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.responses.base import Response
+from dalembert.results.motion import Motion
+from dalembert.sensitivity.checks.replays import Replays
+from dalembert.sensitivity.checks.stencils import Quotient, best_step, checked_step, place
+
+
+@dataclass(frozen=True)
+class FiniteDifference:
+    """Difference quotients ``(R(p + h) − R(p))/h`` (8.24) and their relatives.
+
+    A step that would leave the bounds of a parameter or a limit of the model is taken to the other
+    side, by a scheme of the same order; the notes of the gradient say so.
+
+    Parameters
+    ----------
+    scheme : forward, backward, central, or richardson (central, extrapolated to fourth order)
+    step : relative to ``|p|`` (angles: to one radian at least; zeros: to the bounds or one unit);
+        one for all, or name → step; by default 1e-8 for one-sided schemes, 2e-6 for central and
+        1.6e-4 for richardson ones
+
+    Raises
+    ------
+    UnsupportedError
+        Unknown scheme, or a step that is not positive.
+    """
+
+    scheme: str = "richardson"
+    step: float | Mapping[str, float] | None = None
+
+    def __post_init__(self) -> None:
+        checked_step(self.scheme, self.step)
+
+    def gradient(
+        self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
+    ) -> np.ndarray:
+        """(responses, columns) difference quotients.
+
+        Raises
+        ------
+        AnalysisError
+            A step for an unknown parameter, one that fits nowhere, or a run that fails.
+        """
+        values = Replays(motion, responses)
+        rows = [q.evaluate(motion.parameters, values) for q in self.quotients(motion, columns)]
+        return np.array(rows).T.reshape(len(responses), len(columns))
+
+    def quotients(self, motion: Motion, columns: Sequence[int]) -> list[Quotient]:
+        """One for each of these parameters."""
+        names = list(motion.model.parameters)
+        for name in self.step if isinstance(self.step, Mapping) else ():
+            if name not in names:
+                known = ", ".join(names) or "none"
+                raise AnalysisError(f"a step for unknown parameter {name!r} (known: {known})")
+        return [place(motion, i, self.scheme, self.relative(names[i])) for i in columns]
+
+    def relative(self, name: str) -> float:
+        """Relative step of a parameter."""
+        given = self.step.get(name) if isinstance(self.step, Mapping) else self.step
+        return best_step(self.scheme) if given is None else float(given)
+
+    def notes(self, motion: Motion, columns: Sequence[int]) -> list[str]:
+        """Where another stencil is used than the one asked for."""
+        return [q.note for q in self.quotients(motion, columns) if q.note]

@@ -1,0 +1,65 @@
+"""Responses of a run at other parameter values: same steps, same branch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.responses.base import Response, evaluate
+from dalembert.results.motion import Motion
+
+
+@dataclass
+class Replays:
+    """Responses as functions of the parameters of a run; each point is computed once.
+
+    Parameters
+    ----------
+    motion : the run that is repeated
+    responses : what is drawn from it
+    """
+
+    motion: Motion
+    responses: Sequence[Response]
+    _known: dict[bytes, np.ndarray] = field(default_factory=dict, repr=False)
+
+    @property
+    def parameters(self) -> np.ndarray:
+        """(np,) of the run."""
+        return self.motion.parameters
+
+    def __call__(self, p: np.ndarray) -> np.ndarray:
+        """(responses,) values at parameters ``p``.
+
+        Raises
+        ------
+        AnalysisError
+            The run cannot be repeated there; names what changed.
+        """
+        key = p.tobytes()
+        if key not in self._known:
+            self._known[key] = self._values(p)
+        return self._known[key]
+
+    def _values(self, p: np.ndarray) -> np.ndarray:
+        if np.array_equal(p, self.parameters):
+            return np.array([evaluate(self.motion, r) for r in self.responses])
+        try:
+            repeated = self.motion.analysis.replay(self.motion, p)
+            values = np.array([evaluate(repeated, r) for r in self.responses])
+        except AnalysisError as error:
+            raise AnalysisError(f"{self._where(p)}: {error}; give a shorter step") from error
+        if not (repeated.status.success and np.all(np.isfinite(values))):
+            raise AnalysisError(
+                f"{self._where(p)}: the run does not succeed ({repeated.status}); "
+                "give a shorter step"
+            )
+        return values
+
+    def _where(self, p: np.ndarray) -> str:
+        names = list(self.motion.model.parameters)
+        changed = [f"{names[i]} = {p[i]:.9g}" for i in np.flatnonzero(p != self.parameters)]
+        return f"the run repeated at {', '.join(changed[:4])}{', …' if changed[4:] else ''}"

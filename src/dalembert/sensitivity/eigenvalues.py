@@ -1,0 +1,185 @@
+"""Gradients of eigenvalues of a linearised mechanism.
+
+The modes solve ``(J − s) τ + Gᵀ μ = 0``, ``G τ = 0`` with ``J = ∂F/∂x`` and ``G = ∂(Φ, Ψ)/∂x`` at
+the state ``x(p)``: nothing in it depends on a basis of the tangent space. With bases ``T, U`` of
+the right and left invariant subspaces of eigenvalues that coincide, ``Uᴴ T = I``, and
+``G⁺ = Gᵀ (G Gᵀ)⁻¹``, differentiating gives for their sum
+
+    d Σ s = tr(Uᴴ dJ T) − tr(Uᴴ J G⁺ dG T) − tr(Uᴴ dGᵀ G⁺ᵀ J T),
+
+for a single one ``wᴴ dJ τ`` and what the turning of the tangent space adds; ``dJ`` and ``dG`` hold
+the motion of the state, ``dx = (∂x/∂p) dp``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import cast
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.linearization_kernel import Linearized
+from dalembert.errors import SingularityError
+from dalembert.results.mechanism_modes import IMAG, REAL, Modes
+from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.invariant import COINCIDE, coinciding, invariant_subspaces
+from dalembert.sensitivity.samples import Sample
+from dalembert.symbolic.implicit import ImplicitFunction
+
+PARTS = ca.vertcat(REAL, IMAG)
+EQUAL = 1e-8
+"""Relative difference of weights that still counts as none."""
+
+
+@dataclass(frozen=True)
+class Probes:
+    """A gradient as ``Σ_k a_k·dJ q_k + b_k·dG q_k``.
+
+    Attributes
+    ----------
+    q, a, b : (N, c), (N, c), (m, c)
+    """
+
+    q: np.ndarray
+    a: np.ndarray
+    b: np.ndarray
+
+
+class EigenvalueGradient:
+    """Rows of the gradient for one sampled response.
+
+    Raises
+    ------
+    SingularityError
+        Eigenvalues coincide that the response weighs differently, one is zero and its frequency
+        is asked for, or the state has no derivative.
+    """
+
+    def __init__(self, sample: Sample):
+        self.sample, self.modes = sample, cast(Modes, sample.motion)
+        self.state = cast(Linearized, self.modes.record)
+        self.origin = cast(ImplicitFunction, self.state.origin)  # for all that the registry lists
+        self.near = np.asarray(self.state.near)
+        slopes, own = self.modes.slopes(sample.measure)
+        active = sample.weights != 0
+        if not np.all(np.isfinite(slopes[active])):
+            raise SingularityError(
+                f"{sample.response.label}: an eigenvalue is zero, where the measure has a kink; "
+                "use eigenvalue_real"
+            )
+        self.slopes = np.where(active, sample.weights * slopes, 0)
+        self.own = own[:, active] @ sample.weights[active]
+        self.probes = self._probes()
+
+    def _probes(self) -> Probes:
+        """What to differentiate, from all eigenvalues that the response sees."""
+        jacobian, tangency = self.state.derivatives
+        inverse = np.linalg.pinv(tangency)
+        q, a, b = [], [], []
+        for group, weight in self._groups():
+            right, left = invariant_subspaces(self.state.matrix, self.state.eigenvalues, group)
+            self._refuse_bent(group, left.conj().T @ self.state.matrix @ right)
+            right, left = weight * self.state.basis @ right, self.state.basis @ left
+            for d, u in ((right.real, left.real), (right.imag, left.imag)):
+                q += [d, u]
+                a += [u, np.zeros_like(u)]
+                b += [-inverse.T @ (jacobian.T @ u), -inverse.T @ (jacobian @ d)]
+        n, m = jacobian.shape[0], tangency.shape[0]
+        return Probes(*(np.hstack([np.zeros((k, 0)), *c]) for k, c in ((n, q), (n, a), (m, b))))
+
+    def _refuse_bent(self, group: list[int], block: np.ndarray) -> None:
+        """Defective eigenvalues part like roots: only measures linear in them have a gradient."""
+        values = self.state.eigenvalues
+        bent = ca.depends_on(ca.jacobian(self.sample.measure.sx, PARTS), PARTS)
+        off = np.abs(block - np.diag(np.full(len(group), values[group].mean()))).max()
+        if bent and off > COINCIDE * np.abs(values).max():
+            raise SingularityError(
+                f"{self._refusal(group)}, and for want of independent shapes only that of "
+                "eigenvalue_real or eigenvalue_imag"
+            )
+
+    def _groups(self) -> list[tuple[list[int], complex]]:
+        """Eigenvalues that coincide and what each of them weighs, half of it in its conjugate."""
+        values = self.state.eigenvalues
+        weights = np.zeros(values.size, dtype=complex)
+        for position, slope in zip(self.modes.positions, self.slopes, strict=True):
+            if values[position].imag > 0:  # its conjugate stands behind it
+                weights[position] += slope / 2
+                weights[position + 1] += slope.conj() / 2
+            else:
+                weights[position] += slope
+        looked_at = self.modes.positions[self.sample.weights != 0]
+        found = []
+        for group in coinciding(values):
+            mean = weights[group].mean()
+            if np.abs(weights[group] - mean).max() > EQUAL * np.abs(weights).max(initial=0.0):
+                raise SingularityError(self._refusal(group))
+            if not values[group].imag.any():  # real ones stay real
+                mean = mean.real
+            if mean != 0 or np.isin(group, looked_at).any():
+                found.append((group, complex(mean)))
+        return found
+
+    def _refusal(self, group: list[int]) -> str:
+        pairs = self.state.one_of_each_pair()
+        numbers = [str(k + 1) for k in np.flatnonzero(np.isin(pairs, group))]
+        alone = f"mode {numbers[0]} coincides with its conjugate"
+        listed = f"modes {', '.join(numbers[:-1])} and {numbers[-1]} coincide"
+        return (
+            f"{alone if len(numbers) == 1 else listed} "
+            f"(s = {self.state.eigenvalues[group].mean():.6g} 1/s): one of several equal "
+            "eigenvalues has no gradient, only their mean has"
+        )
+
+    def _point(self) -> tuple:
+        return self.state.time, self.state.x, self.state.p
+
+    def adjoint(self) -> np.ndarray:
+        """(np,) gradient by one adjoint of the tangent for each probe, and one of the state."""
+        q, count = self.probes.q, self.probes.q.shape[1]
+        gradient = self.own.copy()
+        if not count:
+            return gradient
+        system, still = self.state.kernel.system, np.zeros((self.state.p.size, count))
+        mapped = system.forward.adjoint.map(count)
+        found = mapped(*self._point(), 0, q, still, self.probes.a, self.probes.b)
+        x_bar, p_bar = (part.full().sum(axis=1) for part in found[1:3])
+        back = self.origin.adjoint(self.state.time, self.near, self.state.p, x_bar)
+        return self._finite(gradient + p_bar + back[2].full().ravel())
+
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        """(columns,) derivatives by one tangent of the tangent for each parameter and probe."""
+        q, count, p = self.probes.q, self.probes.q.shape[1], self.state.p
+        gradient = self.own[list(columns)]
+        if not count:
+            return gradient
+        still_x, still_p = np.zeros_like(q), np.zeros((p.size, count))
+        still_near = np.zeros(self.near.size)
+        mapped = self.state.kernel.system.forward.tangent.map(count)
+        for i, column in enumerate(columns):
+            dp = np.eye(1, p.size, column).ravel()
+            dx = self.origin.tangent(self.state.time, self.near, p, 0, still_near, dp).full()
+            rates = mapped(*self._point(), 0, q, still_p, 0, dx, dp, 0, still_x, still_p)
+            by_state, by_level = (part.full() for part in rates)
+            gradient[i] += (self.probes.a * by_state).sum() + (self.probes.b * by_level).sum()
+        return self._finite(gradient)
+
+    def _finite(self, gradient: np.ndarray) -> np.ndarray:
+        if not np.all(np.isfinite(gradient)):
+            raise SingularityError(
+                "the state that was linearised does not follow the parameters: the equilibrium "
+                "is not isolated; use equilibrium=False, or hold what moves freely"
+            )
+        return gradient
+
+
+class EigenvalueEngine(Engine):
+    """One row after the other."""
+
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        return np.array([EigenvalueGradient(sample).direct(columns) for sample in self.samples])
+
+    def adjoint(self) -> np.ndarray:
+        return np.array([EigenvalueGradient(sample).adjoint() for sample in self.samples])

@@ -1,0 +1,53 @@
+"""Eigenvalues that coincide, and the invariant subspaces that belong to them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.errors import SingularityError
+
+COINCIDE = 1e-6
+"""Distance, relative to the largest eigenvalue, below which eigenvalues cannot be told apart.
+
+Rounding splits a defective pair by the square root of the machine's accuracy."""
+
+
+def coinciding(values: np.ndarray) -> list[list[int]]:
+    """Groups of eigenvalues in which each is next to another one."""
+    tolerance = COINCIDE * np.abs(values).max(initial=0.0)
+    groups: list[list[int]] = []
+    for k, value in enumerate(values):
+        near = [g for g in groups if np.abs(values[g] - value).min() <= tolerance]
+        groups = [g for g in groups if g not in near]
+        groups.append(sorted([k, *(i for g in near for i in g)]))
+    return groups
+
+
+def invariant_subspaces(
+    matrix: np.ndarray, values: np.ndarray, group: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bases ``V`` and ``W`` of the right and left subspaces of some eigenvalues, ``Wᴴ V = I``.
+
+    By ordered Schur decompositions, which defective eigenvalues do not trouble.
+
+    Raises
+    ------
+    SingularityError
+        They cannot be told from the others.
+    """
+    from scipy.linalg import schur
+
+    centre = values[group].mean()
+    inside = np.abs(values[group] - centre).max()
+    others = np.delete(values, group)
+    outside = np.abs(others - centre).min() if others.size else inside + 2.0
+    radius = (inside + outside) / 2
+
+    def basis(of: np.ndarray, about: complex) -> np.ndarray:
+        _, vectors, count = schur(of, "complex", sort=lambda s: abs(s - about) <= radius)
+        if count != len(group):
+            raise SingularityError(f"eigenvalues near s = {centre:.6g} 1/s cannot be separated")
+        return vectors[:, :count]
+
+    right, left = basis(matrix, centre), basis(matrix.conj().T, np.conj(centre))
+    return right, left @ np.linalg.inv(right.conj().T @ left)

@@ -1,0 +1,99 @@
+"""The front door to second derivatives: Hessians of responses times a direction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.responses.base import Response, as_responses
+from dalembert.results.motion import Motion
+from dalembert.results.structural.result import StructuralResult
+from dalembert.sensitivity.gradient import (
+    chosen_columns,
+    refuse_unfinished,
+    refuse_unknown_values,
+)
+from dalembert.sensitivity.registry import engine_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def hessian_product(
+    result: Motion | StructuralResult,
+    response: Response,
+    direction: Mapping[str, float] | Sequence[float] | np.ndarray,
+    wrt: Sequence[str] | None = None,
+) -> xr.DataArray:
+    """``H d``: the change of a response's gradient along a direction ``d`` of the parameters.
+
+    Forward over adjoint: the exact derivative of the adjoint gradient, itself exact. With the
+    result's own change ``ẋ`` along ``d`` from one direct solution, the adjoint equations are
+    differentiated along ``(ẋ, d)``. Its cost does not grow with the number of parameters.
+
+    Parameters
+    ----------
+    result : of an analysis that can be differentiated
+    response : one
+    direction : parameter → component, others zero; or all components in the order of ``wrt``
+    wrt : names of parameters, for the rows and for a ``direction`` without names; default all
+
+    Raises
+    ------
+    AnalysisError
+        Unknown parameter, a direction of a wrong length, a run that failed, no derivative there.
+    UnsupportedError
+        Second derivatives of this analysis, integrator or response are not available.
+    """
+    import xarray as xr
+
+    result = cast(Motion, result)  # a structural result answers to the same names
+    columns = chosen_columns(result, wrt)
+    along = _along(result, direction, columns)
+    refuse_unfinished(result)
+    (response,) = as_responses([response])
+    refuse_unknown_values(result, [response])
+    engine = engine_of(result, [response])
+    if engine.samples[0].moves_with:
+        raise UnsupportedError(
+            f"{response.label} looks at the instant of an event; second derivatives are available "
+            "at fixed times only"
+        )
+    listed = list(result.model.parameters.values())
+    found = engine.hessian_product(along)[0, columns]
+    if not np.all(np.isfinite(found)):
+        raise AnalysisError(
+            f"second derivatives of {response.label} are not finite: the measure has none where "
+            "the run passes, as a root has none at zero; use another measure or instant"
+        )
+    return xr.DataArray(
+        found,
+        {
+            "parameter": [listed[i].name for i in columns],
+            "parameter_unit": ("parameter", [listed[i].unit for i in columns]),
+        },
+        ("parameter",),
+        "hessian_product",
+        {"response": response.label, "model": result.model.name},
+    )
+
+
+def _along(result: Motion, direction, columns: list[int]) -> np.ndarray:
+    """(np,) components along all parameters."""
+    along = np.zeros(result.parameters.size)
+    if isinstance(direction, Mapping):
+        given = np.array(list(direction.values()), dtype=float)
+        columns = chosen_columns(result, list(direction))
+    else:
+        given = np.asarray(direction, dtype=float)
+    if given.shape != (len(columns),):
+        raise AnalysisError(
+            f"the direction has {given.size} component(s), but there are {len(columns)} parameters"
+        )
+    if not np.all(np.isfinite(given)):
+        raise AnalysisError(f"the direction has a component {given[~np.isfinite(given)][0]}")
+    along[columns] = given
+    return along

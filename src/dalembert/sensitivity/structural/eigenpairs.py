@@ -1,0 +1,177 @@
+"""Gradients of eigenvalues and shapes of structures, ``A φ = λ B φ`` with ``φᵀ B φ = 1``.
+
+Differentiated, with the shapes ``Φ`` of an eigenvalue and of all that coincide with it,
+
+    dλ̂ = Φᵀ (dA − λ dB) Φ,   (A − λ B) dΦ = −(dA − λ dB) Φ + B Φ dλ̂,   Φᵀ B dΦ = −Φᵀ dB Φ / 2
+
+(Nelson, AIAA Journal 14, 1976; Dailey, AIAA Journal 27, 1989). The shapes of a repeated eigenvalue
+may be turned among themselves, and single ones of it have no derivative; what does not notice the
+turning has one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+
+from dalembert.analysis.structural.spectrum import Spectrum
+from dalembert.errors import SingularityError
+from dalembert.results.structural.eigenmodes import EigenModes, ModeWeights
+from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.samples import Sample
+from dalembert.sensitivity.structural.loaded_pencil import PencilTangent
+
+EQUAL = 1e-7
+"""Relative difference of weights that still counts as none."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Coinciding eigenvalues, and what a response weighs them.
+
+    Attributes
+    ----------
+    places : (m,) in the spectrum
+    value : weight of each eigenvalue
+    shapes : (n, m) weights of the shapes
+    """
+
+    spectrum: Spectrum
+    places: list[int]
+    value: float
+    shapes: np.ndarray
+
+    @property
+    def eigenvalues(self) -> np.ndarray:
+        """(m,) ``λ``."""
+        return self.spectrum.values[self.places]
+
+    @property
+    def phi(self) -> np.ndarray:
+        """(n, m) ``Φ``."""
+        return self.spectrum.shapes[:, self.places]
+
+    @cached_property
+    def scaled(self) -> np.ndarray:
+        """(n, m) ``B Φ``."""
+        return self.spectrum.scaled(self.phi)
+
+    @cached_property
+    def turning(self) -> np.ndarray:
+        """(m, m) ``H = Φᵀ Φ̄``; symmetric where the response does not see turns of the shapes."""
+        return self.phi.T @ self.shapes
+
+    def apart(self, rhs: np.ndarray) -> np.ndarray:
+        """(n, m) ``V`` with ``(A − λ B) V = R − B Φ Φᵀ R`` and ``Φᵀ B V = 0``."""
+        found = self.spectrum.solve(self.places, rhs - self.scaled @ (self.phi.T @ rhs))
+        return found - self.phi @ (self.scaled.T @ found)
+
+    def pulled(self) -> tuple[np.ndarray, np.ndarray]:
+        """(n, m) ``a`` and ``b``: the derivative is ``Σ aᵀ dA φ + bᵀ dB φ``."""
+        a, b = self.value * self.phi, np.zeros_like(self.phi)
+        if self.shapes.any():
+            a -= self.apart(self.shapes)
+            b -= self.phi @ self.turning / 2
+        return a, b - a * self.eigenvalues
+
+    def pushed(self, da: np.ndarray, db: np.ndarray) -> float:
+        """The derivative from ``dA Φ`` and ``dB Φ``, both (n, m)."""
+        opened = da - db * self.eigenvalues
+        change = self.value * float(np.einsum("nm,nm->", self.phi, opened))
+        if self.shapes.any():
+            moved = -self.apart(opened) - self.phi @ (self.phi.T @ db) / 2
+            change += float(np.einsum("nm,nm->", self.shapes, moved))
+        return change
+
+
+class EigenpairGradient:
+    """What one sampled response weighs, group by group.
+
+    Raises
+    ------
+    SingularityError
+        Modes coincide that the response tells apart, or the measure has a kink at an eigenvalue.
+    """
+
+    def __init__(self, sample: Sample):
+        self.sample, self.modes = sample, cast(EigenModes, sample.motion)
+        self.spectrum = cast(Spectrum, self.modes.record)
+        self.own = np.zeros(self.modes.parameters.size)
+        self.groups = self._groups()
+
+    def _groups(self) -> list[Group]:
+        values, shapes = np.zeros(self.spectrum.values.size), np.zeros_like(self.spectrum.shapes)
+        for k in np.flatnonzero(self.sample.weights):
+            share = float(self.sample.weights[k])
+            seen = cast(ModeWeights, self.modes.weights(self.sample.measure.sx, int(k)))
+            if not np.isfinite(seen.eigenvalue):
+                raise SingularityError(
+                    f"{self.sample.response.label}: the eigenvalue of mode {self.modes.numbers[k]} "
+                    "is zero, where the measure has a kink; use eigenvalue"
+                )
+            place = int(self.modes.positions[k])
+            values[place] += share * seen.eigenvalue
+            shapes[self.spectrum.pencil.free, place] += share * seen.u[self.spectrum.pencil.free]
+            self.own += share * seen.p
+        found = []
+        for places in self.spectrum.groups:
+            if values[places].any() or shapes[:, places].any():
+                mean = float(values[places].mean())
+                group = Group(self.spectrum, places, mean, shapes[:, places])
+                self._check(group, values[places])
+                found.append(group)
+        return found
+
+    def _check(self, group: Group, values: np.ndarray) -> None:
+        """A response must not tell coinciding modes apart."""
+        if len(group.places) == 1:
+            return
+        apart = np.abs(values - group.value).max() > EQUAL * np.abs(values).max()
+        h = group.turning
+        size = np.linalg.norm(group.phi) * np.linalg.norm(group.shapes)
+        if apart or np.abs(h - h.T).max() > EQUAL * size:
+            numbers = [str(k + 1) for k in group.places]
+            raise SingularityError(
+                f"{self.sample.response.label}: modes {' and '.join(numbers)} coincide (eigenvalue "
+                f"{group.eigenvalues.mean():.9g}), and a single one of them has no gradient; take "
+                "a response that does not tell them apart, such as the mean over these modes "
+                "(solve for all of them), or eigenvalue_slopes for their one-sided derivatives"
+            )
+
+
+class EigenpairEngine(Engine):
+    """All responses with the same factors, one for each group of modes."""
+
+    @cached_property
+    def rows(self) -> list[EigenpairGradient]:
+        """One for each response."""
+        return [EigenpairGradient(sample) for sample in self.samples]
+
+    @cached_property
+    def tangent(self) -> PencilTangent:
+        """How the matrices follow the parameters."""
+        return PencilTangent(self.rows[0].spectrum.pencil)
+
+    def adjoint(self) -> np.ndarray:
+        found = [row.own.copy() for row in self.rows]
+        for gradient, row in zip(found, self.rows, strict=True):
+            for group in row.groups:
+                gradient += self.tangent.pulled(*group.pulled(), group.phi)
+        return np.array(found)
+
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        found = np.array([row.own[list(columns)] for row in self.rows])
+        for i, column in enumerate(columns):
+            pushed: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray]] = {}
+            change = self.tangent.along(int(column))
+            for r, row in enumerate(self.rows):
+                for group in row.groups:
+                    key = tuple(group.places)
+                    if key not in pushed:
+                        pushed[key] = change.of(group.phi)
+                    found[r, i] += group.pushed(*pushed[key])
+        return found

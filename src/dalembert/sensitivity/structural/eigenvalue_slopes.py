@@ -1,0 +1,65 @@
+"""One-sided derivatives of eigenvalues, of repeated ones too."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.results.structural.eigenmodes import EigenModes, ModeWeights
+from dalembert.sensitivity.structural.loaded_pencil import PencilTangent
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def eigenvalue_slopes(
+    modes: EigenModes, parameter: str, measure: str | None = None
+) -> xr.DataArray:
+    """Derivatives of all modes' eigenvalues as one parameter grows.
+
+    Where eigenvalues coincide they are ``m'(λ)`` times the eigenvalues of ``Φᵀ (dA − λ dB) Φ``
+    (Lancaster, Numerische Mathematik 6, 1964), sorted like the modes beyond: the first of these
+    modes is the one that falls fastest. As the parameter shrinks, the last one is.
+
+    Parameters
+    ----------
+    modes : result of ``solve_modes`` or ``solve_buckling``
+    parameter : name
+    measure : of eigenvalue and parameters; frequency or load factor by default
+
+    Raises
+    ------
+    AnalysisError
+        Unknown parameter; a measure of shapes.
+    """
+    import xarray as xr
+
+    names = list(modes.model.parameters)
+    if parameter not in names:
+        raise AnalysisError(
+            f"unknown parameter {parameter!r} (known: {', '.join(names) or 'none'})"
+        )
+    expression = modes.expression(measure or modes.main)
+    column = names.index(parameter)
+    change = PencilTangent(modes.record.pencil).along(column)
+    found = np.zeros(modes.numbers.size)
+    for group in modes.record.groups:
+        phi = modes.record.shapes[:, group]
+        da, db = change.of(phi)
+        matrix = phi.T @ (da - db * modes.record.values[group])
+        rates = np.linalg.eigvalsh((matrix + matrix.T) / 2)
+        here = [k for k, place in enumerate(modes.positions) if place in group]
+        for k in here:
+            seen = cast(ModeWeights, modes.weights(expression.sx, k))
+            if seen.u.any():
+                raise AnalysisError(
+                    f"{expression.name or 'the measure'} depends on the shape; take one of "
+                    f"{', '.join(modes.named)}"
+                )
+            slopes = np.sort(seen.eigenvalue * rates) + seen.p[column]
+            found[k] = slopes[group.index(int(modes.positions[k]))]
+    unit = f"{expression.unit}/({modes.model.parameters[parameter].unit})".replace("/()", "")
+    about = {"units": unit, "parameter": parameter}
+    return xr.DataArray(found, {"mode": modes.numbers}, ("mode",), expression.name, about)

@@ -1,0 +1,57 @@
+"""Gradients along load paths: a point stays on the plane on which it was found.
+
+At a point found at a given load that is the gradient at this load; for the load factor at a limit
+point it is the gradient of the limit load, whatever the plane: the path is level there.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, cast
+
+import numpy as np
+
+from dalembert.analysis.structural.path_equations import PathEquations
+from dalembert.results.structural.load_path import LoadPathResult
+from dalembert.sensitivity.engine import RowEngine
+from dalembert.sensitivity.samples import Sample
+from dalembert.sensitivity.structural.statics import StaticsGradient
+
+
+class LoadPathGradient(StaticsGradient):
+    """Rows of the gradient for one sampled response, with bordered factors."""
+
+    def __init__(self, sample: Sample, shared: dict | None = None):
+        super().__init__(sample, shared)
+        self.path = cast(LoadPathResult, sample.motion)
+        self.equations = PathEquations(self.model, self.p, self.path.cases[0])
+        self.factors = cache(self._factors)
+
+    def _point(self, case: int) -> np.ndarray:
+        return np.append(self.path.displacements[self.free, case], self.path.load_factors[case])
+
+    def _factors(self, case: int) -> tuple[Any, Any]:
+        point = self._point(case)
+        return self.equations.factor(point, self.path.planes[case]), self.equations.matrix(point)[2]
+
+    def share(self, case: int) -> float:
+        return float(self.path.load_factors[case])
+
+    def stiffness(self, case: int) -> Any:
+        return self.factors(case)[1]
+
+    def moved(self, case: int, rest: np.ndarray) -> tuple[np.ndarray, float]:
+        found = self.factors(case)[0].solve(np.append(rest[self.free], 0.0))
+        return self.equations.displaced(found), float(found[-1])
+
+    def multiplier(self, case: int, u_bar: np.ndarray, factor_bar: float) -> np.ndarray:
+        seen = np.append(u_bar[self.free], factor_bar)
+        found = np.zeros_like(u_bar)
+        found[self.free] = self.factors(case)[0].solve(seen, trans="T")[:-1]
+        return found
+
+
+class LoadPathEngine(RowEngine):
+    """Every point with factors of its own."""
+
+    row = LoadPathGradient

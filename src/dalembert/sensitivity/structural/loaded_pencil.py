@@ -1,0 +1,83 @@
+"""How matrices of a structure follow the parameters, through the displacements under load too."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.analysis.structural.pencil import Loaded, Pencil, Term
+from dalembert.sensitivity.structural.statics import StaticsTangent
+from dalembert.structures.measures import Weights
+
+
+class PencilTangent:
+    """Derivatives of ``A`` and ``B``.
+
+    Parameters
+    ----------
+    pencil : Pencil
+    """
+
+    def __init__(self, pencil: Pencil):
+        self.pencil = pencil
+        terms = (*pencil.left, *pencil.right)
+        self.parameter_count = terms[0].state.p.size
+        loaded = {id(t.state): t.state for t in terms if t.state.result is not None}
+        self.statics = {
+            key: StaticsTangent(state.result)  # type: ignore[arg-type]
+            for key, state in loaded.items()
+        }
+
+    def pulled(self, a: np.ndarray, b: np.ndarray, phi: np.ndarray) -> np.ndarray:
+        """(np,) weights of the parameters in ``Σ_k aₖᵀ A φₖ + bₖᵀ B φₖ``, all arrays (n, m)."""
+        gradient = np.zeros(self.parameter_count)
+        displacements = {key: np.zeros(phi.shape[0]) for key in self.statics}
+        for terms, weights in ((self.pencil.left, a), (self.pencil.right, b)):
+            for term in terms:
+                for weight, shape in zip(weights.T, phi.T, strict=True):
+                    u_bar, p_bar = term.pull(weight, shape)
+                    gradient += p_bar
+                    if id(term.state) in displacements:
+                        displacements[id(term.state)] += u_bar
+        for key, u_bar in displacements.items():
+            seen = Weights(u_bar, np.zeros_like(u_bar), np.zeros(gradient.size))
+            gradient += self.statics[key].pulled(0, seen)
+        return gradient
+
+    def along(self, column: int) -> PencilChange:
+        """Change with one parameter, by its number."""
+        dp = np.eye(1, self.parameter_count, column).ravel()
+        moved = {key: statics.pushed(0, dp)[0] for key, statics in self.statics.items()}
+        return PencilChange(self.pencil, dp, moved)
+
+
+@dataclass(frozen=True)
+class PencilChange:
+    """Changes of ``A`` and ``B`` along a direction of the parameters.
+
+    Attributes
+    ----------
+    dp : (np,) the direction
+    moved : state → (n,) change of its displacements
+    """
+
+    pencil: Pencil
+    dp: np.ndarray
+    moved: dict[int, np.ndarray]
+
+    def of(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """``dA Φ`` and ``dB Φ`` for shapes (n, m)."""
+        return self._sum(self.pencil.left, phi), self._sum(self.pencil.right, phi)
+
+    def _sum(self, terms, phi: np.ndarray) -> np.ndarray:
+        found = np.zeros_like(phi)
+        for term in terms:
+            du = self._displacement(term)
+            for k, shape in enumerate(phi.T):
+                found[:, k] += term.push(shape, du, self.dp)
+        return found
+
+    def _displacement(self, term: Term) -> np.ndarray:
+        state: Loaded = term.state
+        return self.moved.get(id(state), np.zeros(len(state.model.degrees)))

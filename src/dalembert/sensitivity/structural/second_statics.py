@@ -1,0 +1,88 @@
+"""Second derivatives of statics, with the factors of the analysis.
+
+The adjoint of ``r(U, p) = P(p)`` gives ``∇Θ = p̄ + (∂r/∂p)ᵀ w + (∂P/∂p)ᵀ (…)`` with ``w`` from one
+solve (8.27). Along a direction ``d`` of the parameters, with the change ``U̇`` from one direct
+solution (8.26), ``w`` changes by ``K ẇ = ū̇ − K̇ w``, and ``K̇ w`` and the changes of the transposed
+products come from the elements at once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.results.structural.measured_states import Formula
+from dalembert.sensitivity.samples import Sample, weights_change
+from dalembert.sensitivity.structural.statics import StaticsEngine, StaticsTangent
+from dalembert.structures.measures import State, Weights
+
+
+class SecondStatics(StaticsTangent):
+    """``H d`` of one sampled response.
+
+    Parameters
+    ----------
+    sample : Sample
+    direction : (np,) ``d``
+    """
+
+    def __init__(self, sample: Sample, direction: np.ndarray):
+        super().__init__(sample.motion)  # type: ignore[arg-type]
+        self.sample, self.direction = sample, direction
+        self.formula = Formula(self.result, sample.measure.sx)
+
+    def product(self) -> np.ndarray:
+        """(np,) by one direct and one adjoint solution for each load case."""
+        changes = [self._change(k) for k in range(self.sample.weights.size)]
+        rates = np.array([self.formula.rate(k, change) for k, change in enumerate(changes)])
+        turned, found = weights_change(self.sample, rates), np.zeros(self.p.size)
+        for k, change in enumerate(changes):
+            weight, more = float(self.sample.weights[k]), float(turned[k])
+            if weight or more:
+                seen = self.formula.weights(k, weight)
+                moved = self.formula.turn(k, change, weight)
+                found += self._turned(k, seen, _sum(moved, self.formula.weights(k, more)), change)
+        return found
+
+    def _change(self, case: int) -> State:
+        du, forces, factor = self.pushed(case, self.direction)
+        return State(du, forces, self.direction, factor)
+
+    def _turned(self, case: int, seen: Weights, moved: Weights, change: State) -> np.ndarray:
+        """Change of ``pulled`` when what is seen changes by ``moved``, the state by ``change``."""
+        loads, stiffness, held = self._loads(case), self.stiffness(case), self.model.prescribed
+        u, p, d = self.result.displacements[:, case], self.p, self.direction
+        reactions, applied = self._split(seen.forces)
+        u_bar = seen.u + stiffness @ reactions
+        multiplier = self.multiplier(case, u_bar, 0.0)
+        u_bar = u_bar - stiffness @ multiplier
+        softer, p_bar = self.assembly.turn(u, p, reactions - multiplier, change.u, d)
+        reactions, more = self._split(moved.forces)
+        u_turn = moved.u + stiffness @ reactions + softer
+        turned = self.multiplier(case, u_turn, 0.0)
+        u_turn = u_turn - stiffness @ turned
+        return (
+            moved.p
+            + p_bar
+            + self.assembly.pull(u, p, reactions - turned)
+            + loads.turn(p, applied + multiplier, d)
+            + loads.pull(p, more + turned)
+            + held.turn(p, u_bar[self.held], d)
+            + held.pull(p, u_turn[self.held])
+        )
+
+    def _split(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Weights of forces: those of reactions, and those of applied ones."""
+        reactions, applied = np.zeros_like(forces), np.zeros_like(forces)
+        reactions[self.held], applied[self.free] = forces[self.held], forces[self.free]
+        return reactions, applied - reactions
+
+
+def _sum(one: Weights, other: Weights) -> Weights:
+    return Weights(one.u + other.u, one.forces + other.forces, one.p + other.p)
+
+
+class TwiceStaticsEngine(StaticsEngine):
+    """Statics with second derivatives."""
+
+    def hessian_product(self, direction: np.ndarray) -> np.ndarray:
+        return np.array([SecondStatics(s, direction).product() for s in self.samples])

@@ -1,0 +1,264 @@
+"""Gradients of transients: exact derivatives of the steps that were taken.
+
+The adjoint goes backward through the steps, the direct method forward with all parameters at once;
+both with the factors of the run, or of the tangent at each state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dalembert.analysis.structural.transient_equation import Motions
+from dalembert.analysis.structural.transient_run import shortened
+from dalembert.analysis.structural.transient_step import Moving, TransientStep
+from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.samples import Sample
+from dalembert.sensitivity.structural.transient_outputs import Look, Looks, Seen
+from dalembert.sensitivity.structural.transient_parameters import ParameterChanges, ParameterWeights
+
+NUMBERS = 30_000_000
+"""Entries of element matrices, times responses, that one march keeps."""
+
+
+class TransientPass:
+    """What both directions share.
+
+    Parameters
+    ----------
+    samples : of the same run
+    """
+
+    def __init__(self, samples: Sequence[Sample]):
+        self.looks = Looks(samples)
+        self.march = self.looks.record.march
+        self.steps, self.start = self.march.steps, self.march.start
+        self.equation = e = self.march.equation
+        self.size, self.rows = e.assembly.size, len(samples)
+
+    def inner_step(self, length: float) -> TransientStep:
+        """A step to an output between the ends of steps."""
+        return TransientStep(self.equation, self.march.analysis.integrator, length)
+
+    def arriving(self, node: int) -> TransientStep:
+        """The step that ends at a node."""
+        return self.march.step(float(self.steps.h[node - 1]))
+
+    def time(self, node: int) -> float:
+        """Instant of a node."""
+        return float(self.steps.t[node]) if node < self.steps.count else self.steps.end
+
+    def seen(self, looks: Sequence[Look]) -> Seen:
+        """What the responses weigh at an instant."""
+        return self.looks.seen(looks, self.size, self.equation.p.size)
+
+    def motion_at(self, look: Look) -> Motions:
+        """The motion at an output."""
+        motion, k = self.looks.motion(look), look[1]
+        return Motions(
+            motion.displacements[:, k], motion.velocities[:, k], motion.accelerations[:, k]
+        )
+
+    def solved(self, factor, where: np.ndarray, rhs: np.ndarray) -> np.ndarray:
+        """(n, columns) solution on some displacements, zero on others."""
+        found = np.zeros_like(rhs)
+        if factor is not None:
+            found[where] = factor.solve(np.ascontiguousarray(rhs[where]))
+        return found
+
+
+class TransientAdjoint(TransientPass):
+    """Gradients of all responses by one march backward.
+
+    With multipliers ``λ`` of the equations of motion at the end of a step,
+    ``(M + κ(h γ C + h² β K)) λ`` is the weight of the accelerations there.
+    """
+
+    def gradient(self) -> np.ndarray:
+        """(rows, np) derivatives."""
+        self.parameters = ParameterWeights(self.equation, self.rows)
+        bar = self._none()
+        for node in range(self.steps.count, -1, -1):
+            bar = self._inside(node, bar)
+            seen, motion = self.seen(self.looks.ends.get(node, [])), self.march.node(node).motion
+            if node == 0:
+                break
+            step = self.arriving(node)
+            bar = self._through(step, motion, self.time(node), bar, seen)
+        self._begin(motion, bar, seen)
+        return self.parameters.total.T
+
+    def _none(self) -> Moving:
+        return Moving(*np.zeros((4, self.size, self.rows)))
+
+    def _inside(self, node: int, bar: Moving) -> Moving:
+        """Add what outputs inside the following step weigh."""
+        for length, looks in self.looks.inside.get(node, {}).items():
+            step, share = self.inner_step(length), length / float(self.steps.h[node])
+            motion, time = self.motion_at(looks[0]), self.time(node) + length
+            back = self._through(step, motion, time, self._none(), self.seen(looks))
+            memory = back.algorithmic
+            back = back._replace(a=back.a + (1 - share) * memory, algorithmic=share * memory)
+            bar = Moving(*(a + b for a, b in zip(bar, back, strict=True)))
+        return bar
+
+    def _through(
+        self, step: TransientStep, motion: Motions, time: float, bar: Moving, seen: Seen
+    ) -> Moving:
+        """Weights of what a step begins with, from those of its end."""
+        e = self.equation
+        tangent = e.tangent(motion.u)
+        bar, reactions = self._with_reactions(tangent, bar, seen)
+        weight = step.rule.weigh_acceleration(bar)
+        multiplier = self.solved(step.factor(tangent), e.free, weight)
+        bar = self._balanced(tangent, motion, time, bar, multiplier, reactions, seen)
+        return step.rule.weigh_start(bar)
+
+    def _with_reactions(self, tangent, bar: Moving, seen: Seen) -> tuple[Moving, np.ndarray]:
+        """Add what is seen; weights of reactions are such of the motion that needs them."""
+        e = self.equation
+        reactions = np.zeros_like(seen.forces)
+        reactions[e.held] = seen.forces[e.held]
+        u, v, a = bar.u + seen.u, bar.v + seen.v, bar.a + seen.a
+        if reactions.any():
+            u, v, a = u + tangent @ reactions, v + e.damped(reactions), a + e.mass @ reactions
+        return Moving(u, v, a, bar.algorithmic), reactions
+
+    def _balanced(
+        self, tangent, motion: Motions, time: float, bar: Moving, multiplier, reactions, seen: Seen
+    ) -> Moving:
+        """Take multipliers of the equations of motion to parameters, supports and the motion."""
+        e = self.equation
+        applied = multiplier + seen.forces
+        applied[e.held] = -reactions[e.held]  # reactions do not see what acts on supports
+        self.parameters.own(seen.p)
+        self.parameters.equations(motion, reactions - multiplier)
+        self.parameters.loads(applied, time)
+        left = Motions(
+            bar.u - tangent @ multiplier,
+            bar.v - e.damped(multiplier),
+            bar.a - e.mass @ multiplier,
+        )
+        self.parameters.supports(Motions(*(weight[e.held] for weight in left)), time)
+        found = Moving(*left, bar.algorithmic.copy())
+        for weight in found:
+            weight[e.held] = 0.0
+        return found
+
+    def _begin(self, motion: Motions, bar: Moving, seen: Seen) -> None:
+        """Take the weights of the beginning to what it is made of."""
+        e, start = self.equation, self.start
+        tangent = e.tangent(motion.u)
+        bar, reactions = self._with_reactions(tangent, bar, seen)
+        weight = bar.a + bar.algorithmic
+        multiplier = self.solved(start.mass_factor, e.massive, weight)
+        bar = self._balanced(tangent, motion, self.time(0), bar, multiplier, reactions, seen)
+        self.parameters.own(self._pulled(start.initial.velocities, bar.v))
+        if not start.static:
+            self.parameters.own(self._pulled(start.initial.displacements, bar.u))
+            return
+        multiplier = self.solved(start.static_factor(motion.u), e.free, bar.u)
+        self.parameters.equilibrium(motion.u, -multiplier)
+        self.parameters.loads(multiplier, self.time(0))
+        rest = np.zeros((e.held.size, self.rows))
+        held = Motions(-(tangent @ multiplier)[e.held], rest, rest)
+        self.parameters.supports(held, self.time(0))
+
+    def _pulled(self, source, weights: np.ndarray) -> np.ndarray:
+        return np.stack([source.pull(self.equation.p, w) for w in weights.T], axis=1)
+
+
+class TransientDirect(TransientPass):
+    """Derivatives of the whole motion by some parameters, all at once.
+
+    Parameters
+    ----------
+    samples : of the same run
+    columns : numbers of the parameters
+    """
+
+    def __init__(self, samples: Sequence[Sample], columns: Sequence[int]):
+        super().__init__(samples)
+        self.columns = list(columns)
+        directions = np.eye(self.equation.p.size)[:, self.columns]
+        self.changes = ParameterChanges(self.equation, directions)
+        self.found = np.zeros((self.rows, len(self.columns)))
+
+    def gradient(self) -> np.ndarray:
+        """(rows, columns) derivatives."""
+        change = self._begin()
+        for node in range(self.steps.count + 1):
+            if node:
+                motion = self.march.node(node).motion
+                looks = self.looks.ends.get(node, [])
+                change = self._after(self.arriving(node), motion, self.time(node), change, looks)
+            for length, looks in self.looks.inside.get(node, {}).items():
+                share = length / float(self.steps.h[node])
+                begin, time = shortened(change, share), self.time(node) + length
+                self._after(self.inner_step(length), self.motion_at(looks[0]), time, begin, looks)
+        return self.found
+
+    def _after(
+        self, step: TransientStep, motion: Motions, time: float, change: Moving, looks: list[Look]
+    ) -> Moving:
+        """Changes at the end of a step; the responses there take their part."""
+        e = self.equation
+        ahead, held = step.rule.predicted(change), self.changes.supports(time)
+        tangent, own = e.tangent(motion.u), self.changes.equations(motion)
+        loads = self.changes.loads(time)
+        a = np.zeros_like(ahead.u)
+        rest = loads - own - e.changed(tangent, step.placed(ahead, held, a.copy()).motion)
+        a = self.solved(step.factor(tangent), e.free, rest)
+        after = step.placed(ahead, held, a)
+        self._look(looks, after, loads, own + e.changed(tangent, after.motion) if looks else own)
+        return after
+
+    def _begin(self) -> Moving:
+        """Changes at the beginning."""
+        e, start, time = self.equation, self.start, self.time(0)
+        motion, held = self.march.node(0).motion, self.changes.supports(time)
+        loads, tangent = self.changes.loads(time), e.tangent(motion.u)
+        u = np.zeros((self.size, len(self.columns)))
+        if not start.static:
+            u = self.changes.each(start.initial.displacements)
+        u[e.held] = held.u
+        if start.static:
+            rest = loads - self.changes.equilibrium(motion.u) - tangent @ u
+            u += self.solved(start.static_factor(motion.u), e.free, rest)
+        v, a = self.changes.each(start.initial.velocities), np.zeros_like(u)
+        v[e.held], a[e.held] = held.v, held.a
+        own = self.changes.equations(motion)
+        rest = loads - own - e.changed(tangent, Motions(u, v, a))
+        a += self.solved(start.mass_factor, e.massive, rest)
+        begin = Moving(u, v, a, a)
+        self._look(self.looks.ends.get(0, []), begin, loads, own + e.changed(tangent, begin.motion))
+        return begin
+
+    def _look(self, looks: list[Look], x: Moving, loads: np.ndarray, inner: np.ndarray) -> None:
+        """Add the changes of what the responses see."""
+        if not looks:
+            return
+        seen, forces = self.seen(looks), loads.copy()
+        held = self.equation.held
+        forces[held] = (inner - loads)[held]
+        self.found += seen.p[self.columns].T
+        pairs = ((seen.u, x.u), (seen.v, x.v), (seen.a, x.a), (seen.forces, forces))
+        for weight, change in pairs:
+            self.found += weight.T @ change
+
+
+class TransientEngine(Engine):
+    """Transients of structures, linear or not."""
+
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        return TransientDirect(self.samples, columns).gradient()
+
+    def adjoint(self) -> np.ndarray:
+        blocks = self.samples[0].motion.record.march.equation.assembly.blocks
+        size = sum(b.count * b.kind.displacement_count**2 for b in blocks)
+        most = max(1, NUMBERS // max(size, 1))
+        groups = range(0, len(self.samples), most)
+        return np.concatenate(
+            [TransientAdjoint(self.samples[k : k + most]).gradient() for k in groups]
+        )

@@ -1,0 +1,210 @@
+"""How parameters enter the equations of motion of a structure, both ways.
+
+``g = M a + C v + ∂W/∂u(u)`` with ``C = α M + β K``; loads and support motions depend on time too.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions
+from dalembert.structures.columns import Products, Pulls, Pushes
+from dalembert.structures.kind import ElementKind
+
+ENTRIES = 4_000_000
+"""Numbers of elements, over states and responses, that are gathered at once."""
+
+
+class Timed(Protocol):
+    """Numbers that depend on parameters and time."""
+
+    depends_on_time: bool
+
+    def push(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Their change with the parameters."""
+
+    def pull(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Weights of the parameters."""
+
+
+class TimedPull:
+    """Weights of the parameters from those of numbers at many times.
+
+    Parameters
+    ----------
+    source : the numbers
+    p : (np,) values of the parameters
+    """
+
+    def __init__(self, source: Timed, p: np.ndarray):
+        self.source, self.p = source, p
+        self._sum: np.ndarray | None = None
+        self._found: np.ndarray | float = 0.0
+
+    def add(self, weights: np.ndarray, time: float) -> None:
+        """Add weights (n, rows) at a time."""
+        if self.source.depends_on_time:
+            self._found = self._found + self._pulled(weights, time)
+        else:
+            self._sum = weights.copy() if self._sum is None else self._sum + weights
+
+    @property
+    def total(self) -> np.ndarray | float:
+        """(np, rows) weights of the parameters."""
+        return self._found if self._sum is None else self._pulled(self._sum, 0.0)
+
+    def _pulled(self, weights: np.ndarray, time: float) -> np.ndarray:
+        columns = [self.source.pull(self.p, w, time) for w in weights.T]
+        return np.stack(columns, axis=1)
+
+
+class ParameterWeights:
+    """Weights of the parameters from multipliers of the equations of motion along a run.
+
+    Parameters
+    ----------
+    equation : EquationOfMotion
+    rows : number of responses
+    """
+
+    def __init__(self, equation: EquationOfMotion, rows: int):
+        e = self.equation = equation
+        self._linear = e.model.linearized.assembly
+        self._exact, self._small = Pulls(e.assembly, e.p, rows), Pulls(self._linear, e.p, rows)
+        self._inertia, self._springs = Products(e.assembly, rows), Products(self._linear, rows)
+        self._at_rest = np.zeros((e.assembly.size, rows))
+        self._loads = TimedPull(e.load_case, e.p)
+        self._supports = [TimedPull(array, e.p) for array in e.supports]
+        self._damping = np.zeros((2, rows))
+        self._own = np.zeros((e.p.size, rows))
+        self._kept: list[tuple[Motions, np.ndarray]] = []
+        largest = max((b.degrees.size for b in e.assembly.blocks), default=1)
+        self._most = max(1, ENTRIES // (largest * rows))
+
+    def own(self, weights: np.ndarray) -> None:
+        """Add weights (np, rows) of the parameters themselves."""
+        self._own += weights
+
+    def equations(self, motion: Motions, multiplier: np.ndarray) -> None:
+        """Add ``ηᵀ ∂g/∂p`` at a motion (n,) with multipliers (n, rows)."""
+        self._kept.append((motion, multiplier))
+        if len(self._kept) >= self._most:
+            self._flush()
+
+    def equilibrium(self, u: np.ndarray, multiplier: np.ndarray) -> None:
+        """Add ``ηᵀ ∂f/∂p`` at displacements (n,) with multipliers (n, rows)."""
+        self._exact.forces(u[:, None], multiplier[:, None, :])
+
+    def loads(self, weights: np.ndarray, time: float) -> None:
+        """Add weights (n, rows) of the applied forces."""
+        self._loads.add(weights, time)
+
+    def supports(self, weights: Motions, time: float) -> None:
+        """Add weights (held, rows) of prescribed displacements, velocities, accelerations."""
+        for pull, weight in zip(self._supports, weights, strict=True):
+            pull.add(weight, time)
+
+    @property
+    def total(self) -> np.ndarray:
+        """(np, rows) weights of the parameters."""
+        self._flush()
+        e, lumped = self.equation, self.equation.lumped
+        self._exact.products(self._inertia, lambda k, x, d, w: k.pull_mass(w, x, d, lumped))
+        self._small.products(self._springs, _pull_stiffness)
+        if e.linear:
+            rest = np.zeros((e.assembly.size, 1))
+            self._small.forces(rest, self._at_rest[:, None, :])
+        found = self._own + self._exact.total + self._small.total
+        for pull in (self._loads, *self._supports):
+            found = found + pull.total
+        damping = [e.damping.pull(e.p, w) for w in self._damping.T]
+        return found + np.stack(damping, axis=1)
+
+    def _flush(self) -> None:
+        if not self._kept:
+            return
+        e = self.equation
+        u, v, a = (np.stack(c, axis=1) for c in zip(*(m for m, _ in self._kept), strict=True))
+        eta = np.stack([multiplier for _, multiplier in self._kept], axis=1)
+        self._kept = []
+        self._inertia.add(a + e.alpha * v, eta)
+        if e.linear:
+            self._springs.add(u + e.beta * v, eta)
+            self._at_rest += eta.sum(axis=1)
+        else:
+            self._exact.forces(u, eta)
+            if e.beta:
+                self._springs.add(e.beta * v, eta)
+        for k, matrix in enumerate((e.mass, e.stiffness)):
+            self._damping[k] += np.einsum("ns,nsr->r", matrix @ v, eta)
+
+
+class ParameterChanges:
+    """Changes of the equations of motion with many parameters at once.
+
+    Parameters
+    ----------
+    equation : EquationOfMotion
+    directions : (np, c) changes of the parameters
+    """
+
+    def __init__(self, equation: EquationOfMotion, directions: np.ndarray):
+        e = self.equation = equation
+        self.directions = directions
+        self._exact = Pushes(e.assembly, e.p, directions)
+        small = Pushes(e.model.linearized.assembly, e.p, directions)
+        lumped = e.lumped
+        self._mass = small.matrices(lambda k, x, d, dd: k.push_mass(x, d, dd, lumped))
+        self._stiffness = small.matrices(_push_stiffness)
+        self._at_rest = small.forces(np.zeros(e.assembly.size))
+        self._damping = self.each(e.damping)
+        self._known: dict[int, np.ndarray] = {}
+
+    def each(self, source: Timed, time: float = 0.0) -> np.ndarray:
+        """(n, c) changes of numbers that depend on parameters and time."""
+        e = self.equation
+        return np.stack([source.push(e.p, dp, time) for dp in self.directions.T], axis=1)
+
+    def equations(self, m: Motions) -> np.ndarray:
+        """(n, c) changes of ``g`` at a motion (n,)."""
+        e, count = self.equation, self.directions.shape[1]
+        found = (self._mass @ (m.a + e.alpha * m.v)).reshape(count, -1).T
+        strained = m.u + e.beta * m.v if e.linear else e.beta * m.v
+        if e.linear or e.beta:
+            found = found + (self._stiffness @ strained).reshape(count, -1).T
+        found = found + (self._at_rest if e.linear else self._exact.forces(m.u))
+        for change, matrix in zip(self._damping, (e.mass, e.stiffness), strict=True):
+            if change.any():
+                found += np.outer(matrix @ m.v, change)
+        return found
+
+    def equilibrium(self, u: np.ndarray) -> np.ndarray:
+        """(n, c) changes of the internal forces at displacements (n,)."""
+        return self._exact.forces(u)
+
+    def loads(self, time: float) -> np.ndarray:
+        """(n, c) changes of the applied forces."""
+        return self._timed(self.equation.load_case, time)
+
+    def supports(self, time: float) -> Motions:
+        """(held, c) changes of prescribed displacements, velocities and accelerations."""
+        return Motions(*(self._timed(array, time) for array in self.equation.supports))
+
+    def _timed(self, source: Timed, time: float) -> np.ndarray:
+        if source.depends_on_time:
+            return self.each(source, time)
+        if id(source) not in self._known:
+            self._known[id(source)] = self.each(source)
+        return self._known[id(source)]
+
+
+def _pull_stiffness(kind: ElementKind, x, data, weights) -> np.ndarray:
+    """Weights of the data in ``wᵀ K x``; forces of small displacements less those at rest."""
+    return kind.pull(x, data, weights) - kind.pull(np.zeros_like(x), data, weights)
+
+
+def _push_stiffness(kind: ElementKind, x, data, change) -> np.ndarray:
+    """Change of ``K x`` with the data."""
+    return kind.push(x, data, change) - kind.push(np.zeros_like(x), data, change)

@@ -1,0 +1,205 @@
+"""The report page of a structure in a browser, and its result file."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import Visit, chromium, visit
+from test_structure_pictures import BUILDERS, cantilever
+
+import dalembert as da
+from dalembert import structures
+from dalembert.report.page import write_page
+from dalembert.results.store import report_of
+from dalembert.results.structural import payload as payload_module
+
+
+def solved(name: str):
+    return da.solve_statics(BUILDERS[name]().build())
+
+
+def motion():
+    structure = da.Structure("swing")
+    a, b = structure.node("a", 0, 0), structure.node("b", 1, 0)
+    structure.add(structures.Truss("bar", a, b, area=1e-4, modulus=1e9, density=1e3))
+    structure.support(a)
+    structure.support(b, uy=0)
+    structure.load(b, fx=100.0)
+    return da.Transient(duration=0.01, step=1e-4, outputs=21).run(structure.build())
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture
+def show(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """Open the report of a result; no request and no console line may come."""
+    opened: list[tuple[Any, Visit]] = []
+
+    def open_page(result: Any, **options: Any) -> Visit:
+        manager = visit(browser, result.report(tmp_path / f"{len(opened)}.html"), **options)
+        opened.append((manager, manager.__enter__()))
+        return opened[-1][1]
+
+    yield open_page
+    seen = [(found.requests, found.console) for _, found in opened]
+    for manager, _ in opened:
+        manager.__exit__(None, None, None)
+    assert seen == [([], [])] * len(seen)
+
+
+@pytest.mark.parametrize("name", list(BUILDERS))
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_kind_is_drawn(show, name: str, scheme: str) -> None:
+    page = show(solved(name), scheme=scheme)
+    assert page.ink("#scene") > 10
+    assert page.js("document.documentElement.dataset.theme") == scheme
+    assert page.js("document.querySelector('#colours').hidden") is False
+    assert page.js("document.querySelectorAll('#displacements tbody tr').length") == len(
+        solved(name).model.degrees.nodes
+    )
+
+
+def test_field_and_scale_change_the_picture(show) -> None:
+    page = show(solved("plate"))
+    seen = {page.picture("#scene")}
+    page.page.select_option("#field", label="sxx")
+    page.frames()
+    seen.add(page.picture("#scene"))
+    page.js("document.querySelector('#true-scale').click()")
+    page.frames()
+    seen.add(page.picture("#scene"))
+    assert page.js("document.querySelector('#factor').textContent") == "× 1"
+    page.js("document.querySelector('#show-mesh').click()")
+    page.frames()
+    seen.add(page.picture("#scene"))
+    assert len(seen) == 4
+    page.page.select_option("#field", label="none")
+    assert page.js("document.querySelector('#colours').hidden") is True
+
+
+def test_cases_change_the_tables(show) -> None:
+    result = solved("beam")
+    page = show(result)
+    cell = "[...document.querySelectorAll('#displacements tbody tr')].at(-1).cells[2].textContent"
+    column = "document.querySelectorAll('#displacements thead th')[2].textContent"
+    for k, name in enumerate(("load", "twist")):
+        page.page.select_option("#case", label=name)
+        unit = re.search(r"\[(.*)\]", page.js(column))[1]
+        shown = float(page.js(cell).replace("−", "-")) * {"m": 1, "mm": 1e-3, "µm": 1e-6}[unit]
+        assert shown == pytest.approx(result["b.uy"][k], rel=1e-3)
+    total = page.js("document.querySelector('#reactions > .note').textContent")
+    assert total == "sum: fx 0 N, fy 0 N"
+
+
+def test_tables_are_sorted_by_size(show) -> None:
+    page = show(solved("plate"))
+    page.js("document.querySelectorAll('#displacements .sort')[2].click()")
+    shown = page.js(
+        "[...document.querySelectorAll('#displacements tbody tr')].map(r => r.cells[2].textContent)"
+    )
+    sizes = [abs(float(text.replace("−", "-"))) for text in shown]
+    assert sizes == sorted(sizes, reverse=True)
+    heading = page.js("document.querySelectorAll('#displacements th')[2].getAttribute('aria-sort')")
+    assert heading == "descending"
+
+
+def test_hovering_tells_names_and_values(show) -> None:
+    result = solved("beam")
+    page = show(result)
+    box = page.js(
+        "(() => { const b = document.querySelector('#scene').getBoundingClientRect();"
+        " return [b.x, b.y]; })()"
+    )
+    end = page.js("[...dalembert.scene.drawn.slice(3, 5)]")
+    page.page.mouse.move(box[0] + end[0], box[1] + end[1])
+    assert "bnode" in page.js("document.querySelector('#tip').textContent")
+    middle = page.js(
+        "(() => { const s = dalembert.structure.lines[0].vertices, k = s[6];"
+        " return [...dalembert.scene.drawn.slice(3 * k, 3 * k + 2)]; })()"
+    )
+    page.page.mouse.move(box[0] + middle[0], box[1] + middle[1])
+    tip = page.js("document.querySelector('#tip').textContent")
+    assert "beamelement" in tip
+    assert "moment i" in tip
+
+
+def test_solids_turn_and_plates_pan(show) -> None:
+    for name, turns in (("box", True), ("plate", False)):
+        page = show(solved(name))
+        before = page.js("dalembert.scene.turn && dalembert.scene.turn.a")
+        page.page.mouse.move(400, 500)
+        page.page.mouse.down()
+        page.page.mouse.move(460, 520)
+        page.page.mouse.up()
+        assert (page.js("dalembert.scene.turn && dalembert.scene.turn.a") != before) == turns
+        assert page.js("dalembert.scene.fitted") == turns
+
+
+def test_motion_plays(show) -> None:
+    page = show(motion())
+    assert page.js("document.querySelector('#step').max") == "20"
+    page.js("document.querySelector('#play').click()")
+    page.until("dalembert.structure.state.case > 2")
+    page.js("document.querySelector('#play').click()")
+    assert page.js("document.querySelector('#state').textContent").endswith(" s")
+
+
+def test_modes_have_scales_of_their_own(show) -> None:
+    structure = cantilever()
+    structure.elements["beam"].density = da.Expression(7850.0)
+    modes = da.Modal(count=2).run(structure.build())
+    page = show(modes)
+    assert page.js("dalembert.structure.field.name") == "displacement"
+    assert page.js("document.querySelector('#reactions')") is None
+    page.page.select_option("#case", label=modes.cases[1])
+    assert page.js("dalembert.structure.state.case") == 1
+
+
+def test_hostile_names_stay_text(show) -> None:
+    name = "<img src=x onerror=document.title='bad'>"
+    structure = da.Structure(name)
+    a, b = structure.node("a", 0, 0), structure.node("b", 1, 0)
+    structure.add(structures.Truss("bar", a, b, area=1.0, modulus=1.0))
+    structure.support(a)
+    structure.support(b, uy=0)
+    for case in ("</script><b>1</b>", "{{data}}"):
+        structure.load(b, case, fx=1.0)
+    page = show(da.solve_statics(structure.build()))
+    assert page.js("document.querySelectorAll('img, #stage b, td b').length") == 0
+    assert page.js("document.title") == name
+
+
+def test_narrow_page_has_no_overflow(show) -> None:
+    page = show(solved("plate"), viewport=(390, 800))
+    assert page.js("document.documentElement.scrollWidth") <= 390
+
+
+# files ------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", list(BUILDERS))
+def test_results_come_back(name: str, tmp_path: Path) -> None:
+    result = solved(name)
+    path = result.save(tmp_path / "result.nc")
+    data = da.load_results(path)
+    np.testing.assert_array_equal(data["displacement"], result.displacements)
+    np.testing.assert_array_equal(data["external_force"], result.forces)
+    again = write_page(report_of(data), tmp_path / "again.html")
+    assert again.read_text("utf-8") == result.report(tmp_path / "page.html").read_text("utf-8")
+    assert result.to_csv(tmp_path / "r.csv").read_text("utf-8").count("\n") > 2
+
+
+def test_of_many_cases_some_are_left_out(monkeypatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(payload_module, "MOST_NUMBERS", 200)
+    made = payload_module.structural_payload(motion())
+    assert 1 < len(made["cases"]) < 21
+    assert made["cases"][-1] == "0.01 s"
+    assert "are left out of this page" in json.dumps(made["diagnosis"])
