@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -88,17 +88,6 @@ class Modes(Numbered):
     def stable(self) -> bool:
         """No eigenvalue has a positive real part."""
         return bool(np.all(self.eigenvalues.real <= 1e-9 * (1 + np.abs(self.eigenvalues))))
-
-    def at(self, numbers: np.ndarray) -> Modes:
-        """Some of the modes, by number."""
-        index = self.places(numbers)
-        return replace(
-            self,
-            numbers=self.numbers[index],
-            eigenvalues=self.eigenvalues[index],
-            shapes=self.shapes[:, index],
-            positions=self.positions[index],
-        )
 
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, or a formula of measures and parameters.

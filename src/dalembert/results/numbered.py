@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -19,11 +20,17 @@ class Numbered:
     Attributes
     ----------
     numbers : (k,) from 1
+    eigenvalues : (k,)
+    shapes : (n, k)
+    positions : (k,) places in the whole spectrum
     """
 
     continuous = False
     """There is nothing between two numbers: integrals over them are sums."""
     numbers: np.ndarray
+    eigenvalues: np.ndarray
+    shapes: np.ndarray
+    positions: np.ndarray
 
     @property
     def time(self) -> np.ndarray:
@@ -44,6 +51,17 @@ class Numbered:
                 known = ", ".join(map(str, self.numbers)) or "none"
                 raise AnalysisError(f"there is no mode {number:g} (known: {known})")
         return [int(np.flatnonzero(self.numbers == number)[0]) for number in wanted]
+
+    def at(self, numbers: np.ndarray) -> Self:
+        """Some of the modes, by number."""
+        index = self.places(numbers)
+        return replace(  # type: ignore[type-var]
+            self,
+            numbers=self.numbers[index],
+            eigenvalues=self.eigenvalues[index],
+            shapes=self.shapes[:, index],
+            positions=self.positions[index],
+        )
 
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, or a formula of measures and parameters."""

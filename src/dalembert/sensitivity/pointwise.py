@@ -12,14 +12,14 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.driven_instants import measure_rate, measured
-from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample, weights_change
 
 
 class PointwiseGradient:
     """Rows of the gradient for one sampled response."""
 
-    def __init__(self, sample: Sample):
+    def __init__(self, sample: Sample, shared: dict | None = None):
         self.sample, self.motion = sample, sample.motion
         self.measured = measured(sample.motion, sample.measure)
 
@@ -81,17 +81,13 @@ class PointwiseGradient:
         return rates[2].full().sum(axis=1)
 
 
-class PointwiseEngine(Engine):
+class PointwiseEngine(RowEngine):
     """One row after the other."""
 
-    def direct(self, columns: Sequence[int]) -> np.ndarray:
-        return np.array([PointwiseGradient(sample).direct(columns) for sample in self.samples])
-
-    def adjoint(self) -> np.ndarray:
-        return np.array([PointwiseGradient(sample).adjoint() for sample in self.samples])
+    row = PointwiseGradient
 
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:
-        return np.array([PointwiseGradient(s).hessian_product(direction) for s in self.samples])
+        return np.array([row.hessian_product(direction) for row in self._rows()])
 
     def rate(self, sample: Sample) -> float:
         return measure_rate(sample.motion, sample.measure)

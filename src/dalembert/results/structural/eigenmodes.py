@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import casadi as ca
 import numpy as np
@@ -85,17 +85,6 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
     """Measures of the eigenvalue alone."""
     main: ClassVar[str]
     """The one of them that people ask for first."""
-
-    def at(self, numbers: np.ndarray) -> Self:
-        """Some of the modes, by number."""
-        index = self.places(numbers)
-        return replace(
-            self,
-            numbers=self.numbers[index],
-            eigenvalues=self.eigenvalues[index],
-            shapes=self.shapes[:, index],
-            positions=self.positions[index],
-        )
 
     # measures -----------------------------------------------------------------------------
     def expression(self, measure: str | Expression) -> Expression:

@@ -6,8 +6,6 @@ at k)``, and the weight of the parameters collected on the way to the initial st
 
 from __future__ import annotations
 
-from operator import attrgetter
-
 import casadi as ca
 import numpy as np
 
@@ -106,12 +104,14 @@ class AdjointMarch(MarchedSample):
         def make() -> tuple[Prelude, ca.Function]:
             step, n, period = self.step_of(mode), self.size, self.kernel.fixed.period
             if branches(step, period):  # two steps, with a prelude each
-                prelude, wanted = Prelude.identity(self.p.size), attrgetter("adjoint")
+                prelude = Prelude.identity(self.p.size)
+                call, _ = flagged(step, period, lambda one: one.adjoint)
+            elif self.kernel.backend.compiles:
+                prelude = step.prelude
+                call, _ = flagged(step, period, lambda one: one.compiled_adjoint)
             else:
-                compiles = self.kernel.backend.compiles
-                form = "compiled_adjoint" if compiles else "prepared_adjoint"
-                prelude, wanted = step.prelude, attrgetter(form)
-            call, _ = flagged(step, period, wanted)
+                prelude = step.prelude
+                call, _ = flagged(step, period, lambda one: one.prepared_adjoint)
             carried = ca.MX.sym("c", n + prelude.rate_count)
             q = ca.MX.sym("q", prelude.value_count)
             x, inject = ca.MX.sym("x", n), ca.MX.sym("i", n)
