@@ -29,8 +29,8 @@ AGREE = 1e-9
 """Largest difference of direct and adjoint derivatives, relative to the largest influence."""
 CONFIRM = 1e-6
 """Likewise, of exact derivatives and differences."""
-LOOSE = 1e-3
-"""Differences that are less certain than this confirm nothing."""
+LOOSE = 1e-5
+"""Differences that are less certain than this confirm nothing, of runs with exact derivatives."""
 BARELY = 1e-9
 """Influence, relative to the response, of which a run shows no digits."""
 SLOPE = 0.1
@@ -178,7 +178,7 @@ def _verdicts(cells: dict[str, np.ndarray], influence: np.ndarray, agreement: fl
     within = np.maximum(max(CONFIRM, agreement), 10 * uncertainty)
     verdicts = np.full(error.shape, CONFIRMED, dtype=object)
     verdicts[influence <= NEGLIGIBLE] = NO_INFLUENCE
-    verdicts[~(uncertainty <= LOOSE)] = UNCONFIRMED
+    verdicts[~(uncertainty <= max(LOOSE, 100 * agreement))] = UNCONFIRMED
     verdicts[(error > within) | ~(cells["disagreement"] <= agreement)] = CONTRADICTED
     return verdicts
 
