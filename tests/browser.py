@@ -38,8 +38,8 @@ class Visit:
         """Return the value of a JavaScript expression in the page."""
         return self.page.evaluate(expression)
 
-    def until(self, expression: str, seconds: float = 10.0) -> None:
-        """Wait until a JavaScript expression holds."""
+    def until(self, expression: str, seconds: float = 120.0) -> None:
+        """Wait until a JavaScript expression holds; so long only where it never will."""
         # The page forbids eval, and with it playwright's own waiting for a function.
         end = time.monotonic() + seconds
         while not self.js(expression):

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+PATIENCE = 1.0
+"""Time without a bar [s]: most runs are over by then."""
 
 
 @contextmanager
@@ -11,13 +15,17 @@ def progress_reporter(
     progress: bool | Callable[[float], None], text: str
 ) -> Iterator[Callable[[float], None]]:
     """A function of the fraction done: the user's own, a bar on the terminal, or nothing."""
-    if callable(progress):
-        yield progress
-    elif progress:
-        from rich.progress import Progress
+    if callable(progress) or not progress:
+        yield progress or (lambda fraction: None)
+        return
+    from rich.console import Console
+    from rich.progress import Progress
 
-        with Progress(transient=True) as bar:
-            task = bar.add_task(text, total=1.0)
-            yield lambda fraction: bar.update(task, completed=fraction)
-    else:
-        yield lambda fraction: None
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(text, total=1.0, visible=False)
+        begin = time.monotonic()
+
+        def report(fraction: float) -> None:
+            bar.update(task, completed=fraction, visible=time.monotonic() - begin > PATIENCE)
+
+        yield report
