@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Coordinates
 from dalembert.errors import AssemblyError
 from dalembert.model.equations import Equations
+from dalembert.model.guesses import Guesses
 from dalembert.model.independence import independent_units
 from dalembert.symbolic.expression import stack
 from dalembert.symbolic.factor import QrFactor
@@ -33,38 +33,6 @@ class Held:
 
     indices: tuple[int, ...] = ()
     constants: tuple[float | None, ...] = ()
-
-
-@dataclass
-class Guesses:
-    """Initial values by coordinate: formulas where given, None where missing."""
-
-    pose: list
-    twist: list
-    names: list[str]
-    units: list[str]
-    owners: list[str]
-
-    @classmethod
-    def collect(cls, groups: list[Coordinates]) -> Guesses:
-        made = cls([], [], [], [], [])
-        for group in groups:
-            pose, twist = group.guesses()
-            made.pose += pose
-            made.twist += twist
-            made.names += [f"{group.name}.{n}" for n in group.coordinate_names]
-            made.units += list(group.coordinate_units)
-            made.owners += [group.name] * len(pose)
-        return made
-
-    def priority(self, given: list) -> list[int]:
-        """Indices in the order in which they are held: given first, angles first."""
-        order = {owner: k for k, owner in enumerate(dict.fromkeys(self.owners))}
-
-        def key(k: int):
-            return (given[k] is None, order[self.owners[k]], self.units[k] != "rad", k)
-
-        return sorted(range(len(given)), key=key)
 
 
 @dataclass
@@ -121,18 +89,14 @@ class Assembler:
         self._velocity = ca.Function(
             "velocity", [e.t, e.y, e.v, e.p], [psi, ca.jacobian(psi, e.v), e.mass], {"cse": True}
         )
-        self.guess = ca.Function(
-            "guess",
-            [e.p],
-            [_filled(guesses.pose), _filled(guesses.twist)],
-        )
+        self.guess = guesses.function(e.p)
         self.weight = np.array([1.0 if g is not None else MISSING_WEIGHT for g in guesses.pose])
 
     # positions ---------------------------------------------------------------
     def project(self, t: float, p: np.ndarray, attempts: int = 12) -> np.ndarray:
         """Nearest assembled configuration to the guesses, from several starts if need be."""
         guess = self.guess(p)[0].full().ravel()
-        missing = np.array([g is None for g in self.guesses.pose])
+        missing = self.guesses.missing
         rng = np.random.default_rng(0)
         best, worst = guess, np.inf
         for attempt in range(attempts):
@@ -303,7 +267,3 @@ class Assembler:
         return ImplicitFunction(
             "initial_state", [e.t, start, e.p], [position, velocity], [e.y, e.v]
         )
-
-
-def _filled(values: list) -> ca.SX:
-    return stack(ca.SX(0) if v is None else v for v in values)

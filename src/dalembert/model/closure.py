@@ -19,11 +19,12 @@ from dalembert.model.assembly import (
     POSITION_TOLERANCE,
     AssembledState,
     Assembler,
-    Guesses,
 )
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
+from dalembert.model.guesses import Guesses
 from dalembert.model.independence import independent_rows
+from dalembert.model.scales import scales_of
 from dalembert.symbolic.expression import free_symbols, stack, t
 from dalembert.symbolic.implicit import ImplicitFunction
 
@@ -39,6 +40,7 @@ class Closure:
 
     Attributes
     ----------
+    scales : Scales of the mechanism
     owners : (m,) constraint and component behind each row
     rows : independent constraint rows
     jacobian : ``C`` of all rows at the assembled position
@@ -57,6 +59,7 @@ class Closure:
             (c, k) for c in description.constraints for k in range(c.equations.numel())
         ]
         self.guesses = Guesses.collect(description.coordinates)
+        self.scales = scales_of(description, equations, self.guesses, nominal)
         self._assembler = Assembler(
             equations,
             self.guesses,

@@ -11,11 +11,13 @@ import casadi as ca
 import numpy as np
 
 from dalembert.model.absolute import absolute_equations, at_ground
-from dalembert.model.assembly import AssembledState, Guesses
+from dalembert.model.assembly import AssembledState
 from dalembert.model.checks import check_values
 from dalembert.model.closure import Closure
 from dalembert.model.description import Description
 from dalembert.model.diagnosis import diagnose
+from dalembert.model.guesses import Guesses
+from dalembert.model.scales import Scales
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.parameter import parameter_vector
@@ -66,6 +68,11 @@ class Model:
     def guesses(self) -> Guesses:
         """Names, units and owners of the coordinates."""
         return self.closure.guesses
+
+    @property
+    def scales(self) -> Scales:
+        """Natural units of the mechanism."""
+        return self.closure.scales
 
     @property
     def start(self) -> AssembledState:
