@@ -12,7 +12,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.equilibrium import StaticsKernel
+from dalembert.analysis.static_balance import StaticsKernel
 from dalembert.errors import SingularityError
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import Kkt

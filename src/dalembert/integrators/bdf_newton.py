@@ -16,7 +16,8 @@ import casadi as ca
 
 from dalembert.integrators.base import Problem
 from dalembert.integrators.bdf_control import Accuracy
-from dalembert.integrators.newton import NewtonNode, NewtonSettings, constant
+from dalembert.symbolic.newton import NewtonSettings
+from dalembert.symbolic.newton_node import NewtonNode, constant
 
 NEWTON = 1e-5
 SETTINGS = NewtonSettings(tolerance=NEWTON, max_iterations=6)

@@ -14,9 +14,10 @@ import casadi as ca
 import numpy as np
 
 from dalembert.integrators.base import Problem
-from dalembert.integrators.newton import ImplicitIntegrator, NewtonNode
+from dalembert.integrators.implicit import ImplicitIntegrator
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep
+from dalembert.symbolic.newton_node import NewtonNode
 
 Rows = tuple[tuple[float, ...], ...]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Problem
+from dalembert.integrators.implicit import ImplicitIntegrator
 from dalembert.integrators.newmark_step import NewmarkCoefficients, NewmarkStep
-from dalembert.integrators.newton import ImplicitIntegrator
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,9 +17,10 @@ import casadi as ca
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Problem
-from dalembert.integrators.newton import ImplicitIntegrator, NewtonNode, constant
+from dalembert.integrators.implicit import ImplicitIntegrator
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep
+from dalembert.symbolic.newton_node import NewtonNode, constant
 
 
 @dataclass(frozen=True)

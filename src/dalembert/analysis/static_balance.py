@@ -1,0 +1,180 @@
+"""The balance of forces on the tangent space of the constraints, ``r(y) = Zᵀ f = 0``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+
+from dalembert.model.model import Model
+from dalembert.results.recording import Trajectory
+from dalembert.symbolic.factor import QrFactor
+from dalembert.symbolic.implicit import ImplicitFunction, Stage
+from dalembert.symbolic.newton import ROUNDING, Equations, NewtonSettings, Residual, solve
+
+LONGEST = 0.5
+"""Longest step, in characteristic lengths and radians."""
+CURVED = 1e-6
+"""Stiffness, relative to the largest, from which on a direction counts as stable."""
+CLOSED = NewtonSettings(tolerance=1e-13, max_iterations=20)
+
+
+class StaticsKernel:
+    """Compiled static equations of a model."""
+
+    def __init__(self, model: Model):
+        e = model.equations
+        self.model = model
+        at_rest = ca.substitute(e.force - e.bias, e.v, ca.SX.zeros(e.speed_count))
+        forces = at_rest - ca.mtimes(e.jacobian.T, e.multiplier)
+        self.balance = forces
+        self.static = ca.Function(
+            "static",
+            [e.t, e.y, e.multiplier, e.p],
+            [
+                at_rest,
+                e.jacobian,
+                -ca.mtimes(ca.jacobian(forces, e.y), e.lift),
+                e.constraints,
+            ],
+            {"cse": True},
+        )
+
+    @property
+    def configuration(self) -> ImplicitFunction:
+        """``(t, [y; λ] nearby, p) → y, λ`` with their exact derivatives."""
+        e = self.model.equations
+        near = ca.SX.sym("near", e.coordinate_count + e.constraint_count)
+        unknown = ca.vertcat(e.y, e.multiplier)
+        residual = ca.vertcat(self.balance, e.constraints)
+        factor = QrFactor(ca.jacobian(residual, unknown))
+        stage = Stage(unknown, residual, near, factor.solve, factor.solve_transposed)
+        return ImplicitFunction("equilibrium", [e.t, near, e.p], [stage], [unknown])
+
+    def measured(self, measure: ca.SX) -> ImplicitFunction:
+        """A measure of the equilibrium; speeds and accelerations are zero."""
+        e = self.model.equations
+        still = ca.vertcat(e.v, e.a)
+        at_rest = ca.substitute(e.without_dropped(measure), still, ca.SX.zeros(still.numel()))
+        found = self.configuration
+        return ImplicitFunction("measured", found.inputs, found.stages, [at_rest])
+
+    def near(self, s: Trajectory) -> np.ndarray:
+        """Where the configuration is differentiated."""
+        return np.vstack([s.y, s.multiplier[self.model.closure.rows]])
+
+
+@dataclass(frozen=True)
+class Forces(Residual):
+    """Forces along the free directions, and what is needed to go on.
+
+    Attributes
+    ----------
+    y : (n,) position
+    force : (n,) applied forces
+    multiplier : λ that balances them best
+    free : (n, k) free directions ``Z``
+    stiffness : (k, k) ``Zᵀ K Z``
+    """
+
+    y: np.ndarray = field(kw_only=True)
+    force: np.ndarray = field(kw_only=True)
+    multiplier: np.ndarray = field(kw_only=True)
+    free: np.ndarray = field(kw_only=True)
+    stiffness: np.ndarray = field(kw_only=True)
+
+    @property
+    def stable(self) -> bool:
+        """Every free direction resists."""
+        values = np.linalg.eigvalsh(symmetric(self.stiffness))
+        return bool(np.all(values > CURVED * np.abs(values).max(initial=0.0)))
+
+
+class StaticBalance(Equations[np.ndarray]):
+    """Equilibrium of a model at an instant.
+
+    Parameters
+    ----------
+    kernel : StaticsKernel
+    time : [s]
+    p : (np,) parameters
+    """
+
+    longest = LONGEST
+
+    def __init__(self, kernel: StaticsKernel, time: float, p: np.ndarray):
+        self.kernel, self.time, self.p = kernel, time, p
+        self.idle = np.zeros(kernel.model.equations.constraint_count)
+
+    def evaluate(self, y: np.ndarray, multiplier: np.ndarray):
+        """Applied force, ``C``, stiffness and ``Φ``."""
+        force, c, stiffness, phi = self.kernel.static(self.time, y, multiplier, self.p)
+        return force.full().ravel(), c.full(), stiffness.full(), phi.full().ravel()
+
+    def residual(self, x: np.ndarray) -> Forces:
+        force, c, _, _ = self.evaluate(x, self.idle)
+        if not (np.all(np.isfinite(force)) and np.all(np.isfinite(c))):
+            c, force = np.zeros_like(c), np.full_like(force, np.nan)
+        multiplier = np.linalg.lstsq(c.T, force, rcond=None)[0] if c.size else self.idle
+        stiffness = self.evaluate(x, multiplier)[2]
+        free = np.linalg.svd(c)[2][c.shape[0] :].T if c.size else np.eye(force.size)
+        reduced = free.T @ stiffness @ free
+        stiff = np.abs(reduced).max(initial=0.0)
+        scale = max(np.abs(force).max(initial=0.0), 1e-3 * stiff)
+        return Forces(
+            free.T @ force,
+            scale,
+            ROUNDING * max(scale, stiff * np.abs(x).max(initial=0.0)),
+            y=x,
+            force=force,
+            multiplier=multiplier,
+            free=free,
+            stiffness=reduced,
+        )
+
+    def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
+        """Newton's step; where some direction does not resist, one that falls instead."""
+        assert isinstance(residual, Forces)
+        if residual.stable:
+            return residual.free @ np.linalg.solve(residual.stiffness, residual.value)
+        values, vectors = np.linalg.eigh(symmetric(residual.stiffness))
+        largest = np.abs(values).max(initial=0.0)
+        curvature = np.maximum(np.abs(values), CURVED * largest)
+        return residual.free @ (vectors @ ((vectors.T @ residual.value) / curvature))
+
+    def nearer(self, here: Residual, there: Residual, zero: np.ndarray) -> bool:
+        """By the residuals; where not all directions resist, by the work done on the way."""
+        assert isinstance(here, Forces) and isinstance(there, Forces)
+        if here.stable:
+            return super().nearer(here, there, zero)
+        return bool((here.force + there.force) @ (there.y - here.y) > 0)
+
+    def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """The assembled position near ``x + step``, not a number where there is none."""
+        moved = self.onto_constraints(x + step)
+        return np.full_like(x, np.nan) if moved is None else moved
+
+    def onto_constraints(self, y: np.ndarray) -> np.ndarray | None:
+        """The assembled position nearest to ``y``, None where there is none near."""
+        found = solve(_Nearest(self), y, CLOSED)
+        return found.x if found.accepted else None
+
+
+class _Nearest(Equations[np.ndarray]):
+    """The constraints at an instant, with the shortest steps to them."""
+
+    def __init__(self, balance: StaticBalance):
+        self.balance = balance
+
+    def residual(self, x: np.ndarray) -> Residual:
+        return Residual(self.balance.evaluate(x, self.balance.idle)[3], 1.0)
+
+    def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
+        c = self.balance.evaluate(x, self.balance.idle)[1]
+        return -np.asarray(np.linalg.lstsq(c, residual.value, rcond=None)[0])
+
+
+def symmetric(matrix: np.ndarray) -> np.ndarray:
+    """Its symmetric part."""
+    return (matrix + matrix.T) / 2
