@@ -28,6 +28,17 @@ class ExpressionError(ModelError):
     """A formula is not in the allowed grammar or names something unknown."""
 
 
+class UnknownNameError(ExpressionError, KeyError):
+    """Nothing has this name; tells the nearest names that there are."""
+
+    def __init__(self, message: str, name: str):
+        self.name = name
+        super().__init__(message)
+
+    def __str__(self) -> str:  # a KeyError would show its message in quotes
+        return str(self.args[0])
+
+
 class FileError(DalembertError):
     """A model file cannot be read or a result cannot be written."""
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import math
+import re
 
 import casadi as ca
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from dalembert.errors import ExpressionError
+from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.once import MOST, once
 from dalembert.symbolic.parser import parse_formula
 
 X, Y = Expression(ca.SX.sym("x")), Expression(ca.SX.sym("y"))
@@ -130,3 +132,84 @@ def test_any_text_is_a_formula_or_a_clear_error(text):
 def test_everything_else_is_refused(text):
     with pytest.raises(ExpressionError):
         parse_formula(text, NAMES.get)
+
+
+def _measured_models():
+    """A mechanism and a structure, each with a measure, a formula of it and a misspelt name."""
+    import dalembert as da
+    from dalembert import planar, structures
+
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    mass = system.parameter("m", 2.0)
+    bob = system.add(planar.Bar("bob", length=1.0, mass=mass, angle=-0.5))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), bob.start))
+    structure = structures.Structure("rod")
+    area = structure.parameter("A", 1e-4)
+    nodes = structure.add_nodes("n", [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
+    bars = structures.Truss, nodes, [[0, 1], [1, 2]]
+    structure.add_elements("rods", *bars, modulus=2e11, area=area)
+    structure.support(nodes, uy=0)
+    structure.support(nodes[0], ux=0)
+    structure.load(nodes[2], fx=1000.0)
+    return [
+        (system.build(), "bob.x", "bob.x * m", "bob.xx"),
+        (
+            structure.build(),
+            "rods[1].stress",
+            "rods[1].stress * A - rods.stress.max(0.1)",
+            "rods[1].stresss",
+        ),
+    ]
+
+
+@pytest.mark.parametrize("kind", [0, 1])
+def test_a_name_comes_before_a_formula(kind):
+    """Names with numbers in them are names, alone and in formulas; all readers agree."""
+    model, name, formula, misspelt = _measured_models()[kind]
+    assert model.expression(name) is model[name] and model.expression(name).name == name
+    assert model.expression(formula).name == formula
+    for text in (misspelt, f" {misspelt} "):
+        with pytest.raises(KeyError, match=rf"^no measure '{re.escape(misspelt)}'; nearest: "):
+            model.expression(text)
+    with pytest.raises(
+        UnknownNameError, match=rf"in formula .*unknown name '{re.escape(misspelt)}'"
+    ):
+        model.expression(f"2 * {misspelt}")
+    with pytest.raises(ExpressionError, match="a name, a formula or an expression, got 3"):
+        model.expression(3)
+
+
+def test_measures_are_made_once():
+    """Asking again compiles nothing, nor does a formula asked for twice."""
+    import dalembert as da
+
+    model, name, formula, _ = _measured_models()[0]
+    motion = da.solve_dynamics(model, 0.1, step=0.01)
+    motion.values(name), motion.values(formula)
+    made = [model.function(model.expression(m)) for m in (name, formula)]
+    motion.values(name), motion[formula]
+    assert made == [model.function(model.expression(m)) for m in (name, formula)]
+    one, two = motion.columns([name, formula])
+    assert (one == motion.values(name)).all() and (two == motion.values(formula)).all()
+
+
+def test_kept_results_are_bounded_and_go_with_their_owner():
+    import weakref
+
+    class Owner:
+        made = 0
+
+        @once
+        def square(self, number):
+            self.made += 1
+            return number**2
+
+    owner = Owner()
+    assert [owner.square(3), owner.square(3), owner.made] == [9, 9, 1]
+    for number in range(MOST + 10):
+        owner.square(number)
+    assert owner.square(3) == 9 and owner.made == MOST + 11  # 3 was kept longer than the others
+    assert sum(len(kept) for kept in vars(owner)["_once"].values()) == MOST
+    seen = weakref.ref(owner)
+    del owner
+    assert seen() is None

@@ -21,7 +21,7 @@ def driven_instant(motion: Motion, occurrence: Occurrence) -> float:
         The event is given by a name, or did not happen so often.
     """
     event = occurrence.declared({})
-    measure = event.expression(motion.model)
+    measure = motion.model.expression(event.measure)
 
     def value(time: float) -> float:
         return float(motion.at(np.array([time])).values(measure)[0])

@@ -35,7 +35,7 @@ class EventSearch:
     @cached_property
     def measures(self) -> dict[str, Expression]:
         model = self.kernel.model
-        return {name: event.expression(model) for name, event in self.events.items()}
+        return {name: model.expression(event.measure) for name, event in self.events.items()}
 
     def values(self, name: str, times: np.ndarray, states: States, modes: np.ndarray) -> np.ndarray:
         """Values of an event's measure."""

@@ -9,7 +9,6 @@ from typing import TypeVar
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.model.model import Model
 from dalembert.symbolic.expression import Expression
 
 T = TypeVar("T")
@@ -33,14 +32,6 @@ class Event:
     def __post_init__(self) -> None:
         if self.direction not in (-1, 0, 1):
             raise AnalysisError(f"event direction must be -1, 0 or 1, got {self.direction!r}")
-
-    def expression(self, model: Model) -> Expression:
-        if isinstance(self.measure, Expression):
-            return self.measure
-        try:
-            return model[self.measure]
-        except KeyError:
-            return model.formula(self.measure)
 
     def passes(self, rate: float) -> bool:
         """Whether a crossing at this rate of the measure counts."""

@@ -85,7 +85,7 @@ def ended_again(motion: Motion, steps: Steps, p: np.ndarray) -> Steps:
 
 def _moved(motion: Motion, flow: Flow, event: Event, before: Instant) -> Instant:
     """The instant of an event in the flow of other parameters, near where it was before."""
-    measure, k = event.expression(motion.model), before.index
+    measure, k = motion.model.expression(event.measure), before.index
     length = locate_again(
         lambda s: flow.value(measure, k, s),
         lambda s: flow.rate(measure, k, s),

@@ -10,7 +10,7 @@ from typing import Any
 from dalembert.cli.console import wrong_input
 from dalembert.cli.deck import solved_deck
 from dalembert.cli.loading import is_deck, loaded
-from dalembert.errors import UnsupportedError
+from dalembert.errors import ExpressionError, UnsupportedError
 from dalembert.responses.base import Response
 
 
@@ -92,8 +92,8 @@ def _of_deck(path: Path, settings, responses, wrt, method) -> GradientTask:
         for name in names:
             try:
                 result.expression(name)
-            except KeyError as error:
-                raise UnsupportedError(f"--response {name!r}: {error.args[0]}") from None
+            except ExpressionError as error:
+                raise UnsupportedError(f"--response {name!r}: {error}") from None
         chosen = _parameters(wrt, result.model.parameters) or list(result.model.parameters)
     listed: list[Response] = [final(name, name) for name in dict.fromkeys(names)]
     return GradientTask(result.model.name, lambda _: result, listed, chosen, method or "auto")

@@ -16,7 +16,6 @@ from dalembert.analysis.timeline import checked_span, checked_step, output_times
 from dalembert.errors import SingularityError
 from dalembert.io.fields import kind_of, written
 from dalembert.io.formulas import Formulas, ParameterNames
-from dalembert.io.measures import read_measure
 from dalembert.io.messages import nearest
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES
@@ -135,7 +134,7 @@ def given_options(table: BaseModel) -> dict[str, Any]:
 def _event(file: ModelFile, model: Model, name: str, given: Any) -> Event:
     table = given if isinstance(given, EventTable) else EventTable(measure=given)
     with file.located("analysis", "events", name):
-        measure = read_measure(model, str(table.measure))
+        measure = model.expression(str(table.measure))
         return Event(measure, table.terminal, table.direction)
 
 

@@ -12,7 +12,7 @@ from dalembert.analysis.comparison.observation import observe
 from dalembert.design.optimization import Limit
 from dalembert.errors import ModelError
 from dalembert.io.analyses import given_options, make_analysis, make_strategy
-from dalembert.io.measures import measure_reader, read_measure
+from dalembert.io.measures import measure_reader
 from dalembert.io.messages import nearest
 from dalembert.io.model_file import ModelFile
 from dalembert.io.schema import Document
@@ -202,7 +202,7 @@ def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
         for k, measure in enumerate(group):
             with file.located("report", "plots", i, k):
                 if measure not in DATA_ONLY:
-                    read_measure(model, measure)
+                    model.expression(measure)
     points = [p.name for body in model.bodies for p in body.points.values()]
     for k, point in enumerate(report.trace):
         if point not in points:

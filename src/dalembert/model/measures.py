@@ -29,8 +29,8 @@ def element_measures(element: Element, everything: list[Coordinates]) -> Measure
 
     if isinstance(element, Body):
         own = element.measures()
-        for name, point in element.points.items():
-            own |= {f"{name}.{q}": m for q, m in point.measures().items()}
+        for name in element.points:
+            own |= _about(element, everything, name)
         return own
     if isinstance(element, ForceElement):
         return element.measures(rate)
@@ -54,6 +54,14 @@ def constraint_measures(constraint: Constraint, rate) -> Measures:
     return found
 
 
+def _about(element: Element, everything: list[Coordinates], quantity: str) -> Measures:
+    """Measures of an element among which this one is, if there is one: not all points of a body."""
+    name = quantity.partition(".")[0]
+    if isinstance(element, Body) and name in element.points:
+        return {f"{name}.{q}": m for q, m in element.points[name].measures().items()}
+    return element_measures(element, everything)
+
+
 def find_measure(
     elements: dict[str, Element], everything: list[Coordinates], name: str
 ) -> Expression | None:
@@ -62,7 +70,7 @@ def find_measure(
     element = elements.get(owner)
     if element is None or not quantity:
         return None
-    known = element_measures(element, everything)
+    known = _about(element, everything, quantity)
     if quantity in known:
         sx, unit = known[quantity]
         return Expression(sx, name, unit)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -20,6 +19,8 @@ from dalembert.model.guesses import Guesses
 from dalembert.model.scales import Scales
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.names import Names
+from dalembert.symbolic.once import once
 from dalembert.symbolic.parameter import parameter_vector
 
 SYSTEM_MEASURES = {
@@ -130,19 +131,45 @@ class Model:
 
         Raises
         ------
-        KeyError
-            Unknown name, with the nearest known ones.
+        UnknownNameError
+            A ``KeyError`` that tells the nearest names.
         """
-        return self.compiled(("measure", name), lambda: self._named_measure(name))
+        return self.names.named(name)
 
-    def _named_measure(self, name: str) -> Expression:
+    @once
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, a formula of measures, parameters and ``t``, or an expression.
+
+        Raises
+        ------
+        ExpressionError
+            A formula outside the grammar; ``UnknownNameError`` where a name is unknown.
+        """
+        found = self.names.expression(measure)
+        return self._grounded(found) if isinstance(measure, Expression) else found
+
+    @once
+    def function(self, *measures: Expression) -> ca.Function:
+        """``(t, y, v, a, λ of all equations, p) → measures`` one above the other."""
+        e = self.all_equations
+        column = ca.vertcat(*(ca.densify(self._grounded(m).sx) for m in measures))
+        inputs = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
+        return ca.Function("measures", inputs, [column], {"cse": True})
+
+    @cached_property
+    def names(self) -> Names:
+        """Names of measures and parameters, as formulas use them."""
+        return Names(self._find, lambda: [*self.measure_names, *self.parameters])
+
+    @once
+    def _find(self, name: str) -> Expression | None:
         found = self._system_measure(name)
         if found is None:
             found = self.parts.lookup(name)
-        if found is None:
-            close = difflib.get_close_matches(name, self.measure_names, 3, 0.4)
-            raise KeyError(f"no measure {name!r}; nearest: {', '.join(close) or 'none'}")
-        return Expression(self.at_ground(found.sx), found.name or name, found.unit)
+        return None if found is None else self._grounded(found)
+
+    def _grounded(self, measure: Expression) -> Expression:
+        return Expression(self.at_ground(measure.sx), measure.name, measure.unit)
 
     def at_ground(self, expression: ca.SX) -> ca.SX:
         """The expression with the ground at rest in the origin."""
@@ -171,14 +198,6 @@ class Model:
     def measure_names(self) -> list[str]:
         """Names of all measures."""
         return [*SYSTEM_MEASURES, *self.parts.measure_names()]
-
-    def formula(self, text: str) -> Expression:
-        """A formula of measures, parameters and ``t``."""
-        return self.compiled(("formula", text), lambda: self._parsed(text))
-
-    def _parsed(self, text: str) -> Expression:
-        made = self.parts.formula(text)
-        return Expression(self.at_ground(made.sx), text, made.unit)
 
     def __repr__(self) -> str:
         return f"<Model {self.name!r}: {self.diagnosis.summary}>"

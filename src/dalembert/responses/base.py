@@ -15,7 +15,7 @@ import numpy as np
 
 from dalembert.analysis.events import Occurrence
 from dalembert.analysis.instants import end_by_event
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.results.motion import Motion
 from dalembert.symbolic.expression import Expression
 
@@ -97,8 +97,8 @@ def scalar_measure(motion: Motion, response: Response) -> Expression:
     """
     try:
         expression = motion.expression(response.measure)
-    except KeyError as error:
-        raise AnalysisError(f"response {response.label}: {error.args[0]}") from None
+    except ExpressionError as error:
+        raise AnalysisError(f"response {response.label}: {error}") from None
     if len(expression) != 1:
         raise AnalysisError(
             f"response {response.label}: the measure has {len(expression)} components; "

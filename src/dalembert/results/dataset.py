@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import casadi as ca
-import numpy as np
 import xarray as xr
 
 from dalembert.elements.base import ForceElement, rate_of
@@ -14,8 +14,8 @@ from dalembert.elements.planar.joint import Pair
 from dalembert.model.measures import element_measures
 from dalembert.model.model import Model
 from dalembert.results.recording import Recording
-from dalembert.symbolic.expression import t
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.expression import Expression, t
+from dalembert.symbolic.once import once
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,10 @@ class Variable:
     unit: str
     dimension: str | None
     entities: tuple[str, ...]
-    columns: tuple[ca.SX, ...]  # one per entity, each scalar or (2,)
+    columns: tuple[Expression, ...]  # one per entity, each scalar or (2,)
 
 
+@once
 def variables(model: Model) -> list[Variable]:
     """All variables of a model's results."""
     return [
@@ -53,7 +54,7 @@ def _bodies(model: Model) -> list[Variable]:
         ("angular_acceleration", "angular acceleration", "rad/s^2"),
     ]
     return [
-        Variable(n, text, unit, "body", names, tuple(b.measures()[n][0] for b in model.bodies))
+        Variable(n, text, unit, "body", names, _columns(b.measures()[n][0] for b in model.bodies))
         for n, text, unit in rows
     ]
 
@@ -70,7 +71,7 @@ def _points(model: Model) -> list[Variable]:
             unit,
             "point",
             names,
-            tuple(m[q][0] for _, m in points),
+            _columns(m[q][0] for _, m in points),
         )
         for q, unit in (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
     ]
@@ -89,7 +90,7 @@ def _joints(model: Model) -> list[Variable]:
             "N",
             "joint",
             names,
-            tuple(force for force, _ in reactions),
+            _columns(force for force, _ in reactions),
         ),
         Variable(
             "reaction_moment",
@@ -97,7 +98,7 @@ def _joints(model: Model) -> list[Variable]:
             "N m",
             "joint",
             names,
-            tuple(moment for _, moment in reactions),
+            _columns(moment for _, moment in reactions),
         ),
     ]
 
@@ -115,7 +116,7 @@ def _drivers(model: Model) -> list[Variable]:
             unit,
             "driver",
             names,
-            tuple(m[q][0] for m in measures),
+            _columns(m[q][0] for m in measures),
         )
         for q, unit in (("effort", "N or N m"), ("power", "W"))
     ]
@@ -137,7 +138,7 @@ def _forces(model: Model) -> list[Variable]:
         dimension = f"{name}_of"
         names = tuple(n for n, _ in entries)
         text = f"{quantity} of the force element"
-        found.append(Variable(name, text, unit, dimension, names, tuple(s for _, s in entries)))
+        found.append(Variable(name, text, unit, dimension, names, _columns(s for _, s in entries)))
     return found
 
 
@@ -161,19 +162,22 @@ def _scalars(model: Model) -> list[Variable]:
             ca.norm_inf(speeds) if speeds.numel() else zero,
         ),
     ]
-    return [Variable(n, text, unit, None, (n,), (sx,)) for n, text, unit, sx in entries]
+    return [Variable(n, text, unit, None, (n,), _columns([sx])) for n, text, unit, sx in entries]
+
+
+def _columns(graphs: Iterable[ca.SX]) -> tuple[Expression, ...]:
+    return tuple(Expression(graph) for graph in graphs)
 
 
 def motion_dataset(motion: Recording) -> xr.Dataset:
     """Evaluate all variables along the motion."""
-    model, s = motion.model, motion.trajectory
-    layout = model.compiled("layout", lambda: variables(model))
-    table = _evaluate(model, layout, motion)
+    layout, s = variables(motion.model), motion.trajectory
+    table = motion.table([column for variable in layout for column in variable.columns])
     data: dict = {}
     coords: dict = {"time": ("time", s.t, {"units": "s", "long_name": "time"}), "axis": ["x", "y"]}
     row = 0
     for variable in layout:
-        width = max(c.numel() for c in variable.columns)
+        width = max(len(c) for c in variable.columns)
         block = table[row : row + width * len(variable.columns)]
         row += block.shape[0]
         attributes = {"units": variable.unit, "long_name": variable.long_name}
@@ -189,22 +193,6 @@ def motion_dataset(motion: Recording) -> xr.Dataset:
     _add_states(data, coords, motion)
     _add_energies(data, motion)
     return xr.Dataset(data, coords, attrs=_attributes(motion))
-
-
-def _evaluate(model: Model, layout: list[Variable], motion: Recording) -> np.ndarray:
-    e, s = model.all_equations, motion.trajectory
-
-    def make() -> ca.Function:
-        columns = [model.at_ground(ca.densify(c)) for v in layout for c in v.columns]
-        inputs = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
-        return ca.Function("outputs", inputs, [ca.densify(ca.vertcat(*columns))], {"cse": True})
-
-    function = model.compiled("outputs", make)
-    if not s.t.size:
-        return np.zeros((function.size1_out(0), 0))
-    p = np.tile(motion.parameters[:, None], s.t.size)
-    (table,) = Kernel(function.map(s.t.size))(s.t, s.y, s.v, s.a, s.multiplier, p)
-    return table
 
 
 def _add_states(data: dict, coords: dict, motion: Recording) -> None:

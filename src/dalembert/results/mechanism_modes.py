@@ -13,7 +13,7 @@ from dalembert.model.model import Model
 from dalembert.results.numbered import Numbered
 from dalembert.results.status import Status
 from dalembert.symbolic.expression import Expression, free_symbols
-from dalembert.symbolic.parser import parse_formula
+from dalembert.symbolic.names import Names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,18 +29,6 @@ MEASURES = {
     "eigenvalue_imag": Expression(IMAG, "eigenvalue_imag", "rad/s"),
 }
 """Of a mode with the eigenvalue ``s``: ``|s|/2π``, ``−Re s/|s|`` and the parts of ``s``."""
-
-
-def mode_formula(model: Model, text: str) -> Expression:
-    """A measure of a mode by its name, or a formula of such measures and of parameters.
-
-    Raises
-    ------
-    ExpressionError
-        Unknown names or a formula outside the grammar.
-    """
-    named = MEASURES | model.parameters | model.derived_parameters
-    return parse_formula(text, named.get, lambda: list(named))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,8 +77,9 @@ class Modes(Numbered):
         """No eigenvalue has a positive real part."""
         return bool(np.all(self.eigenvalues.real <= 1e-9 * (1 + np.abs(self.eigenvalues))))
 
-    def expression(self, measure: str | Expression) -> Expression:
-        """A measure by name, or a formula of measures and parameters.
+    @staticmethod
+    def formula(model: Model, measure: str | Expression) -> Expression:
+        """A measure of modes by its name, or a formula of such measures and of parameters.
 
         Raises
         ------
@@ -98,14 +87,14 @@ class Modes(Numbered):
             It depends on something that a mode does not have; ``ExpressionError`` where a text
             names it.
         """
-        if isinstance(measure, str):
-            return mode_formula(self.model, measure)
-        foreign = free_symbols(measure.sx) - {REAL.name(), IMAG.name(), *self.model.parameters}
+        named = MEASURES | model.parameters | model.derived_parameters
+        found = Names(named.get, lambda: list(named)).expression(measure)
+        foreign = free_symbols(found.sx) - {REAL.name(), IMAG.name(), *model.parameters}
         if foreign:
             raise AnalysisError(
                 f"a mode has no {', '.join(sorted(foreign))}; it has {', '.join(MEASURES)}"
             )
-        return measure
+        return found
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """(k,) values of a measure or formula."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -27,6 +27,7 @@ class Numbered:
 
     continuous = False
     """There is nothing between two numbers: integrals over them are sums."""
+    model: Any
     numbers: np.ndarray
     eigenvalues: np.ndarray
     shapes: np.ndarray
@@ -63,9 +64,14 @@ class Numbered:
             positions=self.positions[index],
         )
 
+    @classmethod
+    def formula(cls, model: Any, measure: str | Expression) -> Expression:
+        """A measure of modes by its name, or a formula of such measures and of parameters."""
+        raise NotImplementedError
+
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, or a formula of measures and parameters."""
-        raise NotImplementedError
+        return self.formula(self.model, measure)
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """(k,) values of a measure or formula."""

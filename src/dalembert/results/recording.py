@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Self
 
-import casadi as ca
 import numpy as np
 
 from dalembert.model.model import Model
 from dalembert.results.status import Status
 from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.kernel import Kernel
 
 
 @dataclass(frozen=True)
@@ -78,25 +79,25 @@ class Recording:
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """(K,) or (K, size) values of a measure, a formula or an expression."""
-        expression = self.expression(measure)
-        e, s = self.model.all_equations, self.trajectory
-        function = ca.Function(
-            "measure",
-            [e.t, e.y, e.v, e.a, e.multiplier, e.p],
-            [ca.densify(self.model.at_ground(expression.sx))],
-        )
+        return self.columns([measure])[0]
+
+    def columns(self, measures: Sequence[str | Expression]) -> list[np.ndarray]:
+        """``values`` of several measures, in one pass over the states."""
+        asked = [self.expression(measure) for measure in measures]
+        parts = np.split(self.table(asked), np.cumsum([len(m) for m in asked])[:-1])
+        return [part[0] if part.shape[0] == 1 else part.T for part in parts]
+
+    def table(self, measures: Sequence[Expression]) -> np.ndarray:
+        """(rows, K) all components of measures, one above the other."""
+        function, s = self.model.function(*measures), self.trajectory
         if not s.t.size:
-            return np.zeros((0,))
-        table = function.map(s.t.size)(
-            s.t, s.y, s.v, s.a, s.multiplier, np.tile(self.parameters[:, None], s.t.size)
-        ).full()
-        return table[0] if table.shape[0] == 1 else table.T
+            return np.zeros((function.size1_out(0), 0))
+        p = np.tile(self.parameters[:, None], s.t.size)
+        return Kernel(function.map(s.t.size))(s.t, s.y, s.v, s.a, s.multiplier, p)[0]
 
     def expression(self, measure: str | Expression) -> Expression:
-        if isinstance(measure, Expression):
-            return measure
-        written = any(c in measure for c in "+-*/( ")
-        return self.model.formula(measure) if written else self.model[measure]
+        """A measure by name, a formula or an expression; see ``Model.expression``."""
+        return self.model.expression(measure)
 
     def at(self, times: np.ndarray) -> Self:
         """The same motion sampled at other times, by the steps that were taken."""

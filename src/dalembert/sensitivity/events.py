@@ -104,7 +104,7 @@ class Gate:
                 )
 
     def _seen(self, event: Event) -> Sample:
-        measure, (which, n) = event.expression(self.motion.model), self._which
+        measure, (which, n) = self.motion.model.expression(event.measure), self._which
         return take_sample(self.motion, AtEvent(measure, event=which, occurrence=n))
 
     @property

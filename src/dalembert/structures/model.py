@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from functools import cached_property
 
@@ -19,7 +18,8 @@ from dalembert.structures.load_cases import LoadCaseMaker
 from dalembert.structures.measures import Measure
 from dalembert.structures.named_measures import StructuralMeasures
 from dalembert.structures.numbering import Numbering
-from dalembert.symbolic.expression import Expression, free_symbols, stack
+from dalembert.symbolic.expression import Expression, free_symbols, stack, t
+from dalembert.symbolic.names import Names
 from dalembert.symbolic.parameter import parameter_vector
 from dalembert.symbolic.parametric_array import ArrayEntries
 
@@ -141,16 +141,29 @@ class StructuralModel:
 
         Raises
         ------
-        KeyError
-            Unknown name, with the nearest known ones.
+        UnknownNameError
+            A ``KeyError`` that tells the nearest names.
         """
-        if name in self.parameters:
-            return self.parameters[name]
-        found = self.measures.find(name)
-        if found is None:
-            close = difflib.get_close_matches(name, self.measures.names(), 3, 0.4)
-            raise KeyError(f"no measure {name!r}; nearest: {', '.join(close) or 'none'}")
-        return found
+        return self.names.named(name)
+
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, a formula of measures, parameters and ``t``, or an expression.
+
+        Raises
+        ------
+        ExpressionError
+            A formula outside the grammar; ``UnknownNameError`` where a name is unknown.
+        """
+        return self.names.expression(measure)
+
+    @cached_property
+    def names(self) -> Names:
+        """Names of measures and parameters, as formulas use them."""
+        return Names(self._find, lambda: [*self.measures.names(), *self.parameters])
+
+    def _find(self, name: str) -> Expression | None:
+        own = t if name == "t" else self.parameters.get(name)
+        return self.measures.find(name) if own is None else own
 
     def measure(self, symbol: str) -> Measure:
         """What a symbol in a formula of measures stands for."""

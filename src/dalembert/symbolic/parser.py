@@ -1,8 +1,9 @@
 """Formulas in text: an allow-listed grammar, parsed without ``eval``.
 
 Numbers, names, ``+ - * / **``, comparisons, and the functions of
-:mod:`dalembert.symbolic.functions`. A name may be dotted (``crank.end.x``). Length, depth and
-node count are limited, so that a hostile file cannot exhaust the machine.
+:mod:`dalembert.symbolic.functions`. A name may be dotted (``crank.end.x``), and its parts may have
+a number (``bars[3].stress``, ``plate.von_mises.max(0.1)``). Length, depth and node count are
+limited, so that a hostile file cannot exhaust the machine.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import operator
 import warnings
 from collections.abc import Callable
 
-from dalembert.errors import ExpressionError
+from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.functions import FORMULA_FUNCTIONS
 
@@ -55,7 +56,7 @@ def parse_formula(
     Raises
     ------
     ExpressionError
-        With the text, the place and a cure.
+        With the text, the place and a cure; ``UnknownNameError`` where a name is unknown.
     """
     return _Parser(text, lookup, known).run()
 
@@ -116,10 +117,11 @@ class _Parser:
                 self.visit(node.left, depth + 1),
                 self.visit(node.comparators[0], depth + 1),
             )
+        if self.is_name(node):
+            written = ast.get_source_segment(self.text.strip(), node) or ""
+            return self.name("".join(written.split()))
         if isinstance(node, ast.Call):
             return self.call(node, depth)
-        if isinstance(node, (ast.Name, ast.Attribute)):
-            return self.name(self.dotted(node))
         raise self.fail(
             f"{type(node).__name__} is not allowed; use numbers, names, + - * / **, "
             "comparisons and functions"
@@ -159,12 +161,15 @@ class _Parser:
             raise self.fail(f"{node.func.id} takes {arity} argument(s), got {len(node.args)}")
         return function(*(self.visit(a, depth + 1) for a in node.args))
 
-    def dotted(self, node: ast.AST) -> str:
-        if isinstance(node, ast.Name):
-            return node.id
-        if isinstance(node, ast.Attribute):
-            return f"{self.dotted(node.value)}.{node.attr}"
-        raise self.fail("a dotted name must be made of names only")
+    def is_name(self, node: ast.AST) -> bool:
+        """A plain name, or one with further parts after dots."""
+        dotted = isinstance(node, ast.Name)
+        while isinstance(node, (ast.Attribute, ast.Subscript, ast.Call)):
+            dotted |= isinstance(node, ast.Attribute)
+            node = node.func if isinstance(node, ast.Call) else node.value
+        if dotted and not isinstance(node, ast.Name):
+            raise self.fail("a dotted name must be made of names only")
+        return dotted
 
     def name(self, name: str) -> Expression | float:
         found = self.lookup(name)
@@ -172,7 +177,8 @@ class _Parser:
             return found
         if name in CONSTANTS:
             return CONSTANTS[name]
-        raise self.fail(f"unknown name {name!r}{_nearest(name, self.known())}")
+        fault = self.fail(f"unknown name {name!r}{_nearest(name, self.known())}")
+        raise UnknownNameError(fault.message, name)
 
 
 def _nearest(name: str, known: list[str]) -> str:

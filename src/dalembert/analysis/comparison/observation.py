@@ -54,7 +54,10 @@ def observe(model: Model, measure: Any = None) -> Observation:
         found = {"position": Expression(e.y), "velocity": Expression(e.v)}
         name, unit = "all coordinates", "m or rad"
     else:
-        chosen = _measure(model, measure)
+        try:
+            chosen = model.expression(measure)
+        except ExpressionError as error:
+            raise AnalysisError(f"measure: {error}") from None
         found, name, unit = {"position": chosen}, chosen.name or "measure", chosen.unit
         if not ca.depends_on(chosen.sx, ca.vertcat(e.v, e.a, e.multiplier)):
             found["velocity"] = Expression(rate_of(chosen.sx, model.coordinates, t.sx))
@@ -62,18 +65,6 @@ def observe(model: Model, measure: Any = None) -> Observation:
     if forces and not model.diagnosis.redundancies:
         found["reaction"] = Expression(ca.vertcat(*forces))
     return Observation(name, unit, found)
-
-
-def _measure(model: Model, measure: Any) -> Expression:
-    if isinstance(measure, Expression):
-        return measure
-    text = str(measure)
-    try:
-        return model.formula(text) if any(c in text for c in "+-*/( ") else model[text]
-    except KeyError as error:
-        raise AnalysisError(f"measure: {error.args[0]}") from None
-    except ExpressionError as error:
-        raise ExpressionError(error.message, error.entity or "measure") from None
 
 
 def differences(

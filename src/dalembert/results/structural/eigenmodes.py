@@ -16,7 +16,7 @@ from dalembert.results.structural.outputs import StructuralOutputs
 from dalembert.structures.measures import Compliance, ExternalForce, Measure, State, Weights
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.expression import Expression, free_symbols
-from dalembert.symbolic.parser import parse_formula
+from dalembert.symbolic.names import Names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,7 +87,8 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
     """The one of them that people ask for first."""
 
     # measures -----------------------------------------------------------------------------
-    def expression(self, measure: str | Expression) -> Expression:
+    @classmethod
+    def formula(cls, model: StructuralModel, measure: str | Expression) -> Expression:
         """A measure by name, or a formula of measures and parameters.
 
         Raises
@@ -95,23 +96,33 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
         ExpressionError
             A text that names something unknown; ``AnalysisError`` for what a mode does not have.
         """
-        if isinstance(measure, str):
-            found = self._find(measure)
-            if found is None:
-                found = parse_formula(measure, self._find, lambda: list(self.named))
-            measure = found
-        for name in free_symbols(measure.sx) - set(self.model.parameters):
-            self.measure(name)
-        return measure
+        names = Names(
+            lambda name: cls._find(model, name),
+            lambda: [*cls.named, *model.parameters, *model.linearized.measures.names()],
+        )
+        found = names.expression(measure)
+        for name in free_symbols(found.sx) - set(model.parameters):
+            cls._behind(model, name)
+        return found
 
-    def _find(self, name: str) -> Expression | None:
-        if name in self.named:
-            return self.named[name]
-        if name in self.model.parameters:
-            return self.model.parameters[name]
-        return self.model.linearized.measures.find(name)
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, or a formula; see ``formula``."""
+        return self.formula(self.model, measure)
+
+    @classmethod
+    def _find(cls, model: StructuralModel, name: str) -> Expression | None:
+        if name in cls.named:
+            return cls.named[name]
+        if name in model.parameters:
+            return model.parameters[name]
+        return model.linearized.measures.find(name)
 
     def measure(self, name: str) -> Measure:
+        """What a symbol in a formula stands for."""
+        return self._behind(self.model, name, getattr(self.analysis, "lumped", False))
+
+    @classmethod
+    def _behind(cls, model: StructuralModel, name: str, lumped: bool = False) -> Measure:
         """What a symbol in a formula stands for.
 
         Raises
@@ -122,12 +133,12 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
         if name == EIGENVALUE.name():
             return Eigenvalue()
         try:
-            found = self.model.linearized.measure(name)
+            found = model.linearized.measure(name)
         except KeyError:
             found = None
         if found is None or isinstance(found, (ExternalForce, Compliance)):
             raise AnalysisError(
-                f"a mode has no {name}; it has {', '.join(self.named)}, displacements of nodes and "
+                f"a mode has no {name}; it has {', '.join(cls.named)}, displacements of nodes and "
                 "quantities of elements"
             )
         return found

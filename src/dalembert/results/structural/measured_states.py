@@ -8,11 +8,9 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import AnalysisError
 from dalembert.structures.measures import Measure, State, Weights
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.expression import Expression, stack, t
-from dalembert.symbolic.parser import parse_formula
 
 
 class MeasuredStates:
@@ -43,14 +41,7 @@ class MeasuredStates:
 
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, or a formula of measures."""
-        if isinstance(measure, Expression):
-            return measure
-        if not isinstance(measure, str):
-            raise AnalysisError(f"a measure is a name or a formula, got {measure!r}")
-        found = self._found(measure)
-        if found is None and any(c in measure for c in "+-*/( "):
-            return parse_formula(measure, self._found, self.model.measures.names)
-        return self.model[measure] if found is None else found
+        return self.model.expression(measure)
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """(K,) values of a scalar measure or formula."""
@@ -60,10 +51,6 @@ class MeasuredStates:
     def weights(self, sx: ca.SX, k: int) -> Weights:
         """What a formula weighs the state ``k`` and the parameters."""
         return Formula(self, sx).weights(k)
-
-    def _found(self, name: str) -> Expression | None:
-        known = self.model.parameters.get(name) or self.model.measures.find(name)
-        return t if known is None and name == "t" else known
 
 
 @dataclass

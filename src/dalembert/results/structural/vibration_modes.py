@@ -77,31 +77,33 @@ class VibrationModes(EigenModes):
         """(k,) [Hz]."""
         return self.values("frequency")
 
-    @property
-    def directions(self) -> tuple[str, ...]:
-        """Displacements in which supports can move all nodes."""
-        return tuple(d for d in self.model.degrees.directions if d.startswith("u"))
-
-    def _find(self, name: str) -> Expression | None:
+    @classmethod
+    def _find(cls, model: StructuralModel, name: str) -> Expression | None:
         for prefix in (PARTICIPATION, EFFECTIVE):
             direction = name.removeprefix(prefix)
-            if name != direction and direction in self.directions:
+            if name != direction and direction in _directions(model):
                 symbol = ca.SX.sym(PARTICIPATION + direction)
                 if prefix == EFFECTIVE:
                     return Expression(symbol**2, name, "kg")
                 return Expression(symbol, name, Participation.unit)
-        return super()._find(name)
+        return super()._find(model, name)
 
-    def measure(self, name: str) -> Measure:
+    @classmethod
+    def _behind(cls, model: StructuralModel, name: str, lumped: bool = False) -> Measure:
         direction = name.removeprefix(PARTICIPATION)
-        if name != direction and direction in self.directions:
-            return Participation(self.model, direction, self.analysis.lumped)
-        return super().measure(name)
+        if name != direction and direction in _directions(model):
+            return Participation(model, direction, lumped)
+        return super()._behind(model, name, lumped)
 
     @property
     def data(self) -> xr.Dataset:
         found: Any = super().data
-        for direction in self.directions:
+        for direction in _directions(self.model):
             name = EFFECTIVE + direction
             found[name] = self[name]
         return found
+
+
+def _directions(model: StructuralModel) -> tuple[str, ...]:
+    """Displacements in which supports can move all nodes."""
+    return tuple(d for d in model.degrees.directions if d.startswith("u"))
