@@ -18,6 +18,7 @@ from report_payload import crowd, four_bar, gallery
 
 from dalembert.errors import FileError
 from dalembert.report.page import render_page, write_page
+from dalembert.text import visible
 
 HOSTILE = (
     "</script><b id=bad>x</b><!-- {{data}} \u2028 \" ' & <img src=x onerror=document.title='bad'>"
@@ -67,7 +68,7 @@ def test_hostile_text_stays_text() -> None:
     text = render_page({"format": 1, "title": HOSTILE + "\ud800", "time": [], "scene": {}})
     assert "<b id=bad>" not in text
     assert "\u2028" not in text.split('id="data">')[1].split("</script>")[0]
-    assert data_of(text)["title"] == HOSTILE + "\ud800"
+    assert data_of(text)["title"] == visible(HOSTILE + "\ud800")
     assert text.encode("utf-8")
 
 

@@ -18,19 +18,20 @@ def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     FileError
-        The folder is missing or cannot be written.
+        The folder is missing or cannot be written, or the target is no regular file.
     """
     target = Path(target)
-    if target.is_dir():
-        raise FileError(f"{target}: is a folder; give a file name")
     try:
+        if target.is_dir():
+            raise FileError(f"{target}: is a folder; give a file name")
+        if target.exists() and not target.is_file():
+            raise FileError(f"{target}: is no regular file, and would be replaced; give another")
         handle, name = tempfile.mkstemp(
             prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
         )
-    except OSError as error:
-        raise FileError(
-            f"{target}: cannot be written ({error.strerror or error}); choose another folder"
-        ) from None
+    except (OSError, ValueError) as error:  # ValueError: a name with a null character
+        reason = getattr(error, "strerror", None) or error
+        raise FileError(f"{target}: cannot be written ({reason}); choose another folder") from None
     os.close(handle)
     temporary = Path(name)
     try:

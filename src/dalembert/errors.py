@@ -69,5 +69,9 @@ class SingularityError(AnalysisError):
     """The equations have no unique solution at this position."""
 
 
+class BudgetError(DalembertError):
+    """A number asks for more memory or work than a task is given; tells what it would cost."""
+
+
 class UnsupportedError(DalembertError):
     """A combination of choices that cannot work; names one that does."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.symbolic.expression import Expression
+from dalembert.text import plain_text
 
 T = TypeVar("T")
 
@@ -108,7 +109,7 @@ Events = Mapping[str, "Event | str | Expression"]
 def as_events(events: Events | None) -> dict[str, Event]:
     """Plain formulas become recording events."""
     return {
-        name: event if isinstance(event, Event) else Event(event)
+        plain_text(name, "event"): event if isinstance(event, Event) else Event(event)
         for name, event in (events or {}).items()
     }
 

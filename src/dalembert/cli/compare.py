@@ -18,6 +18,7 @@ from dalembert.cli.console import (
     Settings,
     console,
     emit,
+    written,
     wrong_input,
 )
 from dalembert.cli.loading import loaded, output_folder
@@ -203,5 +204,4 @@ def _print(made: Comparison, files: list[Path]) -> None:
         reasons[SHOWN:] = [f"… and {len(reasons) - SHOWN} more in the table's file"]
     for line in [*reasons, *made.summary()]:
         out.print(Padding(Text(line), (0, 0, 0, 2)), soft_wrap=False)
-    for path in files:
-        out.print(f"  written {path}", markup=False)
+    written(files)

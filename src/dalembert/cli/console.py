@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from dalembert.errors import DalembertError
+from dalembert.text import HIDDEN, visible
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -50,9 +52,35 @@ def console() -> Console:
     return Console(highlight=False, soft_wrap=True)
 
 
+def tell(text: str, style: str | None = None) -> None:
+    """A line on standard output, whatever is in it."""
+    from rich.text import Text
+
+    console().print(Text(visible(text), style or ""))
+
+
+def head(name: str, text: str) -> None:
+    """The first line of what is told: a name, and what it is."""
+    from rich.text import Text
+
+    console().print(Text.assemble((visible(name), "bold"), ": ", visible(text)))
+
+
+def written(files: Iterable[Path]) -> None:
+    """Which files there are now."""
+    for path in files:
+        tell(f"  written {path}")
+
+
 def emit(data: Any) -> None:
     """One JSON document on standard output; null where a number is not finite."""
-    print(json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False))
+    text = json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False)
+    print(escaped(text))
+
+
+def escaped(text: str) -> str:
+    """JSON with what would not be seen as ``\\u202e``, which means the same."""
+    return HIDDEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def plain(data: Any) -> Any:
@@ -84,9 +112,5 @@ def fail(error: Exception, code: int, as_json: bool) -> int:
             }
         )
     else:
-        text = str(error).encode("utf-8", "replace").decode("utf-8")
-        try:
-            print(f"Error: {text}", file=sys.stderr)
-        except UnicodeEncodeError:
-            print("Error: " + text.encode("ascii", "backslashreplace").decode(), file=sys.stderr)
+        print(f"Error: {visible(str(error))}", file=sys.stderr)
     return code

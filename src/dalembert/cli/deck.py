@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dalembert.cli.console import DONE, console, emit, wrong_input
+from dalembert.cli.console import DONE, emit, head, tell, written, wrong_input
 from dalembert.cli.loading import output_folder, pairs
 from dalembert.errors import ModelError
 
@@ -81,8 +81,7 @@ def _summary(result: StructuralResult) -> dict[str, Any]:
 
 
 def _print(made: dict[str, Any]) -> None:
-    out = console()
-    out.print(f"[bold]{made['name']}[/bold]: {made['status']}")
+    head(made["name"], made["status"])
     for what, unit in (
         ("displacements", "m"),
         ("reactions", "N"),
@@ -90,7 +89,6 @@ def _print(made: dict[str, Any]) -> None:
         ("compliance gradient", "J per unit"),
     ):
         for name, value in made.get(what, {}).items():
-            out.print(f"  {what:<20} {name:<6} {value:12.6g} {unit}", markup=False)
-    out.print(f"  compliance                  {made['compliance']:12.6g} J", markup=False)
-    for path in made["files"]:
-        out.print(f"  written {path}", markup=False)
+            tell(f"  {what:<20} {name:<6} {value:12.6g} {unit}")
+    tell(f"  compliance                  {made['compliance']:12.6g} J")
+    written(made["files"])

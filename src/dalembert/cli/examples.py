@@ -6,7 +6,7 @@ import shutil
 from importlib import resources
 from pathlib import Path
 
-from dalembert.cli.console import DONE, AsJson, console, emit, wrong_input
+from dalembert.cli.console import DONE, AsJson, emit, tell, wrong_input
 from dalembert.errors import FileError
 
 
@@ -37,15 +37,15 @@ def examples(
             emit({"ok": True, "examples": {n: _about(p) for n, p in known.items()}})
         else:
             for n, path in known.items():
-                console().print(f"{n:<24} {_about(path)}", markup=False)
-            console().print("\n'dalembert examples NAME' copies one here", markup=False)
+                tell(f"{n:<24} {_about(path)}")
+            tell("\n'dalembert examples NAME' copies one here")
         return DONE
     with wrong_input():
         target = _copied(known, name.removesuffix(".toml"), output or Path(), force)
     if as_json:
         emit({"ok": True, "files": [str(target)]})
     else:
-        console().print(f"written {target}\nnow try: dalembert check {target}", markup=False)
+        tell(f"written {target}\nnow try: dalembert check {target}")
     return DONE
 
 

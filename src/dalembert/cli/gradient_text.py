@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.cli.console import console
+from dalembert.cli.console import console, tell
 from dalembert.results.influence import by_influence, relative_influence
 
 if TYPE_CHECKING:
@@ -157,4 +157,4 @@ def _show_certificate(certificate: Certificate) -> None:
 
 
 def _tell(text: str, style: str | None = None) -> None:
-    console().print(f"  {text}", markup=False, style=style)
+    tell(f"  {text}", style)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -58,6 +59,19 @@ def pairs(settings: list[str] | None) -> dict[str, str]:
     return made
 
 
+def refuse_replacing(source: Path, files: Iterable[Path]) -> None:
+    """What is read is not written over.
+
+    Raises
+    ------
+    FileError
+        One of the files is the source.
+    """
+    for path in files:
+        if path.exists() and path.samefile(source):
+            raise FileError(f"{path}: is what was read, and would be replaced; give another name")
+
+
 def output_folder(folder: Path | None) -> Path:
     """The folder for results; made if missing, tried before anything is computed.
 
@@ -72,8 +86,8 @@ def output_folder(folder: Path | None) -> Path:
             folder.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=folder):
                 pass
-        except OSError as error:
-            reason = error.strerror or str(error)
+        except (OSError, ValueError) as error:  # ValueError: a name with a null character
+            reason = getattr(error, "strerror", None) or error
             raise FileError(
                 f"{folder}: cannot be written ({reason}); choose another folder with --output"
             ) from None

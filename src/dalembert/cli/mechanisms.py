@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dalembert.cli.console import console, shown
+from dalembert.cli.console import head, shown, tell
 from dalembert.cli.parameters import parameters, print_parameters
 from dalembert.results.motion import Motion
 
@@ -50,13 +50,13 @@ def messages(model: Model) -> list[tuple[str, str]]:
 
 def explain(model: Model) -> None:
     """Print all that is known of it."""
-    out, d = console(), model.diagnosis
-    out.print(f"[bold]{model.name}[/bold]: {d.summary}", markup=True)
+    d = model.diagnosis
+    head(model.name, d.summary)
     count = f"{d.coordinates} coordinates − {d.joint_equations} joint equations = {d.gruebler}"
     note = (
         "" if d.gruebler == d.degrees_of_freedom else " (redundant equations make the difference)"
     )
-    out.print(f"  Grübler count  {count}{note}")
+    tell(f"  Grübler count  {count}{note}")
     for title, names in (
         ("bodies", d.bodies),
         ("joints", d.joints),
@@ -64,16 +64,14 @@ def explain(model: Model) -> None:
         ("forces", d.forces),
     ):
         if names:
-            out.print(f"  {title:<9} {len(names):>4}  {', '.join(names)}", markup=False)
+            tell(f"  {title:<9} {len(names):>4}  {', '.join(names)}")
     for loop in d.topology.loops:
-        out.print(f"  loop            {' → '.join(loop)}", markup=False)
+        tell(f"  loop            {' → '.join(loop)}")
     print_parameters(model)
     for name, entry in derived_values(model).items():
-        out.print(f"  derived         {name} = {entry['value']:g} {entry['unit']}", markup=False)
+        tell(f"  derived         {name} = {entry['value']:g} {entry['unit']}")
     for level, text in d.messages:
-        out.print(
-            f"  {level}: {text}", markup=False, style="yellow" if level == "warning" else None
-        )
+        tell(f"  {level}: {text}", "yellow" if level == "warning" else None)
 
 
 def write(result: Any, base: Path, report: bool, csv: bool, choices: dict) -> list[Path]:
@@ -144,12 +142,11 @@ def _modes_summary(modes: Modes) -> dict[str, Any]:
 
 def show(made: dict[str, Any]) -> None:
     """Print a summary."""
-    out = console()
     pairs = made.get("final", {}) | made.get("largest", {})
     for name, value in pairs.items():
-        out.print(f"  {name.replace('_', ' '):<24} {shown(value)}", markup=False)
+        tell(f"  {name.replace('_', ' '):<24} {shown(value)}")
     for event in made.get("events", [])[:20]:
-        out.print(f"  event {event['name']} at t = {event['time']:.9g} s", markup=False)
+        tell(f"  event {event['name']} at t = {event['time']:.9g} s")
     for number, mode in enumerate(made.get("modes", []), 1):
         listed = ", ".join(f"{name} {value:.6g}" for name, value in mode.items())
-        out.print(f"  mode {number}: {listed}", markup=False)
+        tell(f"  mode {number}: {listed}")

@@ -6,7 +6,17 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dalembert.cli.console import DONE, FAILED, AsJson, Quiet, Settings, console, emit, wrong_input
+from dalembert.cli.console import (
+    DONE,
+    FAILED,
+    AsJson,
+    Quiet,
+    Settings,
+    emit,
+    tell,
+    written,
+    wrong_input,
+)
 from dalembert.cli.loading import loaded, output_folder
 
 if TYPE_CHECKING:
@@ -91,19 +101,17 @@ def _document(best: Optimum, files: list[Path]) -> dict[str, Any]:
 
 
 def _print(name: str, made: dict[str, Any]) -> None:
-    out = console()
     style = "green" if made["ok"] else "red"
-    out.print(f"{name}: {made['message']}", markup=False, style=style)
-    out.print(f"  objective  {made['start_fun']:.8g} → {made['fun']:.8g}", markup=False)
+    tell(f"{name}: {made['message']}", style)
+    tell(f"  objective  {made['start_fun']:.8g} → {made['fun']:.8g}")
     for parameter, value in made["x"].items():
         note = "  (at its bound)" if parameter in made["at_bounds"] else ""
         start = made["start"][parameter]
-        out.print(f"  {parameter:<10} {start:.8g} → {value:.8g}{note}", markup=False)
+        tell(f"  {parameter:<10} {start:.8g} → {value:.8g}{note}")
     if made["active"]:
-        out.print(f"  limits that hold with equality: {', '.join(made['active'])}", markup=False)
+        tell(f"  limits that hold with equality: {', '.join(made['active'])}")
     if made["violation"] > 0:
-        out.print(f"  largest relative violation of a limit: {made['violation']:.3g}", markup=False)
+        tell(f"  largest relative violation of a limit: {made['violation']:.3g}")
     failed = f", {made['failed_runs']} failed" if made["failed_runs"] else ""
-    out.print(f"  {made['iterations']} iterations, {made['runs']} runs{failed}", markup=False)
-    for path in made["files"]:
-        out.print(f"  written {path}", markup=False)
+    tell(f"  {made['iterations']} iterations, {made['runs']} runs{failed}")
+    written(made["files"])

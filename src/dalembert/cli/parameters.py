@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dalembert.cli.console import console
+from dalembert.cli.console import tell
 
 
 def parameters(model: Any) -> dict[str, dict[str, Any]]:
@@ -22,9 +22,8 @@ def parameters(model: Any) -> dict[str, dict[str, Any]]:
 
 def print_parameters(model: Any) -> None:
     """One line for each."""
-    out = console()
     for name, p in model.parameters.items():
         low, high = p.bounds
         bounds = "" if low == -high == float("-inf") else f"  in [{low:g}, {high:g}]"
         about = f"  {p.description}" if p.description else ""
-        out.print(f"  parameter       {name} = {p.value:g} {p.unit}{bounds}{about}", markup=False)
+        tell(f"  parameter       {name} = {p.value:g} {p.unit}{bounds}{about}")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dalembert.cli.console import DONE, AsJson, console, emit, wrong_input
+from dalembert.cli.console import DONE, AsJson, emit, tell, wrong_input
+from dalembert.cli.loading import refuse_replacing
 
 
 def report(results: Path, /, *, output: Path | None = None, as_json: AsJson = False) -> int:
@@ -19,17 +20,16 @@ def report(results: Path, /, *, output: Path | None = None, as_json: AsJson = Fa
     as_json
         Print one JSON document instead of text.
     """
-    from dalembert.io.reading import refuse_missing
     from dalembert.report.page import write_page
     from dalembert.results.store import load_dataset, report_of
 
     with wrong_input():
-        refuse_missing(results)
         payload = report_of(load_dataset(results))
         page = output or results.with_suffix(".report.html")
+        refuse_replacing(results, [page])
         write_page(payload, page)
     if as_json:
         emit({"ok": True, "files": [str(page)]})
     else:
-        console().print(f"written {page}", markup=False)
+        tell(f"written {page}")
     return DONE

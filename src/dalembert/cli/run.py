@@ -15,13 +15,15 @@ from dalembert.cli.console import (
     AsJson,
     Quiet,
     Settings,
-    console,
     emit,
+    head,
     shown,
+    tell,
+    written,
     wrong_input,
 )
 from dalembert.cli.deck import run_deck
-from dalembert.cli.loading import is_deck, loaded, output_folder, teller_of
+from dalembert.cli.loading import is_deck, loaded, output_folder, refuse_replacing, teller_of
 from dalembert.errors import UnsupportedError
 
 
@@ -71,11 +73,12 @@ def run(
     with wrong_input():
         task = make_analysis(file, built, analysis)
         choices = report_choices(file, built)
-    folder = output_folder(output)
+    base = output_folder(output) / file.path.stem
+    with wrong_input():
+        refuse_replacing(model, [base.with_name(base.name + kind) for kind in (".nc", ".csv")])
     show = not quiet and not as_json and sys.stderr.isatty()
     with file.located("analysis"):
         result = task.run(built, progress=show)
-    base = folder / file.path.stem
     files = teller.write(result, base, report, csv, choices)
     code = _exit_code(getattr(result, "status", None))
     made = {"ok": code == DONE, "name": file.name, "model": teller.sentence(built)}
@@ -86,8 +89,7 @@ def run(
     elif not quiet:
         _print(made, teller.messages(built))
         teller.show(made)
-        for path in files:
-            console().print(f"  written {path}", markup=False)
+        written(files)
     if code != DONE and quiet:
         print(f"Error: {made['status']}", file=sys.stderr)
     return code
@@ -100,14 +102,11 @@ def _exit_code(status: Any) -> int:
 
 
 def _print(made: dict[str, Any], messages: list[tuple[str, str]]) -> None:
-    out = console()
-    out.print(f"[bold]{made['name']}[/bold]: {made['model']}")
+    head(made["name"], made["model"])
     for level, text in messages:
-        out.print(
-            f"  {level}: {text}", markup=False, style="yellow" if level == "warning" else None
-        )
+        tell(f"  {level}: {text}", "yellow" if level == "warning" else None)
     for text in made.get("warnings", []):
-        out.print(f"  warning: {text}", markup=False, style="yellow")
-    out.print(f"  {made['status']}", markup=False, style="green" if made["ok"] else "red")
+        tell(f"  warning: {text}", "yellow")
+    tell(f"  {made['status']}", "green" if made["ok"] else "red")
     for name, value in made.get("statistics", {}).items():
-        out.print(f"  {name.replace('_', ' '):<24} {shown(value)}", markup=False)
+        tell(f"  {name.replace('_', ' '):<24} {shown(value)}")

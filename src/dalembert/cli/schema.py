@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Literal
 
-from dalembert.cli.console import DONE, AsJson, console, emit, wrong_input
+from dalembert.cli.console import DONE, AsJson, emit, tell, wrong_input
 
 
 def schema(
@@ -38,5 +38,5 @@ def schema(
     if as_json:
         emit({"ok": True, "files": [str(output)]})
     else:
-        console().print(f"written {output}", markup=False)
+        tell(f"written {output}")
     return DONE

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import DONE, FAILED, AsJson, Settings, console, emit
+from dalembert.cli.console import DONE, FAILED, AsJson, Settings, emit, written
 from dalembert.cli.loading import output_folder
 
 if TYPE_CHECKING:
@@ -80,8 +80,7 @@ def sensitivity(
         emit(made | document(gradient) | {"files": [str(f) for f in files]})
     else:
         show(task.name, gradient)
-        for path in files:
-            console().print(f"  written {path}", markup=False)
+        written(files)
     return code
 
 

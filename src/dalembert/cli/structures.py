@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.cli.console import console, shown
+from dalembert.cli.console import console, head, shown, tell
 from dalembert.cli.parameters import parameters, print_parameters
 
 if TYPE_CHECKING:
@@ -50,12 +50,12 @@ def messages(model: StructuralModel) -> list[tuple[str, str]]:
 
 def explain(model: StructuralModel) -> None:
     """Print all that is known of it."""
-    out, made = console(), description(model)
-    out.print(f"[bold]{model.name}[/bold]: {sentence(model)}", markup=True)
+    made = description(model)
+    head(model.name, sentence(model))
     for name, count in made["elements"].items():
-        out.print(f"  elements        {count:>6}  {name}", markup=False)
+        tell(f"  elements        {count:>6}  {name}")
     for case in made["load_cases"]:
-        out.print(f"  load case       {case or '(without a name)'}", markup=False)
+        tell(f"  load case       {case or '(without a name)'}")
     print_parameters(model)
 
 
@@ -130,7 +130,7 @@ def show(made: dict[str, Any]) -> None:
     out = console()
     out.print(table)
     if len(rows) > SHOWN:
-        out.print(f"  … and {len(rows) - SHOWN} more in the result file", markup=False)
+        tell(f"  … and {len(rows) - SHOWN} more in the result file")
 
 
 def _cell(value: Any) -> str:

@@ -170,6 +170,9 @@ class _Slsqp:
             if name not in parameters:
                 known = ", ".join(parameters) or "none"
                 raise ModelError(f"unknown parameter {name!r} to vary (known: {known})")
+        twice = [name for k, name in enumerate(vary) if name in vary[:k]]
+        if twice:
+            raise ModelError(f"the parameter {twice[0]!r} is to vary twice; name it once")
         if not vary:
             raise AnalysisError("nothing to vary: name parameters, or give some of them bounds")
         return list(vary)

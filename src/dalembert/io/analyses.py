@@ -39,7 +39,7 @@ def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
         raise file.located.error(
             'is missing; add a table [analysis] with type = "Dynamics" and duration = …', "analysis"
         )
-    name = kind or (table.type if table is not None else usual)
+    name = kind if kind is not None else table.type if table is not None else usual
     if name not in known:
         raise file.located.error(
             f"unknown type {name!r}{nearest(name, known)}; known: {', '.join(known)}",

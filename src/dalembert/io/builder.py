@@ -22,6 +22,7 @@ from dalembert.io.schema import DerivedTable, Document
 from dalembert.io.shapes import Shapes, made_of
 from dalembert.model.system import System
 from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.text import visible
 
 
 class Builder:
@@ -36,7 +37,8 @@ class Builder:
     def __init__(self, document: Document, source: Path):
         self.document, self.source = document, source
         self.located = Located(source, document)
-        self.system = System(document.name or source.stem, description=document.description)
+        name = document.name or visible(source.stem)
+        self.system = System(name, description=document.description)
         self.formulas = Formulas(self.system)
         self.references = References(document, self.system, self.formulas)
         self.shapes = Shapes(self.located, self.formulas)

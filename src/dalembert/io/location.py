@@ -9,6 +9,7 @@ from pathlib import Path
 
 from dalembert.errors import (
     AnalysisError,
+    BudgetError,
     ExpressionError,
     FileError,
     ModelError,
@@ -49,7 +50,7 @@ class Located:
             raise kind(
                 error.message, f"{self.source}: {where}" if where else str(self.source)
             ) from None
-        except (FileError, UnsupportedError) as error:
+        except (BudgetError, FileError, UnsupportedError) as error:
             raise type(error)(self._told(error, keys)) from None
         except AnalysisError as error:
             raise type(error)(self._told(error, keys), error.residual) from None

@@ -22,6 +22,7 @@ from dalembert.model.model import Model
 from dalembert.model.system import RESERVED, System
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.structure import Structure
+from dalembert.text import visible
 
 BUILDERS: dict[str, Any] = {"mechanism": Builder, "structure": StructureBuilder}
 DOCUMENTS: dict[str, type[Document] | type[StructureDocument]] = {
@@ -47,7 +48,7 @@ class ModelFile:
     @property
     def name(self) -> str:
         """Name of the model."""
-        return self.document.name or self.path.stem
+        return self.document.name or visible(self.path.stem)
 
     @property
     def located(self) -> Located:

@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.errors import FileError
+from dalembert.io.messages import place
+from dalembert.readable import read_text
+from dalembert.text import plain_text
 
-MAX_BYTES = 20_000_000
 MAX_DEPTH = 40
 MAX_KEY_PARTS = 1000
 
@@ -25,6 +27,8 @@ def read_document(path: str | Path) -> dict[str, Any]:
     ------
     FileError
         Not a readable text file, too large, or not TOML or JSON (with line and column).
+    ModelError
+        A text with hidden characters, with its place.
     """
     path = Path(path)
     text = read_text(path)
@@ -40,49 +44,8 @@ def read_document(path: str | Path) -> dict[str, Any]:
         )
     if _depth(data) > MAX_DEPTH:
         raise FileError(f"{path}: tables are nested more than {MAX_DEPTH} deep")
+    _refuse_hidden(path, data)
     return data
-
-
-def read_text(path: Path) -> str:
-    """The text of a file of reasonable size.
-
-    Raises
-    ------
-    FileError
-        Missing, a folder, unreadable, too large or not UTF-8.
-    """
-    refuse_missing(path)
-    try:
-        size = path.stat().st_size
-        if size > MAX_BYTES:
-            raise FileError(f"{path}: has {size} bytes; at most {MAX_BYTES} are read")
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FileError(
-            f"{path}: byte {error.start} is not UTF-8 text; save the file as UTF-8"
-        ) from None
-    except OSError as error:
-        raise FileError(f"{path}: cannot be read ({error.strerror or error})") from None
-
-
-def refuse_missing(path: Path) -> None:
-    """Tell plainly where there is no file to read.
-
-    Raises
-    ------
-    FileError
-        Missing, a folder, or no regular file.
-    """
-    try:
-        if path.is_dir():
-            raise FileError(f"{path}: is a folder; give the name of a file in it")
-        if not path.exists():
-            raise FileError(f"{path}: no such file; check the name and the folder")
-        if not path.is_file():
-            raise FileError(f"{path}: is not a regular file")
-    except (OSError, ValueError) as error:  # a name too long, or one with a null character
-        reason = getattr(error, "strerror", None) or error
-        raise FileError(f"{str(path)[:200]!r}: cannot be read ({reason})") from None
 
 
 def _parse_toml(path: Path, text: str) -> Any:
@@ -137,3 +100,17 @@ def _depth(data: Any) -> int:
             if isinstance(child, (dict, list))
         ]
     return depth
+
+
+def _refuse_hidden(path: Path, data: Any) -> None:
+    """Names and texts can be shown anywhere."""
+    found: list[tuple[tuple[str | int, ...], Any]] = [((), data)]
+    while found:
+        keys, item = found.pop()
+        for key, child in item.items() if isinstance(item, dict) else enumerate(item):
+            where = (*keys, key)
+            for text in (key, child):
+                if isinstance(text, str) and not text.isprintable():
+                    plain_text(text, f"{path}: {place(*where)}")
+            if isinstance(child, (dict, list)):
+                found.append((where, child))

@@ -15,8 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dalembert.errors import FileError, ModelError
+from dalembert.readable import read_text
 from dalembert.structures.springs import AxialSpring
 from dalembert.structures.structure import Structure
+from dalembert.text import visible
 
 QUOTES = "'\"‘’`´"
 KINDS = ("spring", "force", "displacement")
@@ -41,10 +43,7 @@ class Deck:
 
     def __init__(self, path: Path):
         self.path = path
-        try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise FileError(f"{path}: cannot be read ({error})") from None
+        text = read_text(path)
         self.records = self._split(text)
         self.last = text.count("\n") + 1
 
@@ -127,7 +126,7 @@ def load_deck(path: str | Path) -> Structure:
     springs = [deck.read(f"element {k + 1}", (int, int, float)) for k in range(counts[1])]
     forces = [deck.read(f"force {k + 1}", (int, float)) for k in range(counts[2])]
     supports = [deck.read(f"displacement {k + 1}", (int, float)) for k in range(counts[3])]
-    structure = Structure(Path(path).stem)
+    structure = Structure(visible(Path(path).stem))
     overridden = _parameters(deck, structure, counts)
     _build(deck, structure, counts[0], springs, forces, supports, overridden)
     return structure

@@ -30,6 +30,7 @@ from dalembert.structures.node import Node
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.registry import ELEMENTS, cell_of
 from dalembert.structures.structure import Structure
+from dalembert.text import visible
 
 
 class StructureBuilder:
@@ -44,7 +45,7 @@ class StructureBuilder:
     def __init__(self, document: StructureDocument, source: Path):
         self.document, self.source = document, source
         self.located = Located(source, document)
-        self.structure = Structure(document.name or source.stem, document.description)
+        self.structure = Structure(document.name or visible(source.stem), document.description)
         self.formulas = Formulas(ParameterNames(self.structure.parameters))
         self.meshes: dict[str, Mesh] = {}
 

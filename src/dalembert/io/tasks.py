@@ -91,13 +91,16 @@ def chosen_parameters(file: ModelFile, names: list[str] | None, *where: str) -> 
     known = list(file.document.parameters)
     if not known:
         raise file.located.error("has no parameters; add at least one", "parameters")
-    for k, name in enumerate(names or []):
+    names = names or []
+    for k, name in enumerate(names):
         if name not in known:
             raise file.located.error(
                 f"unknown parameter {name!r}{nearest(name, known)}; known: {', '.join(known)}",
                 *where,
                 k,
             )
+        if name in names[:k]:
+            raise file.located.error(f"{name!r} is named twice; name it once", *where, k)
     return list(names or known)
 
 
@@ -105,6 +108,10 @@ def make_gradient(file: ModelFile, model: Any) -> tuple[dict[str, Response], lis
     """Responses and parameters of ``[sensitivity]``; all where none are named."""
     asked, made = file.document.sensitivity, make_responses(file, model)
     names = asked.responses or list(made) or [""]
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            text = f"{name!r} is named twice; name it once"
+            raise file.located.error(text, "sensitivity", "responses", k)
     responses = {
         name: chosen_response(file, made, name, "sensitivity", "responses", k)
         for k, name in enumerate(names)

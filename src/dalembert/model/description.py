@@ -10,6 +10,7 @@ from dalembert.model.measures import element_measures, find_measure
 from dalembert.symbolic.expression import Expression, as_expression, t
 from dalembert.symbolic.parameter import Parameter
 from dalembert.symbolic.parser import parse_formula
+from dalembert.text import plain_text
 
 
 class Description:
@@ -23,8 +24,8 @@ class Description:
     """
 
     def __init__(self, name: str, gravity=None, description: str = ""):
-        self.name = name
-        self.description = description
+        self.name = plain_text(name, "name of the system")
+        self.description = plain_text(description, "description of the system")
         self.gravity = None if gravity is None else as_expression(gravity, "gravity", "m/s^2", 2)
         self.ground = Ground()
         self.parameters: dict[str, Parameter] = {}

@@ -18,6 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.atomic import atomic_path
+from dalembert.errors import FileError
+from dalembert.text import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
 
@@ -53,13 +55,15 @@ _ESCAPES = {ord(c): f"\\u{ord(c):04x}" for c in "<>&"}
 
 def render_page(payload: dict[str, Any]) -> str:
     """Return the whole report page of ``payload`` as one string of HTML."""
-    title = str(payload.get("title") or "Report")
-    title = title.encode("utf-8", "replace").decode("utf-8")  # a lone surrogate cannot be written
+    title = visible(str(payload.get("title") or "Report"))
+    kind = payload.get("kind", "mechanism")
+    if not isinstance(kind, str) or kind not in SCRIPTS:
+        raise FileError(f"there is no page for {kind!r}; known: {', '.join(SCRIPTS)}")
     parts = {
         "title": html.escape(title),
         "style": _asset("page.css"),
         "data": _embed(payload),
-        "script": "\n".join(_asset(name) for name in SCRIPTS[payload.get("kind", "mechanism")]),
+        "script": "\n".join(_asset(name) for name in SCRIPTS[kind]),
     }
     # One pass over the template: what is put in is not looked at again.
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], _asset("template.html"))
@@ -88,12 +92,14 @@ def as_json(value: Any) -> str:
         value = value.tolist()
     if isinstance(value, float):
         return _numbers([value])
-    if value is None or isinstance(value, (bool, int, str)):
+    if isinstance(value, str):
+        return json.dumps(visible(value))
+    if value is None or isinstance(value, (bool, int)):
         return json.dumps(value)
     if isinstance(value, dict):
         return (
             "{"
-            + ",".join(f"{json.dumps(str(key))}:{as_json(item)}" for key, item in value.items())
+            + ",".join(f"{as_json(str(key))}:{as_json(item)}" for key, item in value.items())
             + "}"
         )
     if isinstance(value, (list, tuple)):

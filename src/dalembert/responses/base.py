@@ -18,6 +18,7 @@ from dalembert.analysis.instants import end_by_event
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.results.motion import Motion
 from dalembert.symbolic.expression import Expression
+from dalembert.text import plain_text
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Response:
     def label(self) -> str:
         """The name, or one made of the reduction and the measure."""
         if self.name:
-            return self.name
+            return plain_text(self.name, "name of a response")
         text = self.measure if isinstance(self.measure, str) else self.measure.name or "formula"
         return f"{type(self).__name__.lower()}({text})"
 

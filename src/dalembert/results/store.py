@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from dalembert.atomic import atomic_path
-from dalembert.errors import FileError
+from dalembert.budget import afford
+from dalembert.errors import DalembertError, FileError
+from dalembert.readable import readable
 from dalembert.results.labelled import LabelledRecording
 
 if TYPE_CHECKING:
@@ -50,12 +52,29 @@ def load_dataset(path: str | Path) -> xr.Dataset:
     ------
     FileError
         Missing file, or not a result of this program.
+    BudgetError
+        It unpacks to more than a task may take.
     """
+    readable(path, 1.0)
     try:
+        unpacked = _unpacked(path)
+        afford(f"{path}: to unpack it", memory=unpacked, cure="check that it is the file you mean")
         with xr.open_dataset(path, engine="h5netcdf") as opened:
             return opened.load()
-    except (OSError, ValueError) as error:
+    except DalembertError:
+        raise
+    except Exception as error:  # HDF5 and its readers have errors of many kinds
         raise FileError(f"{path}: cannot be read as a result file ({error})") from None
+
+
+def _unpacked(path: str | Path) -> int:
+    """Bytes of all arrays in a file, which may be compressed."""
+    import h5py
+
+    sizes: list[int] = []
+    with h5py.File(path) as file:
+        file.visititems(lambda _, item: sizes.append(getattr(item, "nbytes", 0)))
+    return sum(sizes)
 
 
 def report_of(data: xr.Dataset) -> dict:
@@ -66,9 +85,13 @@ def report_of(data: xr.Dataset) -> dict:
     FileError
         The dataset holds none.
     """
-    if "report" not in data:
+    try:
+        payload = json.loads(str(data["report"].values))
+    except (KeyError, ValueError, RecursionError):
+        payload = None
+    if not isinstance(payload, dict):
         raise FileError("this result file holds no report; run the model again")
-    return json.loads(str(data["report"].values))
+    return payload
 
 
 def flat_table(data: xr.Dataset) -> pd.DataFrame:

@@ -17,6 +17,7 @@ from dalembert.structures.spans import Spans
 from dalembert.structures.spread_loads import LineLoad, Spread, Weight, lines, tractions
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.parameter import Parameter
+from dalembert.text import plain_text
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,8 @@ class StructureDescription:
     """
 
     def __init__(self, name: str, description: str = ""):
-        self.name, self.description = name, description
+        self.name = plain_text(name, "name of the structure")
+        self.description = plain_text(description, "description of the structure")
         self.parameters: dict[str, Parameter] = {}
         self.nodes: dict[str, Node | Nodes] = {}
         self.numbers = Spans()

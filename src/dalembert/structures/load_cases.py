@@ -16,6 +16,7 @@ from dalembert.structures.numbering import Numbering
 from dalembert.structures.spread_loads import LineLoad, Spread, Weight
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parametric_array import ArrayEntries
+from dalembert.text import plain_text
 
 
 class LoadCaseMaker:
@@ -43,7 +44,7 @@ class LoadCaseMaker:
             A force on a prescribed displacement, or where nothing moves.
         """
         s = self.structure
-        names = dict.fromkeys([*s.loads, *s.spread]) or {"": None}
+        names = dict.fromkeys(plain_text(n, "load case") for n in (*s.loads, *s.spread)) or [""]
         return {n: self._case(s.loads.get(n, []), s.spread.get(n, [])) for n in names}
 
     def _case(self, loads: list[Load], spread: list[Spread]) -> LoadCase:

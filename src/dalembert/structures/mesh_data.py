@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,8 +12,12 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import FileError, ModelError, UnsupportedError
+from dalembert.readable import readable
 from dalembert.structures.cells import CELLS, cell_name
+from dalembert.text import plain_text
 
+WEIGHT = 4
+"""Bytes of memory that a byte of a file takes while it is read."""
 FLAT = 1e-9
 """Height relative to the extent below which points lie in a plane."""
 
@@ -92,10 +98,11 @@ def _read(path: Path) -> Any:
             f"{path}: meshes are read with meshio, which is not installed; "
             "pip install dalembert[mesh]"
         ) from None
-    if not path.is_file():
-        raise FileError(f"{path}: no such file; check the name and the folder")
+    if not readable(path, WEIGHT):
+        raise FileError(f"{path}: the file is empty")
     try:
-        return meshio.read(path)
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):  # meshio talks
+            return meshio.read(path)
     except SystemExit:  # meshio leaves the program where no reader takes the file
         raise FileError(f"{path}: cannot be read as a mesh; meshio lists its formats") from None
     except Exception as error:  # readers of many formats, each with errors of its own
@@ -170,6 +177,8 @@ def _from_arrays(points: Any, cells: Any, name: str) -> MeshData:
 def _checked(data: MeshData, name: str) -> MeshData:
     if not data.cells:
         raise ModelError("the mesh has no cells", name)
+    for group in (*data.point_groups, *data.cell_groups):
+        plain_text(group, f"{name}: group of the mesh")
     for shape, rows in data.cells.items():
         wanted = CELLS[shape].nodes
         if rows.ndim != 2 or rows.shape[1] != wanted or rows.dtype.kind not in "iu":

@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression
+from dalembert.text import plain_text
 
 
 class Parameter(Expression):
@@ -43,18 +44,18 @@ class Parameter(Expression):
         bounds: tuple[float | None, float | None] | None = None,
         description: str = "",
     ):
-        if not name.isidentifier():
+        if not isinstance(name, str) or not name.isidentifier():
             raise ModelError(
                 f"{name!r} is not an identifier; use letters, digits and '_'", "parameter"
             )
-        super().__init__(ca.SX.sym(name), name, unit)
+        super().__init__(ca.SX.sym(name), name, plain_text(unit, f"{name}.unit"))
         self.value = _finite(value, name, "value")
         lower, upper = bounds if bounds is not None else (None, None)
         self.bounds = (
             -math.inf if lower is None else float(lower),
             math.inf if upper is None else float(upper),
         )
-        self.description = description
+        self.description = plain_text(description, f"{name}.description")
         if math.isnan(self.bounds[0]) or math.isnan(self.bounds[1]):
             raise ModelError(f"bounds {bounds} contain NaN; give numbers", name)
         if self.bounds[0] > self.bounds[1]:

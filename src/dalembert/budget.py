@@ -1,0 +1,69 @@
+"""What a task may take: an absurd number is refused before memory or time is taken.
+
+Everything is counted before it begins: bytes that are kept or that graphs need, and rounds of work
+that Python does one after the other. ``DALEMBERT_BUDGET=10`` in the environment gives ten times
+both.
+"""
+
+from __future__ import annotations
+
+import os
+
+from dalembert.errors import BudgetError
+
+MEMORY = 4e9
+"""Bytes that one task may take."""
+ROUNDS = 1e6
+"""Rounds of one task, such as load steps, iterations or repeated runs."""
+STEP = 48
+"""Bytes of a time step beside its state: its time, length, marks, and copies of these."""
+INSTRUCTION = 400
+"""Bytes of an operation in a graph, with those of its derivatives."""
+VARIABLE = "DALEMBERT_BUDGET"
+
+
+def afford(what: str, *, memory: float = 0.0, rounds: float = 0.0, cure: str) -> None:
+    """Go on only where a task takes no more than it is given.
+
+    Parameters
+    ----------
+    what : the number at fault and what it makes, e.g. ``"outputs = 1e12"``
+    memory : bytes it would take
+    rounds : rounds it would take
+    cure : what to give instead
+
+    Raises
+    ------
+    BudgetError
+        It would take more; tells how much, and how to allow it.
+    """
+    factor = _factor()
+    share = max(memory / MEMORY, rounds / ROUNDS)
+    if share <= factor:
+        return
+    by_memory = share == memory / MEMORY
+    cost = f"{_size(memory)} of memory" if by_memory else f"{rounds:.3g} rounds"
+    given = _size(factor * MEMORY) if by_memory else f"{factor * ROUNDS:.3g}"
+    raise BudgetError(
+        f"{what} would take about {cost}, and {given} are given; {cure}, or allow it by "
+        f"{VARIABLE}={share * 1.01:.3g} in the environment"
+    )
+
+
+def _factor() -> float:
+    text = os.environ.get(VARIABLE, "1")
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = -1.0
+    if not factor > 0:
+        raise BudgetError(f"{VARIABLE} is {text!r}; set it to a number above 0, 1 is usual")
+    return factor
+
+
+def _size(count: float) -> str:
+    for unit in ("bytes", "kB", "MB", "GB", "TB", "PB"):
+        if count < 1000:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:.3g} EB"

@@ -1,0 +1,39 @@
+"""Text that is shown: on a terminal, in a result file, on a page."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from dalembert.errors import ModelError
+
+HIDDEN = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]"
+)
+"""Control characters but tab and line end, marks that turn the direction of text, separators of
+lines that are not seen as such, lone surrogates."""
+
+
+def visible(text: str) -> str:
+    """The text, with what is not seen or acts on a terminal as ``\\x1b``, ``\\u202e``."""
+    return HIDDEN.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def plain_text(text: Any, entity: str) -> str:
+    """A text that can be shown anywhere.
+
+    Raises
+    ------
+    ModelError
+        No text, or one with a hidden character; names the entity and the character.
+    """
+    if not isinstance(text, str):
+        raise ModelError(f"expected a text, got {text!r:.60}", entity)
+    found = HIDDEN.search(text)
+    if found:
+        raise ModelError(
+            f"the text '{visible(text[:60])}' has the hidden character U+{ord(found[0]):04X} at "
+            f"place {found.start() + 1}; remove it",
+            visible(entity),
+        )
+    return text
