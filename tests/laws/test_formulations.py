@@ -11,22 +11,21 @@ from registry import CASES, FORMULATIONS, Observer, definite, model_of
 from twins import turn
 
 from dalembert.elements.planar.joint import Pair
+from dalembert.symbolic.once import once
 
 MOVED = Observer(angle=0.7, shift=(0.4, -1.1), boost=(1.3, 0.6))
 
 
 def solution(model, formulation, t, y, v, p) -> tuple[np.ndarray, np.ndarray]:
     """Accelerations and multipliers."""
-    e = model.equations
-    function = model.compiled(
-        ("law", formulation),
-        lambda: (
-            definite(FORMULATIONS[formulation], model)
-            .acceleration(e, e.constraint_acceleration)
-            .function
-        ),
-    )
+    function = _law(model, formulation)
     return tuple(a.full().ravel() for a in function(t, np.concatenate([y, v, [0, 0]]), p))
+
+
+@once
+def _law(model, formulation):
+    e, made = model.equations, definite(FORMULATIONS[formulation], model)
+    return made.acceleration(e, e.constraint_acceleration).function
 
 
 @pytest.mark.parametrize("formulation", [f for f in FORMULATIONS if f != "Kkt"])

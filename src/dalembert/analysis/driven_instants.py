@@ -9,7 +9,6 @@ import numpy as np
 from dalembert.analysis.events import Occurrence, locate, locate_again
 from dalembert.results.motion import Motion
 from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.implicit import ImplicitFunction
 
 
 def driven_instant(motion: Motion, occurrence: Occurrence) -> float:
@@ -37,17 +36,9 @@ def driven_instant(motion: Motion, occurrence: Occurrence) -> float:
     return locate(value, float(path.time[k]), float(path.time[k + 1]))
 
 
-def measured(motion: Motion, measure: Expression) -> ImplicitFunction:
-    """``(t, y_near, p) → measure`` of a configuration; made once."""
-    model, kernel = motion.model, motion.record.kernel
-    return model.compiled(
-        ("measured", kernel, measure), lambda: kernel.measured(model.at_ground(measure.sx))
-    )
-
-
 def measure_rate(motion: Motion, measure: Expression) -> float:
     """``ṁ`` at the last instant, the total derivative along the driven motion."""
     s, p = motion.trajectory, motion.parameters
     y = motion.record.kernel.near(s)[:, -1]
-    tangent = measured(motion, measure).tangent
+    tangent = motion.record.kernel.measured(measure).tangent
     return float(tangent(s.t[-1], y, p, 1.0, np.zeros(y.size), np.zeros(p.size)))

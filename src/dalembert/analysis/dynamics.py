@@ -24,6 +24,7 @@ from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 from dalembert.symbolic.backends import BACKENDS
+from dalembert.symbolic.once import once
 
 STRATEGIES = {
     "coordinates": (Coordinates, AbsoluteCoordinates),
@@ -84,10 +85,7 @@ class Dynamics:
     def kernel(self, model: Model) -> DynamicsKernel:
         """Compiled functions, made once per model and choice of strategies."""
         choices = (self.coordinates, self.formulation, self.stabilization, self.integrator)
-        return model.compiled(
-            ("dynamics", *choices, self.backend),
-            lambda: DynamicsKernel(model, *choices, BACKENDS[self.backend]()),
-        )
+        return _kernel(model, *choices, self.backend)
 
     def run(
         self,
@@ -168,6 +166,19 @@ class Dynamics:
             trajectory=kernel.trajectory(times, steps, branches, p),
             record=DynamicsRecord(kernel, steps, branches, origin=motion),
         )
+
+
+@once
+def _kernel(
+    model: Model,
+    coordinates: Coordinates,
+    formulation: Formulation,
+    stabilization: Stabilization,
+    integrator: Integrator,
+    backend: str,
+) -> DynamicsKernel:
+    chosen = BACKENDS[backend]()
+    return DynamicsKernel(model, coordinates, formulation, stabilization, integrator, chosen)
 
 
 def solve_dynamics(

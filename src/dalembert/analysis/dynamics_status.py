@@ -14,6 +14,7 @@ from dalembert.integrators.steps import Steps
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status
+from dalembert.symbolic.once import once
 
 
 class Ending:
@@ -147,25 +148,29 @@ def statistics(
     return made
 
 
+@once
+def _left_out(kernel: DynamicsKernel) -> ca.Function:
+    """``(t, y, v, v̇, p) → |C v̇ − ξ|`` of all equations."""
+    e = kernel.model.all_equations
+    rest = ca.mtimes(e.jacobian, e.a) - kernel.stabilization.constraint_acceleration(e)
+    largest = ca.norm_inf(rest) if rest.numel() else ca.SX(0)
+    return ca.Function("rest", [e.t, e.y, e.v, e.a, e.p], [largest])
+
+
 def _acceleration_residual(kernel: DynamicsKernel, s: Trajectory, p: np.ndarray) -> float:
     """Largest ``|C v̇ − ξ|`` of all equations over the outputs."""
-    e, stabilization = kernel.model.all_equations, kernel.stabilization
-    rest = ca.mtimes(e.jacobian, e.a) - stabilization.constraint_acceleration(e)
-    inputs = [e.t, e.y, e.v, e.a, e.p]
-    function = kernel.model.compiled(
-        ("acceleration residual", stabilization),
-        lambda: ca.Function("rest", inputs, [ca.norm_inf(rest) if rest.numel() else ca.SX(0)]),
-    )
     parameters = np.tile(p[:, None], s.t.size)
-    return float(function.map(s.t.size)(s.t, s.y, s.v, s.a, parameters).full().max())
+    return float(_left_out(kernel).map(s.t.size)(s.t, s.y, s.v, s.a, parameters).full().max())
+
+
+@once
+def _violation(model: Model) -> ca.Function:
+    e = model.equations
+    return ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(e.constraints)])
 
 
 def _violations(model: Model, s: Trajectory, p: np.ndarray) -> np.ndarray:
     """Largest violation of every output."""
-    e = model.equations
-    if not e.constraint_count or not s.t.size:
+    if not model.equations.constraint_count or not s.t.size:
         return np.zeros(s.t.size)
-    function = model.compiled(
-        "violation", lambda: ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(e.constraints)])
-    )
-    return function.map(s.t.size)(s.t, s.y, np.tile(p[:, None], s.t.size)).full().ravel()
+    return _violation(model).map(s.t.size)(s.t, s.y, np.tile(p[:, None], s.t.size)).full().ravel()

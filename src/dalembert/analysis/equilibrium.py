@@ -13,7 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.static_balance import StaticBalance, StaticsKernel, symmetric
+from dalembert.analysis.static_balance import (
+    StaticBalance,
+    StaticsKernel,
+    statics_kernel,
+    symmetric,
+)
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
@@ -90,7 +95,7 @@ class _Search:
 
     def __init__(self, analysis: Equilibrium, model: Model, p: np.ndarray):
         self.analysis, self.model, self.p = analysis, model, p
-        self.kernel = model.compiled("statics", lambda: StaticsKernel(model))
+        self.kernel = statics_kernel(model)
 
     def execute(self, start: np.ndarray | None = None) -> Motion:
         balance = StaticBalance(self.kernel, self.analysis.time, self.p)

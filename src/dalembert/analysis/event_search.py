@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.events import Event, locate
-from dalembert.analysis.flow import Flow, measured
+from dalembert.analysis.flow import Flow
 from dalembert.integrators.checkpoints import States
 from dalembert.integrators.steps import Steps
 from dalembert.results.recording import EventRecord
@@ -41,7 +41,7 @@ class EventSearch:
         """Values of an event's measure."""
         measure = self.measures[name]
         found = self.kernel.mapped(
-            lambda variant: measured(self.kernel, variant, measure).function,
+            lambda variant: variant.measured(measure).function,
             modes,
             times,
             states,

@@ -19,16 +19,8 @@ from dalembert.integrators.checkpoints import ended_states
 from dalembert.integrators.step import Step
 from dalembert.integrators.steps import Steps
 from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.kernel import Kernel
-
-
-def measured(kernel: DynamicsKernel, variant: Variant, measure: Expression) -> ImplicitFunction:
-    """``(t, x, p) → measure``, accelerations and multipliers included; made once."""
-    return kernel.model.compiled(
-        ("measured", variant, measure),
-        lambda: variant.measured([kernel.model.at_ground(measure.sx)]),
-    )
+from dalembert.symbolic.once import once
 
 
 class Flow:
@@ -61,7 +53,7 @@ class Flow:
 
     def value(self, measure: Expression, k: int, length: float) -> float:
         """The measure there."""
-        function = Kernel(measured(self.kernel, self._variant(k), measure).function)
+        function = Kernel(self._variant(k).measured(measure).function)
         x = self.state(k, length)[: self._variant(k).step.state_size]
         return float(function(self.steps.t[k] + length, x, self.p)[0].item())
 
@@ -70,7 +62,7 @@ class Flow:
         size = self._variant(k).step.state_size
         x = self.state(k, length)[:size]
         x_rate = self._state_rate(k)(self.steps.t[k], length, self.steps.x[:, k], self.p)[0]
-        tangent = Kernel(measured(self.kernel, self._variant(k), measure).tangent)
+        tangent = Kernel(self._variant(k).measured(measure).tangent)
         still = np.zeros(self.p.size)
         t = self.steps.t[k] + length
         return float(tangent(t, x, self.p, 1.0, x_rate.ravel()[:size], still)[0].item())
@@ -79,21 +71,24 @@ class Flow:
         return self.kernel.variants[self.steps.mode[k] if self.steps.count else -1]
 
     def _advanced(self, k: int) -> Kernel:
-        step = self._variant(k).step
-        return self.kernel.model.compiled(("partial step", step), lambda: Kernel(step.function))
+        return _partial(self._variant(k).step)
 
     def _state_rate(self, k: int) -> Kernel:
         """``(t, s, x, p) → ∂step/∂s``."""
-        step = self._variant(k).step
-        return self.kernel.model.compiled(
-            ("step rate", step), lambda: Kernel(_by_length(step.moving))
-        )
+        return _by_length(self._variant(k).step)
 
 
-def _by_length(step: Step) -> ca.Function:
+@once
+def _partial(step: Step) -> Kernel:
+    return Kernel(step.function)
+
+
+@once
+def _by_length(corrected: Step) -> Kernel:
+    step = corrected.moving
     s, p = ca.MX.sym("s"), ca.MX.sym("p", step.parameter_count)
     t, x = ca.MX.sym("t"), ca.MX.sym("x", step.size)
     new = step.function(t, s, x, p)
     still_x, still_p = ca.MX(step.size, 1), ca.MX(step.parameter_count, 1)
     rate = step.function.forward(1)(t, s, x, p, new, 0, 1, still_x, still_p)
-    return ca.Function("step_rate", [t, s, x, p], [ca.densify(rate)])
+    return Kernel(ca.Function("step_rate", [t, s, x, p], [ca.densify(rate)]))

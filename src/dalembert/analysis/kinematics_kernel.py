@@ -12,9 +12,11 @@ from dalembert.errors import AnalysisError
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
 from dalembert.results.recording import Recording, Trajectory
+from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.factor import QrFactor
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
 from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.once import once
 
 ITERATIONS = 5
 
@@ -77,10 +79,11 @@ class KinematicsKernel:
             "configuration", [e.t, near, e.p], stages, [e.y, e.v, e.a, e.multiplier]
         )
 
-    def measured(self, measure: ca.SX) -> ImplicitFunction:
+    @once
+    def measured(self, measure: Expression) -> ImplicitFunction:
         """A measure of the configuration."""
         found = self.configuration
-        seen = self.e.without_dropped(measure)
+        seen = self.e.without_dropped(measure.sx)
         return ImplicitFunction("measured", found.inputs, found.stages, [seen])
 
     def near(self, s: Trajectory) -> np.ndarray:
@@ -108,17 +111,20 @@ class KinematicsKernel:
             {"cse": True},
         )
 
+    @once
     def chunk(self, count: int) -> Kernel:
         """``count`` steps in one call."""
+        last = ca.MX.sym("last", self.single.size1_in(0))
+        t, h = ca.MX.sym("t", 1, count), ca.MX.sym("h", 1, count)
+        p = ca.MX.sym("p", self.e.p.numel())
+        out = self.single.mapaccum(count)(last, t, h, ca.repmat(p, 1, count))
+        return Kernel(ca.Function("kinematic_chunk", [last, t, h, p], [out]))
 
-        def make() -> Kernel:
-            last = ca.MX.sym("last", self.single.size1_in(0))
-            t, h = ca.MX.sym("t", 1, count), ca.MX.sym("h", 1, count)
-            p = ca.MX.sym("p", self.e.p.numel())
-            out = self.single.mapaccum(count)(last, t, h, ca.repmat(p, 1, count))
-            return Kernel(ca.Function("kinematic_chunk", [last, t, h, p], [out]))
-
-        return self.model.compiled(("kinematic_chunk", count), make)
+    @cached_property
+    def powers(self) -> ca.Function:
+        """``(t, y, v, v̇, λ, p) →`` dissipated and given power."""
+        e = self.e
+        return ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [e.powers])
 
     @cached_property
     def jacobian(self) -> ca.Function:
@@ -129,6 +135,10 @@ class KinematicsKernel:
             [e.t, e.y, e.p],
             [e.constraints, ca.jacobian(e.constraints, e.y), ca.jacobian(e.constraints, e.t)],
         )
+
+
+kinematics_kernel = once(KinematicsKernel)
+"""The one of a model."""
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import time as clock
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.critical import Fold, find_fold
-from dalembert.analysis.kinematics_kernel import KinematicsKernel, KinematicsRecord
+from dalembert.analysis.kinematics_kernel import KinematicsRecord, kinematics_kernel
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
     check_driver_laws,
@@ -52,7 +51,7 @@ class KinematicsRun:
         grid = uniform_grid(self.start, self.end, step)
         self.grid = grid if requested is None else np.union1d(grid, requested)
         self.requested = grid if requested is None else requested
-        self.kernel = model.compiled("kinematics", lambda: KinematicsKernel(model))
+        self.kernel = kinematics_kernel(model)
         check_driver_laws(model, self.grid, self.p)
         self.typical = min(step, float(np.median(np.diff(self.grid))))
         self.n = model.equations.coordinate_count
@@ -249,12 +248,8 @@ class KinematicsRun:
             return np.zeros((2, times.size))
         from scipy.integrate import cumulative_simpson
 
-        e, n, m = self.model.equations, self.n, self.model.equations.constraint_count
-        function = self.model.compiled(
-            "powers",
-            lambda: ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [e.powers]),
-        )
-        powers = function.map(times.size)(
+        n, m = self.n, self.model.equations.constraint_count
+        powers = self.kernel.powers.map(times.size)(
             times,
             table[:n],
             table[n : 2 * n],

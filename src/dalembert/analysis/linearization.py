@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.equilibrium import Equilibrium
-from dalembert.analysis.linearization_kernel import LinearizationKernel, Linearized
+from dalembert.analysis.linearization_kernel import Linearized, linearization_kernel
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.results.mechanism_modes import Modes
@@ -56,7 +56,7 @@ class Linearization:
     def _state(self, model: Model, p: np.ndarray) -> Linearized:
         if self.equilibrium:
             return at_rest(Equilibrium(self.time).run(model, p))
-        kernel, state = LinearizationKernel.of(model), model.assemble(p, self.time)
+        kernel, state = linearization_kernel(model), model.assemble(p, self.time)
         x = np.concatenate([state.y, state.v])
         return Linearized(kernel, self.time, x, p, kernel.assembled, state.y, state.residual)
 
@@ -95,7 +95,7 @@ def at_rest(motion: Motion) -> Linearized:
     AnalysisError
         The search for it failed.
     """
-    status, s, kernel = motion.status, motion.trajectory, LinearizationKernel.of(motion.model)
+    status, s, kernel = motion.status, motion.trajectory, linearization_kernel(motion.model)
     if not status.success:
         raise AnalysisError(f"linearize: no equilibrium, {status}", status.residual)
     x = np.concatenate([s.y[:, 0], s.v[:, 0]])
@@ -105,7 +105,7 @@ def at_rest(motion: Motion) -> Linearized:
 
 def last_instant(motion: Motion) -> Linearized:
     """The system about the end of a motion; how it depends on the parameters is not told."""
-    s, kernel = motion.trajectory, LinearizationKernel.of(motion.model)
+    s, kernel = motion.trajectory, linearization_kernel(motion.model)
     x = np.concatenate([s.y[:, -1], s.v[:, -1]])
     return Linearized(kernel, float(s.t[-1]), x, motion.parameters)
 

@@ -12,12 +12,13 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.static_balance import StaticsKernel
+from dalembert.analysis.static_balance import statics_kernel
 from dalembert.errors import SingularityError
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import Kkt
 from dalembert.model.model import Model
 from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.once import once
 
 
 class LinearizationKernel:
@@ -36,11 +37,6 @@ class LinearizationKernel:
             )
         self.model = model
 
-    @classmethod
-    def of(cls, model: Model) -> LinearizationKernel:
-        """The one of this model."""
-        return model.compiled("linearization", lambda: cls(model))
-
     @cached_property
     def system(self) -> ImplicitFunction:
         """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``."""
@@ -54,7 +50,7 @@ class LinearizationKernel:
     @cached_property
     def resting(self) -> ImplicitFunction:
         """``(t, [y; λ] nearby, p) → x`` of the equilibrium."""
-        found = self.model.compiled("statics", lambda: StaticsKernel(self.model)).configuration
+        found = statics_kernel(self.model).configuration
         e = self.model.equations
         x = ca.vertcat(e.y, ca.SX.zeros(e.speed_count))
         return ImplicitFunction("resting", found.inputs, found.stages, [x])
@@ -153,3 +149,7 @@ class Linearized:
         shapes = self._spectrum[2][: self.model.equations.coordinate_count, positions]
         peak = np.array([s[np.argmax(np.abs(s))] if s.size else 1 for s in shapes.T])
         return shapes / np.where(peak == 0, 1, peak)
+
+
+linearization_kernel = once(LinearizationKernel)
+"""The one of a model."""

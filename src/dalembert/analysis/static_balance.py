@@ -9,9 +9,11 @@ import numpy as np
 
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
+from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.factor import QrFactor
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
 from dalembert.symbolic.newton import ROUNDING, Equations, NewtonSettings, Residual, solve
+from dalembert.symbolic.once import once
 
 LONGEST = 0.5
 """Longest step, in characteristic lengths and radians."""
@@ -52,17 +54,22 @@ class StaticsKernel:
         stage = Stage(unknown, residual, near, factor.solve, factor.solve_transposed)
         return ImplicitFunction("equilibrium", [e.t, near, e.p], [stage], [unknown])
 
-    def measured(self, measure: ca.SX) -> ImplicitFunction:
+    @once
+    def measured(self, measure: Expression) -> ImplicitFunction:
         """A measure of the equilibrium; speeds and accelerations are zero."""
         e = self.model.equations
         still = ca.vertcat(e.v, e.a)
-        at_rest = ca.substitute(e.without_dropped(measure), still, ca.SX.zeros(still.numel()))
+        at_rest = ca.substitute(e.without_dropped(measure.sx), still, ca.SX.zeros(still.numel()))
         found = self.configuration
         return ImplicitFunction("measured", found.inputs, found.stages, [at_rest])
 
     def near(self, s: Trajectory) -> np.ndarray:
         """Where the configuration is differentiated."""
         return np.vstack([s.y, s.multiplier[self.model.closure.rows]])
+
+
+statics_kernel = once(StaticsKernel)
+"""The one of a model."""
 
 
 @dataclass(frozen=True)

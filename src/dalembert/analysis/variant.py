@@ -12,7 +12,9 @@ from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.step import Step
 from dalembert.model.coordinates import CoordinateView
+from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.once import once
 
 
 class Variant:
@@ -66,10 +68,11 @@ class Variant:
     def attempt(self) -> Attempt | None:
         return self.integrator.attempt(self.problem, self.step)
 
-    def measured(self, outputs: list[ca.SX], name: str = "measured") -> ImplicitFunction:
-        """``(t, x, p) → outputs``, expressions of the bodies' states and multipliers."""
-        seen = [self.view.lift(expression) for expression in outputs]
-        return self.formulation.acceleration(self.equations, self.xi, seen, name)
+    @once
+    def measured(self, measure: Expression) -> ImplicitFunction:
+        """``(t, x, p) → measure`` of the bodies, accelerations and multipliers included."""
+        seen = [self.view.lift(measure.sx)]
+        return self.formulation.acceleration(self.equations, self.xi, seen, "measured")
 
     @cached_property
     def bodies(self) -> ca.Function:

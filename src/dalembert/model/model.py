@@ -44,7 +44,6 @@ class Model:
     nominal : (np,) their values
     closure : how it is assembled
     diagnosis : Diagnosis
-    functions : compiled functions, by the choices that made them
     """
 
     def __init__(self, parts: Description, strict: bool = False):
@@ -54,7 +53,6 @@ class Model:
         self.bodies, self.ground = parts.bodies, parts.ground
         self.constraints, self.forces = parts.constraints, parts.forces
         self.coordinates = parts.coordinates
-        self.functions: dict = {}
         self.nominal = np.array([p.value for p in self.parameters.values()], dtype=float)
         self.all_equations = absolute_equations(parts)
         mass = self.mass_matrix(self.nominal)
@@ -102,17 +100,14 @@ class Model:
 
     def mass_matrix(self, p: np.ndarray) -> np.ndarray:
         """``M`` for parameter values ``p``."""
+        return self._mass(np.zeros(self.all_equations.coordinate_count), p).full()
+
+    @cached_property
+    def _mass(self) -> ca.Function:
         e = self.all_equations
-        function = self.compiled("mass", lambda: ca.Function("M", [e.y, e.p], [ca.densify(e.mass)]))
-        return function(np.zeros(e.coordinate_count), p).full()
+        return ca.Function("M", [e.y, e.p], [ca.densify(e.mass)])
 
     # access ------------------------------------------------------------------------
-    def compiled(self, key, make):
-        """The function made once for these choices."""
-        if key not in self.functions:
-            self.functions[key] = make()
-        return self.functions[key]
-
     def values(self, parameters: Mapping[str, float] | None = None) -> np.ndarray:
         """Parameter vector with some values replaced.
 

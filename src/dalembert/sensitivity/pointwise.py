@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.driven_instants import measure_rate, measured
+from dalembert.analysis.driven_instants import measure_rate
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample, weights_change
 
@@ -21,7 +21,7 @@ class PointwiseGradient:
 
     def __init__(self, sample: Sample, shared: dict | None = None):
         self.sample, self.motion = sample, sample.motion
-        self.measured = measured(sample.motion, sample.measure)
+        self.measured = self.motion.record.kernel.measured(sample.measure)
 
     def _arguments(self) -> tuple:
         s = self.motion.trajectory

@@ -34,3 +34,8 @@ def once(
         return made
 
     return kept
+
+
+def forget(owner: object) -> None:
+    """Drop all that is kept on an object, so that the time to make it is seen again."""
+    vars(owner).pop("_once", None)

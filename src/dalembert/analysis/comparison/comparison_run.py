@@ -18,6 +18,7 @@ from dalembert.model.model import Model
 from dalembert.results.comparison.data import BETWEEN
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
+from dalembert.symbolic.once import forget
 
 
 class ComparisonRun:
@@ -95,7 +96,7 @@ class ComparisonRun:
         first = choice != self.choice
         if first:
             self.choice, self.cold = choice, copy(self.model)
-            self.cold.functions = {}  # so that preparation is seen, and freed after the choice
+            forget(self.cold)  # so that preparation is seen, and freed after the choice
         cold, begin = self.cold, clock.perf_counter()
         analysis.kernel(cold)
         building = clock.perf_counter() - begin

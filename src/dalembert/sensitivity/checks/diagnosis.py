@@ -9,11 +9,13 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.model.model import Model
 from dalembert.responses.base import Response
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Recording
 from dalembert.sensitivity.checks.kinks import ties
 from dalembert.sensitivity.checks.scales import parameter_scales
+from dalembert.symbolic.once import once
 
 NEGLIGIBLE = 1e-10
 """Influence, relative to the largest on the same response, that is round-off."""
@@ -100,6 +102,12 @@ def changes_of_variant(f: Findings) -> list[str]:
     ]
 
 
+@once
+def _constraint_jacobian(model: Model) -> ca.Function:
+    e = model.equations
+    return ca.Function("jacobian", [e.t, e.y, e.p], [ca.densify(e.jacobian)])
+
+
 def near_singular(f: Findings) -> list[str]:
     """The place where the constraints come closest to losing rank."""
     motion = f.motion
@@ -108,10 +116,7 @@ def near_singular(f: Findings) -> list[str]:
     e, s = motion.model.equations, motion.trajectory
     if not 0 < e.constraint_count <= LARGEST or s.t.size < 2:
         return []
-    function = motion.model.compiled(
-        "constraint jacobian",
-        lambda: ca.Function("jacobian", [e.t, e.y, e.p], [ca.densify(e.jacobian)]),
-    )
+    function = _constraint_jacobian(motion.model)
     few = max(min(MOST, ENTRIES // (e.constraint_count * e.speed_count)), 10)
     looks = np.unique(np.linspace(0, s.t.size - 1, few).astype(int))
     p = np.tile(motion.parameters[:, None], looks.size)

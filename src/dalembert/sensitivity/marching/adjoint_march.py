@@ -9,11 +9,12 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import alike
+from dalembert.analysis.dynamics_kernel import DynamicsKernel, alike
 from dalembert.integrators.march import CHUNK, branches, flagged
 from dalembert.integrators.steps import run_length
-from dalembert.sensitivity.marching.marched_sample import MarchedSample
+from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_adjoint
 from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.once import once
 from dalembert.symbolic.prelude import Prelude
 
 
@@ -81,47 +82,9 @@ class AdjointMarch(MarchedSample):
 
     def _backward(self, count: int, mode: int) -> Kernel:
         """``count`` backward steps in one call."""
-        prelude, single = self._backward_step(mode)
+        prelude, single = _backward_step(self.kernel, mode)
         step = self.kernel.backend.repeated(single, count)
-
-        def make() -> Kernel:
-            n, m = self.size, self.p.size
-            carried, p = ca.MX.sym("c", n + m), ca.MX.sym("p", m)
-            t, h, flag = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
-            x, inject = ca.MX.sym("x", n, count), ca.MX.sym("i", n, count)
-            first = ca.vertcat(carried[:n], ca.MX.zeros(prelude.rate_count))
-            same = ca.repmat(prelude.values(p), 1, count)
-            last = step.mapaccum(count)(first, t, h, flag, x, inject, same)[:, -1]
-            p_bar = carried[n:] + prelude.adjoint(p, last[n:])
-            inputs = [carried, t, h, flag, x, inject, p]
-            return Kernel(ca.Function("backward", inputs, [ca.vertcat(last[:n], p_bar)]))
-
-        return self.model.compiled(("backward", step, count), make)
-
-    def _backward_step(self, mode: int) -> tuple[Prelude, ca.Function]:
-        """The prelude, and ``([x̄; q̄], t, h, flag, x, what is seen, q) → [x̄; q̄]``."""
-
-        def make() -> tuple[Prelude, ca.Function]:
-            step, n, period = self.step_of(mode), self.size, self.kernel.fixed.period
-            if branches(step, period):  # two steps, with a prelude each
-                prelude = Prelude.identity(self.p.size)
-                call, _ = flagged(step, period, lambda one: one.adjoint)
-            elif self.kernel.backend.compiles:
-                prelude = step.prelude
-                call, _ = flagged(step, period, lambda one: one.compiled_adjoint)
-            else:
-                prelude = step.prelude
-                call, _ = flagged(step, period, lambda one: one.prepared_adjoint)
-            carried = ca.MX.sym("c", n + prelude.rate_count)
-            q = ca.MX.sym("q", prelude.value_count)
-            x, inject = ca.MX.sym("x", n), ca.MX.sym("i", n)
-            t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
-            x_bar, q_bar = call(flag, t, h, x, q, carried[:n])
-            following = ca.vertcat(x_bar + inject, carried[n:] + q_bar)
-            inputs = [carried, t, h, flag, x, inject, q]
-            return prelude, ca.Function("backward_step", inputs, [following])
-
-        return self.model.compiled(("backward_step", self.kernel, mode), make)
+        return _backward_steps(self.kernel, prelude, step, count)
 
     def _through_start(self, x_bar: np.ndarray) -> np.ndarray:
         """Weight of the parameters through memory and the assembled initial state."""
@@ -132,10 +95,48 @@ class AdjointMarch(MarchedSample):
         if first.begin is not None:
             x0 = self.steps.x[:size, 0]
             memory = first.begin(start, x0, p)
-            adjoint = self.memory_adjoint(first.begin)
+            adjoint = memory_adjoint(first)
             _, back, p_bar = adjoint(start, x0, p, memory, x_bar[size:])
             weight, gradient = weight + back.full().ravel(), p_bar.full().ravel()
         y, v = self.assembled()
         _, y_bar, v_bar, p_bar = self.kernel.start.adjoint(start, y, v, p, weight)
         parts = self.model.initial_state.adjoint(start, y, p, y_bar, v_bar)
         return gradient + p_bar.full().ravel() + parts[2].full().ravel()
+
+
+@once
+def _backward_steps(
+    kernel: DynamicsKernel, prelude: Prelude, step: ca.Function, count: int
+) -> Kernel:
+    n, m = step.numel_in(4), prelude.values.numel_in(0)
+    carried, p = ca.MX.sym("c", n + m), ca.MX.sym("p", m)
+    t, h, flag = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
+    x, inject = ca.MX.sym("x", n, count), ca.MX.sym("i", n, count)
+    first = ca.vertcat(carried[:n], ca.MX.zeros(prelude.rate_count))
+    same = ca.repmat(prelude.values(p), 1, count)
+    last = step.mapaccum(count)(first, t, h, flag, x, inject, same)[:, -1]
+    p_bar = carried[n:] + prelude.adjoint(p, last[n:])
+    inputs = [carried, t, h, flag, x, inject, p]
+    return Kernel(ca.Function("backward", inputs, [ca.vertcat(last[:n], p_bar)]))
+
+
+@once
+def _backward_step(kernel: DynamicsKernel, mode: int) -> tuple[Prelude, ca.Function]:
+    """The prelude, and ``([x̄; q̄], t, h, flag, x, what is seen, q) → [x̄; q̄]``."""
+    step, period = kernel.variants[mode].step, kernel.fixed.period
+    prelude, n = step.prelude, step.size
+    if branches(step, period):  # two steps, with a prelude each
+        prelude = Prelude.identity(step.parameter_count)
+        call, _ = flagged(step, period, lambda one: one.adjoint)
+    elif kernel.backend.compiles:
+        call, _ = flagged(step, period, lambda one: one.compiled_adjoint)
+    else:
+        call, _ = flagged(step, period, lambda one: one.prepared_adjoint)
+    carried = ca.MX.sym("c", n + prelude.rate_count)
+    q = ca.MX.sym("q", prelude.value_count)
+    x, inject = ca.MX.sym("x", n), ca.MX.sym("i", n)
+    t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
+    x_bar, q_bar = call(flag, t, h, x, q, carried[:n])
+    following = ca.vertcat(x_bar + inject, carried[n:] + q_bar)
+    inputs = [carried, t, h, flag, x, inject, q]
+    return prelude, ca.Function("backward_step", inputs, [following])

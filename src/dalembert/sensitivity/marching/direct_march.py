@@ -7,12 +7,15 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import alike
+from dalembert.analysis.dynamics_kernel import DynamicsKernel, alike
 from dalembert.integrators.march import CHUNK, branches, flagged
+from dalembert.integrators.step import Step
 from dalembert.integrators.steps import run_length
-from dalembert.sensitivity.marching.marched_sample import MarchedSample
+from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
 from dalembert.sensitivity.samples import Sample
+from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.once import once
 from dalembert.symbolic.prelude import Prelude
 
 MOST = 1 << 18
@@ -72,7 +75,7 @@ class DirectMarch:
             k, length = sample.branches.index[chosen], sample.branches.length[chosen]
             inside = np.flatnonzero((length != 0) & ~sample.ends[chosen])
             for mode, part in alike(sample.steps.mode[k[inside]], inside):
-                tangent = self._inside(mode)
+                tangent = _inside(sample.step_of(mode), self.count)
                 x = sample.steps.x[:, k[part]]
                 for j, begin in zip(part, x.T, strict=True):
                     (dx,) = tangent(
@@ -80,27 +83,14 @@ class DirectMarch:
                     )
                     moved[j] = dx.T
             for mode in np.unique(sample.modes[chosen]):
-                measured = self._measured(sample, int(mode))
+                function = sample.measured(self.run.kernel.variants[mode])
+                measured = _measured(function, self.count)
                 for j in np.flatnonzero(sample.modes[chosen] == mode):
                     size, time = sample.step_of(mode).state_size, sample.motion.time[chosen[j]]
                     (rates,) = measured(
                         time, states[:size, j], sample.p, moved[j][:, :size].T, self.unit
                     )
                     gradient[row] += sample.sample.weights[chosen[j]] * rates.ravel()
-
-    def _inside(self, mode: int) -> Kernel:
-        """Tangents over part of a step."""
-        step = self.run.step_of(mode)
-        return self.run.model.compiled(
-            ("tangents", step, self.count), lambda: Kernel(step.tangents(self.count))
-        )
-
-    def _measured(self, sample: MarchedSample, mode: int) -> Kernel:
-        function = sample.measured(self.run.kernel.variants[mode])
-        return self.run.model.compiled(
-            ("measured tangents", function, self.count),
-            lambda: Kernel(function.tangents(self.count)),
-        )
 
     def _at_start(self) -> np.ndarray:
         """(n, columns) ``∂x/∂p`` of the first state."""
@@ -116,40 +106,57 @@ class DirectMarch:
             return dx
         x0 = run.steps.x[: first.state_size, 0]
         memory = first.begin(t, x0, p)
-        more = run.memory_tangent(first.begin).map(c)(t, x0, p, memory, 0, dx, unit)
+        more = memory_tangent(first).map(c)(t, x0, p, memory, 0, dx, unit)
         return np.vstack([dx, more.full()])
 
     def _forward(self, count: int, mode: int) -> Kernel:
         """Tangents of ``count`` steps in one call."""
-        run = self.run
-        prelude, single = self._forward_step(mode)
-        step = run.kernel.backend.repeated(single, count)
+        kernel = self.run.kernel
+        prelude, single = _forward_step(kernel, mode, self.count)
+        step = kernel.backend.repeated(single, count)
+        return _forward_steps(kernel, prelude, step, count, self.columns)
 
-        def make() -> Kernel:
-            n, m, c = run.size, run.p.size, self.count
-            dx, p = ca.MX.sym("dx", n, c), ca.MX.sym("p", m)
-            ts, hs, fs = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
-            xs, same = ca.MX.sym("xs", n, count), ca.repmat(prelude.values(p), 1, count)
-            rates = prelude.tangent.map(c)(ca.repmat(p, 1, c), ca.DM(self.unit))
-            out = step.mapaccum(count)(dx, ts, hs, fs, xs, same, ca.repmat(rates, 1, count))
-            return Kernel(ca.Function("forward", [dx, ts, hs, fs, xs, p], [out]))
 
-        return run.model.compiled(("forward", step, count, self.columns), make)
+@once
+def _inside(step: Step, columns: int) -> Kernel:
+    """Tangents over part of a step."""
+    return Kernel(step.tangents(columns))
 
-    def _forward_step(self, mode: int) -> tuple[Prelude, ca.Function]:
-        """The prelude, and ``(dx, t, h, flag, x, q, dq) → dx`` of one step."""
-        run = self.run
 
-        def make() -> tuple[Prelude, ca.Function]:
-            step, period, n, c = run.step_of(mode), run.kernel.fixed.period, run.size, self.count
-            prelude, wanted = step.prelude, lambda step: step.prepared_tangents(c)
-            if branches(step, period):  # two steps, with a prelude each
-                prelude, wanted = Prelude.identity(run.p.size), lambda step: step.tangents(c)
-            call, _ = flagged(step, period, wanted)
-            dx, dq = ca.MX.sym("dx", n, c), ca.MX.sym("dq", prelude.rate_count, c)
-            x, q = ca.MX.sym("x", n), ca.MX.sym("q", prelude.value_count)
-            t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
-            following = ca.densify(call(flag, t, h, x, q, dx, dq))
-            return prelude, ca.Function("forward_step", [dx, t, h, flag, x, q, dq], [following])
+@once
+def _measured(function: ImplicitFunction, columns: int) -> Kernel:
+    return Kernel(function.tangents(columns))
 
-        return run.model.compiled(("forward_step", run.kernel, mode, self.count), make)
+
+@once
+def _forward_steps(
+    kernel: DynamicsKernel,
+    prelude: Prelude,
+    step: ca.Function,
+    count: int,
+    columns: tuple[int, ...],
+) -> Kernel:
+    n, m, c = step.numel_in(4), prelude.values.numel_in(0), len(columns)
+    unit = np.zeros((m, c))
+    unit[list(columns), range(c)] = 1.0
+    dx, p = ca.MX.sym("dx", n, c), ca.MX.sym("p", m)
+    ts, hs, fs = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
+    xs, same = ca.MX.sym("xs", n, count), ca.repmat(prelude.values(p), 1, count)
+    rates = prelude.tangent.map(c)(ca.repmat(p, 1, c), ca.DM(unit))
+    out = step.mapaccum(count)(dx, ts, hs, fs, xs, same, ca.repmat(rates, 1, count))
+    return Kernel(ca.Function("forward", [dx, ts, hs, fs, xs, p], [out]))
+
+
+@once
+def _forward_step(kernel: DynamicsKernel, mode: int, c: int) -> tuple[Prelude, ca.Function]:
+    """The prelude, and ``(dx, t, h, flag, x, q, dq) → dx`` of one step, for ``c`` columns."""
+    step, period = kernel.variants[mode].step, kernel.fixed.period
+    prelude, wanted = step.prelude, lambda step: step.prepared_tangents(c)
+    if branches(step, period):  # two steps, with a prelude each
+        prelude, wanted = Prelude.identity(step.parameter_count), lambda step: step.tangents(c)
+    call, _ = flagged(step, period, wanted)
+    dx, dq = ca.MX.sym("dx", step.size, c), ca.MX.sym("dq", prelude.rate_count, c)
+    x, q = ca.MX.sym("x", step.size), ca.MX.sym("q", prelude.value_count)
+    t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
+    following = ca.densify(call(flag, t, h, x, q, dx, dq))
+    return prelude, ca.Function("forward_step", [dx, t, h, flag, x, q, dq], [following])

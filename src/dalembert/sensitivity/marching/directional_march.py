@@ -9,11 +9,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.integrators.march import CHUNK, flagged
 from dalembert.integrators.steps import run_length
-from dalembert.sensitivity.marching.marched_sample import MarchedSample
+from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.once import once
 
 
 class DirectionalMarch(MarchedSample):
@@ -27,7 +29,7 @@ class DirectionalMarch(MarchedSample):
 
     def __init__(self, sample: Sample, direction: np.ndarray):
         super().__init__(sample)
-        self.direction, self.period = direction, self.kernel.fixed.period
+        self.direction = direction
 
     @cached_property
     def moved(self) -> tuple[np.ndarray, np.ndarray]:
@@ -46,7 +48,7 @@ class DirectionalMarch(MarchedSample):
         if memory is None:
             return dx
         x0 = self.steps.x[: dx.size, 0]
-        more = self.memory_tangent(memory)(t, x0, p, memory(t, x0, p), 0, dx, d)
+        more = memory_tangent(self.first_step)(t, x0, p, memory(t, x0, p), 0, dx, d)
         return np.vstack([dx, more.full()])
 
     def changes(self) -> np.ndarray:
@@ -63,30 +65,7 @@ class DirectionalMarch(MarchedSample):
         return np.hstack(columns)
 
     def _forward(self, count: int, mode: int) -> Kernel:
-        def make() -> ca.Function:
-            n, m = self.size, self.p.size
-            call, symbolic = flagged(self.step_of(mode), self.period, lambda s: s.tangent)
-            kind: Any = ca.SX if symbolic else ca.MX
-            dx, x, p, dp = (kind.sym(s, k) for s, k in (("dx", n), ("x", n), ("p", m), ("dp", m)))
-            t, h, flag = (kind.sym(s) for s in ("t", "h", "flag"))
-            inputs = [dx, t, h, flag, x, p, dp]
-            return ca.Function("along", inputs, [call(flag, t, h, x, p, dx, dp)])
-
-        return self.chunk(self.model.compiled(("along", self.kernel, mode), make), count)
-
-    def chunk(self, single: ca.Function, count: int) -> Kernel:
-        """``count`` calls, each with the result of the one before; p and ṗ come last."""
-        step = self.kernel.backend.repeated(single, count)
-
-        def make() -> Kernel:
-            sizes = [step.numel_in(k) for k in range(step.n_in())]
-            columns = [ca.MX.sym("i", size, count) for size in sizes[1:-2]]
-            same = [ca.MX.sym("s", size) for size in sizes[-2:]]
-            first = ca.MX.sym("first", sizes[0])
-            out = step.mapaccum(count)(first, *columns, *(ca.repmat(s, 1, count) for s in same))
-            return Kernel(ca.Function("chunk", [first, *columns, *same], [ca.densify(out)]))
-
-        return self.model.compiled(("second_chunk", step, count), make)
+        return repeated(self.kernel, _along(self.kernel, mode), count)
 
     def sampled(self, changes: np.ndarray) -> np.ndarray:
         """(n, K) ``ẋ`` at the outputs."""
@@ -111,3 +90,30 @@ class DirectionalMarch(MarchedSample):
         """Where the partial steps to these outputs begin, and how long they are."""
         k, p = self.branches.index[part], np.tile(self.p[:, None], part.size)
         return self.steps.t[k], self.branches.length[part], self.steps.x[:, k], p
+
+
+@once
+def _along(kernel: DynamicsKernel, mode: int) -> ca.Function:
+    """``(ẋ, t, h, flag, x, p, ṗ) → ẋ`` of one step."""
+    step = kernel.variants[mode].step
+    call, symbolic = flagged(step, kernel.fixed.period, lambda s: s.tangent)
+    kind: Any = ca.SX if symbolic else ca.MX
+    dx, x = kind.sym("dx", step.size), kind.sym("x", step.size)
+    p, dp = kind.sym("p", step.parameter_count), kind.sym("dp", step.parameter_count)
+    t, h, flag = (kind.sym(s) for s in ("t", "h", "flag"))
+    return ca.Function("along", [dx, t, h, flag, x, p, dp], [call(flag, t, h, x, p, dx, dp)])
+
+
+def repeated(kernel: DynamicsKernel, single: ca.Function, count: int) -> Kernel:
+    """``count`` calls, each with the result of the one before; p and ṗ come last."""
+    return _chunk(kernel, kernel.backend.repeated(single, count), count)
+
+
+@once
+def _chunk(kernel: DynamicsKernel, step: ca.Function, count: int) -> Kernel:
+    sizes = [step.numel_in(k) for k in range(step.n_in())]
+    columns = [ca.MX.sym("i", size, count) for size in sizes[1:-2]]
+    same = [ca.MX.sym("s", size) for size in sizes[-2:]]
+    first = ca.MX.sym("first", sizes[0])
+    out = step.mapaccum(count)(first, *columns, *(ca.repmat(s, 1, count) for s in same))
+    return Kernel(ca.Function("chunk", [first, *columns, *same], [ca.densify(out)]))

@@ -9,12 +9,12 @@ import numpy as np
 
 from dalembert.analysis.branches import Branches
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.analysis.flow import measured
 from dalembert.analysis.variant import Variant
 from dalembert.integrators.step import Step
 from dalembert.integrators.steps import Steps
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.once import once
 
 
 class MarchedSample:
@@ -62,21 +62,27 @@ class MarchedSample:
 
     def measured(self, variant: Variant) -> ImplicitFunction:
         """``(t, x, p) → measure``, accelerations and multipliers included."""
-        return measured(self.kernel, variant, self.sample.measure)
+        return variant.measured(self.sample.measure)
 
     @property
     def first_step(self) -> Step:
         return self.step_of(self.steps.mode[0] if self.steps.count else -1)
 
-    def memory_tangent(self, memory: ca.Function) -> ca.Function:
-        """``(t, x, p, m, dt, dx, dp) → dm`` of the memory ``m(t, x, p)`` at the start."""
-        return self.model.compiled(("memory tangent", memory), lambda: memory.forward(1))
-
-    def memory_adjoint(self, memory: ca.Function) -> ca.Function:
-        """``(t, x, p, m, m̄) → (t̄, x̄, p̄)``."""
-        return self.model.compiled(("memory adjoint", memory), lambda: memory.reverse(1))
-
     def assembled(self) -> tuple[np.ndarray, np.ndarray]:
         """Initial poses and speeds of the bodies."""
         state = self.model.assemble(self.p, float(self.steps.t[0]))
         return state.y, state.v
+
+
+@once
+def memory_tangent(step: Step) -> ca.Function:
+    """``(t, x, p, m, dt, dx, dp) → dm`` of the memory ``m(t, x, p)`` at the start."""
+    assert step.begin is not None
+    return step.begin.forward(1)
+
+
+@once
+def memory_adjoint(step: Step) -> ca.Function:
+    """``(t, x, p, m, m̄) → (t̄, x̄, p̄)``."""
+    assert step.begin is not None
+    return step.begin.reverse(1)

@@ -11,15 +11,16 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.march import CHUNK, flagged
-from dalembert.integrators.step import Step
 from dalembert.integrators.steps import run_length
 from dalembert.integrators.sundials import SundialsIntegrator
-from dalembert.sensitivity.marching.directional_march import DirectionalMarch
+from dalembert.sensitivity.marching.directional_march import DirectionalMarch, repeated
 from dalembert.sensitivity.marching.second_step import second_begin, second_step
 from dalembert.sensitivity.samples import Sample, weights_change
 from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.once import once
 
 
 class SecondMarch(DirectionalMarch):
@@ -79,15 +80,12 @@ class SecondMarch(DirectionalMarch):
         np.add.at(injected.T, k[self.ends] + 1, pairs[:, self.ends].T)
         for mode, part in self.inside():
             along = np.tile(self.direction[:, None], part.size)
-            *back, more = self.kernel.over(self._second(self.step_of(mode)), part.size)(
+            *back, more = self.kernel.over(second_step(self.step_of(mode)), part.size)(
                 *self.partial(part), pairs[:n, part], changes[:, k[part]], along, pairs[n:, part]
             )
             np.add.at(injected.T, k[part], np.vstack(back).T)
             p_bar += more.sum(axis=1)
         return injected, p_bar
-
-    def _second(self, step: Step) -> ca.Function:
-        return self.model.compiled(("second_step", step), lambda: second_step(step))
 
     def _march_back(self, injected, changes) -> tuple[np.ndarray, np.ndarray]:
         n, steps = self.size, self.steps
@@ -104,28 +102,16 @@ class SecondMarch(DirectionalMarch):
         return carried[: 2 * n], carried[2 * n :]
 
     def _backward(self, count: int, mode: int) -> Kernel:
-        def make() -> ca.Function:
-            n, m = self.size, self.p.size
-            call, symbolic = flagged(self.step_of(mode), self.period, self._second)
-            kind: Any = ca.SX if symbolic else ca.MX
-            sizes = {"c": 2 * n + m, "x": n, "dx": n, "i": 2 * n, "p": m, "dp": m}
-            c, x, dx, inject, p, dp = (kind.sym(s, k) for s, k in sizes.items())
-            t, h, flag = (kind.sym(s) for s in ("t", "h", "flag"))
-            x_bar, change, more = call(flag, t, h, x, p, c[:n], dx, dp, c[n : 2 * n])
-            following = ca.vertcat(ca.vertcat(x_bar, change) + inject, c[2 * n :] + more)
-            return ca.Function("back", [c, t, h, flag, x, dx, inject, p, dp], [following])
-
-        return self.chunk(self.model.compiled(("second_back", self.kernel, mode), make), count)
+        return repeated(self.kernel, _back(self.kernel, mode), count)
 
     def _through_start(self, pair: np.ndarray) -> np.ndarray:
         """``d p̄`` through the assembled initial state."""
         t, p, d, n = float(self.steps.t[0]), self.p, self.direction, self.size
         (y, v), start, size = self.assembled(), self.kernel.start, self.first_step.state_size
         weight, turned, found = pair[:size], pair[n : n + size], np.zeros(p.size)
-        if (memory := self.first_step.begin) is not None:
+        if self.first_step.begin is not None:
             x0, dx = self.steps.x[:size, 0], self.first[:size]
-            second = self.model.compiled(("second_begin", memory), lambda: second_begin(memory))
-            back = second(t, x0, p, pair[size:n], dx, d, pair[n + size :])
+            back = second_begin(self.first_step)(t, x0, p, pair[size:n], dx, d, pair[n + size :])
             more, change, found = (part.full().ravel() for part in back)
             weight, turned = weight + more, turned + change
         given = (t, y, v, p, weight)
@@ -135,3 +121,18 @@ class SecondMarch(DirectionalMarch):
             t, y, p, y_bar, v_bar, 0, np.zeros(y.size), d, rates[1], rates[2]
         )
         return found + rates[3].full().ravel() + first[2].full().ravel()
+
+
+@once
+def _back(kernel: DynamicsKernel, mode: int) -> ca.Function:
+    """One step backwards: ``[x̄; d x̄; d p̄]`` that is carried, and what is seen on the way."""
+    step = kernel.variants[mode].step
+    n, m = step.size, step.parameter_count
+    call, symbolic = flagged(step, kernel.fixed.period, second_step)
+    kind: Any = ca.SX if symbolic else ca.MX
+    sizes = {"c": 2 * n + m, "x": n, "dx": n, "i": 2 * n, "p": m, "dp": m}
+    c, x, dx, inject, p, dp = (kind.sym(s, k) for s, k in sizes.items())
+    t, h, flag = (kind.sym(s) for s in ("t", "h", "flag"))
+    x_bar, change, more = call(flag, t, h, x, p, c[:n], dx, dp, c[n : 2 * n])
+    following = ca.vertcat(ca.vertcat(x_bar, change) + inject, c[2 * n :] + more)
+    return ca.Function("back", [c, t, h, flag, x, dx, inject, p, dp], [following])

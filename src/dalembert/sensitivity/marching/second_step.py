@@ -13,17 +13,22 @@ import casadi as ca
 from dalembert.integrators.explicit_step import ExplicitStep
 from dalembert.integrators.step import Step
 from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.once import once
 
 Pair = tuple[ca.SX, ca.SX]
 
 
+@once
 def second_step(step: Step) -> ca.Function:
     """``(t, h, x, p, x̄⁺, ẋ, ṗ, d x̄⁺) → (x̄, d x̄, d p̄)``."""
     return _explicit(step) if isinstance(step, ExplicitStep) else _along(step.adjoint)
 
 
-def second_begin(begin: ca.Function) -> ca.Function:
+@once
+def second_begin(step: Step) -> ca.Function:
     """``(t, x, p, m̄, ẋ, ṗ, d m̄) → (x̄, d x̄, d p̄)`` of a memory ``m(t, x, p)``."""
+    begin = step.begin
+    assert begin is not None
     t, x, p = (ca.MX.sym(begin.name_in(k), begin.size_in(k)) for k in range(3))
     weight = ca.MX.sym("w", begin.size_out(0))
     _, x_bar, p_bar = begin.reverse(1)(t, x, p, begin(t, x, p), weight)
