@@ -14,10 +14,6 @@ from dalembert.model.model import Model
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.motion import Motion
 
-FEASIBLE = 1e-6
-"""Violation of a limit, relative to its size, that counts as none."""
-
-
 @dataclass(frozen=True)
 class Limit:
     """``lower ≤ response ≤ upper``; equal limits make an equation.
@@ -43,7 +39,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Iterate:
-    """One accepted design."""
+    """The design after one iteration."""
 
     parameters: dict[str, float]
     objective: float
@@ -60,7 +56,7 @@ class Optimum:
     fun : objective there
     success, message : how the optimiser ended
     gradient : of the objective
-    history : accepted designs, the start first
+    history : the design after every iteration, the start first
     initial, motion : runs of the first and the best design
     at_bounds : parameters that ended at a bound
     active : limits that hold with equality
@@ -189,8 +185,13 @@ class _Slsqp:
         return self.last
 
     def slope(self, z: np.ndarray) -> np.ndarray:
-        found = self.problem.evaluate(self.unscale(z)) or self.best
-        return self.sign * found.gradient[0] * self.width / self.scale
+        """Slope of the objective; SciPy asks for it once an iteration, at the design reached."""
+        x = self.unscale(z)
+        found = self.problem.evaluate(x)
+        if found is not None:
+            self.best = found
+            self.record(x, found)
+        return self.sign * self.best.gradient[0] * self.width / self.scale
 
     def size(self, k: int, bound: float) -> float:
         """What one is for a limit: the bound, or the response at the start."""
@@ -231,16 +232,8 @@ class _Slsqp:
         self.first = self.best = first
         self.scale = max(abs(first.values[0]), 1e-12)
         self.last = self.sign * first.values[0] / self.scale
-        history = [self.iterate(self.x0, first)]
-
-        def after(z: np.ndarray) -> None:
-            found = self.problem.evaluate(self.unscale(z))
-            if found is None or not self.improves(found, history[-1]):
-                return  # SciPy reports trial designs too
-            self.best = found
-            history.append(self.iterate(self.unscale(z), found))
-            self.tell(progress, history)
-
+        self.progress = progress
+        self.history = [self.iterate(self.x0, first)]
         low = (self.lower - self.x0) / self.width
         high = (self.upper - self.x0) / self.width
         outcome = scipy_minimize(
@@ -250,28 +243,24 @@ class _Slsqp:
             method="SLSQP",
             bounds=list(zip(low, high, strict=True)),
             constraints=self.constraints(),
-            callback=after,
             options={"maxiter": max_iterations, "ftol": tolerance},
         )
-        return self.optimum(outcome, history)
+        return self.optimum(outcome)
 
-    @staticmethod
-    def tell(progress, history: list[Iterate]) -> None:
-        if callable(progress):
-            progress(len(history) - 1, history[-1].objective)
-        elif progress:
-            print(f"iteration {len(history) - 1}: {history[-1].objective:.8g}")
+    def record(self, x: np.ndarray, found) -> None:
+        """Keep and tell a design, unless it is the last one."""
+        reached = self.iterate(x, found)
+        if reached.parameters == self.history[-1].parameters:
+            return
+        self.history.append(reached)
+        number = len(self.history) - 1
+        if callable(self.progress):
+            self.progress(number, reached.objective)
+        elif self.progress:
+            print(f"iteration {number}: {reached.objective:.8g}")
 
     def iterate(self, x: np.ndarray, found) -> Iterate:
         return Iterate(self.problem.parameters(x), float(found.values[0]), self.violation(found))
-
-    def improves(self, found, last: Iterate) -> bool:
-        """Nearer to the limits, or a better objective at no greater violation."""
-        violation = self.violation(found)
-        if violation < 0.999 * last.violation and last.violation > FEASIBLE:
-            return True
-        better = self.sign * found.values[0] < self.sign * last.objective
-        return bool(better and violation <= max(last.violation, FEASIBLE))
 
     def violation(self, found) -> float:
         worst = 0.0
@@ -283,14 +272,15 @@ class _Slsqp:
                 worst = max(worst, (value - limit.upper) / self.size(k, limit.upper))
         return float(worst)
 
-    def optimum(self, outcome, history: list[Iterate]) -> Optimum:
+    def optimum(self, outcome) -> Optimum:
         x = self.unscale(outcome.x)
         found = self.problem.evaluate(x)
-        message = str(outcome.message)
+        success, message = bool(outcome.success), str(outcome.message)
         if found is None:
-            kept = history[-1]
-            x = np.array([kept.parameters[n] for n in self.names])
+            success = False
+            x = np.array([self.history[-1].parameters[n] for n in self.names])
             found, message = self.best, f"ended at a design that fails: {self.problem.failures[-1]}"
+        self.record(x, found)
         near = 1e-6 * self.width
         at_bounds = [
             n
@@ -308,10 +298,10 @@ class _Slsqp:
         return Optimum(
             x=self.problem.parameters(x),
             fun=float(found.values[0]),
-            success=bool(outcome.success) and found is not None,
+            success=success,
             message=message,
             gradient=dict(zip(self.names, found.gradient[0], strict=True)),
-            history=history,
+            history=self.history,
             initial=self.first.motion,
             motion=found.motion,
             at_bounds=at_bounds,

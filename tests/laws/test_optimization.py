@@ -1,0 +1,36 @@
+"""What an optimisation tells of its way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+
+
+def test_every_iteration_is_recorded_whether_or_not_it_improves():
+    """Along a circle of equal speed every step leaves the limit that the start keeps."""
+    system = da.System("thrown", gravity=(0.0, -10.0))
+    speed = [system.parameter(name, 1.0, bounds=(0.1, 9.0)) for name in ("vx", "vy")]
+    ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0), velocity=speed))
+    told: list[tuple[int, float]] = []
+    best = da.optimize(
+        system.build(),
+        maximize=da.final(ball.x + ball.y, name="reach"),
+        subject_to=[da.Limit(da.at(0.0, ball.vx**2 + ball.vy**2, name="speed²"), 25.0, 25.0)],
+        analysis=da.Dynamics(0.5, step=0.05),
+        start={"vx": 3.0, "vy": 4.0},
+        progress=lambda number, objective: told.append((number, objective)),
+    )
+    assert best.success
+    np.testing.assert_allclose(list(best.x.values()), 5 / math.sqrt(2), rtol=1e-6)
+    designs = [tuple(i.parameters.values()) for i in best.history]
+    assert designs[0] == (3.0, 4.0) and designs[-1] == tuple(best.x.values())
+    assert len(designs) > 4 and len(set(designs)) == len(designs)
+    assert told == [(k, i.objective) for k, i in enumerate(best.history)][1:]
+    for (vx, vy), kept in zip(designs, best.history, strict=True):
+        assert kept.objective == pytest.approx((vx + vy) / 2 - 1.25)
+        assert kept.violation == pytest.approx(abs(vx**2 + vy**2 - 25) / 25, abs=1e-12)
