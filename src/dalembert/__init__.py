@@ -99,6 +99,7 @@ from dalembert.responses import (
     Minimum,
     Response,
     Rms,
+    Total,
     at,
     at_event,
     evaluate,
@@ -109,6 +110,7 @@ from dalembert.responses import (
     mean,
     minimum,
     rms,
+    total,
 )
 from dalembert.results.comparison.result import Comparison
 from dalembert.results.motion import Motion
@@ -261,6 +263,7 @@ __all__ = [
     "Structure",
     "System",
     "Table",
+    "Total",
     "Transient",
     "Trapezoidal",
     "UnsupportedError",
@@ -318,6 +321,7 @@ __all__ = [
     "tan",
     "tanh",
     "tornado",
+    "total",
     "u",
     "where",
 ]

@@ -36,9 +36,9 @@ def driven_instant(motion: Motion, occurrence: Occurrence) -> float:
     return locate(value, float(path.time[k]), float(path.time[k + 1]))
 
 
-def measure_rate(motion: Motion, measure: Expression) -> float:
-    """``ṁ`` at the last instant, the total derivative along the driven motion."""
+def measure_rate(motion: Motion, measure: Expression, k: int = -1) -> float:
+    """``ṁ`` at the ``k``-th instant, the total derivative along the driven motion."""
     s, p = motion.trajectory, motion.parameters
-    y = motion.record.kernel.near(s)[:, -1]
+    y = motion.record.kernel.near(s)[:, k]
     tangent = motion.record.kernel.measured(measure).tangent
-    return float(tangent(s.t[-1], y, p, 1.0, np.zeros(y.size), np.zeros(p.size)))
+    return float(tangent(s.t[k], y, p, 1.0, np.zeros(y.size), np.zeros(p.size)))

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.branches import Branches, place_outputs
+from dalembert.analysis.branches import Branches, outputs_of, place_outputs
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics_run import DynamicsRun
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.instants import end_by_event, ended_again, instant_of
+from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.range_space import RangeSpace
@@ -33,6 +34,8 @@ STRATEGIES = {
     "integrator": (Integrator, RK4),
 }
 """What each choice of a run must be, and what it usually is."""
+OF_OUTPUTS = 4
+"""Order of the quadrature through the ends of equal steps."""
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,18 @@ class Dynamics:
             A time outside the run.
         """
         return self._sampled(motion, times, place_outputs(motion.record.steps, times))
+
+    def over_steps(self, motion: Motion) -> Motion:
+        """The motion where integrals over the run look at it."""
+        record: DynamicsRecord = motion.record
+        kernel, steps, order = record.kernel, record.steps, self.integrator.order
+        if steps.count and (kernel.adaptive is not None or order > OF_OUTPUTS):
+            points = StepQuadrature(steps, order)
+            made = self._sampled(motion, points.times, points.branches)
+            return replace(made, record=replace(made.record, quadrature=points))
+        if self.outputs is None or motion.time.size > steps.count:
+            return motion
+        return self._sampled(motion, *outputs_of(steps, None, end_by_event(motion) is not None))
 
     def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
         """The motion at the instant of an event.

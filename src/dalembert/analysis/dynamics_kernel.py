@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.branches import Branches
+from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.analysis.variant import Variant
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation
@@ -35,13 +36,15 @@ BLOCK = 5000
 class DynamicsRecord:
     """What a gradient needs of a run: the steps taken and the branches to the outputs.
 
-    ``origin`` is the run that this one repeats, if it does.
+    ``origin`` is the run that this one repeats, if it does; ``quadrature`` holds the weights that
+    make integrals of the outputs, where these are points inside steps.
     """
 
     kernel: DynamicsKernel
     steps: Steps
     branches: Branches
     origin: Recording | None = None
+    quadrature: StepQuadrature | None = None
 
 
 class DynamicsKernel:

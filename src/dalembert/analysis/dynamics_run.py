@@ -15,6 +15,7 @@ from dalembert.analysis.dynamics_status import Ending, statistics
 from dalembert.analysis.event_search import EventSearch
 from dalembert.analysis.events import as_events
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.step_accuracy import StepAccuracy
 from dalembert.analysis.timeline import (
     check_driver_laws,
     checked_span,
@@ -89,7 +90,11 @@ class DynamicsRun:
         if exchanged <= 1e-9 * np.max(motion.values("kinetic_energy"), initial=0.0):
             exchanged = 0.0
         freedom = self.model.diagnosis.free
-        return doubts(a.formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
+        found = doubts(a.formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
+        fed_back = a.stabilization.feedback or a.formulation.feedback
+        if motion.status.success and not (a.integrator.controls_error or fed_back):
+            found += StepAccuracy(self.kernel, motion.record.steps, self.p).doubts
+        return found
 
     def execute(self, progress) -> Motion:
         begin = clock.perf_counter()

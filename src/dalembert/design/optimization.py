@@ -14,6 +14,7 @@ from dalembert.model.model import Model
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.motion import Motion
 
+
 @dataclass(frozen=True)
 class Limit:
     """``lower ≤ response ≤ upper``; equal limits make an equation.

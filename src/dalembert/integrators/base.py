@@ -82,6 +82,16 @@ class Integrator:
         return False
 
     @property
+    def controls_error(self) -> bool:
+        """Keeps its errors below a tolerance, by the length of its steps or inside them."""
+        return self.adaptive
+
+    @property
+    def order(self) -> int:
+        """Order to which integrals over the run follow its steps."""
+        return 4
+
+    @property
     def longest_step(self) -> float | None:
         """Longest step of an adaptive method [s], if limited."""
         return None

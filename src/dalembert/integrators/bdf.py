@@ -71,6 +71,10 @@ class Bdf(Integrator):
         return True
 
     @property
+    def order(self) -> int:
+        return self.max_order
+
+    @property
     def longest_step(self) -> float | None:
         return self.max_step
 

@@ -80,6 +80,10 @@ class Radau(ImplicitRungeKutta):
         return not self.fixed
 
     @property
+    def order(self) -> int:
+        return self.matrix.order
+
+    @property
     def longest_step(self) -> float | None:
         return self.max_step
 

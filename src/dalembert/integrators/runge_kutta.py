@@ -119,6 +119,10 @@ class AdaptiveRungeKutta(ExplicitRungeKutta):
         return True
 
     @property
+    def order(self) -> int:
+        return self.tableau.order
+
+    @property
     def longest_step(self) -> float | None:
         return self.max_step
 

@@ -49,6 +49,10 @@ class SundialsIntegrator(Integrator, ABC):
         check_tolerances(self.name, self.rtol, self.atol)
 
     @property
+    def controls_error(self) -> bool:
+        return True
+
+    @property
     def options(self) -> dict:
         """What SUNDIALS is told."""
         return {

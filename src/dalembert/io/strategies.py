@@ -19,7 +19,7 @@ from dalembert.model.registry import COORDINATES
 from dalembert.responses.base import Response
 from dalembert.responses.events import AtEvent
 from dalembert.responses.extremes import Maximum, Minimum
-from dalembert.responses.integrals import Integral, Mean, Rms
+from dalembert.responses.integrals import Integral, Mean, Rms, Total
 from dalembert.responses.values import At, Final
 
 STRATEGIES: dict[str, dict[str, type]] = {
@@ -54,6 +54,7 @@ RESPONSES: dict[str, type[Response]] = {
     "Integral": Integral,
     "Mean": Mean,
     "Rms": Rms,
+    "Total": Total,
     "Maximum": Maximum,
     "Minimum": Minimum,
 }

@@ -3,7 +3,7 @@
 from dalembert.responses.base import Response, evaluate
 from dalembert.responses.events import AtEvent, at_event, event_time
 from dalembert.responses.extremes import Maximum, Minimum, maximum, minimum
-from dalembert.responses.integrals import Integral, Mean, Rms, integral, mean, rms
+from dalembert.responses.integrals import Integral, Mean, Rms, Total, integral, mean, rms, total
 from dalembert.responses.values import At, Final, at, final
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "Minimum",
     "Response",
     "Rms",
+    "Total",
     "at",
     "at_event",
     "evaluate",
@@ -26,4 +27,5 @@ __all__ = [
     "mean",
     "minimum",
     "rms",
+    "total",
 ]

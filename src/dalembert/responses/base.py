@@ -83,6 +83,10 @@ class Response:
         """``∂R/∂t_k`` with the samples held."""
         return np.zeros(times.size)
 
+    def shares(self, times: np.ndarray) -> np.ndarray:
+        """How far each sample moves in time when the last one moves by one, with an event."""
+        return np.eye(1, times.size, times.size - 1).ravel()
+
     def unit(self, unit: str) -> str:
         """Unit of the response for a measure in ``unit``."""
         return unit

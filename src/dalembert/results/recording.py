@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -102,6 +103,12 @@ class Recording:
     def at(self, times: np.ndarray) -> Self:
         """The same motion sampled at other times, by the steps that were taken."""
         return self.analysis.resample(self, np.asarray(times, dtype=float))
+
+    @cached_property
+    def over_steps(self) -> Self:
+        """The same motion where integrals over it look: its outputs, or points of its steps."""
+        look = getattr(self.analysis, "over_steps", None)
+        return self if look is None else look(self)
 
     def __repr__(self) -> str:
         span = f"{self.time[0]:g}…{self.time[-1]:g} s" if self.time.size else "no times"

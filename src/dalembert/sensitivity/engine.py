@@ -47,8 +47,8 @@ class Engine:
             f"second derivatives of {kind} are not available; take differences of gradients"
         )
 
-    def rate(self, sample: Sample) -> float:
-        """``ṁ`` of a sample's measure along the motion, at its last instant."""
+    def rate(self, sample: Sample, k: int = -1) -> float:
+        """``ṁ`` of a sample's measure along the motion, at its ``k``-th instant."""
         raise NotImplementedError
 
 

@@ -3,9 +3,10 @@
 At an event ``g(t*, x, p) = 0`` the instant moves by ``dt*/dp = −(dg/dp)/ġ``, and a response with
 its last sample there by
 
-    dR/dp = Σ w_k dm_k/dp + (w_K ṁ + ∂R/∂t_K) dt*/dp,
+    dR/dp = Σ w_k dm_k/dp + (Σ w_k s_k ṁ_k + ∂R/∂t_K) dt*/dp,
 
-where ``d/dp`` is taken at fixed times and the dot along the motion (Bestle and Eberhard 1992). So
+where ``s_k`` is one for the last sample, zero for others but those inside a last step that grows,
+and ``d/dp`` is taken at fixed times and the dot along the motion (Bestle and Eberhard 1992). So
 it is the gradient of the response minus a multiple of that of ``g``, both of any engine.
 """
 
@@ -152,12 +153,15 @@ class EventEngine(Engine):
         gates: dict[Occurrence, Gate] = {}
         shares: list[tuple[int, int, float]] = []
         for i, sample in enumerate(samples):
-            which, seen = sample.moves_with, float(sample.weights[-1])
-            if which is None or not (seen or sample.time_weights[-1]):
+            which, seen = sample.moves_with, sample.weights * sample.shares
+            moving = np.flatnonzero(seen)
+            if which is None or not (moving.size or sample.time_weights[-1]):
                 continue
             gate = gates.setdefault(which, Gate(motion, which, engine))
             gate.refuse_company()
-            moves = sample.time_weights[-1] + (seen * engine.rate(sample) if seen else 0.0)
+            moves = sample.time_weights[-1] + sum(
+                seen[k] * engine.rate(sample, int(k)) for k in moving
+            )
             shares.append((i, list(gates).index(which), -moves / gate.rate))
         self.fixed = kind([*samples, *(gate.sample for gate in gates.values())])
         self.mix = np.eye(len(self.samples), len(self.fixed.samples))

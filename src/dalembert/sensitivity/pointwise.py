@@ -89,5 +89,5 @@ class PointwiseEngine(RowEngine):
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:
         return np.array([row.hessian_product(direction) for row in self._rows()])
 
-    def rate(self, sample: Sample) -> float:
-        return measure_rate(sample.motion, sample.measure)
+    def rate(self, sample: Sample, k: int = -1) -> float:
+        return measure_rate(sample.motion, sample.measure, k)

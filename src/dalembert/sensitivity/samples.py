@@ -23,6 +23,7 @@ class Sample:
     value : ``R(m)``
     weights : (K,) ``∂R/∂m_k``
     time_weights : (K,) ``∂R/∂t_k``
+    shares : (K,) how far each sample moves in time when the last one moves by one
     moves_with : the event at whose instant the last sample is taken, or None
     """
 
@@ -32,6 +33,7 @@ class Sample:
     value: float
     weights: np.ndarray
     time_weights: np.ndarray
+    shares: np.ndarray
     moves_with: Occurrence | None = None
 
 
@@ -45,6 +47,7 @@ def take_sample(motion: Motion, response: Response) -> Sample:
     """Evaluate a response and its weights on a motion."""
     sampled = response.sampled(motion)
     measure = scalar_measure(motion, response)
+    moves_with = response.moves_with(motion)
     values, response = sampled.values(measure), response.over(motion)
     return Sample(
         response,
@@ -53,5 +56,6 @@ def take_sample(motion: Motion, response: Response) -> Sample:
         response.reduce(sampled.time, values),
         response.weights(sampled.time, values),
         response.time_weights(sampled.time, values),
-        response.moves_with(motion),
+        response.shares(sampled.time),
+        moves_with,
     )

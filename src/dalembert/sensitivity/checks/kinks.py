@@ -84,11 +84,12 @@ def refuse_kinks(motion: Motion, responses: Sequence[Response], columns: Sequenc
     for response in responses:
         if not isinstance(response, Rms):
             continue
-        samples = motion.values(scalar_measure(motion, response))
+        seen = response.sampled(motion)
+        samples = seen.values(scalar_measure(seen, response))
         if samples.any():
             continue
         try:
-            moves = bool(_slopes(motion, response, np.arange(samples.size), columns).any())
+            moves = bool(_slopes(seen, response, np.arange(samples.size), columns).any())
         except UnsupportedError:
             moves = True
         if moves:

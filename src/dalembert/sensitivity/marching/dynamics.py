@@ -26,8 +26,8 @@ class DynamicsEngine(Engine):
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:
         return np.array([SecondMarch(s, direction).product() for s in self.samples])
 
-    def rate(self, sample: Sample) -> float:
+    def rate(self, sample: Sample, k: int = -1) -> float:
         record = sample.motion.record
         flow = Flow(record.kernel, record.steps, sample.motion.parameters)
-        k, length = int(record.branches.index[-1]), float(record.branches.length[-1])
-        return flow.rate(sample.measure, k, length)
+        step, length = int(record.branches.index[k]), float(record.branches.length[k])
+        return flow.rate(sample.measure, step, length)

@@ -1,0 +1,88 @@
+"""Integrals over runs are as exact as the runs, whatever the outputs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from registry import INTEGRATORS
+from test_bdf import chain
+
+import dalembert as da
+from dalembert.analysis.dynamics import Dynamics
+
+SPEED, SPIN = "lower.angular_velocity", da.integral("lower.angular_velocity", name="turned")
+ANGLE = da.final("lower.angle")
+ADAPTIVE = {
+    "DormandPrince": da.DormandPrince(1e-10, 1e-10),
+    "DormandPrince853": da.DormandPrince853(1e-10, 1e-10),
+    "Radau": da.Radau(1e-10, 1e-10),
+    "Bdf": da.Bdf(1e-8, 1e-8),
+    "Bdf of order 2": da.Bdf(1e-5, 1e-5, max_order=2),
+}
+
+
+@pytest.mark.parametrize("name", ADAPTIVE)
+def test_the_integral_of_a_speed_is_the_change_of_the_angle(name):
+    """To the tolerance, and so are its gradients, which are the derivatives of the quadrature."""
+    integrator = ADAPTIVE[name]
+    analysis = Dynamics(2.0, integrator=integrator, outputs=5)
+    motion = analysis.run(chain())
+    start = da.at(0.0, "lower.angle")
+    assert da.evaluate(motion, SPIN) == pytest.approx(
+        da.evaluate(motion, ANGLE) - da.evaluate(motion, start), rel=20 * integrator.rtol
+    )
+    adjoint, direct = (
+        da.sensitivity(motion, [SPIN, ANGLE, start], method=method).values
+        for method in ("adjoint", "direct")
+    )
+    size = np.abs(adjoint).max()
+    np.testing.assert_allclose(direct, adjoint, rtol=0, atol=1e-12 * size)
+    rest = adjoint[0] - adjoint[1] + adjoint[2]
+    assert np.abs(rest).max() < 100 * integrator.rtol * size
+    differences = da.sensitivity(motion, SPIN, method=da.FiniteDifference("richardson", 1e-3))
+    np.testing.assert_allclose(differences.values[0], adjoint[0], rtol=0, atol=1e-7 * size)
+
+
+@pytest.mark.parametrize("kind", [da.integral, da.mean, da.rms])
+@pytest.mark.parametrize("integrator", [da.RK4(), da.DormandPrince(), da.Radau(fixed=True)])
+def test_outputs_do_not_matter(integrator, kind):
+    runs = [
+        Dynamics(0.5, step=None if integrator.adaptive else 0.02, integrator=integrator, outputs=n)
+        for n in (None, 3, [0.1, 0.4])
+    ]
+    values = [da.evaluate(run.run(chain()), kind(SPEED)) for run in runs]
+    np.testing.assert_allclose(values, values[0], rtol=1e-13)
+
+
+ORDERS = {"Euler": 1, "Heun": 2, "RK4": 4, "Trapezoidal": 2, "GeneralizedAlpha": 2, "Radau": 5}
+
+
+@pytest.mark.parametrize("name", ORDERS)
+def test_integrals_of_fixed_steps_converge_with_the_order(name):
+    integrator = da.Radau(fixed=True) if name == "Radau" else INTEGRATORS[name]
+    fine = Dynamics(0.64, integrator=da.DormandPrince853(1e-13, 1e-13)).run(chain())
+    exact = da.evaluate(fine, da.final("lower.angle")) - da.evaluate(fine, da.at(0, "lower.angle"))
+    counts = np.array([8, 16] if name == "Radau" else [20, 40])
+    errors = [
+        abs(
+            da.evaluate(
+                Dynamics(0.64, step=0.64 / n, integrator=integrator, outputs=3).run(chain()), SPIN
+            )
+            - exact
+        )
+        for n in counts
+    ]
+    order = -np.diff(np.log(errors))[0] / np.log(2)
+    assert order > ORDERS[name] - 0.35
+
+
+def test_totals_add_the_outputs():
+    motion = Dynamics(0.5, step=0.02, outputs=[0.1, 0.2, 0.45]).run(chain())
+    total = da.total(SPEED)
+    assert da.evaluate(motion, total) == pytest.approx(float(motion[SPEED].sum()), rel=1e-14)
+    parts = [da.at(t, SPEED, name=f"{t}") for t in (0.1, 0.2, 0.45)]
+    for method in ("adjoint", "direct"):
+        expected = da.sensitivity(motion, parts, method=method).values.sum(axis=0)
+        found = da.sensitivity(motion, total, method=method)
+        np.testing.assert_allclose(found.values[0], expected, rtol=1e-12, atol=1e-14)
+    assert found.response_unit.item() == motion.expression(SPEED).unit

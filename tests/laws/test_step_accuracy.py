@@ -1,0 +1,69 @@
+"""Runs of fixed steps that are too long say so, with a step that would do."""
+
+from __future__ import annotations
+
+import functools
+import re
+
+import numpy as np
+import pytest
+from registry import INTEGRATORS
+
+import dalembert as da
+from dalembert import planar
+
+FIXED = [n for n, i in INTEGRATORS.items() if not i.controls_error and n != "Euler"]
+END = 0.05
+
+
+@functools.cache
+def gear():
+    """A planet on a fast arm."""
+    system = da.System("planetary", gravity=(0.0, -9.81))
+    arm = system.add(planar.Bar("arm", length=0.2, mass=1.0, angle=0.0, angular_velocity=500.0))
+    planet = system.add(
+        planar.Body("planet", mass=0.4, inertia=1e-3, position=(0.1, 0.0), angular_velocity=-300.0)
+    )
+    system.add(planar.Revolute("sun", system.ground.center, arm.start))
+    system.add(planar.Revolute("axle", arm.end, planet.center))
+    return system.build()
+
+
+def run(step: float | None, integrator: da.RK4, **options):
+    return da.solve_dynamics(gear(), END, step=step, integrator=integrator, **options)
+
+
+@functools.cache
+def exact() -> float:
+    return run(None, da.DormandPrince853(1e-12, 1e-12)).values("arm.angle")[-1]
+
+
+@pytest.mark.parametrize("name", FIXED)
+def test_steps_that_are_too_long_are_told_with_those_that_do(name):
+    """The advice is followed until there is none; then the run is right to a few per cent."""
+    integrator, step, trials = INTEGRATORS[name], 5e-3, 0
+    while trials < 8:  # 2.5 rad a step at first
+        motion = run(step, integrator, outputs=2)
+        told = [re.search("; steps of (.*) s or", text) for text in motion.warnings]
+        wanted = [float(found[1]) for found in told if found]
+        if motion.status.success and not wanted:
+            break
+        step, trials = (wanted[0] if wanted else step / 2), trials + 1
+    assert 0 < trials < 8
+    assert abs(motion.values("arm.angle")[-1] / exact() - 1) < 0.05
+
+
+@pytest.mark.parametrize("memory", [2.0**28, 1e3])
+def test_the_number_is_about_the_error(memory):
+    """And the same where few states are kept."""
+    motion = run(1e-3, da.Trapezoidal(), outputs=2, memory=memory)
+    (text,) = motion.warnings
+    share = float(re.search("about (.*)% of", text)[1]) / 100  # type: ignore[index]
+    found = abs(motion.values("arm.angle")[-1] - exact()) / np.ptp([0, exact()])
+    assert found / 10 < share < 100 * found
+
+
+def test_short_steps_and_error_control_are_not_doubted():
+    assert not run(2e-5, da.RK4()).warnings
+    assert not run(None, da.DormandPrince()).warnings
+    assert not run(1e-2, da.Cvodes()).warnings
