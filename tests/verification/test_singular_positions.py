@@ -96,6 +96,14 @@ def test_range_space_says_where_it_breaks_down_and_what_passes(motor):
     assert motion.status.outcome is Outcome.SINGULAR
     assert "formulation=AugmentedLagrangian()" in motion.status.message
     assert "t = 1 s" in motion.status.message
+    assert "O0, O1, A0, A1 lose their independence" in motion.status.message
+    assert ("driver 'motor' at crank0.angle = 0 rad (0°)" in motion.status.message) is motor
+
+
+def test_kinematics_that_begins_in_a_singular_position_names_who_is_concerned():
+    wrong = r"driver 'motor' at crank0.angle = 0 rad \(0°\): O0, O1, A0, A1 lose their independence"
+    with pytest.raises(da.AnalysisError, match=wrong):
+        da.solve_kinematics(parallelogram(motor=True), t_span=(1.0, 2.0))
 
 
 def test_a_step_too_long_is_not_called_singular():

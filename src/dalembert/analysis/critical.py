@@ -1,7 +1,8 @@
 """Dead centres: folds of the solution curve of a driven mechanism.
 
 At a dead centre the curve ``(y(s), t(s))`` of ``Φ(y, t) = 0`` turns back in time. Its point is a
-regular root of the fold system ``Φ = 0, Φ_y n = 0, nᵀn = 1`` (Moore and Spence 1980).
+regular root of the fold system ``Φ = 0, Φ_y n = 0, nᵀn = 1`` (Moore and Spence 1980), here in
+coordinates, equations and times measured by their natural sizes.
 """
 
 from __future__ import annotations
@@ -10,6 +11,13 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
+
+from dalembert.model.scales import Scales
+from dalembert.symbolic.newton import Equations, NewtonSettings, Residual, solve
+
+SETTINGS = NewtonSettings(tolerance=1e-13, slack=1e4, max_iterations=30)
+TURNS = 1e-6
+"""Part of ``Φ_t`` outside the range of ``Φ_y`` from which on the curve turns back."""
 
 
 @dataclass(frozen=True)
@@ -21,48 +29,76 @@ class Fold:
     direction: np.ndarray
 
 
-def find_fold(driven: ca.Function, time: float, y: np.ndarray, p: np.ndarray) -> Fold | None:
+def find_fold(
+    driven: ca.Function, time: float, y: np.ndarray, p: np.ndarray, sizes: Scales, near: float
+) -> Fold | None:
     """Fold nearest to a position just before it, by Newton's method.
 
     Parameters
     ----------
     driven : ``(t, y, p) → Φ, Φ_y, Φ_t``
     time, y : last position reached
+    sizes : natural sizes of coordinates and equations
+    near : how far away it may be [s]
     """
-    n = y.size
-    jacobian = driven(time, y, p)[1].full()
-    direction = np.linalg.svd(jacobian)[2][-1]
-    z = np.concatenate([y, direction, [time]])
-    system = _fold_system(driven, direction)
-    norm = np.inf
-    for _ in range(30):
-        residual, derivative = (a.full() for a in system(z, p))
-        norm = np.abs(residual).max()
-        if not np.isfinite(norm):
-            return None
-        if norm < 1e-13:
-            break
-        try:
-            z = z - np.linalg.solve(derivative, residual.ravel())
-        except np.linalg.LinAlgError:
-            return None
-    near = abs(z[-1] - time) <= 1e-2 * max(1.0, abs(time))
-    if norm > 1e-9 or not near or not _turns_back(driven, z[-1], z[:n], p):
+    system = FoldSystem(driven, time, y, p, sizes, near)
+    found = solve(system, system.start, SETTINGS)
+    after, place, direction = system.split(found.x)
+    if not found.accepted or abs(after) > near or not system.turns_back(found.x):
         return None
-    return Fold(float(z[-1]), z[:n], z[n : 2 * n])
+    return Fold(time + after, place, direction)
 
 
-def _turns_back(driven: ca.Function, time: float, y: np.ndarray, p: np.ndarray) -> bool:
-    """At a fold ``Φ_t`` leaves the range of ``Φ_y``; at a branch point it stays in it."""
-    _, phi_y, phi_t = (a.full() for a in driven(time, y, p))
-    left = np.linalg.svd(phi_y.T)[2][-1]
-    return bool(abs(left @ phi_t.ravel()) > 1e-6 * np.linalg.norm(phi_t))
+class FoldSystem(Equations[np.ndarray]):
+    """Unknown are position, direction and time from the last position, all by natural sizes."""
 
+    def __init__(
+        self,
+        driven: ca.Function,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        sizes: Scales,
+        near: float,
+    ):
+        self.driven, self.time, self.p, self.n = driven, time, p, y.size
+        self.units = np.concatenate([sizes.coordinates, sizes.coordinates, [near]])
+        self.rows = sizes.rows
+        direction = np.linalg.svd(self._tangents(time, y)[0])[2][-1]
+        self.start = np.concatenate([y / sizes.coordinates, direction, [0.0]])
+        self._system = self._compiled(direction)
 
-def _fold_system(driven: ca.Function, direction: np.ndarray) -> ca.Function:
-    n = direction.size
-    z, p = ca.MX.sym("z", 2 * n + 1), ca.MX.sym("p", driven.size1_in(2))
-    phi, phi_y, _ = driven(z[2 * n], z[:n], p)
-    null = z[n : 2 * n]
-    residual = ca.vertcat(phi, ca.mtimes(phi_y, null), ca.dot(ca.DM(direction), null) - 1)
-    return ca.Function("fold", [z, p], [residual, ca.jacobian(residual, z)])
+    def _tangents(self, time: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """``Φ_y`` and ``Φ_t`` by natural sizes."""
+        _, by_y, by_t = (a.full() for a in self.driven(time, y, self.p))
+        unit = self.units[: self.n]
+        return by_y * unit / self.rows[:, None], by_t.ravel() * self.units[-1] / self.rows
+
+    def _compiled(self, direction: np.ndarray) -> ca.Function:
+        n, z = self.n, ca.MX.sym("z", 2 * self.n + 1)
+        moved = z * self.units
+        phi, phi_y, _ = self.driven(self.time + moved[2 * n], moved[:n], self.p)
+        residual = ca.vertcat(
+            phi / self.rows,
+            ca.mtimes(phi_y, moved[n : 2 * n]) / self.rows,
+            ca.dot(ca.DM(direction), z[n : 2 * n]) - 1,
+        )
+        return ca.Function("fold", [z], [residual, ca.jacobian(residual, z)])
+
+    def split(self, z: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """Time after the last position, position and direction, in their units."""
+        moved = z * self.units
+        return float(moved[-1]), moved[: self.n], moved[self.n : -1]
+
+    def residual(self, x: np.ndarray) -> Residual:
+        return Residual(self._system(x)[0].full().ravel(), 1.0)
+
+    def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
+        return -np.asarray(np.linalg.solve(self._system(x)[1].full(), residual.value))
+
+    def turns_back(self, z: np.ndarray) -> bool:
+        """At a fold ``Φ_t`` leaves the range of ``Φ_y``; at a branch point it stays in it."""
+        after, y, _ = self.split(z)
+        by_y, by_t = self._tangents(self.time + after, y)
+        left = np.linalg.svd(by_y.T)[2][-1]
+        return bool(abs(left @ by_t) > TURNS * np.linalg.norm(by_t))

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.analysis.singular_positions import LOST, near_singular_position
+from dalembert.analysis.singular_positions import LOST, SingularPosition, near_singular_position
 from dalembert.integrators.steps import Steps
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
@@ -38,6 +38,7 @@ class Ending:
         self.kernel, self.steps, self.s, self.p = kernel, steps, trajectory, p
         self.following = following
         self.time = float(trajectory.t[-1])
+        self.lost = LOST * kernel.model.scales.length
 
     @cached_property
     def violations(self) -> np.ndarray:
@@ -61,7 +62,7 @@ class Ending:
         unsolved = self.unsolved() if steps.message else ""
         if unsolved:
             return self._ends(Outcome.NOT_CONVERGED, unsolved)
-        lost = steps.message or not residual <= LOST
+        lost = steps.message or not residual <= self.lost
         singular = self.singular_position() if lost else ""
         if singular:
             return self._ends(Outcome.SINGULAR, singular)
@@ -73,7 +74,7 @@ class Ending:
         if not finite.all():
             text = f"accelerations have no unique value at t = {s.t[np.argmin(finite)]:.9g} s"
             return self._ends(Outcome.SINGULAR, text)
-        if self.kernel.variants[0].step.corrects and residual > LOST:
+        if self.kernel.variants[0].step.corrects and residual > self.lost:
             text = f"the projection left a violation of {residual:.3g}; use a shorter step"
             return self._ends(Outcome.NOT_CONVERGED, text)
         return self._ends(Outcome.COMPLETED, f"reached t = {self.time:g} s")
@@ -97,19 +98,27 @@ class Ending:
         """What to say where a run lost its constraints at a singular position; else empty."""
         if self.kernel.formulation.every_equation:
             return ""
-        lost = ~(self.violations < LOST)
+        lost = ~(self.violations < self.lost)
         lost_at = float(self.s.t[np.argmax(lost)] if lost.any() else self.s.t[-1])
         found = near_singular_position(self.kernel.equations, self.steps, self.p, lost_at)
         if found is None:
             return ""
-        time, smallest = found
+        time, smallest, place = found
+        there = SingularPosition(self.kernel.model, time, self.bodies(time, place), self.p)
         cure = "formulation=AugmentedLagrangian() passes through such positions"
         if not self.kernel.model.diagnosis.free:  # beyond a lock there is no motion at all
             cure = f"solve_kinematics tells whether the drivers lock there; if not, {cure}"
         return (
-            f"the constraints were lost at t = {time:.6g} s near a singular position, where the "
-            f"smallest singular value of C is {smallest:.2g}; {cure}"
+            f"the constraints were lost at t = {time:.6g} s near a singular position{there.drivers}"
+            f", where {there.joints} lose their independence (smallest singular value of C "
+            f"{smallest:.2g}); {cure}"
         )
+
+    def bodies(self, time: float, y: np.ndarray) -> np.ndarray:
+        """Coordinates of the bodies for those that are integrated."""
+        view, e = self.kernel.view, self.kernel.equations
+        lifted = view.lift(self.kernel.model.all_equations.y)
+        return ca.Function("lifted", [e.t, e.y, e.p], [lifted])(time, y, self.p).full().ravel()
 
 
 def statistics(
@@ -165,8 +174,10 @@ def _acceleration_residual(kernel: DynamicsKernel, s: Trajectory, p: np.ndarray)
 
 @once
 def _violation(model: Model) -> ca.Function:
+    """As a length: by its natural size, times that of lengths."""
     e = model.equations
-    return ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(e.constraints)])
+    lengths = e.constraints * (e.scales.length / e.scales.rows)
+    return ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(lengths)])
 
 
 def _violations(model: Model, s: Trajectory, p: np.ndarray) -> np.ndarray:

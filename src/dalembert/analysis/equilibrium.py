@@ -112,7 +112,7 @@ class _Search:
 
     def result(self, balance: StaticBalance, found: Solution[np.ndarray]) -> Motion:
         n, here = self.model.equations.speed_count, balance.residual(found.x)
-        residual = float(np.abs(here.value).max(initial=0.0))
+        residual = float(np.abs(here.value).max(initial=0.0)) / self.model.scales.length
         stable = bool(np.all(np.linalg.eigvalsh(symmetric(here.stiffness)) > 0))
         text = f"residual {residual:.3g} N after {found.iterations} iterations, " + (
             "stable" if stable else "not a stable position"

@@ -116,7 +116,8 @@ class Kinematics:
         parts = function.map(times.size)(times, near, values)
         y, v, a, multiplier = (part.full() for part in parts)
         open_by = motion.record.kernel.jacobian.map(times.size)(times, y, values)[0].full()
-        refuse_open(times, np.abs(open_by).max(axis=0, initial=0.0))
+        sizes = motion.model.equations.scales.rows
+        refuse_open(times, np.abs(open_by / sizes[:, None]).max(axis=0, initial=0.0))
         multiplier = motion.model.all_multipliers(multiplier)
         if not self.efforts:
             multiplier = np.full_like(multiplier, np.nan)
@@ -162,7 +163,7 @@ def solve_kinematics(
 
 
 def refuse_outside(times: np.ndarray, run: np.ndarray) -> None:
-    slack = 1e-12 * max(1.0, abs(run[-1]))
+    slack = 1e-12 * max(abs(run[0]), abs(run[-1]))
     inside = (times >= run[0] - slack) & (times <= run[-1] + slack)
     if not inside.all():
         raise AnalysisError(
@@ -175,6 +176,6 @@ def refuse_open(times: np.ndarray, residual: np.ndarray) -> None:
     if open_.any():
         raise AnalysisError(
             f"no position was found at t = {times[open_][0]:.9g} s near the one before it "
-            f"(residual {residual[open_][0]:.2g}); take shorter steps",
+            f"(relative residual {residual[open_][0]:.2g}); take shorter steps",
             float(residual[open_][0]),
         )

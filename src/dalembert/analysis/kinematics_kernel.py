@@ -42,8 +42,8 @@ class KinematicsKernel:
         near = ca.SX.sym("y_near", e.coordinate_count)
         c = e.jacobian
         by_y = ca.jacobian(e.constraints, e.y)
-        position_factor = QrFactor(by_y)
-        factor = QrFactor(c)
+        sizes = e.scales.rows, e.scales.coordinates
+        position_factor, factor = QrFactor(by_y, *sizes), QrFactor(c, *sizes)
         value = near
         for _ in range(ITERATIONS):
             step = position_factor.solve(e.constraints)
@@ -92,16 +92,20 @@ class KinematicsKernel:
 
     @cached_property
     def single(self) -> ca.Function:
-        """``([y; v; v̇; …], t, h, p) → next; regularity, residual, prediction error``."""
-        e = self.e
+        """``([y; v; v̇; …], t, h, p) → next; regularity, residual, prediction error``.
+
+        These three have no units: pivots, rows and coordinates are measured by their natural sizes.
+        """
+        e, sizes = self.e, self.e.scales
         n, m = e.speed_count, e.constraint_count
         last, h = ca.SX.sym("last", 3 * n + m + 3), ca.SX.sym("h")
         y, v, a = last[:n], last[n : 2 * n], last[2 * n : 3 * n]
         predicted = y + h * v + h**2 / 2 * a
         new = self.configuration.function(e.t, predicted, e.p)
-        residual = ca.norm_inf(ca.Function("r", [e.t, e.y, e.p], [e.constraints])(e.t, new[0], e.p))
-        change = ca.norm_inf(new[0] - predicted)
-        pivots = ca.fabs(QrFactor(e.jacobian).pivots)
+        open_by = ca.Function("r", [e.t, e.y, e.p], [e.constraints])(e.t, new[0], e.p)
+        residual = ca.norm_inf(open_by / sizes.rows)
+        change = ca.norm_inf((new[0] - predicted) / sizes.coordinates)
+        pivots = ca.fabs(QrFactor(e.jacobian, sizes.rows, sizes.coordinates).pivots)
         regular = ca.mmin(pivots) / ca.mmax(pivots)
         regular = ca.Function("s", [e.t, e.y, e.p], [regular])(e.t, new[0], e.p)
         return ca.Function(

@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.analysis.critical import Fold, find_fold
 from dalembert.analysis.kinematics_kernel import KinematicsRecord, kinematics_kernel
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.singular_positions import SingularPosition
 from dalembert.analysis.timeline import (
     check_driver_laws,
     checked_span,
@@ -25,8 +26,11 @@ from dalembert.results.status import Outcome, Status
 
 CHUNK = 200
 TOLERANCE = 1e-10
+"""Largest violation of a position that counts as found, by the natural size of its equation."""
 LARGEST_TURN = 0.1
-"""Longest correction of a prediction, relative to the scale of the coordinates."""
+"""Longest correction of a prediction, relative to the motion of its step."""
+SMALL_TURN = 1e-9, 1e-3
+"""Corrections that are small anyway: in natural sizes, and per share of the run."""
 REGULAR = 1e-5
 """Smallest pivot ratio of a trusted Jacobian: the error of its velocities is ε over its square."""
 SMALLEST_FRACTION = 2.0**-30
@@ -54,7 +58,7 @@ class KinematicsRun:
         self.kernel = kinematics_kernel(model)
         check_driver_laws(model, self.grid, self.p)
         self.typical = min(step, float(np.median(np.diff(self.grid))))
-        self.n = model.equations.coordinate_count
+        self.n, self.sizes = model.equations.coordinate_count, model.equations.scales
         self.fold: Fold | None = None
         self.substeps = 0
         self.message, self.interrupted = "", False
@@ -92,9 +96,11 @@ class KinematicsRun:
         column[: self.n] = state.y
         first = self.kernel.single(column, self.start, 0.0, self.p).full().ravel()
         if not np.all(np.isfinite(first)) or first[-3] < REGULAR * 1e-3:
+            there = SingularPosition(self.model, self.start, state.y, self.p)
             raise AnalysisError(
                 f"at t = {self.start:g} s the mechanism stands in a singular position (dead centre "
-                "or branch point): its velocities are not determined; begin at another time"
+                f"or branch point){there.drivers}: {there.joints} lose their independence there "
+                "and velocities are not determined; begin at another time"
             )
         return first
 
@@ -131,12 +137,14 @@ class KinematicsRun:
     def trusted(self, table: np.ndarray, h: np.ndarray) -> np.ndarray:
         """Steps that converged with a correction small against the motion of the step."""
         regular, residual, change = table[-3, 1:], table[-2, 1:], table[-1, 1:]
-        moved = np.abs(np.diff(table[: self.n], axis=1)).max(axis=0)
+        turned = np.diff(table[: self.n], axis=1) / self.sizes.coordinates[:, None]
+        moved = np.abs(turned).max(axis=0, initial=0.0)
         finite = np.all(np.isfinite(table[:, 1:]), axis=0)
-        small = change <= np.maximum(LARGEST_TURN * moved, 1e-9)
+        always, share = SMALL_TURN
+        small = np.maximum(always, share * np.abs(h) / (self.end - self.start))
         with np.errstate(invalid="ignore"):
             sound = finite & (residual < TOLERANCE) & (regular > REGULAR)
-            return sound & (small | (change < 1e-3 * np.abs(h)))
+            return sound & (change <= np.maximum(LARGEST_TURN * moved, small))
 
     def bridge(self, columns, times, low: float, high: float) -> np.ndarray | None:
         """Cross a difficult interval; None where the motion ends."""
@@ -146,7 +154,7 @@ class KinematicsRun:
             return crossed
         now, h, span = low, high - low, high - low
         while now < high:
-            target = high if now + h >= high - 1e-15 else now + h
+            target = high if now + h >= high - SMALLEST_FRACTION * span else now + h
             new = self.advance(last, now, target)
             if new is not None:
                 last, now, h = new, target, 2 * h
@@ -190,14 +198,16 @@ class KinematicsRun:
 
     def end_of_motion(self, last: np.ndarray, now: float) -> None:
         y = last[: self.n]
-        self.fold = find_fold(self.kernel.jacobian, now, y, self.p)
+        self.fold = find_fold(self.kernel.jacobian, now, y, self.p, self.sizes, self.typical)
         if self.fold is not None:
+            there = SingularPosition(self.model, self.fold.time, self.fold.y, self.p)
             self.message = (
-                f"dead centre at t = {self.fold.time:.9g} s: beyond it no position satisfies the "
-                "drivers"
+                f"dead centre at t = {self.fold.time:.9g} s{there.drivers}: beyond it no position "
+                f"satisfies the drivers; joints at their limit: {there.joints}"
             )
         else:
-            self.message = f"no continuous position was found after t = {now:.9g} s"
+            there = SingularPosition(self.model, now, y, self.p)
+            self.message = f"no continuous position was found after t = {now:.9g} s{there.drivers}"
 
     # what was found ----------------------------------------------------------------
     def branch_points(self, times: np.ndarray, table: np.ndarray) -> list[EventRecord]:
@@ -228,7 +238,7 @@ class KinematicsRun:
                 base = self.kernel.jacobian(times[k], table[: self.n, k], self.p)[1].full()
                 sign = np.linalg.slogdet(base)[0]
             low, high = (middle, high) if here == sign else (low, middle)
-            if high - low < 1e-12:
+            if high - low < 1e-13 * max(abs(self.start), abs(self.end)):
                 break
         return float((low + high) / 2)
 
@@ -260,7 +270,7 @@ class KinematicsRun:
         return cumulative_simpson(powers, x=times, axis=1, initial=0.0)
 
     def status(self, s: Trajectory, table: np.ndarray) -> Status:
-        residual = float(np.nanmax(table[-2])) if table.size else 0.0
+        residual = float(np.nanmax(table[-2])) * self.sizes.length if table.size else 0.0
         time = float(s.t[-1]) if s.t.size else self.start
         if self.interrupted:
             return Status(Outcome.INTERRUPTED, f"stopped at t = {time:g} s", time, residual)

@@ -1,27 +1,82 @@
-"""Whether a run broke down at a singular position of the constraints."""
+"""Singular positions of the constraints: who has a part in one, whether a run broke down there."""
 
 from __future__ import annotations
+
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.planar.drivers import Driver
 from dalembert.integrators.steps import Steps
 from dalembert.model.equations import Equations
+from dalembert.model.model import Model
 
 NEAR = 0.02
 """Smallest singular value of ``C``, relative to that at the start, that counts as near zero."""
 LOST = 1e-6
-"""Violation of a constraint from which on a state tells nothing, and a corrected run has failed."""
+"""Violation of a constraint, by its natural size, from which on a state tells nothing and a
+corrected run has failed."""
 SAMPLES = 200
+SHARE = 0.1
+"""Share in the combination of equations that vanishes from which on a joint is named."""
+
+
+class SingularPosition:
+    """A position in or near which a combination of the constraint equations vanishes, ``cᵀC = 0``.
+
+    Parameters
+    ----------
+    model : Model
+    time, y : where
+    p : (np,) parameters
+    """
+
+    def __init__(self, model: Model, time: float, y: np.ndarray, p: np.ndarray):
+        self.model, self.time, self.y, self.p = model, time, y, p
+
+    @cached_property
+    def _owners(self) -> list:
+        """Constraints that have a part in it."""
+        e, rows = self.model.equations, self.model.closure.rows
+        jacobian = ca.Function("C", [e.t, e.y, e.p], [e.jacobian])(self.time, self.y, self.p)
+        alike = jacobian.full() * e.scales.coordinates / e.scales.rows[:, None]
+        if not alike.size or not np.all(np.isfinite(alike)):
+            return []
+        part = np.abs(np.linalg.svd(alike)[0][:, -1])
+        concerned = np.flatnonzero(part > SHARE * part.max())
+        return list(dict.fromkeys(self.model.closure.owners[rows[k]][0] for k in concerned))
+
+    @property
+    def joints(self) -> str:
+        """Names of the joints whose equations lose their independence."""
+        names = [c.name for c in self._owners if not isinstance(c, Driver)]
+        return ", ".join(names) or "the constraints"
+
+    @property
+    def drivers(self) -> str:
+        """Where the drivers stand, ``", driver 'motor' at crank.angle = 2.0944 rad (120°)"``."""
+        known = [c for c in self.model.constraints if isinstance(c, Driver)]
+        concerned = [c for c in known if c in self._owners] or known
+        return "".join(f", {self._placed(driver)}" for driver in concerned)
+
+    def _placed(self, driver: Driver) -> str:
+        e = self.model.equations
+        law = ca.Function("law", [e.t, e.p], [driver.law.value(e.t)])
+        value = float(law(self.time, self.p))
+        unit = driver.units()[0]
+        degrees = f" ({np.degrees(value):.4g}°)" if unit == "rad" else ""
+        return f"driver {driver.name!r} at {driver.measured} = {value:.5g} {unit}{degrees}"
 
 
 def near_singular_position(
     e: Equations, steps: Steps, p: np.ndarray, lost_at: float
-) -> tuple[float, float] | None:
-    """Time and smallest singular value of ``C`` where the run lost its constraints.
+) -> tuple[float, float, np.ndarray] | None:
+    """Time, smallest singular value of ``C`` and position where the run lost its constraints.
 
-    Looked for from two steps before the last good state to two steps after it, along the
-    straight line of its speeds; None where ``C`` keeps its rank.
+    Looked for from two steps before the last good state to two steps after it, along the straight
+    line of its speeds; None where ``C`` keeps its rank. Its entries are measured by the natural
+    sizes of coordinates and equations.
 
     Parameters
     ----------
@@ -32,30 +87,33 @@ def near_singular_position(
     """
     if not e.constraint_count or not steps.count or not np.all(np.isfinite(steps.x[:, 0])):
         return None
+    sizes = e.scales
+    alike = ca.mtimes([ca.diag(1 / sizes.rows), e.jacobian, ca.diag(sizes.coordinates)])
     function = ca.Function(
-        "constraints", [e.t, e.y, e.v, e.p], [e.constraints, ca.densify(e.jacobian), e.pose_rate]
+        "constraints",
+        [e.t, e.y, e.v, e.p],
+        [e.constraints / sizes.rows, ca.densify(alike), e.pose_rate],
     )
     n, k = e.coordinate_count, e.speed_count
     times = np.append(steps.t[: steps.count], steps.end)
 
-    def seen(j: int, after: float = 0.0) -> tuple[np.ndarray, float]:
-        """Violation and smallest singular value some time after the beginning of step ``j``."""
+    def seen(j: int, after: float = 0.0) -> tuple[float, float, np.ndarray]:
+        """Smallest singular value some time after the beginning of step ``j``, time, position."""
         y, v = steps.x[:n, j], steps.x[n : n + k, j]
         moved = y + after * function(times[j], y, v, p)[2].full().ravel()
-        violation, jacobian, _ = function(times[j] + after, moved, v, p)
-        if not np.all(np.isfinite(jacobian.full())):
-            return np.full(1, np.inf), np.inf
-        return violation.full(), float(np.linalg.svd(jacobian.full(), compute_uv=False)[-1])
+        jacobian = function(times[j] + after, moved, v, p)[1].full()
+        known = np.all(np.isfinite(jacobian))
+        smallest = np.linalg.svd(jacobian, compute_uv=False)[-1] if known else np.inf
+        return float(smallest), float(times[j] + after), moved
 
     before = int(np.searchsorted(times, lost_at)) - 1
     good = max(min(_last_good(function, steps, times, n, k, p), before), 0)
     length = steps.h[min(good, steps.count - 1)]
-    found = [(seen(j)[1], times[j]) for j in range(max(good - 2, 0), good + 1)]
+    found = [seen(j) for j in range(max(good - 2, 0), good + 1)]
     # twice the step: a fold is approached like a square root, so a straight line comes late
-    for after in np.linspace(0.0, 2 * length, 2 * SAMPLES - 1)[1:]:
-        found.append((seen(good, after)[1], times[good] + after))
-    smallest, time = min(found)
-    return (float(time), smallest) if smallest < NEAR * seen(0)[1] else None
+    found += [seen(good, after) for after in np.linspace(0.0, 2 * length, 2 * SAMPLES - 1)[1:]]
+    smallest, time, place = min(found, key=lambda one: one[:2])
+    return (time, smallest, place) if smallest < NEAR * seen(0)[0] else None
 
 
 def _last_good(function: ca.Function, steps: Steps, times, n: int, k: int, p) -> int:

@@ -19,6 +19,8 @@ LONGEST = 0.5
 """Longest step, in characteristic lengths and radians."""
 CURVED = 1e-6
 """Stiffness, relative to the largest, from which on a direction counts as stable."""
+BENT = 1e-3
+"""Deflection, in natural sizes, whose elastic force is a force that counts."""
 CLOSED = NewtonSettings(tolerance=1e-13, max_iterations=20)
 
 
@@ -50,7 +52,10 @@ class StaticsKernel:
         near = ca.SX.sym("near", e.coordinate_count + e.constraint_count)
         unknown = ca.vertcat(e.y, e.multiplier)
         residual = ca.vertcat(self.balance, e.constraints)
-        factor = QrFactor(ca.jacobian(residual, unknown))
+        sizes = e.scales
+        rows = np.concatenate([sizes.efforts, sizes.rows])
+        columns = np.concatenate([sizes.coordinates, sizes.multipliers])
+        factor = QrFactor(ca.jacobian(residual, unknown), rows, columns)
         stage = Stage(unknown, residual, near, factor.solve, factor.solve_transposed)
         return ImplicitFunction("equilibrium", [e.t, near, e.p], [stage], [unknown])
 
@@ -74,14 +79,14 @@ statics_kernel = once(StaticsKernel)
 
 @dataclass(frozen=True)
 class Forces(Residual):
-    """Forces along the free directions, and what is needed to go on.
+    """Work of the forces along the free directions, and what is needed to go on.
 
     Attributes
     ----------
     y : (n,) position
     force : (n,) applied forces
     multiplier : λ that balances them best
-    free : (n, k) free directions ``Z``
+    free : (n, k) free directions ``Z``, orthonormal in natural sizes
     stiffness : (k, k) ``Zᵀ K Z``
     """
 
@@ -108,11 +113,11 @@ class StaticBalance(Equations[np.ndarray]):
     p : (np,) parameters
     """
 
-    longest = LONGEST
-
     def __init__(self, kernel: StaticsKernel, time: float, p: np.ndarray):
         self.kernel, self.time, self.p = kernel, time, p
-        self.idle = np.zeros(kernel.model.equations.constraint_count)
+        e = kernel.model.equations
+        self.idle, self.sizes = np.zeros(e.constraint_count), e.scales
+        self.longest = LONGEST * self.sizes.coordinates
 
     def evaluate(self, y: np.ndarray, multiplier: np.ndarray):
         """Applied force, ``C``, stiffness and ``Φ``."""
@@ -121,23 +126,25 @@ class StaticBalance(Equations[np.ndarray]):
 
     def residual(self, x: np.ndarray) -> Forces:
         force, c, _, _ = self.evaluate(x, self.idle)
+        unit, row = self.sizes.coordinates, self.sizes.rows
+        force, c = force * unit, c * unit / row[:, None]
         if not (np.all(np.isfinite(force)) and np.all(np.isfinite(c))):
             c, force = np.zeros_like(c), np.full_like(force, np.nan)
-        multiplier = np.linalg.lstsq(c.T, force, rcond=None)[0] if c.size else self.idle
-        stiffness = self.evaluate(x, multiplier)[2]
+        multiplier = np.linalg.lstsq(c.T, force, rcond=None)[0] / row if c.size else self.idle
         free = np.linalg.svd(c)[2][c.shape[0] :].T if c.size else np.eye(force.size)
-        reduced = free.T @ stiffness @ free
-        stiff = np.abs(reduced).max(initial=0.0)
-        scale = max(np.abs(force).max(initial=0.0), 1e-3 * stiff)
+        free = free * unit[:, None]
+        stiffness = free.T @ self.evaluate(x, multiplier)[2] @ free
+        stiff = np.abs(stiffness).max(initial=0.0)
+        scale = max(np.abs(force).max(initial=0.0), BENT * stiff)
         return Forces(
-            free.T @ force,
+            free.T @ (force / unit),
             scale,
-            ROUNDING * max(scale, stiff * np.abs(x).max(initial=0.0)),
+            ROUNDING * max(scale, stiff * np.abs(x / unit).max(initial=0.0)),
             y=x,
-            force=force,
+            force=force / unit,
             multiplier=multiplier,
             free=free,
-            stiffness=reduced,
+            stiffness=stiffness,
         )
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
@@ -175,11 +182,12 @@ class _Nearest(Equations[np.ndarray]):
         self.balance = balance
 
     def residual(self, x: np.ndarray) -> Residual:
-        return Residual(self.balance.evaluate(x, self.balance.idle)[3], 1.0)
+        return Residual(self.balance.evaluate(x, self.balance.idle)[3], self.balance.sizes.rows)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
-        c = self.balance.evaluate(x, self.balance.idle)[1]
-        return -np.asarray(np.linalg.lstsq(c, residual.value, rcond=None)[0])
+        unit, row = self.balance.sizes.coordinates, self.balance.sizes.rows
+        alike = self.balance.evaluate(x, self.balance.idle)[1] * unit / row[:, None]
+        return -unit * np.linalg.lstsq(alike, residual.value / row, rcond=None)[0]
 
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:

@@ -24,7 +24,7 @@ from dalembert.model.description import Description
 from dalembert.model.equations import Equations
 from dalembert.model.guesses import Guesses
 from dalembert.model.independence import independent_rows
-from dalembert.model.scales import scales_of
+from dalembert.model.natural_units import scales_of
 from dalembert.symbolic.expression import free_symbols, stack, t
 from dalembert.symbolic.implicit import ImplicitFunction
 

@@ -14,6 +14,7 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.model.inertia import Inertia
+from dalembert.model.scales import Scales
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,7 @@ class Equations:
     powers : (2,) rates of dissipated energy and of energy input
     massless : speeds whose mass is zero at the nominal parameters
     dropped : SX symbols of multipliers of equations left out as redundant
+    scales : natural sizes of coordinates, rows and the rest; units where nothing is known
     """
 
     t: ca.SX
@@ -49,6 +51,12 @@ class Equations:
     powers: ca.SX
     massless: tuple[int, ...] = ()
     dropped: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    scales: Scales = field(default=None)  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        if self.scales is None:
+            known = Scales.units(self.coordinate_count, self.constraint_count)
+            object.__setattr__(self, "scales", known)
 
     def with_rows(self, rows: list[int]) -> Equations:
         """The same system with some of its constraint equations only; other multipliers are 0."""
@@ -58,6 +66,7 @@ class Equations:
             constraints=self.constraints[rows, :],
             multiplier=self.multiplier[rows, :],
             dropped=ca.vertcat(self.dropped, self.multiplier[gone, :]),
+            scales=self.scales.with_rows(rows),
         )
         return replace(kept, powers=kept.without_dropped(self.powers))
 

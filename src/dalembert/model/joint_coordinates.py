@@ -123,6 +123,7 @@ class JointView(CoordinateView):
             constraints=ca.densify(constraints),
             potential=potential,
             powers=powers,
+            scales=replace(e.scales.with_rows(self.loop_rows), coordinates=self._sizes()),
         )
         return replace(made, massless=self._massless(inertia)) if e.massless else made
 
@@ -131,6 +132,13 @@ class JointView(CoordinateView):
         e = self.bodies
         q = self.model.at_ground(stack(link.reading for link in self.links))
         return ImplicitFunction("reduce", [e.t, e.y, e.v, e.p], [], [q, e.rate(q)])
+
+    def _sizes(self) -> np.ndarray:
+        """Natural sizes of the joint coordinates: how far those of the bodies take them."""
+        e, start = self.bodies, self.model.start
+        reach = ca.Function("reach", [e.t, e.y, e.p], [ca.jacobian(self.reduce.outputs[0], e.y)])
+        by_body = reach(0.0, start.y, self.model.nominal).full()
+        return np.abs(by_body * e.scales.coordinates).max(axis=1, initial=0.0)
 
     def _at_start(self, expression: ca.SX) -> np.ndarray:
         """An expression of t, q and p at the assembled start."""

@@ -60,6 +60,7 @@ class Model:
             self.all_equations, massless=tuple(int(k) for k in np.flatnonzero(np.diag(mass) == 0))
         )
         self.closure = Closure(parts, self.all_equations, self.nominal, strict)
+        self.all_equations = replace(self.all_equations, scales=self.closure.scales)
         self.equations = self.all_equations.with_rows(self.closure.rows)
         self.diagnosis = diagnose(parts, self.closure, mass)
 

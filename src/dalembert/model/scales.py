@@ -1,23 +1,14 @@
-"""Natural units of a mechanism, so that no threshold is absolute.
+"""Natural units, so that no threshold is absolute.
 
-A tolerance in metres is right for machines of a metre only. The characteristic length L is read
-off the mechanism itself, at its guesses; with a characteristic mass, time and force every number
-that is compared with another can be made dimensionless. All of them are covariant: a mechanism
-written in other units of length, mass or time has the same scales in those units.
+A tolerance in metres is right for machines of a metre only. With a characteristic length, mass,
+time and force every number that is compared with another can be made dimensionless.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
-import casadi as ca
 import numpy as np
-
-from dalembert.model.description import Description
-from dalembert.model.equations import Equations
-from dalembert.model.guesses import Guesses
-from dalembert.symbolic.expression import free_symbols, stack
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,96 +56,11 @@ class Scales:
         """Scale of a position-level quantity in metres or radians."""
         return self.length if unit == "m" else 1.0
 
+    @classmethod
+    def units(cls, coordinates: int, rows: int) -> Scales:
+        """The units themselves, where nothing is known."""
+        return cls(1.0, 1.0, 1.0, 1.0, np.ones(coordinates), np.ones(rows))
 
-def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndarray) -> Scales:
-    """Scales of a mechanism with parameter values ``p``."""
-    at = _AtGuesses(d, equations, guesses, p)
-    length = at.length
-    metres = np.array([unit == "m" for unit in guesses.units], dtype=bool)
-    coordinates = np.where(metres, length, 1.0)
-    for k in np.flatnonzero([unit not in ("m", "rad") for unit in guesses.units]):
-        per_unit = _largest(at.jacobian[at.in_metres][:, k].data)
-        coordinates[k] = length / per_unit if per_unit else 1.0
-    mass = _largest(at.masses * (coordinates / length) ** 2)
-    force = at.force(coordinates) / length
-    rate = at.rate(coordinates, np.where(at.in_metres, length, 1.0))
-    if mass and force:
-        rate = max(rate, np.sqrt(force / (mass * length)))
-    rate = rate or 1.0
-    mass = mass or force / (length * rate**2) or 1.0
-    return Scales(
-        length=length,
-        mass=mass,
-        time=1.0 / rate,
-        force=force or mass * length * rate**2,
-        coordinates=coordinates,
-        rows=np.where(at.in_metres, length, 1.0),
-    )
-
-
-class _AtGuesses:
-    """What the equations say at the guesses, missing ones taken as zero."""
-
-    def __init__(self, d: Description, e: Equations, guesses: Guesses, p: np.ndarray):
-        self.d, self.e, self.p, self.guesses = d, e, p, guesses
-        self.y, self.v = (g.full().ravel() for g in guesses.function(e.p)(p))
-        units = [unit for c in d.constraints for unit in c.units()]
-        self.in_metres = np.array([unit == "m" for unit in units], dtype=bool)
-        still = ca.jacobian(e.constraints, e.t)
-        stiffness = ca.jacobian(e.force, e.y)
-        outputs = [e.constraints, e.jacobian, still, e.mass, e.force, stiffness]
-        values = ca.Function("at_guesses", [e.t, e.y, e.v, e.p], outputs, {"cse": True})(
-            0.0, self.y, self.v, p
-        )
-        self.gaps, self.drift, self.forces = (values[k].full().ravel() for k in (0, 2, 4))
-        self.jacobian, self.stiffness = values[1].sparse().tocsr(), values[5].sparse().tocoo()
-        self.masses = values[3].sparse().diagonal()
-
-    @cached_property
-    def length(self) -> float:
-        """The largest arm or length of a constraint; else any length; else 1."""
-        among_joints = max(self._largest_arm(), self._largest_stated(self.d.constraints))
-        if among_joints:
-            return among_joints
-        anywhere = self._largest_stated([*self.d.bodies, *self.d.forces])
-        return max(anywhere, _largest(self.gaps[self.in_metres])) or 1.0
-
-    def _largest_arm(self) -> float:
-        """``|∂Φ/∂φ|`` over the equations in metres of one constraint: an arm, whatever φ."""
-        angles = np.array([unit == "rad" for unit in self.guesses.units], dtype=bool)
-        squares = self.jacobian.multiply(self.jacobian).tocsr()[:, angles]
-        owner = [k for k, c in enumerate(self.d.constraints) for _ in c.units()]
-        by_constraint: dict[tuple[int, int], float] = {}
-        entries = squares.tocoo()
-        for row, column, square in zip(entries.row, entries.col, entries.data, strict=True):
-            if self.in_metres[row]:
-                at = owner[row], column
-                by_constraint[at] = by_constraint.get(at, 0.0) + square
-        return float(np.sqrt(_largest(np.array(list(by_constraint.values())))))
-
-    def _largest_stated(self, elements: list) -> float:
-        """Largest quantity in metres among those that parameters alone determine."""
-        known = {symbol.name() for symbol in ca.vertsplit(self.e.p)}
-        stated = [
-            formula.sx
-            for element in elements
-            for _, formula, meta in element.checked_quantities()
-            if meta["unit"] == "m" and free_symbols(formula.sx) <= known
-        ]
-        return _largest(ca.Function("stated", [self.e.p], [stack(stated)])(self.p).full())
-
-    def force(self, coordinates: np.ndarray) -> float:
-        """Largest work of an applied force along a coordinate of its scale."""
-        k = self.stiffness
-        bent = np.abs(k.data) * coordinates[k.row] * coordinates[k.col]
-        return max(_largest(self.forces * coordinates), _largest(bent))
-
-    def rate(self, coordinates: np.ndarray, rows: np.ndarray) -> float:
-        """Fastest speed given or driven, by the scale of its coordinate."""
-        return max(_largest(self.v / coordinates), _largest(self.drift / rows))
-
-
-def _largest(values: np.ndarray) -> float:
-    """Largest finite magnitude; 0 of none."""
-    values = np.abs(np.asarray(values, dtype=float))
-    return float(np.max(values, initial=0.0, where=np.isfinite(values)))
+    def with_rows(self, rows: list[int]) -> Scales:
+        """Of some of the constraint equations."""
+        return replace(self, rows=self.rows[rows])

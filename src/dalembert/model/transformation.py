@@ -17,9 +17,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import casadi as ca
+import numpy as np
 
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import BlockInertia
+from dalembert.model.scales import Scales
 from dalembert.symbolic.factor import LdlFactor
 
 
@@ -93,7 +95,13 @@ class Transformation:
             potential=self.seen(e, e.potential),
             powers=self.seen(e, e.powers),
             massless=_still_massless(e.massless, b),
+            scales=self._scales(e),
         )
+
+    def _scales(self, e: Equations) -> Scales:
+        """Sizes of new coordinates are not known."""
+        same = self.y.shape == e.y.shape and ca.is_equal(self.y, e.y)
+        return e.scales if same else replace(e.scales, coordinates=np.ones(self.y.numel()))
 
 
 def consistent_speeds(mass: ca.SX, basis: ca.SX, speeds: ca.SX) -> ca.SX:

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import TypeAlias
 
 import casadi as ca
+import numpy as np
+
+Sizes: TypeAlias = np.ndarray | None
 
 
 class LdlFactor:
@@ -22,22 +26,49 @@ class LdlFactor:
 
 
 class QrFactor:
-    """Sparse Householder ``Q R`` of a square matrix; needs no pivoting to be stable."""
+    """Sparse Householder ``Q R`` of a square matrix; needs no pivoting to be stable.
 
-    def __init__(self, matrix: ca.SX):
+    That holds where the entries are of one kind. Metres beside radians, or masses beside lengths,
+    are made so by ``rows`` and ``columns``: natural sizes of the equations and of the unknowns.
+    """
+
+    def __init__(self, matrix: ca.SX, rows: Sizes = None, columns: Sizes = None):
         self.size = matrix.shape[0]
+        self.rows, self.columns = _column(rows), _column(columns)
         if self.size:
-            self.parts = ca.qr_sparse(ca.sparsify(matrix), True)
+            alike = ca.sparsify(matrix)
+            if self.rows is not None:
+                alike = ca.mtimes(ca.diag(1 / self.rows), alike)
+            if self.columns is not None:
+                alike = ca.mtimes(alike, ca.diag(self.columns))
+            self.parts = ca.qr_sparse(ca.sparsify(alike), True)
 
     def solve(self, rhs: ca.SX) -> ca.SX:
-        return ca.qr_solve(ca.densify(rhs), *self.parts) if self.size else rhs
+        return self._solve(rhs, self.rows, self.columns, False)
 
     def solve_transposed(self, rhs: ca.SX) -> ca.SX:
-        return ca.qr_solve(ca.densify(rhs), *self.parts, True) if self.size else rhs
+        return self._solve(rhs, _inverse(self.columns), _inverse(self.rows), True)
+
+    def _solve(self, rhs: ca.SX, equations, unknowns, transposed: bool) -> ca.SX:
+        if not self.size:
+            return rhs
+        if equations is not None:
+            rhs = rhs / ca.repmat(equations, 1, rhs.shape[1])
+        found = ca.qr_solve(ca.densify(rhs), *self.parts, transposed)
+        return found if unknowns is None else found * ca.repmat(unknowns, 1, rhs.shape[1])
 
     @property
     def pivots(self) -> ca.SX:
         return ca.diag(self.parts[1])[: self.size] if self.size else ca.SX.ones(1)
+
+
+def _column(sizes: Sizes) -> ca.DM | None:
+    """As a column; None where all are one."""
+    return None if sizes is None or np.all(np.asarray(sizes) == 1) else ca.DM(sizes)
+
+
+def _inverse(sizes: ca.DM | None) -> ca.DM | None:
+    return None if sizes is None else 1 / sizes
 
 
 def block_inverse(matrix: ca.SX) -> ca.SX:

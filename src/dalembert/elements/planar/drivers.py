@@ -13,7 +13,7 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint, Coordinates, Vector, option, quantity
 from dalembert.elements.laws.base import as_law
-from dalembert.elements.planar.body import Point, unit_vector
+from dalembert.elements.planar.body import Ground, Point, unit_vector
 from dalembert.elements.planar.joint import (
     BodyJoint,
     PointJoint,
@@ -35,6 +35,11 @@ class Driver(Constraint):
     def coordinate(self) -> ca.SX:
         """The coordinate that is prescribed."""
         raise NotImplementedError
+
+    @property
+    def measured(self) -> str:
+        """Name of the measure that the coordinate is."""
+        return f"{self.name}.coordinate"
 
     def residual(self) -> ca.SX:
         self.law = as_law(self.law, f"{self.name}.law")
@@ -72,6 +77,11 @@ class RotationalDriver(Driver, BodyJoint):
 
     law: Any = option("motion law", kind="law")
     kind = "driver"
+
+    @property
+    def measured(self) -> str:
+        fixed = isinstance(self.body_i, Ground)
+        return f"{self.body_j.name}.angle" if fixed else super().measured
 
     def coordinate(self) -> ca.SX:
         return self.body_j.pose_angle - self.body_i.pose_angle
