@@ -87,3 +87,36 @@ def test_a_failed_write_leaves_nothing_behind(motion, tmp_path):
     with pytest.raises(da.FileError, match="cannot be written"):
         motion.save(tmp_path / "nowhere" / "run.nc")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_events_are_labelled_and_saved(tmp_path):
+    """A pendulum passes its lowest position to and fro; energy gives its speed there."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    bob = system.add(planar.Particle("bob", mass=2.0, position=(0.6, -0.8)))
+    system.add(planar.RigidLink("rod", system.ground.point(0, 0), bob.center, length=1.0))
+    asked = {"below": "bob.x", "ends": da.Event("bob.vx", direction=-1, terminal=True)}
+    motion = da.solve_dynamics(system.build(), 5.0, step=0.001, outputs=3, events=asked)
+    names = [event.name for event in motion.events]
+    assert names == ["below", "below", "ends"]
+    assert [event.direction for event in motion.events] == [-1, 1, -1]
+    speed = np.sqrt(2 * 9.81 * (1.0 - 0.8))
+    for event, sign in zip(motion.events, (-1, 1), strict=False):
+        assert event.y == pytest.approx([0.0, -1.0], abs=1e-9)
+        assert event.v == pytest.approx([sign * speed, 0.0], abs=1e-8)
+    motion.save(tmp_path / "run.nc")
+    for data in (motion.data, da.load_results(tmp_path / "run.nc")):
+        assert data["event"].values.tolist() == names
+        assert data["event_time"].values.tolist() == [event.time for event in motion.events]
+        assert data["event_direction"].values.tolist() == [-1, 1, -1]
+        found = data["event_coordinates"].sel(event="below", coordinate="bob.y").values
+        assert found == pytest.approx([-1.0, -1.0], abs=1e-9)
+        assert data["event_speeds"].dims == ("event", "coordinate")
+
+
+def test_no_events_have_the_same_shape(tmp_path):
+    system = da.System("mass")
+    system.add(planar.Particle("bob", mass=2.0, velocity=(1.0, 0.0)))
+    motion = da.solve_dynamics(system.build(), 0.1, step=0.05)
+    motion.save(tmp_path / "run.nc")
+    for data in (motion.data, da.load_results(tmp_path / "run.nc")):
+        assert data["event_time"].shape == (0,) and data["event_coordinates"].shape == (0, 2)

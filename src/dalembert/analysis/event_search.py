@@ -81,8 +81,13 @@ class EventSearch:
         found.sort()
         for i, (_, name, k, length) in enumerate(found):
             if self.events[name].terminal:
-                return [EventRecord(n, float(t)) for t, n, _, _ in found[: i + 1]], (k, length)
-        return [EventRecord(n, float(t)) for t, n, _, _ in found], None
+                return [self._record(*event[1:], steps) for event in found[: i + 1]], (k, length)
+        return [self._record(*event[1:], steps) for event in found], None
+
+    def _record(self, name: str, k: int, length: float, steps: Steps) -> EventRecord:
+        flow, time = Flow(self.kernel, steps, self.p), float(steps.t[k] + length)
+        y, v = flow.bodies(k, length)
+        return EventRecord(name, time, -int(np.sign(flow.value(self.measures[name], k, 0.0))), y, v)
 
     def cut(self, steps: Steps, k: int, length: float) -> Steps:
         """The steps up to the ``k``-th, which is shortened."""

@@ -43,6 +43,13 @@ class Flow:
             return x
         return self._advanced(k)(self.steps.t[k], length, x, self.p)[0].ravel()
 
+    def bodies(self, k: int, length: float) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) coordinates and speeds of the bodies there."""
+        variant = self._variant(k)
+        x = self.state(k, length)[: variant.step.state_size]
+        y, v, *_ = Kernel(variant.bodies)(self.steps.t[k] + length, x, self.p)
+        return y.ravel(), v.ravel()
+
     def ended(self, k: int, length: float) -> Steps:
         """The steps up to the ``k``-th, which is given this length."""
         made = self.steps.cut(k + 1)

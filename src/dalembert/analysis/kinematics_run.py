@@ -72,7 +72,7 @@ class KinematicsRun:
         trajectory = path.some(np.isin(times, self.requested))
         events = self.branch_points(times, table)
         if self.fold is not None:
-            events.append(EventRecord("dead centre", self.fold.time))
+            events.append(self.singular("dead centre", self.fold.time, self.fold.y))
         statistics = {
             "positions": trajectory.t.size,
             "steps": int(times.size - 1),
@@ -221,8 +221,14 @@ class KinematicsRun:
         signs = np.linalg.slogdet(stack)[0]
         found = []
         for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-            found.append(EventRecord("branch point", self.locate_branch(times, table, int(k))))
+            time = self.locate_branch(times, table, int(k))
+            near = self.kernel.single(table[:, k], time, time - times[k], self.p).full().ravel()
+            found.append(self.singular("branch point", time, near[: self.n]))
         return found
+
+    def singular(self, name: str, time: float, y: np.ndarray) -> EventRecord:
+        """An event at a position in which the speeds are not determined."""
+        return EventRecord(name, time, 0, y, np.full(self.model.equations.speed_count, np.nan))
 
     def locate_branch(self, times: np.ndarray, table: np.ndarray, k: int) -> float:
         low, high = times[k], times[k + 1]

@@ -126,7 +126,7 @@ def _motion_summary(motion: Motion) -> dict[str, Any]:
         "residual": motion.status.residual,
         "statistics": motion.statistics,
         "warnings": list(motion.warnings),
-        "events": [{"name": e.name, "time": e.time} for e in motion.events],
+        "events": [event.row for event in motion.events],
         "final": last,
         "largest": worst,
     }

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 import xarray as xr
 
 from dalembert.elements.base import ForceElement, rate_of
@@ -192,6 +193,7 @@ def motion_dataset(motion: Recording) -> xr.Dataset:
             data[variable.name] = (("time", variable.dimension), shaped[:, :, 0], attributes)
     _add_states(data, coords, motion)
     _add_energies(data, motion)
+    _add_events(data, coords, motion)
     return xr.Dataset(data, coords, attrs=_attributes(motion))
 
 
@@ -221,6 +223,28 @@ def _add_energies(data: dict, motion: Recording) -> None:
         ("balance_error", balance, "energy − initial energy + dissipated − input"),
     ):
         data[name] = ("time", values, {"units": "J", "long_name": text})
+
+
+def _add_events(data: dict, coords: dict, motion: Recording) -> None:
+    events, size = motion.events, len(motion.model.guesses.names)
+    coords["event"] = np.array([event.name for event in events], dtype=str)
+    data["event_time"] = (
+        "event",
+        np.array([event.time for event in events], dtype=float),
+        {"units": "s", "long_name": "time of the event"},
+    )
+    data["event_direction"] = (
+        "event",
+        np.array([event.direction for event in events], dtype=int),
+        {"units": "1", "long_name": "sign of the rate of the event's measure"},
+    )
+    for name, states, text in (
+        ("event_coordinates", [event.y for event in events], "coordinates y at the event"),
+        ("event_speeds", [event.v for event in events], "speeds v at the event"),
+    ):
+        table = np.array(states, dtype=float).reshape(len(events), size)
+        units = {"units": "m or rad (per second for speeds)"}
+        data[name] = (("event", "coordinate"), table, {"long_name": text, **units})
 
 
 def _attributes(motion: Recording) -> dict:

@@ -43,7 +43,7 @@ def report_payload(
         "scene": motion_scene(motion, keep),
         "series": series,
         "default_plots": [g for g in wanted if g] if wanted else _default_plots(motion, names),
-        "events": [{"name": e.name, "time": e.time} for e in motion.events],
+        "events": [event.row for event in motion.events],
         "diagnosis": _diagnosis(motion),
         "statistics": _statistics(motion),
         "parameters": parameter_rows(motion.model.parameters, motion.parameters),

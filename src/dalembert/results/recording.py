@@ -38,12 +38,28 @@ class Trajectory:
         return Trajectory(self.t[which], *(c[:, which] for c in columns))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EventRecord:
-    """An event that happened."""
+    """An event that happened.
+
+    Attributes
+    ----------
+    name : as it was declared
+    time : when [s]
+    direction : +1 where its measure rises through zero, −1 where it falls, 0 where it has none
+    y, v : (n,) coordinates and speeds of the bodies then; NaN where they are not determined
+    """
 
     name: str
     time: float
+    direction: int
+    y: np.ndarray = field(repr=False)
+    v: np.ndarray = field(repr=False)
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """What is told of it in pages and in JSON."""
+        return {"name": self.name, "time": self.time, "direction": self.direction}
 
 
 @dataclass(eq=False, repr=False)
@@ -58,7 +74,7 @@ class Recording:
     trajectory : Trajectory
     status : Status
     statistics : name → number or text, for people
-    events : what happened when
+    events : what happened, by time; ``data`` has them along the dimension ``event``
     warnings : doubts about the choices made, each with the number that shows it
     record : what a gradient needs of the run (steps taken, branches to the outputs)
     """
