@@ -25,7 +25,9 @@ class SingularValueBasis(NullSpaceBasis):
             for i in range(min(m, n)):  # the others vanish with the first m
                 for j in range(i + 1, n):
                     difference = ca.sumsqr(turned[i]) - ca.sumsqr(turned[j])
-                    angle = ca.atan2(2 * ca.dot(turned[i], turned[j]), difference) / 2
+                    product = 2 * ca.dot(turned[i], turned[j])
+                    nothing = ca.logic_and(product == 0, difference == 0)  # no slope at (0, 0)
+                    angle = ca.atan2(product, ca.if_else(nothing, 1, difference)) / 2
                     c, s = ca.cos(angle), ca.sin(angle)
                     for columns in (turned, v):
                         columns[i], columns[j] = (

@@ -120,7 +120,7 @@ class IndependentSpeeds(Formulation):
         speeds = ca.SX.sym("v_c", e.speed_count)
         psi = e.velocity_constraints
         imposed = ca.substitute(psi, e.v, ca.SX.zeros(e.speed_count))
-        residual = ca.vertcat(ca.substitute(psi, e.v, speeds), speeds[chosen] - e.v[chosen])
+        residual = ca.vertcat(ca.substitute(psi, e.v, speeds), speeds[chosen, :] - e.v[chosen, :])
 
         def transposed(rhs: ca.SX) -> ca.SX:
             across = basis.multipliers(rhs)
@@ -129,7 +129,7 @@ class IndependentSpeeds(Formulation):
         return Stage(
             speeds,
             residual,
-            basis.completed(e.v[chosen], -imposed),
+            basis.completed(e.v[chosen, :], -imposed),
             lambda rhs: basis.completed(rhs[m:, :], rhs[:m, :]),
             transposed,
         )

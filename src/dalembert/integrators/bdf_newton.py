@@ -13,9 +13,11 @@ from collections.abc import Callable
 from functools import cached_property
 
 import casadi as ca
+import numpy as np
 
 from dalembert.integrators.base import Problem
 from dalembert.integrators.bdf_control import Accuracy
+from dalembert.integrators.stage_equations import SMALL_ROWS
 from dalembert.symbolic.newton import NewtonSettings
 from dalembert.symbolic.newton_node import NewtonNode, constant
 
@@ -115,7 +117,12 @@ class CorrectorEquations:
         size = ca.fabs(self.predicted) + self.accuracy.atol / self.accuracy.rtol
         rounded = ca.mtimes(ca.fabs(ca.jacobian(self.residual, self.predicted)), size)
         rounded += ca.mtimes(slopes, ca.fabs(self.unknown))
-        return NEWTON * ca.mtimes(slopes, allowed) + ROUNDING * rounded + TINY
+        scale = NEWTON * ca.mtimes(slopes, allowed) + ROUNDING * rounded + TINY
+        depth = np.array([*[-1] * len(self.kept), *self.problem.system.depth])
+        for level in np.unique(depth[depth >= 0]):  # equations of motion without mass have no terms
+            rows = [int(i) for i in np.flatnonzero(depth == level)]
+            scale[rows] += SMALL_ROWS * ca.mmax(scale[rows])
+        return scale
 
     def solve(self, t, h, c, predicted, psi, p) -> tuple[ca.MX, ca.MX]:
         """Unknowns, NaN where Newton failed, and the residual left relative to the tolerance."""

@@ -35,4 +35,6 @@ def relative_error(
 
 def largest(ratios: Graph) -> Graph:
     """The largest entry; infinite where one is not a number, which a maximum would overlook."""
+    if not ratios.numel():
+        return ca.sumsqr(ratios)  # zero: there is nothing to be wrong
     return ca.if_else(ca.sumsqr(ratios) < ca.inf, ca.mmax(ratios), ca.inf)

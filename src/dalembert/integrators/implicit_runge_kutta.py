@@ -65,7 +65,7 @@ def stages(
     begin : rate at the old state where ``a`` has a first column for it, or None
     """
     t, h, x, u, p = at
-    parts = ca.vertsplit(u, e.count)
+    parts = e.stage_by_stage(u, len(c))
     states = [ca.SX(x) for _ in parts]
 
     def fill(entries: list[int], rates: list[ca.SX]) -> None:
@@ -79,7 +79,7 @@ def stages(
         return [function(t + node * h, h, state, part, p) for node, state, part in found]
 
     if e.coupled:
-        fill(e.coupled, [part[e.algebraic :] for part in parts])
+        fill(e.coupled, [part[e.algebraic :, :] for part in parts])
     for level in e.levels:
         fill(level, [rate[level] for rate in everywhere(e.rate)])
     return states, everywhere(e.rate), everywhere(e.rows)
@@ -107,9 +107,10 @@ class CollocationStep(GraphStep):
         at = (s.t, h, s.x, u, s.p)
         states, rates, rows = stages(e, matrix.a[first:], self.nodes, at, begin)
         scale_of = e.residual_scale(settings.tolerance)
+        parts = e.stage_by_stage(u, len(self.nodes))
         scales = [
             scale_of(s.t + c * h, h, state, part, s.p)
-            for c, state, part in zip(self.nodes, states, ca.vertsplit(u, e.count), strict=True)
+            for c, state, part in zip(self.nodes, states, parts, strict=True)
         ]
         self._newton = NewtonNode(
             "stages",

@@ -86,8 +86,9 @@ class NewmarkStep(GraphStep):
 
     def _remembered(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Scaled algebraic variables, ``s`` and powers of the last step."""
-        m, k = self.equations.algebraic, len(self.speeds)
-        return self.memory[:m], self.memory[m : m + k], self.memory[m + k : -m]
+        m, k, r = self.equations.algebraic, len(self.speeds), len(self.rest)
+        parts = ca.vertsplit(self.memory, [0, m, m + k, m + k + r, self.memory.numel()])
+        return parts[0], parts[1], parts[2]
 
     def _equations(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """New state, new memory and residuals, as expressions of the unknowns."""
@@ -107,37 +108,42 @@ class NewmarkStep(GraphStep):
         middle[self.speeds] = speed + h * ((0.5 - c.beta) * algorithmic + c.beta * following)
         new[self.speeds] = speed + h * ((1 - c.gamma) * algorithmic + c.gamma * following)
         if e.coupled:
-            new[e.coupled] = x[e.coupled] + h * self.u[e.algebraic :]
+            new[e.coupled] = x[e.coupled] + h * self.u[e.algebraic :, :]
         middle[self.positions] = (x[self.positions] + new[self.positions]) / 2
         for _ in e.levels:  # positions that follow from other positions come later
             free = [i for i in self.positions if i not in e.coupled]
             new[free] = x[free] + h * rate(t + h / 2, middle, self.u)[free]
             middle[free] = (x[free] + new[free]) / 2
-        rows = e.rows(t + h, h, new, self.u, p)[: e.algebraic]
-        k = self.u[e.algebraic :]
+        rows = e.rows(t + h, h, new, self.u, p)[: e.algebraic, :]
+        k = self.u[e.algebraic :, :]
         rows = ca.vertcat(rows, k - rate(t + h / 2, middle, self.u)[e.coupled])
         used = rate(t + h, new, self.u)[self.rest]
         new[self.rest] = x[self.rest] + h / 2 * (powers + used)
-        found = self.u[: e.algebraic]
+        found = self.u[: e.algebraic, :]
         memory = ca.vertcat(found, (following - true) / h, used, (found - z) / h)
         return new, memory, rows
 
     def _extrapolated(self) -> ca.SX:
         """First guess of the unknowns."""
         e, z = self.equations, self._remembered()[0]
-        ahead = ca.vertcat(z + self.h * self.memory[-e.algebraic :], ca.SX(len(e.coupled), 1))
+        drift = self.memory[self.memory.numel() - e.algebraic :, :]
+        ahead = ca.vertcat(z + self.h * drift, ca.SX(len(e.coupled), 1))
         rate = e.rate(self.t, self.h, self.x, ahead, self.p)
-        return ca.vertcat(ahead[: e.algebraic], rate[e.coupled])
+        return ca.vertcat(ahead[: e.algebraic, :], rate[e.coupled])
 
     def _start(self) -> ca.Function:
         """``(t, x, p) → memory`` with ``s = δ v̈``."""
         system = self.problem.system
         z = system.start.function(self.t, self.x, self.p)
         rate = ca.substitute(system.rate, system.z, z)
-        along = ca.vertcat(1, rate)
-        jerk, drift = (
-            ca.jtimes(part, ca.vertcat(self.t, self.x), along) for part in (rate[self.speeds], z)
+        still = ca.SX.zeros(self.p.numel())
+        drift = system.start.tangent(self.t, self.x, self.p, 1, rate, still)
+        along = ca.jtimes(
+            system.rate[self.speeds, :],
+            ca.vertcat(system.t, system.x, system.z),
+            ca.vertcat(1, rate, drift),
         )
+        jerk = ca.substitute(along, system.z, z)
         memory = ca.vertcat(z, self.chosen.shift * jerk, rate[self.rest], drift)
         return ca.Function("begin", [self.t, self.x, self.p], [memory], {"cse": True})
 

@@ -40,14 +40,18 @@ class StageEquations:
         s = system
         self.h, self.u = ca.SX.sym("h"), ca.SX.sym("u", self.count)
         lag = ca.vertcat(*(self.h**k for k in s.lag)) if any(s.lag) else 1
-        scaled = lag * self.u[: self.algebraic]
+        scaled = lag * self.u[: self.algebraic, :]  # a slice of a scalar alone would be a row
         rate, algebraic = ca.substitute([s.rate, s.algebraic], [s.z], [scaled])
-        rows = ca.vertcat(algebraic, self.u[self.algebraic :] - rate[self.coupled])
+        rows = ca.vertcat(algebraic, self.u[self.algebraic :, :] - rate[self.coupled])
         inputs = [s.t, self.h, s.x, self.u, s.p]
         self.rate = ca.Function("rate", inputs, [ca.densify(rate)])
         self.rows = ca.Function("rows", inputs, [ca.densify(rows)])
         self._rate, self._rows = rate, rows
         self._lag = lag
+
+    def stage_by_stage(self, u: ca.SX, stages: int) -> list[ca.SX]:
+        """Unknowns of several stages apart; there may be none in each."""
+        return [u[k * self.count : (k + 1) * self.count, :] for k in range(stages)]
 
     def residual_scale(self, tolerance: float) -> ca.Function:
         """``(t, h, x, u, p)`` → residuals that count as zero.
@@ -63,7 +67,7 @@ class StageEquations:
         terms = ca.densify(ca.mtimes(by_unknown, LEAST + ca.fabs(self.u)) + ca.fabs(still))
         change = self.h * ca.mtimes(by_state, ca.fabs(self._rate))
         constraints = [int(i) for i in np.flatnonzero(level)]
-        terms[constraints] = change[constraints]
+        terms[constraints, :] = change[constraints, :]
         noise = ca.densify(ca.mtimes(by_state, LEAST + ca.fabs(s.x)))
         scale = ca.SX.zeros(terms.numel())
         for depth in np.unique(level):
