@@ -7,6 +7,7 @@ from itertools import combinations, permutations
 import casadi as ca
 import numpy as np
 
+from dalembert.structures.cells import Cell
 from dalembert.structures.mesh_generators import box_mesh, rectangle_mesh
 from dalembert.structures.reference_cells import REFERENCE_CELLS
 
@@ -16,6 +17,16 @@ CORNERS = {
     "tetra10": "tetra",
     "hexahedron20": "hexahedron",
 }
+
+PLACES = {
+    (0, 1): [(0, 0, 0)],
+    (1, 2): [(0, 0, 0), (1, 0, 0)],
+    (2, 3): [(0, 0, 0), (1, 0, 0), (0, 1, 0)],
+    (2, 4): [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)],
+    (3, 4): [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)],
+    (3, 8): [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))],
+}
+"""Dimension and number of corners of a cell → where they are."""
 
 
 def unit_mesh(shape: str, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -68,3 +79,14 @@ def shape_values(shape: str, natural) -> np.ndarray:
     place = ca.SX.sym("place", cell.dimension)
     function = ca.Function("shapes", [place], [ca.densify(cell.shape_functions(place))])
     return np.array(function(natural)).ravel()
+
+
+def places_of(cell: Cell) -> np.ndarray:
+    """(nodes, 3) corners somewhat out of place, and middles of edges."""
+    corners = np.array(PLACES[cell.dimension, cell.corners], dtype=float)
+    found = np.zeros((cell.nodes, 3))
+    found[: cell.corners] = corners + np.random.default_rng(1).uniform(-0.1, 0.1, corners.shape)
+    for outline in cell.faces if cell.nodes > cell.corners else ():
+        ends, middles = list(outline[::2]), list(outline[1::2])
+        found[middles] = (found[ends] + found[np.roll(ends, -1)]) / 2
+    return found

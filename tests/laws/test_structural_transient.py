@@ -6,11 +6,13 @@ import functools
 
 import numpy as np
 import pytest
+from cell_meshes import places_of
 from scipy.integrate import solve_ivp
 
 import dalembert as da
 from dalembert import structures
-from dalembert.structures.cells import CELLS, Cell
+from dalembert.analysis.structural.transient_equation import Motions
+from dalembert.structures.cells import CELLS
 from dalembert.structures.registry import ELEMENTS, cell_of
 
 INTEGRATORS = {
@@ -31,26 +33,6 @@ NUMBERS = {
     "thickness": 0.4,
 }
 """Quantities of elements that cannot be 0.3."""
-CORNERS = {
-    (0, 1): [(0, 0, 0)],
-    (1, 2): [(0, 0, 0), (1, 0, 0)],
-    (2, 3): [(0, 0, 0), (1, 0, 0), (0, 1, 0)],
-    (2, 4): [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)],
-    (3, 4): [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)],
-    (3, 8): [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))],
-}
-"""Dimension and number of corners of a cell → where they are."""
-
-
-def places(cell: Cell) -> np.ndarray:
-    """(nodes, 3) corners somewhat out of place, and middles of edges."""
-    corners = np.array(CORNERS[cell.dimension, cell.corners], dtype=float)
-    found = np.zeros((cell.nodes, 3))
-    found[: cell.corners] = corners + np.random.default_rng(1).uniform(-0.1, 0.1, corners.shape)
-    for outline in cell.faces if cell.nodes > cell.corners else ():
-        ends, middles = list(outline[::2]), list(outline[1::2])
-        found[middles] = (found[ends] + found[np.roll(ends, -1)]) / 2
-    return found
 
 
 def chain(sudden: bool = False) -> da.Structure:
@@ -93,7 +75,7 @@ def exact(motion, end: float) -> tuple[np.ndarray, np.ndarray]:
 
     def rate(time, x):
         u, v, a = whole(time, x)
-        rest = e.loads(time) - e.mass @ a - e.damped(v) - e.internal_forces(u)
+        rest = e.loads(time) - e.forces(Motions(u, v, a))
         return np.concatenate([v[free], inverse @ rest[free]])
 
     start = np.concatenate([motion.displacements[free, 0], motion.velocities[free, 0]])
@@ -209,7 +191,7 @@ def model_of(name: str, dimension: int):
     """One element of a class among bars that have mass, every number of it a parameter."""
     cls = ELEMENTS[name]
     structure = da.Structure(f"{name} in {dimension}-D")
-    corners = places(CELLS[cell_of(cls)])[:, :dimension]
+    corners = places_of(CELLS[cell_of(cls)])[:, :dimension]
     points = np.vstack([-np.ones(dimension), corners]).astype(object)
     points[-1, 0] = structure.parameter("place", corners[-1, 0])
     nodes = structure.add_nodes("n", points)
@@ -282,6 +264,37 @@ def test_rotations_without_mass():
     motion = da.solve_transient(s.build(), 1.0, step=0.05, lumped=True)
     assert motion.status.success
     agree(motion, [da.final("n[4].ux"), da.maximum("n[4].rz"), da.final("n[0].mz")])
+
+
+@pytest.mark.parametrize("lumped", [False, True])
+def test_gradients_of_a_body_that_tumbles(lumped):
+    """Through the replacement of rotation vectors longer than π, on supports that react."""
+    s = da.Structure("body")
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0.2, 0.8, 0.1]])
+    nodes = s.add_nodes("n", points)
+    numbers = {"area": 0.3, "torsion_constant": 0.02, "shear_modulus": 20.0, "modulus": 50.0}
+    numbers |= {"second_moment_y": s.parameter("iy", 0.01), "second_moment_z": 0.02}
+    density, spin = s.parameter("density", 1.0), s.parameter("spin", 4.0)
+    s.add_elements("e", structures.SpaceFrame, nodes, [(0, 1), (0, 2)], density=density, **numbers)
+    inertia = {"inertia_x": 0.1, "inertia_y": s.parameter("jy", 0.3), "inertia_z": 0.2}
+    s.add_elements("j", structures.PointInertia, nodes, [(2,)], **inertia)
+    s.support(nodes[0], ux=0.0, uy=0.1 * da.sin(da.t), uz=0.0)
+    rates = np.cross([0.5, -0.3, 1.0], points)
+    for k in range(3):
+        given = dict(zip(("vx", "vy", "vz"), spin * rates[k], strict=True)) if k else {}
+        s.initial(nodes[k], vrx=0.5 * spin, vry=-0.3 * spin, vrz=spin, **given)
+    damping = da.Rayleigh(s.parameter("alpha", 0.1))
+    options = {"nonlinear": True, "lumped": lumped, "damping": damping}
+    motion = da.solve_transient(s.build(), 0.9, step=0.05, **options)
+    assert motion.status.success
+    assert motion.record.march.shortened
+    responses = [
+        da.final("n[2].rx"),
+        da.final("n[1].vrz"),
+        da.integral("n[0].fx"),
+        da.at(0.87, "n[1].uy"),
+    ]
+    agree(motion, [*responses, da.final("kinetic_energy")])
 
 
 # what goes wrong ---------------------------------------------------------------------------------

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sparse
 
 from dalembert.structures.block import ElementBlock
+from dalembert.structures.inertia import Moved
 
 
 class Assembly:
@@ -25,6 +26,14 @@ class Assembly:
         self.blocks, self.size = blocks, size
         self.prescribed = np.asarray(prescribed, dtype=int)
         self.free = np.setdiff1d(np.arange(size), self.prescribed)
+
+    def split(self, chosen: Callable[[ElementBlock], bool]) -> tuple[Assembly, Assembly]:
+        """Sums over the blocks that are not chosen, and over those that are."""
+        parts: tuple[list[ElementBlock], list[ElementBlock]] = ([], [])
+        for block in self.blocks:
+            parts[chosen(block)].append(block)
+        rest, found = (Assembly(blocks, self.size, self.prescribed) for blocks in parts)
+        return rest, found
 
     @cached_property
     def _pattern(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -44,6 +53,12 @@ class Assembly:
         entries = np.concatenate([np.zeros(0), *(part.ravel() for part in parts)])
         summed = np.bincount(slots, entries, minlength=rows.size)
         return sparse.csc_matrix((summed, rows, starts), shape=(self.size,) * 2)
+
+    def arm(self, p: np.ndarray) -> float:
+        """Mean length of the elements, one where all are points [m]."""
+        lengths = np.concatenate([np.zeros(0), *(b.lengths(p) for b in self.blocks)])
+        lengths = lengths[lengths > 0]
+        return float(lengths.mean()) if lengths.size else 1.0
 
     def stiffness(self, u: np.ndarray, p: np.ndarray) -> sparse.csc_matrix:
         """Tangent stiffness of the whole structure, ``K`` (8.7) where it is linear."""
@@ -106,6 +121,21 @@ class Assembly:
             data = block.kind.pull_mass(block.gather(a), block.gather(b), block.data(p), lumped)
             total += block.pull_data(p, data)
         return total
+
+    def inertia_forces(self, motion: Moved, p: np.ndarray, lumped: bool) -> np.ndarray:
+        """(n,) inertia forces of displaced elements, ``motion = (u, v, a)``."""
+        total = np.zeros(self.size)
+        for b in self.blocks:
+            moved = b.gather_motion(motion)
+            total += b.scatter(b.kind.inertia_forces(moved, b.data(p), lumped), self.size)
+        return total
+
+    def inertia_slopes(self, motion: Moved, p: np.ndarray, lumped: bool) -> list[sparse.csc_matrix]:
+        """Derivatives of the inertia forces by displacements, velocities and accelerations."""
+        parts = [
+            b.kind.inertia_slopes(b.gather_motion(motion), b.data(p), lumped) for b in self.blocks
+        ]
+        return [self.matrix(by) for by in zip(*parts, strict=True)]
 
     def geometric(self, u: np.ndarray, p: np.ndarray) -> sparse.csc_matrix:
         """Geometric stiffness ``∂³W/∂u³ (0) · u`` of the exact energies ``W``."""

@@ -11,6 +11,7 @@ from dalembert.elements.base import Scalar, quantity
 from dalembert.errors import ModelError
 from dalembert.structures.base import Named, StructuralElement
 from dalembert.structures.node import Node
+from dalembert.structures.rotations import carried_by_node
 
 AXES = ("x", "y", "z")
 
@@ -88,6 +89,7 @@ class GroundRotationSpring(GroundSpring):
     stiffness_z: Scalar = quantity("N m/rad", "about z", default=0.0, minimum=0.0, keyword=True)
     effort: ClassVar[tuple[str, str]] = ("moment", "N m")
     turns: ClassVar[bool] = True
+    counts_turns: ClassVar[bool] = True
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
 
 
@@ -113,7 +115,7 @@ class PointMass(Attached):
 
 @dataclass(eq=False)
 class PointInertia(Attached):
-    """Moments of inertia at a node that turns, ``T = Σ J ω²/2``.
+    """Moments of inertia at a node that turns, ``T = Σ J ω²/2`` in axes that turn with the node.
 
     Parameters
     ----------
@@ -134,3 +136,9 @@ class PointInertia(Attached):
     @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         return sum((q[f"inertia_{a}"] * v[0][k] ** 2 / 2 for a, k in cls.directions(x)), ca.SX(0))
+
+    @classmethod
+    def carried(
+        cls, u: list[ca.SX], v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
+    ) -> list[ca.SX]:
+        return [carried_by_node(u[0], v[0])]

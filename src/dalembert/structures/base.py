@@ -4,7 +4,8 @@ To write a new one: a dataclass with ``name`` first, then its nodes, then its nu
 ``quantity``; and one class method ``energy``, the strain energy of the displaced element, with
 ``kinetic`` beside it if it has mass. Internal forces ``∂W/∂u``, tangent stiffness ``∂²W/∂u²``, mass
 matrix and all design derivatives follow by differentiation, once per kind of element, and are
-evaluated for all elements of the kind at once.
+evaluated for all elements of the kind at once. Where the inertia turns with the element,
+``carried`` says how: inertia forces ``d/dt ∂T/∂v − ∂T/∂u`` follow from the same kinetic energy.
 
 An element that is integrated numerically gives ``samples``; its energy is then the sum over them of
 ``energy``, which finds the sample in ``q["at"]``.
@@ -33,6 +34,8 @@ class StructuralElement(Element):
 
     turns: ClassVar[bool] = False
     """Whether its nodes have rotations too."""
+    counts_turns: ClassVar[bool] = False
+    """Whether it tells a node that turned once round from one that did not."""
     node_count: ClassVar[int]
     """Nodes of one element."""
     dimensions: ClassVar[tuple[int, ...]] = (1, 2, 3)
@@ -86,6 +89,17 @@ class StructuralElement(Element):
         A quadratic form in the velocities ``v`` of the nodes; its matrix is the mass matrix.
         """
         return ca.SX(0)
+
+    @classmethod
+    def carried(
+        cls, u: list[ca.SX], v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
+    ) -> list[ca.SX]:
+        """Velocities of the nodes as seen from the displaced element, in its initial axes.
+
+        ``kinetic`` of them is the kinetic energy of the displaced element; of elements whose
+        inertia is the same in all directions they are the velocities ``v`` themselves.
+        """
+        return v
 
     @classmethod
     def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:

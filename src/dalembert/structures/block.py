@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dalembert.structures.inertia import Moved
 from dalembert.structures.kind import ElementKind
 from dalembert.structures.spans import Spans
 from dalembert.symbolic.parametric_array import ParametricArray
@@ -37,6 +38,12 @@ class ElementBlock:
         """(m, ne) numbers at parameter values ``p``."""
         return self._shaped(self._data.values(p))
 
+    def lengths(self, p: np.ndarray) -> np.ndarray:
+        """(ne,) largest distances of their nodes from the first [m]."""
+        d, n = self.kind.dimension, self.kind.node_count
+        places = self.data(p)[: n * d].reshape(n, d, self.count)
+        return np.linalg.norm(places - places[0], axis=1).max(axis=0)
+
     def push_data(self, p: np.ndarray, dp: np.ndarray) -> np.ndarray:
         """(m, ne) their change."""
         return self._shaped(self._data.push(p, dp))
@@ -61,6 +68,11 @@ class ElementBlock:
     def gather(self, u: np.ndarray) -> np.ndarray:
         """(k, ne) displacements of the elements."""
         return u[self.degrees]
+
+    def gather_motion(self, motion: Moved) -> Moved:
+        """(k, ne) displacements, velocities and accelerations of the elements."""
+        u, v, a = motion
+        return self.gather(u), self.gather(v), self.gather(a)
 
     def scatter(self, forces: np.ndarray, size: int) -> np.ndarray:
         """(n,) sum of element forces (k, ne) by displacement."""

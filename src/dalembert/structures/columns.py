@@ -14,6 +14,7 @@ import scipy.sparse as sparse
 
 from dalembert.structures.assembly import Assembly
 from dalembert.structures.block import ElementBlock
+from dalembert.structures.inertia import Moved
 from dalembert.structures.kind import ElementKind
 
 
@@ -36,10 +37,19 @@ class Pulls:
 
     def forces(self, u: np.ndarray, weights: np.ndarray) -> None:
         """Add ``Σ_s ηᵀ ∂f(u_s)/∂p`` for displacements (n, S) and weights (n, S, rows)."""
-        states, etas = np.repeat(u, self.rows, axis=1), weights.reshape(weights.shape[0], -1)
+        self._add(lambda kind, x, data, eta: kind.pull(x[0], data, eta), (u,), weights)
+
+    def inertia(self, motion: Moved, weights: np.ndarray, lumped: bool) -> None:
+        """Add the same for inertia forces of displaced elements, ``(u, v, a)`` each (n, S)."""
+        self._add(lambda kind, x, d, eta: kind.pull_inertia(x, d, eta, lumped), motion, weights)
+
+    def _add(self, pull: Callable, motion: tuple[np.ndarray, ...], weights: np.ndarray) -> None:
+        states = [np.repeat(x, self.rows, axis=1) for x in motion]
+        etas = weights.reshape(weights.shape[0], -1)
         for b, data, found in zip(self.blocks, self._data, self._found, strict=True):
-            given = _gathered(b, states), _repeated(data, etas.shape[1]), _gathered(b, etas)
-            found += b.kind.pull(*given).reshape(*data.shape, -1, self.rows).sum(axis=2)
+            own, several = tuple(_gathered(b, x) for x in states), _repeated(data, etas.shape[1])
+            pulled = pull(b.kind, own, several, _gathered(b, etas))
+            found += pulled.reshape(*data.shape, -1, self.rows).sum(axis=2)
 
     def products(self, products: Products, pull: Callable) -> None:
         """Add ``Σ_s ηᵀ ∂A/∂p x_s`` with ``pull(kind, x, data, η)`` of what ``A x`` gives."""
@@ -111,11 +121,18 @@ class Pushes:
 
     def forces(self, u: np.ndarray) -> np.ndarray:
         """(n, c) changes of the internal forces at displacements (n,)."""
-        found = np.zeros((u.size, self.count))
-        states = np.repeat(u[:, None], self.count, axis=1)
+        return self._sum(lambda kind, x, *given: kind.push(x[0], *given), (u,))
+
+    def inertia(self, motion: Moved, lumped: bool) -> np.ndarray:
+        """(n, c) changes of inertia forces of displaced elements, ``(u, v, a)`` each (n,)."""
+        return self._sum(lambda kind, x, *given: kind.push_inertia(x, *given, lumped), motion)
+
+    def _sum(self, push: Callable, motion: tuple[np.ndarray, ...]) -> np.ndarray:
+        found = np.zeros((self.assembly.size, self.count))
+        states = [np.repeat(x[:, None], self.count, axis=1) for x in motion]
         for b, data, change, summing in self._blocks():
             given = _repeated(data, self.count), change.reshape(data.shape[0], -1)
-            forces = b.kind.push(_gathered(b, states), *given)
+            forces = push(b.kind, tuple(_gathered(b, x) for x in states), *given)
             found += summing @ forces.reshape(-1, self.count)
         return found
 

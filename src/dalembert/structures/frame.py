@@ -77,16 +77,29 @@ class Frame(Line):
     @classmethod
     def end_turns(cls, u: list[ca.SX], x: list[ca.SX]) -> tuple[ca.SX, ca.SX]:
         """Rotations of the ends less that of the chord."""
-        before = x[1] - x[0]
-        after = before + u[1][:2] - u[0][:2]
-        along = ca.dot(before, after)
-        across = before[0] * after[1] - before[1] * after[0]
+        along, across = cls.chord_turn(u, x)
 
         def against_chord(turn: ca.SX) -> ca.SX:  # small, whatever number of times both went round
             c, s = ca.cos(turn), ca.sin(turn)
             return ca.atan2(s * along - c * across, c * along + s * across)
 
         return against_chord(u[0][2]), against_chord(u[1][2])
+
+    @staticmethod
+    def chord_turn(u: list[ca.SX], x: list[ca.SX]) -> tuple[ca.SX, ca.SX]:
+        """Cosine and sine of the angle by which the chord turned, times both its lengths."""
+        before = x[1] - x[0]
+        after = before + u[1][:2] - u[0][:2]
+        return ca.dot(before, after), before[0] * after[1] - before[1] * after[0]
+
+    @classmethod
+    def carried(
+        cls, u: list[ca.SX], v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
+    ) -> list[ca.SX]:
+        along, across = cls.chord_turn(u, x)
+        size = ca.sqrt(along**2 + across**2)
+        c, s = along / size, across / size
+        return [ca.vertcat(c * w[0] + s * w[1], c * w[1] - s * w[0], w[2]) for w in v]
 
     @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:

@@ -8,10 +8,11 @@ from typing import Any
 import casadi as ca
 
 from dalembert.structures.base import Named, StructuralElement
+from dalembert.structures.inertia_graphs import InertiaGraphs
 from dalembert.structures.node import ROTATIONS
 
 
-class ElementGraphs:
+class ElementGraphs(InertiaGraphs):
     """Energies of one element, and the functions derived from them by name.
 
     Parameters
@@ -53,17 +54,6 @@ class ElementGraphs:
         return self._expanded(self.exact, 2) if self.linear else self.exact
 
     @cached_property
-    def kinetic(self) -> ca.SX:
-        """Kinetic energy of velocities ``u``."""
-        return ca.SX(self.cls.kinetic(self._u, self._x, self._q))
-
-    @cached_property
-    def mass(self) -> ca.SX:
-        """Twice the kinetic energy of a unit velocity of the whole."""
-        unit = [ca.vertcat(1, ca.DM.zeros(v.numel() - 1)) for v in self._u]
-        return 2 * ca.substitute(self.kinetic, self.u, ca.vertcat(*unit))
-
-    @cached_property
     def measures(self) -> Named:
         """Named quantities of the class: name → (expression, unit)."""
         named = self.cls.measures(self._u, self._x, self._q)
@@ -95,9 +85,6 @@ class ElementGraphs:
     @property
     def _forces(self) -> ca.SX:
         return ca.gradient(self.energy, self.u)
-
-    def _symbols(self, *names: str) -> list[ca.SX]:
-        return [ca.SX.sym(n, (self.data if n == "change" else self.u).numel()) for n in names]
 
     def _force(self):
         return [self.u, self.data], [self._forces]
@@ -182,36 +169,6 @@ class ElementGraphs:
             moduli = ca.reshape(ca.jtimes(ca.vec(moduli), ca.vec(h), by), moduli.shape)
         at = ca.SX.zeros(*h.shape) if rest else gradient
         return [slopes, ca.substitute(moduli, h, at)]
-
-    # masses
-    def _masses(self):
-        return [self.data], [ca.vec(ca.hessian(self.kinetic, self.u)[0])]
-
-    def _push_mass(self):
-        b, change = self._symbols("b", "change")
-        momentum = ca.substitute(ca.gradient(self.kinetic, self.u), self.u, b)
-        return [b, self.data, change], [ca.jtimes(momentum, self.data, change)]
-
-    def _pull_mass(self):
-        a, b = self._symbols("a", "b")
-        momentum = ca.substitute(ca.gradient(self.kinetic, self.u), self.u, b)
-        return [a, b, self.data], [ca.gradient(ca.dot(a, momentum), self.data)]
-
-    @property
-    def _inertia(self) -> ca.SX:
-        """Diagonal of the mass matrix, and the mass."""
-        return ca.vertcat(ca.diag(ca.hessian(self.kinetic, self.u)[0]), self.mass)
-
-    def _diagonal(self):
-        return [self.data], [self._inertia]
-
-    def _push_diagonal(self):
-        (change,) = self._symbols("change")
-        return [self.data, change], [ca.jtimes(self._inertia, self.data, change)]
-
-    def _pull_diagonal(self):
-        w = ca.SX.sym("w", self.u.numel() + 1)
-        return [self.data, w], [ca.jtimes(self._inertia, self.data, w, True)]
 
     # measures and checks
     def _value(self, name: str) -> ca.SX:

@@ -75,22 +75,30 @@ class Acceleration(Measure):
 
 @dataclass
 class KineticEnergy(Measure):
-    """``vᵀ M v / 2`` with the mass matrix of the analysis."""
+    """``vᵀ M v / 2`` with the mass matrix of the analysis, turned as the elements are."""
 
     blocks: list[ElementBlock]
     unit: str = "J"
 
     def value(self, s: State) -> float:
         moving = _moving(s)
-        return float(moving.v @ (moving.mass @ moving.v)) / 2
+        turning = [b for b in self.blocks if b.kind.turning(moving.lumped)]
+        if not turning:
+            return float(moving.v @ (moving.mass @ moving.v)) / 2
+        return float(sum(self._of(b, moving)[0].sum() for b in self.blocks))
 
     def pull(self, s: State, weight: float, into: Weights) -> None:
         moving = _moving(s)
-        into.v += weight * (moving.mass @ moving.v)  # type: ignore[attr-defined]
         for b in self.blocks:
-            v, data = b.gather(moving.v), b.data(s.p)
-            pulled = b.kind.pull_mass(weight / 2 * v, v, data, moving.lumped)
-            into.p += b.pull_data(s.p, pulled)
+            _, by_u, by_v, by_data = self._of(b, moving)
+            into.u += weight * b.scatter(by_u, into.u.size)
+            into.v += weight * b.scatter(by_v, into.u.size)  # type: ignore[attr-defined]
+            into.p += weight * b.pull_data(s.p, by_data)
+
+    @staticmethod
+    def _of(b: ElementBlock, s: MovingState) -> tuple[np.ndarray, ...]:
+        """Energies of some elements, and their slopes."""
+        return b.kind.kinetic_energy(b.gather(s.u), b.gather(s.v), b.data(s.p), s.lumped)
 
 
 def moving_measure(name: str, degrees: Numbering, blocks: list[ElementBlock]) -> Measure | None:
@@ -104,6 +112,6 @@ def moving_measure(name: str, degrees: Numbering, blocks: list[ElementBlock]) ->
         return None
     for direction, unit in ((f"u{quantity[1:]}", "m"), (quantity[1:], "rad")):
         degree = degrees.get((owner, direction))
-        if degree is not None and degrees.is_rotation(degree) == (unit == "rad"):
+        if degree is not None and degrees.rotations[degree] == (unit == "rad"):
             return made(degree, f"{unit}/s" if made is Velocity else f"{unit}/s^2")
     return None

@@ -30,6 +30,8 @@ class Numbering(Mapping[tuple[str, str], int]):
         """(nodes, directions) numbers, -1 where a node has no such displacement."""
         self._count = int(there.sum())
         self._owner, self._direction = np.nonzero(there)
+        self.rotations = self._direction >= dimension
+        """(displacements,) whether they are rotations."""
 
     def place(self, degree: int) -> tuple[str, str]:
         """Node and direction of a displacement."""
@@ -42,10 +44,6 @@ class Numbering(Mapping[tuple[str, str], int]):
     def of_set(self, nodes: Nodes) -> np.ndarray:
         """Numbers of the nodes of a set."""
         return self.nodes.first(nodes.name) + nodes.index
-
-    def is_rotation(self, degree: int) -> bool:
-        """Whether it is a rotation."""
-        return bool(self._direction[degree] >= self.dimension)
 
     def get(self, place, default=None):
         """Number of a displacement, or the default."""

@@ -27,6 +27,28 @@ def rotation_matrix(r: ca.SX) -> ca.SX:
     return ca.SX.eye(3) + sine * cross + versine * ca.mtimes(cross, cross)
 
 
+def spin_map(r: ca.SX) -> ca.SX:
+    """``𝗧 = 𝟭 + ((1 − cos θ)/θ²) [r]× + ((θ − sin θ)/θ³) [r]×²``.
+
+    The spin is ``ω = 𝗧 ṙ`` in fixed axes, and ``𝗧ᵀ ṙ`` in axes that turn along. It is
+    singular where θ is a multiple of 2π but zero.
+    """
+    square = ca.sumsqr(r)
+    small = square < SMALL_SQUARE
+    angle = ca.sqrt(ca.if_else(small, 1.0, square))
+    versine = ca.if_else(small, _alternating(square, 2), (1 - ca.cos(angle)) / angle**2)
+    lag = ca.if_else(small, _alternating(square, 3), (angle - ca.sin(angle)) / angle**3)
+    cross = ca.skew(r)
+    return ca.SX.eye(3) + versine * cross + lag * ca.mtimes(cross, cross)
+
+
+def carried_by_node(u: ca.SX, v: ca.SX) -> ca.SX:
+    """Velocity of a node with its spin in axes that turn with it; ``v`` itself but in space."""
+    if v.numel() < 6:
+        return v
+    return ca.vertcat(v[:3], ca.mtimes(spin_map(u[3:]).T, v[3:]))
+
+
 def _alternating(square: ca.SX, first: int) -> ca.SX:
     """``Σ (−θ²)^k / (2k + first)!``."""
     return _series(square, [(-1) ** k / factorial(2 * k + first) for k in range(SQUARE_TERMS)])

@@ -2,7 +2,8 @@
 
 Co-rotational as in the plane: the element's own axes turn with its chord and, about the chord, with
 the mean of its ends (Crisfield; Battini and Pacoste, Computer Methods in Applied Mechanics and
-Engineering 191, 2002). Rotations of nodes are rotation vectors, of any size below 2π.
+Engineering 191, 2002), and its inertia with them. Rotations of nodes are rotation vectors, of any
+size below 2π.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from dalembert.errors import ModelError
 from dalembert.structures.base import Named
 from dalembert.structures.beams import Bending, linear_kinetic
 from dalembert.structures.lines import Line
-from dalembert.structures.rotations import rotation_matrix, rotation_vector
+from dalembert.structures.rotations import rotation_matrix, rotation_vector, spin_map
 
 UPRIGHT = 1e-3
 """Sine of the angle to the z axis below which a beam counts as vertical."""
@@ -87,15 +88,22 @@ class SpaceFrame(Line):
         cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
     ) -> tuple[ca.SX, ca.SX]:
         """Rotation vectors of the ends against its turned axes, in these axes."""
+        turned, ends = cls.turned_axes(u, x, q)
+        first, second = (rotation_vector(ca.mtimes(turned.T, end)) for end in ends)
+        return first, second
+
+    @classmethod
+    def turned_axes(
+        cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
+    ) -> tuple[ca.SX, list[ca.SX]]:
+        """Its own axes after displacement, and those of its ends, by columns."""
         before = cls.axes(x, q)
         ends = [ca.mtimes(rotation_matrix(end[3:]), before) for end in u]
         chord = x[1] - x[0] + u[1][:3] - u[0][:3]
         along = chord / ca.norm_2(chord)
         third = ca.cross(along, ends[0][:, 1] + ends[1][:, 1])
         third /= ca.norm_2(third)
-        turned = ca.horzcat(along, ca.cross(third, along), third)
-        first, second = (rotation_vector(ca.mtimes(turned.T, end)) for end in ends)
-        return first, second
+        return ca.horzcat(along, ca.cross(third, along), third), ends
 
     # energies -----------------------------------------------------------------------------
     @classmethod
@@ -132,6 +140,17 @@ class SpaceFrame(Line):
         about_y, about_z = cls.bending(x, q)
         bow = about_y.bow(first[1], second[1]) + about_z.bow(first[2], second[2])
         return cls.elongation(u, x) + bow
+
+    @classmethod
+    def carried(
+        cls, u: list[ca.SX], v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
+    ) -> list[ca.SX]:
+        back = ca.mtimes(cls.axes(x, q), cls.turned_axes(u, x, q)[0].T)
+        spins = [ca.mtimes(spin_map(end[3:]), w[3:]) for end, w in zip(u, v, strict=True)]
+        return [
+            ca.vertcat(ca.mtimes(back, w[:3]), ca.mtimes(back, spin))
+            for w, spin in zip(v, spins, strict=True)
+        ]
 
     @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:

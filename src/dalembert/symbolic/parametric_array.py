@@ -44,6 +44,11 @@ class ParametricArray:
         self._pull = _kernel("pull", [p, t.sx, weights], ca.jtimes(column, p, weights, True))
         self.depends_on_time = any(ca.which_depends(column, t.sx, 1, True)) if formulas else False
 
+    @property
+    def filled(self) -> np.ndarray:
+        """Places that hold anything but zero."""
+        return np.union1d(np.flatnonzero(self.constants), self.index).astype(int)
+
     def values(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) numbers at ``p``."""
         found = self.constants.copy()

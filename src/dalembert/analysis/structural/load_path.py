@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.structural.numbers import require
-from dalembert.analysis.structural.path_equations import PathEquations
+from dalembert.analysis.structural.path_equations import Crossing, PathEquations
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult, Plane
 from dalembert.structures.model import StructuralModel
+from dalembert.symbolic.newton import NewtonSettings, solve
 
 QUICK = 4
 """Iterations after which a step keeps its length."""
@@ -201,24 +202,20 @@ class Walk:
         self._keep(point, plane)
 
     def _newton(self, plane: Plane, near: np.ndarray) -> np.ndarray | None:
-        point, stands = near.copy(), False
-        for k in range(self.analysis.max_iterations):
-            rest, size = self.equations.residual(point)
-            if not np.isfinite(size):
-                return None
-            gap = plane.distance(point)
-            done = size < self.analysis.tolerance and abs(gap) < self.analysis.tolerance
-            if done and (stands or k == self.analysis.max_iterations - 1):
-                self.worst, self.effort = max(self.worst, size), k
-                return point
-            try:
-                change = self.equations.factor(point, plane).solve(np.append(rest, -gap))
-            except SingularityError:
-                return None
-            point = point + change
-            stands = done  # one more step from there: the gradient wants round-off
-            self.iterations += 1
-        return None
+        options, crossing = self.analysis, Crossing(self.equations, plane)
+        settings = NewtonSettings(
+            tolerance=options.tolerance, max_iterations=options.max_iterations, halvings=0
+        )
+        solution = solve(crossing, near, settings)
+        self.iterations += solution.iterations + 1
+        if not solution.accepted:
+            return None
+        self.worst, self.effort = max(self.worst, solution.residual), solution.iterations + 1
+        point = solution.x
+        try:  # one more step from there: the gradient wants round-off
+            return point + crossing.step(point, crossing.residual(point))
+        except SingularityError:
+            return None
 
     def _keep(self, point: np.ndarray, plane: Plane) -> None:
         self.points.append(point)

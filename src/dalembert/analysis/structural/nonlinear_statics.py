@@ -8,19 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.structural.balance import Balance, Balanced
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.statics import StaticsRecord, factorised
-from dalembert.errors import SingularityError
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
+from dalembert.symbolic.newton import Ending, Equations, NewtonSettings, Residual, solve
 
 SHORTEST = 1e-6
 """Share of the load below which a step is not halved any more."""
-STANDS = 1e-13
-"""Change of the displacements that only round-off makes, where residuals cannot fall further."""
-ROUNDING = 1e-13
-"""Residual relative to ``|K| |u|``, row by row, that is then taken for round-off."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +92,7 @@ class LoadPath:
         self.assembly = model.assembly
         self.applied = model.loads[case].values(p)
         self.held = model.prescribed.values(p)
-        self.u = np.zeros(len(model.degrees))
+        self.balance, self.u = Balance(model, p), np.zeros(len(model.degrees))
         self.reached, self.iterations, self.residual = 0.0, 0, 0.0
 
     def follow(self) -> np.ndarray:
@@ -113,34 +110,27 @@ class LoadPath:
         return self.u
 
     def _newton(self, share: float) -> np.ndarray | None:
-        """Equilibrium under a share of the load, None where Newton's method fails."""
-        u, free = self.u.copy(), self.assembly.free
+        """Equilibrium under a share of the load, None where Newton's method fails.
+
+        Raises
+        ------
+        SingularityError
+            The structure is a mechanism before any load acts.
+        """
+        u, options = self.u.copy(), self.analysis
         u[self.assembly.prescribed] = share * self.held
-        stands, noise = False, np.zeros(free.size)
-        for _ in range(self.analysis.max_iterations):
-            internal = self.assembly.internal_forces(u, self.p)
-            rest = (share * self.applied - internal)[free]
-            scale = max(np.abs(share * self.applied).max(), np.abs(internal).max(), 1e-300)
-            size = np.abs(rest).max(initial=0.0) / scale
-            if not np.isfinite(size):
-                return None
-            if size < self.analysis.tolerance or (stands and np.all(np.abs(rest) <= noise)):
-                self.residual = float(size)
-                return u
-            if stands:
-                return None
-            rows = self.assembly.stiffness(u, self.p)[free]
-            try:
-                change = factorised(self.model, rows[:, free]).solve(rest)  # type: ignore[union-attr]
-            except SingularityError:
-                if share == 0 or (self.reached == 0 and not self.iterations):
-                    raise
-                return None
-            u[free] += change
-            stands = np.abs(change).max() < STANDS * max(np.abs(u).max(), 1e-300)
-            noise = ROUNDING * (abs(rows) @ np.abs(u)) if stands else noise
-            self.iterations += 1
-        return None
+        settings = NewtonSettings(
+            tolerance=options.tolerance, max_iterations=options.max_iterations, halvings=0
+        )
+        equilibrium = Equilibrium(self, share)
+        solution = solve(equilibrium, u, settings)
+        self.iterations += solution.iterations
+        if solution.ending is Ending.SINGULAR and self.reached == 0 and not self.iterations:
+            equilibrium.step(u, equilibrium.residual(u))  # tells what can move
+        if not solution.accepted:
+            return None
+        self.residual = solution.residual
+        return solution.x
 
     def forces(self) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
@@ -157,3 +147,29 @@ class LoadPath:
         return StaticsRecord(
             factorised(self.model, matrix[free][:, free]) if whole else None, matrix
         )
+
+
+class Equilibrium(Equations[np.ndarray]):
+    """``s P − ∂W/∂u = 0`` of the free displacements under a share ``s`` of the load."""
+
+    def __init__(self, path: LoadPath, share: float):
+        self.path, self.applied = path, share * path.applied
+
+    def residual(self, x: np.ndarray) -> Balanced:
+        path = self.path
+        internal = path.assembly.internal_forces(x, path.p)
+        stiffness = path.assembly.stiffness(x, path.p)
+        made_of, free = abs(stiffness) @ np.abs(x), path.assembly.free
+        return path.balance.residual([self.applied, -internal], made_of, free, stiffness)
+
+    def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
+        assert isinstance(residual, Balanced)
+        free = self.path.assembly.free
+        matrix = residual.stiffness[free][:, free]
+        factor = factorised(self.path.model, matrix)
+        return np.zeros(0) if factor is None else factor.solve(residual.value)
+
+    def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
+        found = x.copy()
+        found[self.path.assembly.free] += step
+        return found

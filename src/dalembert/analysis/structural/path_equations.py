@@ -8,10 +8,12 @@ import numpy as np
 import scipy.sparse as sparse
 import scipy.sparse.linalg as linalg
 
+from dalembert.analysis.structural.balance import Balance, Balanced
 from dalembert.analysis.structural.statics import factorised
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.results.structural.load_path import Plane
 from dalembert.structures.model import StructuralModel
+from dalembert.symbolic.newton import ROUNDING, Equations, Residual
 
 
 class PathEquations:
@@ -34,7 +36,7 @@ class PathEquations:
         self.free, self.held = self.assembly.free, self.assembly.prescribed
         self.size = int(self.free.size)
         self.applied = model.loads[case].values(p)
-        self.given = model.prescribed.values(p)
+        self.given, self.balance = model.prescribed.values(p), Balance(model, p)
         stiffness, load, _ = self.matrix(np.zeros(self.size + 1))
         factor = factorised(model, stiffness)
         self._slope = factor.solve(load) if factor is not None else np.zeros(0)
@@ -63,22 +65,24 @@ class PathEquations:
         found[self.held] = (internal - found)[self.held]
         return found
 
-    def residual(self, point: np.ndarray) -> tuple[np.ndarray, float]:
-        """Force left over on the free displacements, and its size relative to the largest."""
-        internal = self.assembly.internal_forces(self.displaced(point), self.p)
-        applied = point[-1] * self.applied
-        rest = (applied - internal)[self.free]
-        largest = max(np.abs(applied).max(initial=0.0), np.abs(internal).max(initial=0.0), 1e-300)
-        return rest, float(np.abs(rest).max(initial=0.0) / largest)
+    def residual(self, point: np.ndarray) -> Balanced:
+        """Force left over on the free displacements."""
+        u = self.displaced(point)
+        internal = self.assembly.internal_forces(u, self.p)
+        stiffness = self.assembly.stiffness(u, self.p)
+        terms = [point[-1] * self.applied, -internal]
+        return self.balance.residual(terms, abs(stiffness) @ np.abs(u), self.free, stiffness)
 
-    def matrix(self, point: np.ndarray) -> tuple[Any, np.ndarray, Any]:
-        """``K_ff``, ``q`` and the whole stiffness."""
-        whole = self.assembly.stiffness(self.displaced(point), self.p).tocsr()
+    def matrix(self, point: np.ndarray, known: Any = None) -> tuple[Any, np.ndarray, Any]:
+        """``K_ff``, ``q`` and the whole stiffness, which may be known."""
+        if known is None:
+            known = self.assembly.stiffness(self.displaced(point), self.p)
+        whole = known.tocsr()
         rows = whole[self.free]
         load = self.applied[self.free] - rows[:, self.held] @ self.given
         return rows[:, self.free].tocsc(), load, whole
 
-    def factor(self, point: np.ndarray, plane: Plane) -> linalg.SuperLU:
+    def factor(self, point: np.ndarray, plane: Plane, known: Any = None) -> linalg.SuperLU:
         """Factors of the bordered matrix, regular at limit points.
 
         Raises
@@ -86,7 +90,7 @@ class PathEquations:
         SingularityError
             Two paths cross there.
         """
-        stiffness, load, _ = self.matrix(point)
+        stiffness, load, _ = self.matrix(point, known)
         row = plane.row
         parts = [[stiffness, -load[:, None]], [row[None, :-1], row[None, -1:]]]
         try:
@@ -110,3 +114,20 @@ class PathEquations:
         except RuntimeError:
             return 0
         return int((factor.U.diagonal() < 0).sum())
+
+
+class Crossing(Equations[np.ndarray]):
+    """The point where a path crosses a plane."""
+
+    def __init__(self, path: PathEquations, plane: Plane):
+        self.path, self.plane = path, plane
+
+    def residual(self, x: np.ndarray) -> Balanced:
+        forces, row = self.path.residual(x), np.abs(self.plane.row)
+        value = np.append(forces.value, -self.plane.distance(x))
+        noise = np.append(forces.rounding, ROUNDING * (row @ np.abs(x)))
+        return Balanced(value, np.append(forces.scale, 1.0), noise, stiffness=forces.stiffness)
+
+    def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
+        assert isinstance(residual, Balanced)
+        return self.path.factor(x, self.plane, residual.stiffness).solve(residual.value)

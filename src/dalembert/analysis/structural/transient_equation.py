@@ -1,10 +1,13 @@
-"""The equations of motion of a structure, ``M a + C v + ∂W/∂u(u) = P(t)``, at given parameters."""
+"""The equations of motion of a structure, ``M a + C v + ∂W/∂u(u) = P(t)``, at given parameters.
+
+Where inertia turns with elements, ``M a`` is ``d/dt ∂T/∂v − ∂T/∂u`` of their kinetic energy.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sparse
@@ -61,6 +64,22 @@ class Motions(NamedTuple):
     a: np.ndarray
 
 
+class Slopes(NamedTuple):
+    """Derivatives of the forces of a motion by displacements, velocities and accelerations."""
+
+    u: sparse.csc_matrix
+    v: sparse.csc_matrix
+    a: sparse.csc_matrix
+
+    def along(self, change: Motions) -> np.ndarray:
+        """Change of the forces, for one or many columns."""
+        return self.a @ change.a + self.v @ change.v + self.u @ change.u
+
+    def weigh(self, weights: np.ndarray) -> Motions:
+        """Weights of the motion from those of the forces."""
+        return Motions(*(slope.T @ weights for slope in self))
+
+
 class EquationOfMotion:
     """Matrices and forces of a structure at parameter values.
 
@@ -74,7 +93,8 @@ class EquationOfMotion:
 
     Attributes
     ----------
-    mass, stiffness : (n, n) sparse; the stiffness at rest
+    mass, stiffness : (n, n) sparse; in the initial place
+    steady, turning : sums over the elements with constant inertia, and over the others
     alpha, beta : coefficients of the damping
     """
 
@@ -90,11 +110,31 @@ class EquationOfMotion:
         self.mass = self.assembly.mass(p, lumped)
         self.stiffness = self.assembly.stiffness(rest, p)
         self._at_rest = self.assembly.internal_forces(rest, p)
+        self.steady, self.turning = self.assembly.split(lambda b: b.kind.turning(lumped))
+        self._inertia = self.steady.mass(p, lumped) if self.turns else self.mass
+        self._damper = (
+            self.beta * self.stiffness if self.beta else sparse.csc_matrix(self.mass.shape)
+        )
         self.supports = (
             model.prescribed,
             model.prescribed.derivative,
             model.prescribed.derivative.derivative,
         )
+
+    @property
+    def rest(self) -> Motions:
+        """The structure as it was built."""
+        return Motions(*np.zeros((3, self.assembly.size)))
+
+    @property
+    def turns(self) -> bool:
+        """Whether any inertia depends on the displacements."""
+        return bool(self.turning.blocks)
+
+    @cached_property
+    def sizes(self) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+        """Sizes of the entries of mass and damping matrix in the initial place."""
+        return abs(self.mass), abs(self.alpha * self.mass + self._damper)
 
     @cached_property
     def massive(self) -> np.ndarray:
@@ -125,18 +165,27 @@ class EquationOfMotion:
             return self._at_rest + self.stiffness @ u
         return self.assembly.internal_forces(u, self.p)
 
-    def damped(self, v: np.ndarray) -> np.ndarray:
-        """``C v`` for one or many columns."""
-        found = np.zeros_like(v)
-        if self.alpha:
-            found += self.alpha * (self.mass @ v)
-        if self.beta:
-            found += self.beta * (self.stiffness @ v)
-        return found
+    def parts(self, motion: Motions) -> list[np.ndarray]:
+        """Forces (n,) that the motion needs: of inertia with its damping, of springs, of strain."""
+        found = [self._inertia @ self._driven(motion), self._damper @ motion.v]
+        if self.turns:
+            moved = motion._replace(a=self._driven(motion))
+            found.append(self.turning.inertia_forces(moved, self.p, self.lumped))
+        return [*found, self.internal_forces(motion.u)]
 
     def forces(self, motion: Motions) -> np.ndarray:
-        """(n,) forces that the motion needs, ``M a + C v + ∂W/∂u``."""
-        return self.mass @ motion.a + self.damped(motion.v) + self.internal_forces(motion.u)
+        """(n,) forces that the motion needs, ``d/dt ∂T/∂v − ∂T/∂u + C v + ∂W/∂u``."""
+        return sum(self.parts(motion), np.zeros(self.assembly.size))
+
+    def momentum(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """``∂T/∂v``, for one or many columns."""
+        found = self._inertia @ v
+        if self.turns and v.ndim > 1:
+            return np.stack([self.momentum(*column) for column in zip(u.T, v.T, strict=True)], 1)
+        if self.turns:
+            still = np.zeros_like(u)
+            found = found + self.turning.inertia_forces((u, still, v), self.p, self.lumped)
+        return found
 
     def external_forces(self, motion: Motions, time: float) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
@@ -144,13 +193,30 @@ class EquationOfMotion:
         found[self.held] = (self.forces(motion) - found)[self.held]
         return found
 
-    def changed(self, tangent: sparse.csc_matrix, change: Motions) -> np.ndarray:
-        """``M da + C dv + K du`` for many columns; symmetric matrices, so its transpose too."""
-        return self.mass @ change.a + self.damped(change.v) + tangent @ change.u
+    def slopes(self, motion: Motions, stiffness: sparse.csc_matrix | None = None) -> Slopes:
+        """Derivatives of ``forces``; the stiffness there is found if it is not given."""
+        rest = self._constant_slopes
+        if self.linear:
+            return rest
+        strain = self.tangent(motion.u) if stiffness is None else stiffness
+        if not self.turns:
+            return rest._replace(u=strain)
+        moved = motion._replace(a=self._driven(motion))
+        by_u, by_v, by_a = self.turning.inertia_slopes(moved, self.p, self.lumped)
+        return Slopes(strain + by_u, rest.v + by_v + self.alpha * by_a, rest.a + by_a)
+
+    @cached_property
+    def _constant_slopes(self) -> Slopes:
+        """``K``, ``C`` and ``M`` of what does not turn."""
+        return Slopes(self.stiffness, self.alpha * self._inertia + self._damper, self._inertia)
+
+    def _driven(self, motion: Motions) -> np.ndarray:
+        """``a + α v``: damping by mass is inertia of these accelerations."""
+        return motion.a + self.alpha * motion.v if self.alpha else motion.a
 
 
-def factors(matrix: sparse.csc_matrix, what: str) -> linalg.SuperLU | None:
-    """Sparse factors of a symmetric positive matrix.
+def factors(matrix: sparse.csc_matrix, what: str, symmetric: bool = True) -> linalg.SuperLU | None:
+    """Sparse factors of a matrix, symmetric and positive as a rule.
 
     Raises
     ------
@@ -159,12 +225,10 @@ def factors(matrix: sparse.csc_matrix, what: str) -> linalg.SuperLU | None:
     """
     if not matrix.shape[0]:
         return None
+    options: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A"}
+    if symmetric:
+        options |= {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
     try:
-        return linalg.splu(
-            matrix.tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        return linalg.splu(matrix.tocsc(), **options)
     except RuntimeError:
         raise SingularityError(what) from None

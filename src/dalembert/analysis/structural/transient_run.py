@@ -11,6 +11,8 @@ import numpy as np
 
 from dalembert.analysis.branches import Branches, outputs_of
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.structural.balance import relative
+from dalembert.analysis.structural.rotation_charts import RotationCharts
 from dalembert.analysis.structural.transient_equation import EquationOfMotion
 from dalembert.analysis.structural.transient_start import TransientStart
 from dalembert.analysis.structural.transient_step import Moving, TransientStep
@@ -36,6 +38,9 @@ class March:
         self.analysis = analysis
         self.equation = EquationOfMotion(model, p, case, analysis.damping, analysis.lumped)
         self.start = TransientStart(self.equation, analysis.start, case)
+        self.charts = RotationCharts(self.equation)
+        self.shortened: dict[int, np.ndarray] = {}
+        """Number of steps taken → rotations whose vectors were replaced after them."""
         self._steps: dict[float, TransientStep] = {}
         self.steps: Steps
 
@@ -68,7 +73,7 @@ class March:
                 if not np.all(np.isfinite(new.a)):
                     outcome, message = Outcome.DIVERGED, f"diverged after t = {times[k]:.6g} s"
                     break
-                now = new
+                now = self._short(new, k + 1)
                 x[:, k + 1] = np.concatenate(now)
                 taken = k + 1
                 report(taken / count)
@@ -79,9 +84,21 @@ class March:
         self.steps = whole if taken == count else whole.cut(taken)
         return outcome, message
 
+    def _short(self, x: Moving, node: int) -> Moving:
+        where = self.charts.long(x.u)
+        if not where.size:
+            return x
+        self.shortened[node] = where
+        return self.charts.shortened(x, where)
+
     def node(self, k: int) -> Moving:
         """State at the end of step ``k``; the beginning for zero."""
         return Moving(*self.steps.x[:, k].reshape(4, -1))
+
+    def arrived(self, k: int) -> Moving:
+        """The same as the step left it, before rotation vectors were replaced."""
+        x, where = self.node(k), self.shortened.get(k)
+        return x if where is None else self.charts.shortened(x, where)
 
     def states(self, branches: Branches) -> list[Moving]:
         """States at outputs; between the ends of steps by a step of the length that is needed."""
@@ -144,17 +161,17 @@ class TransientRun:
             "iterations": march.iterations,
             "seconds": clock.perf_counter() - begin,
         }
-        status = self._status(march, outcome, message)
+        status = self._status(march, outcome, message, float(_lengths(times)[0]))
         return motion_at(march, a, placed, branches, status, statistics)
 
     @staticmethod
-    def _status(march: March, outcome: Outcome, message: str) -> Status:
-        e, last = march.equation, march.node(march.steps.count).motion
-        inner, loads = e.forces(last), e.loads(march.steps.end)
-        free = e.free if march.steps.count else e.massive
-        largest = max(np.abs(inner).max(initial=0.0), np.abs(loads).max(initial=0.0), 1e-300)
-        residual = float(np.abs((inner - loads)[free]).max(initial=0.0) / largest)
-        return Status(outcome, message or "transient", march.steps.end, residual)
+    def _status(march: March, outcome: Outcome, message: str, h: float) -> Status:
+        e, end = march.equation, march.steps.end
+        last = march.node(march.steps.count).motion
+        where = e.free if march.steps.count else e.massive
+        step = march.step(h)
+        left = relative(step.residual(last, e.loads(end), where), step.settings.tolerance)
+        return Status(outcome, message or "transient", end, left)
 
 
 def motion_at(

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 import scipy.sparse.linalg as linalg
 
 from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
 from dalembert.analysis.structural.statics import factorised
-from dalembert.analysis.structural.transient_equation import EquationOfMotion, factors
+from dalembert.analysis.structural.transient_equation import (
+    EquationOfMotion,
+    Motions,
+    Slopes,
+    factors,
+)
 from dalembert.analysis.structural.transient_step import Moving
 from dalembert.errors import AnalysisError, ModelError
 
@@ -48,11 +51,10 @@ class TransientStart:
                 equation.model.name,
             )
 
-    @cached_property
-    def mass_factor(self) -> linalg.SuperLU | None:
+    def mass_factor(self, slopes: Slopes) -> linalg.SuperLU | None:
         """Factors of the mass matrix where there is mass."""
         massive = self.equation.massive
-        return factors(self.equation.mass[massive][:, massive], MASSLESS)
+        return factors(slopes.a[massive][:, massive], MASSLESS)
 
     def state(self) -> Moving:
         """Displacements, velocities and accelerations.
@@ -70,9 +72,10 @@ class TransientStart:
         v[e.held], a[e.held] = held.v, held.a
         u = self._equilibrium(held.u) if self.static else self.initial.displacements.values(p)
         u[e.held] = held.u
-        rest = e.loads(self.time) - e.mass @ a - e.damped(v) - e.internal_forces(u)
-        if self.mass_factor is not None:
-            a[e.massive] = self.mass_factor.solve(rest[e.massive])
+        begin = Motions(u, v, a)
+        rest, factor = e.loads(self.time) - e.forces(begin), self.mass_factor(e.slopes(begin))
+        if factor is not None:
+            a[e.massive] = factor.solve(rest[e.massive])
         return Moving(u, v, a, a)
 
     def _equilibrium(self, held: np.ndarray) -> np.ndarray:

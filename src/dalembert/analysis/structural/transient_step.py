@@ -15,19 +15,21 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sparse
 
-from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions, factors
+from dalembert.analysis.structural.balance import Balance, Balanced
+from dalembert.analysis.structural.transient_equation import (
+    EquationOfMotion,
+    Motions,
+    Slopes,
+    factors,
+)
 from dalembert.integrators.newmark import NewmarkFamily
+from dalembert.symbolic.newton import Equations, NewtonSettings, Residual, solve
 
 SINGULAR = (
     "the equations of a step are singular: some displacement has neither mass nor stiffness; give "
     "its elements a density, or support it"
 )
-STANDS = 1e-13
-"""Change of the displacements, relative to the largest, that only round-off makes."""
-ROUNDING = 1e-7
-"""Residual that is then taken for round-off of stiff parts."""
 
 
 class Moving(NamedTuple):
@@ -128,23 +130,22 @@ class TransientStep:
     """
 
     def __init__(self, equation: EquationOfMotion, integrator: NewmarkFamily, h: float):
-        self.equation, self.integrator = equation, integrator
-        self.rule = StepRule.of(integrator, h)
-        e, rule = equation, self.rule
-        spring, damper = rule.kappa * rule.late[0], rule.kappa * rule.late[1]
-        self._spring = spring
-        self._rest = (1 + damper * e.alpha) * e.mass + damper * e.beta * e.stiffness
-        self._factor = self._factors(e.stiffness) if e.linear else None
-        self.iterations, self.residual = 0, 0.0
+        self.equation, self.rule = equation, StepRule.of(integrator, h)
+        self.settings = NewtonSettings(
+            tolerance=integrator.tolerance, max_iterations=integrator.max_iterations, halvings=0
+        )
+        self._factor = self._factors(equation.slopes(equation.rest)) if equation.linear else None
+        self.balance, self.iterations = Balance(equation.model, equation.p), 0
 
-    def factor(self, tangent: sparse.csc_matrix):
+    def factor(self, slopes: Slopes):
         """Factors of ``M + κ(h γ C + h² β K)`` in the free displacements."""
-        return self._factors(tangent) if self._factor is None else self._factor
+        return self._factors(slopes) if self._factor is None else self._factor
 
-    def _factors(self, tangent: sparse.csc_matrix):
-        free = self.equation.free
-        matrix = (self._rest + self._spring * tangent).tocsc()
-        return factors(matrix[free][:, free], SINGULAR)
+    def _factors(self, slopes: Slopes):
+        e, rule = self.equation, self.rule
+        late = slopes.v * (rule.kappa * rule.late[1]) + slopes.u * (rule.kappa * rule.late[0])
+        matrix = (slopes.a + late).tocsc()[e.free][:, e.free]
+        return factors(matrix, SINGULAR, symmetric=not e.turns)
 
     def advance(self, x: Moving, time: float) -> Moving | None:
         """The end of the step at ``time``; None where Newton's method fails.
@@ -155,51 +156,77 @@ class TransientStep:
             The equations of the step are singular.
         """
         e = self.equation
-        ahead, held = self.rule.predicted(x), e.support_motion(time)
-        a = np.zeros_like(x.a) if e.linear else x.a.copy()
-        a[e.held] = 0.0
-        loads = e.loads(time)
-        if e.linear:
-            return self._corrected(ahead, held, a, loads)[0]
-        return self._newton(ahead, held, a, loads)
+        ahead, held, loads = self.rule.predicted(x), e.support_motion(time), e.loads(time)
+        equations, a = EndOfStep(self, ahead, held, loads), np.zeros_like(x.a)
+        if not e.linear:
+            a[e.free] = x.a[e.free]
+            solution = solve(equations, a, self.settings)
+            self.iterations += solution.iterations + 1
+            if not solution.accepted:
+                return None
+            a = solution.x
+        a = equations.corrected(a)  # once more after convergence: round-off only is left
+        return self.placed(ahead, held, a)
+
+    def residual(self, motion: Motions, loads: np.ndarray, where: np.ndarray) -> Balanced:
+        """What is left over of the forces on some displacements."""
+        e, (u, v, a) = self.equation, (np.abs(x) for x in motion)
+        inertia, damper = e.sizes
+        stiffness = e.tangent(motion.u)
+        made_of = abs(stiffness) @ u + damper @ v
+        made_of += inertia @ (a + v / self.rule.h)  # an acceleration is a change of speed
+        terms = [loads, *(-part for part in e.parts(motion))]
+        return self.balance.residual(terms, made_of, where, stiffness)
 
     def placed(self, ahead: Moving, held: Motions, a: np.ndarray) -> Moving:
         """The end of the step for accelerations of the free displacements."""
-        new, where = self.rule.ended(ahead, a), self.equation.held
+        new, where = self.rule.ended(ahead, a.copy()), self.equation.held
         for column, prescribed in zip(new.motion, held, strict=True):
             column[where] = prescribed
         new.algorithmic[where] = held.a
         return new
 
-    def _corrected(
-        self, ahead: Moving, held: Motions, a: np.ndarray, loads: np.ndarray
-    ) -> tuple[Moving, float, float]:
-        """After one iteration; residual before it, and change, both relative to the largest."""
-        e = self.equation
-        new = self.placed(ahead, held, a.copy())
-        inner = e.forces(new.motion)
-        rest = (loads - inner)[e.free]
-        largest = max(np.abs(loads).max(initial=0.0), np.abs(inner).max(initial=0.0), 1e-300)
-        factor = self.factor(None if e.linear else e.tangent(new.u))
-        if factor is None:
-            return new, 0.0, 0.0
-        change = factor.solve(rest)
-        a[e.free] += change
-        new = self.placed(ahead, held, a.copy())
-        moved = self._spring * np.abs(change).max()
-        size = float(np.abs(rest).max() / largest)
-        return new, size, float(moved / max(np.abs(new.u).max(), 1e-300))
 
-    def _newton(
-        self, ahead: Moving, held: Motions, a: np.ndarray, loads: np.ndarray
-    ) -> Moving | None:
-        """Newton's method; one iteration more after convergence leaves round-off only."""
-        for _ in range(self.integrator.max_iterations):
-            new, size, moved = self._corrected(ahead, held, a, loads)
-            self.iterations += 1
-            if not (np.isfinite(size) and np.isfinite(moved)):
-                return None
-            if size < self.integrator.tolerance or (moved < STANDS and size < ROUNDING):
-                self.residual = max(self.residual, size)
-                return new
-        return None
+@dataclass(frozen=True)
+class EndOfStep(Equations[np.ndarray]):
+    """The equations of motion at the end of a step, in the accelerations (n,) there.
+
+    Attributes
+    ----------
+    by : the step
+    ahead : its end without acceleration
+    held : prescribed motion at its end
+    loads : (n,) applied forces there
+    """
+
+    by: TransientStep
+    ahead: Moving
+    held: Motions
+    loads: np.ndarray
+
+    def motion(self, a: np.ndarray) -> Motions:
+        """The motion at the end."""
+        return self.by.placed(self.ahead, self.held, a).motion
+
+    def residual(self, x: np.ndarray) -> Residual:
+        return self.by.residual(self.motion(x), self.loads, self.by.equation.free)
+
+    def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
+        assert isinstance(residual, Balanced)
+        slopes = self.by.equation.slopes(self.motion(x), residual.stiffness)
+        return self._step(slopes, residual.value)
+
+    def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
+        found = x.copy()
+        found[self.by.equation.free] += step
+        return found
+
+    def corrected(self, a: np.ndarray) -> np.ndarray:
+        """After one more step."""
+        e, motion = self.by.equation, self.motion(a)
+        rest = (self.loads - e.forces(motion))[e.free]
+        return self.retract(a, self._step(e.slopes(motion), rest))
+
+    def _step(self, slopes: Slopes, rest: np.ndarray) -> np.ndarray:
+        factor = self.by.factor(slopes)
+        return np.zeros(0) if factor is None else factor.solve(rest)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dalembert.analysis.structural.transient_equation import Motions
+from dalembert.analysis.structural.transient_equation import Motions, Slopes
 from dalembert.analysis.structural.transient_run import shortened
 from dalembert.analysis.structural.transient_step import Moving, TransientStep
 from dalembert.sensitivity.engine import Engine
@@ -60,11 +60,11 @@ class TransientPass:
             motion.displacements[:, k], motion.velocities[:, k], motion.accelerations[:, k]
         )
 
-    def solved(self, factor, where: np.ndarray, rhs: np.ndarray) -> np.ndarray:
-        """(n, columns) solution on some displacements, zero on others."""
+    def solved(self, factor, where: np.ndarray, rhs: np.ndarray, way: str = "T") -> np.ndarray:
+        """(n, columns) solution on some displacements, of the transpose as a rule."""
         found = np.zeros_like(rhs)
         if factor is not None:
-            found[where] = factor.solve(np.ascontiguousarray(rhs[where]))
+            found[where] = factor.solve(np.ascontiguousarray(rhs[where]), way)
         return found
 
 
@@ -84,8 +84,10 @@ class TransientAdjoint(TransientPass):
             seen, motion = self.seen(self.looks.ends.get(node, [])), self.march.node(node).motion
             if node == 0:
                 break
-            step = self.arriving(node)
-            bar = self._through(step, motion, self.time(node), bar, seen)
+            if node in self.march.shortened:
+                bar, seen = self._lengthened(node, motion, bar, seen), self.seen([])
+                motion = self.march.arrived(node).motion
+            bar = self._through(self.arriving(node), motion, self.time(node), bar, seen)
         self._begin(motion, bar, seen)
         return self.parameters.total.T
 
@@ -103,57 +105,63 @@ class TransientAdjoint(TransientPass):
             bar = Moving(*(a + b for a, b in zip(bar, back, strict=True)))
         return bar
 
+    def _lengthened(self, node: int, motion: Motions, bar: Moving, seen: Seen) -> Moving:
+        """Weights of what the step left, from those of the motion with shorter rotation vectors."""
+        bar, reactions = self._with_reactions(self.equation.slopes(motion), bar, seen)
+        self._weigh(motion, self.time(node), np.zeros_like(bar.u), reactions, seen)
+        march = self.march
+        return march.charts.pull(march.arrived(node), march.shortened[node], bar)
+
     def _through(
         self, step: TransientStep, motion: Motions, time: float, bar: Moving, seen: Seen
     ) -> Moving:
         """Weights of what a step begins with, from those of its end."""
-        e = self.equation
-        tangent = e.tangent(motion.u)
-        bar, reactions = self._with_reactions(tangent, bar, seen)
+        slopes = self.equation.slopes(motion)
+        bar, reactions = self._with_reactions(slopes, bar, seen)
         weight = step.rule.weigh_acceleration(bar)
-        multiplier = self.solved(step.factor(tangent), e.free, weight)
-        bar = self._balanced(tangent, motion, time, bar, multiplier, reactions, seen)
-        return step.rule.weigh_start(bar)
+        multiplier = self.solved(step.factor(slopes), self.equation.free, weight)
+        self._weigh(motion, time, multiplier, reactions, seen)
+        return step.rule.weigh_start(self._balanced(slopes, time, bar, multiplier))
 
-    def _with_reactions(self, tangent, bar: Moving, seen: Seen) -> tuple[Moving, np.ndarray]:
+    def _with_reactions(self, slopes: Slopes, bar: Moving, seen: Seen) -> tuple[Moving, np.ndarray]:
         """Add what is seen; weights of reactions are such of the motion that needs them."""
         e = self.equation
         reactions = np.zeros_like(seen.forces)
         reactions[e.held] = seen.forces[e.held]
         u, v, a = bar.u + seen.u, bar.v + seen.v, bar.a + seen.a
         if reactions.any():
-            u, v, a = u + tangent @ reactions, v + e.damped(reactions), a + e.mass @ reactions
+            more = slopes.weigh(reactions)
+            u, v, a = u + more.u, v + more.v, a + more.a
         return Moving(u, v, a, bar.algorithmic), reactions
 
-    def _balanced(
-        self, tangent, motion: Motions, time: float, bar: Moving, multiplier, reactions, seen: Seen
-    ) -> Moving:
-        """Take multipliers of the equations of motion to parameters, supports and the motion."""
-        e = self.equation
+    def _weigh(self, motion: Motions, time: float, multiplier, reactions, seen: Seen) -> None:
+        """Take multipliers of the equations of motion, and what is seen, to the parameters."""
         applied = multiplier + seen.forces
-        applied[e.held] = -reactions[e.held]  # reactions do not see what acts on supports
+        held = self.equation.held
+        applied[held] = -reactions[held]  # reactions do not see what acts on supports
         self.parameters.own(seen.p)
         self.parameters.equations(motion, reactions - multiplier)
         self.parameters.loads(applied, time)
-        left = Motions(
-            bar.u - tangent @ multiplier,
-            bar.v - e.damped(multiplier),
-            bar.a - e.mass @ multiplier,
-        )
-        self.parameters.supports(Motions(*(weight[e.held] for weight in left)), time)
+
+    def _balanced(self, slopes: Slopes, time: float, bar: Moving, multiplier) -> Moving:
+        """Take multipliers of the equations of motion to supports and the motion."""
+        held, back = self.equation.held, slopes.weigh(multiplier)
+        left = Motions(bar.u - back.u, bar.v - back.v, bar.a - back.a)
+        self.parameters.supports(Motions(*(weight[held] for weight in left)), time)
         found = Moving(*left, bar.algorithmic.copy())
         for weight in found:
-            weight[e.held] = 0.0
+            weight[held] = 0.0
         return found
 
     def _begin(self, motion: Motions, bar: Moving, seen: Seen) -> None:
         """Take the weights of the beginning to what it is made of."""
         e, start = self.equation, self.start
-        tangent = e.tangent(motion.u)
-        bar, reactions = self._with_reactions(tangent, bar, seen)
+        slopes = e.slopes(motion)
+        bar, reactions = self._with_reactions(slopes, bar, seen)
         weight = bar.a + bar.algorithmic
-        multiplier = self.solved(start.mass_factor, e.massive, weight)
-        bar = self._balanced(tangent, motion, self.time(0), bar, multiplier, reactions, seen)
+        multiplier = self.solved(start.mass_factor(slopes), e.massive, weight)
+        self._weigh(motion, self.time(0), multiplier, reactions, seen)
+        bar = self._balanced(slopes, self.time(0), bar, multiplier)
         self.parameters.own(self._pulled(start.initial.velocities, bar.v))
         if not start.static:
             self.parameters.own(self._pulled(start.initial.displacements, bar.u))
@@ -162,7 +170,7 @@ class TransientAdjoint(TransientPass):
         self.parameters.equilibrium(motion.u, -multiplier)
         self.parameters.loads(multiplier, self.time(0))
         rest = np.zeros((e.held.size, self.rows))
-        held = Motions(-(tangent @ multiplier)[e.held], rest, rest)
+        held = Motions(-(e.tangent(motion.u) @ multiplier)[e.held], rest, rest)
         self.parameters.supports(held, self.time(0))
 
     def _pulled(self, source, weights: np.ndarray) -> np.ndarray:
@@ -190,14 +198,25 @@ class TransientDirect(TransientPass):
         change = self._begin()
         for node in range(self.steps.count + 1):
             if node:
-                motion = self.march.node(node).motion
-                looks = self.looks.ends.get(node, [])
-                change = self._after(self.arriving(node), motion, self.time(node), change, looks)
+                change = self._at_end(node, change)
             for length, looks in self.looks.inside.get(node, {}).items():
                 share = length / float(self.steps.h[node])
                 begin, time = shortened(change, share), self.time(node) + length
                 self._after(self.inner_step(length), self.motion_at(looks[0]), time, begin, looks)
         return self.found
+
+    def _at_end(self, node: int, change: Moving) -> Moving:
+        """Changes at the end of a whole step, with the rotation vectors it goes on with."""
+        march, looks, time = self.march, self.looks.ends.get(node, []), self.time(node)
+        left, where = march.arrived(node), march.shortened.get(node)
+        if where is None:
+            return self._after(self.arriving(node), left.motion, time, change, looks)
+        change = self._after(self.arriving(node), left.motion, time, change, [])
+        change = march.charts.push(left, where, change)
+        motion, loads = march.node(node).motion, self.changes.loads(time)
+        inner = self.changes.equations(motion) + self.equation.slopes(motion).along(change.motion)
+        self._look(looks, change, loads, inner)
+        return change
 
     def _after(
         self, step: TransientStep, motion: Motions, time: float, change: Moving, looks: list[Look]
@@ -205,34 +224,34 @@ class TransientDirect(TransientPass):
         """Changes at the end of a step; the responses there take their part."""
         e = self.equation
         ahead, held = step.rule.predicted(change), self.changes.supports(time)
-        tangent, own = e.tangent(motion.u), self.changes.equations(motion)
+        slopes, own = e.slopes(motion), self.changes.equations(motion)
         loads = self.changes.loads(time)
         a = np.zeros_like(ahead.u)
-        rest = loads - own - e.changed(tangent, step.placed(ahead, held, a.copy()).motion)
-        a = self.solved(step.factor(tangent), e.free, rest)
+        rest = loads - own - slopes.along(step.placed(ahead, held, a.copy()).motion)
+        a = self.solved(step.factor(slopes), e.free, rest, "N")
         after = step.placed(ahead, held, a)
-        self._look(looks, after, loads, own + e.changed(tangent, after.motion) if looks else own)
+        self._look(looks, after, loads, own + slopes.along(after.motion) if looks else own)
         return after
 
     def _begin(self) -> Moving:
         """Changes at the beginning."""
         e, start, time = self.equation, self.start, self.time(0)
         motion, held = self.march.node(0).motion, self.changes.supports(time)
-        loads, tangent = self.changes.loads(time), e.tangent(motion.u)
+        loads, slopes = self.changes.loads(time), e.slopes(motion)
         u = np.zeros((self.size, len(self.columns)))
         if not start.static:
             u = self.changes.each(start.initial.displacements)
         u[e.held] = held.u
         if start.static:
-            rest = loads - self.changes.equilibrium(motion.u) - tangent @ u
+            rest = loads - self.changes.equilibrium(motion.u) - e.tangent(motion.u) @ u
             u += self.solved(start.static_factor(motion.u), e.free, rest)
         v, a = self.changes.each(start.initial.velocities), np.zeros_like(u)
         v[e.held], a[e.held] = held.v, held.a
         own = self.changes.equations(motion)
-        rest = loads - own - e.changed(tangent, Motions(u, v, a))
-        a += self.solved(start.mass_factor, e.massive, rest)
+        rest = loads - own - slopes.along(Motions(u, v, a))
+        a += self.solved(start.mass_factor(slopes), e.massive, rest, "N")
         begin = Moving(u, v, a, a)
-        self._look(self.looks.ends.get(0, []), begin, loads, own + e.changed(tangent, begin.motion))
+        self._look(self.looks.ends.get(0, []), begin, loads, own + slopes.along(begin.motion))
         return begin
 
     def _look(self, looks: list[Look], x: Moving, loads: np.ndarray, inner: np.ndarray) -> None:

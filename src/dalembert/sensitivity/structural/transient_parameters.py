@@ -73,7 +73,8 @@ class ParameterWeights:
         e = self.equation = equation
         self._linear = e.model.linearized.assembly
         self._exact, self._small = Pulls(e.assembly, e.p, rows), Pulls(self._linear, e.p, rows)
-        self._inertia, self._springs = Products(e.assembly, rows), Products(self._linear, rows)
+        self._steady, self._turning = Pulls(e.steady, e.p, rows), Pulls(e.turning, e.p, rows)
+        self._inertia, self._springs = Products(e.steady, rows), Products(self._linear, rows)
         self._at_rest = np.zeros((e.assembly.size, rows))
         self._loads = TimedPull(e.load_case, e.p)
         self._supports = [TimedPull(array, e.p) for array in e.supports]
@@ -111,14 +112,14 @@ class ParameterWeights:
         """(np, rows) weights of the parameters."""
         self._flush()
         e, lumped = self.equation, self.equation.lumped
-        self._exact.products(self._inertia, lambda k, x, d, w: k.pull_mass(w, x, d, lumped))
+        self._steady.products(self._inertia, lambda k, x, d, w: k.pull_mass(w, x, d, lumped))
         self._small.products(self._springs, _pull_stiffness)
         if e.linear:
             rest = np.zeros((e.assembly.size, 1))
             self._small.forces(rest, self._at_rest[:, None, :])
-        found = self._own + self._exact.total + self._small.total
-        for pull in (self._loads, *self._supports):
-            found = found + pull.total
+        sums: tuple[Pulls | TimedPull, ...]
+        sums = self._exact, self._small, self._steady, self._turning, self._loads, *self._supports
+        found = self._own + sum(pull.total for pull in sums)
         damping = [e.damping.pull(e.p, w) for w in self._damping.T]
         return found + np.stack(damping, axis=1)
 
@@ -129,7 +130,9 @@ class ParameterWeights:
         u, v, a = (np.stack(c, axis=1) for c in zip(*(m for m, _ in self._kept), strict=True))
         eta = np.stack([multiplier for _, multiplier in self._kept], axis=1)
         self._kept = []
-        self._inertia.add(a + e.alpha * v, eta)
+        driven = a + e.alpha * v
+        self._inertia.add(driven, eta)
+        self._turning.inertia((u, v, driven), eta, e.lumped)
         if e.linear:
             self._springs.add(u + e.beta * v, eta)
             self._at_rest += eta.sum(axis=1)
@@ -137,8 +140,8 @@ class ParameterWeights:
             self._exact.forces(u, eta)
             if e.beta:
                 self._springs.add(e.beta * v, eta)
-        for k, matrix in enumerate((e.mass, e.stiffness)):
-            self._damping[k] += np.einsum("ns,nsr->r", matrix @ v, eta)
+        for k, damped in enumerate((e.momentum(u, v), e.stiffness @ v)):
+            self._damping[k] += np.einsum("ns,nsr->r", damped, eta)
 
 
 class ParameterChanges:
@@ -155,8 +158,8 @@ class ParameterChanges:
         self.directions = directions
         self._exact = Pushes(e.assembly, e.p, directions)
         small = Pushes(e.model.linearized.assembly, e.p, directions)
-        lumped = e.lumped
-        self._mass = small.matrices(lambda k, x, d, dd: k.push_mass(x, d, dd, lumped))
+        steady, self._turning = (Pushes(part, e.p, directions) for part in (e.steady, e.turning))
+        self._mass = steady.matrices(lambda k, x, d, dd: k.push_mass(x, d, dd, e.lumped))
         self._stiffness = small.matrices(_push_stiffness)
         self._at_rest = small.forces(np.zeros(e.assembly.size))
         self._damping = self.each(e.damping)
@@ -170,14 +173,17 @@ class ParameterChanges:
     def equations(self, m: Motions) -> np.ndarray:
         """(n, c) changes of ``g`` at a motion (n,)."""
         e, count = self.equation, self.directions.shape[1]
-        found = (self._mass @ (m.a + e.alpha * m.v)).reshape(count, -1).T
+        driven = m.a + e.alpha * m.v
+        found = (self._mass @ driven).reshape(count, -1).T
+        if e.turns:
+            found = found + self._turning.inertia((m.u, m.v, driven), e.lumped)
         strained = m.u + e.beta * m.v if e.linear else e.beta * m.v
         if e.linear or e.beta:
             found = found + (self._stiffness @ strained).reshape(count, -1).T
         found = found + (self._at_rest if e.linear else self._exact.forces(m.u))
-        for change, matrix in zip(self._damping, (e.mass, e.stiffness), strict=True):
-            if change.any():
-                found += np.outer(matrix @ m.v, change)
+        if self._damping.any():
+            found = found + np.outer(e.momentum(m.u, m.v), self._damping[0])
+            found = found + np.outer(e.stiffness @ m.v, self._damping[1])
         return found
 
     def equilibrium(self, u: np.ndarray) -> np.ndarray:

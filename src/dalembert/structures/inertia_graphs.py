@@ -1,0 +1,122 @@
+"""The kinetic energy of one class of elements, and what follows from it."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+
+from dalembert.structures.base import StructuralElement
+from dalembert.structures.rotations import carried_by_node
+
+
+class InertiaGraphs:
+    """Mass matrices of elements in their initial places, and inertia forces of displaced ones.
+
+    With ``T(u, v)`` the inertia forces are ``d/dt ∂T/∂v − ∂T/∂u``. A lumped inertia is the diagonal
+    of a mass matrix, which turns with the nodes.
+    """
+
+    cls: type[StructuralElement]
+    linear: bool
+    u: ca.SX
+    data: ca.SX
+    _u: list[ca.SX]
+    _x: list[ca.SX]
+    _q: dict[str, Any]
+
+    @cached_property
+    def kinetic(self) -> ca.SX:
+        """Kinetic energy of velocities ``u`` in the initial place."""
+        return ca.SX(self.cls.kinetic(self._u, self._x, self._q))
+
+    @cached_property
+    def mass(self) -> ca.SX:
+        """Twice the kinetic energy of a unit velocity of the whole."""
+        unit = [ca.vertcat(1, ca.DM.zeros(v.numel() - 1)) for v in self._u]
+        return 2 * ca.substitute(self.kinetic, self.u, ca.vertcat(*unit))
+
+    # mass matrices ------------------------------------------------------------------------
+    def _masses(self):
+        return [self.data], [ca.vec(ca.hessian(self.kinetic, self.u)[0])]
+
+    def _push_mass(self):
+        b, change = self._symbols("b", "change")
+        momentum = ca.substitute(ca.gradient(self.kinetic, self.u), self.u, b)
+        return [b, self.data, change], [ca.jtimes(momentum, self.data, change)]
+
+    def _pull_mass(self):
+        a, b = self._symbols("a", "b")
+        momentum = ca.substitute(ca.gradient(self.kinetic, self.u), self.u, b)
+        return [a, b, self.data], [ca.gradient(ca.dot(a, momentum), self.data)]
+
+    @property
+    def _inertia(self) -> ca.SX:
+        """Diagonal of the mass matrix, and the mass."""
+        return ca.vertcat(ca.diag(ca.hessian(self.kinetic, self.u)[0]), self.mass)
+
+    def _diagonal(self):
+        return [self.data], [self._inertia]
+
+    def _push_diagonal(self):
+        (change,) = self._symbols("change")
+        return [self.data, change], [ca.jtimes(self._inertia, self.data, change)]
+
+    def _pull_diagonal(self):
+        w = ca.SX.sym("w", self.u.numel() + 1)
+        return [self.data, w], [ca.jtimes(self._inertia, self.data, w, True)]
+
+    # displaced elements -------------------------------------------------------------------
+    @cached_property
+    def moving(self) -> dict[str, tuple[ca.SX, ca.SX]]:
+        """``"consistent"`` and ``"lumped"`` → kinetic energy, and the numbers it is made of."""
+        v = [ca.SX.sym(f"v{k}", u.numel()) for k, u in enumerate(self._u)]
+        self.v, diagonal = ca.vertcat(*v), ca.SX.sym("diagonal", self.u.numel())
+        carried, by_node = v, v
+        if not self.linear:
+            carried = self.cls.carried(self._u, v, self._x, self._q)
+            by_node = [carried_by_node(*node) for node in zip(self._u, v, strict=True)]
+        return {
+            "consistent": (ca.substitute(self.kinetic, self.u, ca.vertcat(*carried)), self.data),
+            "lumped": (ca.dot(diagonal, ca.vertcat(*by_node) ** 2) / 2, diagonal),
+        }
+
+    def turning(self, kind: str) -> bool:
+        """Whether the inertia depends on the displacements."""
+        return not self.kinetic.is_zero() and ca.depends_on(self.moving[kind][0], self.u)
+
+    def _inertia_force(self, kind: str) -> tuple[list[ca.SX], ca.SX]:
+        """Displacements, velocities, accelerations and numbers; the force."""
+        energy, numbers = self.moving[kind]
+        a, momentum = ca.SX.sym("a", self.u.numel()), ca.gradient(energy, self.v)
+        force = ca.jtimes(momentum, ca.vertcat(self.u, self.v), ca.vertcat(self.v, a))
+        return [self.u, self.v, a, numbers], force - ca.gradient(energy, self.u)
+
+    def _inertia_forces(self, kind: str):
+        given, force = self._inertia_force(kind)
+        return given, [force]
+
+    def _inertia_slopes(self, kind: str):
+        """Derivatives by displacements, velocities and accelerations."""
+        given, force = self._inertia_force(kind)
+        return given, [ca.vec(ca.jacobian(force, by)) for by in given[:3]]
+
+    def _push_inertia(self, kind: str):
+        given, force = self._inertia_force(kind)
+        change = ca.SX.sym("change", given[3].numel())
+        return [*given, change], [ca.jtimes(force, given[3], change)]
+
+    def _pull_inertia(self, kind: str):
+        given, force = self._inertia_force(kind)
+        w = ca.SX.sym("w", self.u.numel())
+        return [*given, w], [ca.jtimes(force, given[3], w, True)]
+
+    def _kinetic_energy(self, kind: str):
+        """The energy, and its slopes by displacements, velocities and numbers."""
+        energy, numbers = self.moving[kind]
+        slopes = [ca.gradient(energy, by) for by in (self.u, self.v, numbers)]
+        return [self.u, self.v, numbers], [energy, *slopes]
+
+    def _symbols(self, *names: str) -> list[ca.SX]:
+        return [ca.SX.sym(n, (self.data if n == "change" else self.u).numel()) for n in names]
