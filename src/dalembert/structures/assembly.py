@@ -137,6 +137,26 @@ class Assembly:
         ]
         return [self.matrix(by) for by in zip(*parts, strict=True)]
 
+    def push_inertia(
+        self, motion: Moved, p: np.ndarray, dp: np.ndarray, lumped: bool
+    ) -> np.ndarray:
+        """(n,) change of the inertia forces with the parameters."""
+        total = np.zeros(self.size)
+        for b in self.blocks:
+            given = b.gather_motion(motion), b.data(p), b.push_data(p, dp)
+            total += b.scatter(b.kind.push_inertia(*given, lumped), self.size)
+        return total
+
+    def pull_inertia(
+        self, motion: Moved, p: np.ndarray, weights: np.ndarray, lumped: bool
+    ) -> np.ndarray:
+        """Weights of the parameters from weights (n,) of the inertia forces."""
+        total = np.zeros(p.size)
+        for b in self.blocks:
+            given = b.gather_motion(motion), b.data(p), b.gather(weights)
+            total += b.pull_data(p, b.kind.pull_inertia(*given, lumped))
+        return total
+
     def geometric(self, u: np.ndarray, p: np.ndarray) -> sparse.csc_matrix:
         """Geometric stiffness ``∂³W/∂u³ (0) · u`` of the exact energies ``W``."""
         return self.matrix(b.kind.geometric(b.gather(u), b.data(p)) for b in self.blocks)

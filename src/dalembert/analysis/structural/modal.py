@@ -107,13 +107,14 @@ class Modal:
     def _pencil(self, model: StructuralModel, p: np.ndarray) -> Pencil:
         rest = Loaded(model.linearized, p)
         stiffness: list[Term] = [Tangent(rest)]
+        mass = Mass(rest, self.lumped)
         if self.about is not None:
             loaded = Loaded(self.about.model, p, self.about)
             if self.about.model.linear:
                 stiffness.append(Geometric(loaded))
             else:
-                stiffness = [Tangent(loaded)]
-        return Pencil(model, stiffness, [Mass(rest, self.lumped)])
+                stiffness, mass = [Tangent(loaded)], Mass(loaded, self.lumped)
+        return Pencil(model, stiffness, [mass])
 
     def _spectrum(self, pencil: Pencil) -> Spectrum:
         a, b = pencil.matrices()

@@ -40,8 +40,10 @@ class PathEquations:
         stiffness, load, _ = self.matrix(np.zeros(self.size + 1))
         factor = factorised(model, stiffness)
         self._slope = factor.solve(load) if factor is not None else np.zeros(0)
-        self.scale = float(np.linalg.norm(self._slope))
-        if not self.scale > 0:
+        arms = self.balance.arms[self.free]
+        length = float(np.linalg.norm(arms * self._slope))
+        self.scale = length / arms
+        if not length > 0:
             raise AnalysisError(f"load case {case!r} moves nothing; give it loads")
 
     def start(self) -> np.ndarray:

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sparse
 
 from dalembert.results.structural.result import StructuralResult
+from dalembert.structures.assembly import Assembly
 from dalembert.structures.model import StructuralModel
 
 
@@ -65,19 +67,42 @@ class Term:
 
 @dataclass(frozen=True, eq=False)
 class Mass(Term):
-    """The mass matrix ``M``, lumped or consistent with the stiffness."""
+    """The mass matrix ``M(u)``, lumped or consistent with the stiffness; it turns with elements.
+
+    A motion that begins from rest with the accelerations ``b`` has the inertia forces ``M b``.
+    """
 
     lumped: bool = False
 
     def matrix(self) -> sparse.csc_matrix:
-        return self.state.model.assembly.mass(self.state.p, self.lumped)
+        s, (steady, turning) = self.state, self._parts
+        found = steady.mass(s.p, self.lumped)
+        if turning.blocks:
+            begin = s.u, *np.zeros((2, s.u.size))
+            found = found + turning.inertia_slopes(begin, s.p, self.lumped)[2]
+        return found
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        return self.state.model.assembly.push_mass(b, self.state.p, dp, self.lumped)
+        s, (steady, turning) = self.state, self._parts
+        found = steady.push_mass(b, s.p, dp, self.lumped)
+        if turning.blocks:
+            begin = s.u, np.zeros_like(b), b
+            found += turning.inertia_slopes(begin, s.p, self.lumped)[0] @ du
+            found += turning.push_inertia(begin, s.p, dp, self.lumped)
+        return found
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        weights = self.state.model.assembly.pull_mass(a, b, self.state.p, self.lumped)
-        return np.zeros_like(a), weights
+        s, (steady, turning) = self.state, self._parts
+        u_bar, p_bar = np.zeros_like(a), steady.pull_mass(a, b, s.p, self.lumped)
+        if turning.blocks:
+            begin = s.u, np.zeros_like(b), b
+            u_bar = turning.inertia_slopes(begin, s.p, self.lumped)[0].T @ a
+            p_bar = p_bar + turning.pull_inertia(begin, s.p, a, self.lumped)
+        return u_bar, p_bar
+
+    @cached_property
+    def _parts(self) -> tuple[Assembly, Assembly]:
+        return self.state.model.assembly.split(lambda block: block.kind.turning(self.lumped))
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,12 +21,12 @@ class Plane:
     Attributes
     ----------
     origin, normal : (free + 1,) ``(u₀, λ₀)`` and ``(n, ν)``
-    scale : ``s``, displacement that counts as much as the whole load [m]
+    scale : (free,) ``s``, displacements that count as much as the whole load [m or rad]
     """
 
     origin: np.ndarray
     normal: np.ndarray
-    scale: float
+    scale: np.ndarray
 
     @property
     def row(self) -> np.ndarray:
