@@ -7,6 +7,7 @@ both.
 
 from __future__ import annotations
 
+import math
 import os
 
 from dalembert.errors import BudgetError
@@ -37,7 +38,7 @@ def afford(what: str, *, memory: float = 0.0, rounds: float = 0.0, cure: str) ->
     BudgetError
         It would take more; tells how much, and how to allow it.
     """
-    factor = _factor()
+    factor, memory, rounds = _factor(), _float(memory), _float(rounds)
     share = max(memory / MEMORY, rounds / ROUNDS)
     if share <= factor:
         return
@@ -59,6 +60,20 @@ def _factor() -> float:
     if not factor > 0:
         raise BudgetError(f"{VARIABLE} is {text!r}; set it to a number above 0, 1 is usual")
     return factor
+
+
+def numeral(number: float) -> str:
+    """A number in few characters, however large it is."""
+    if isinstance(number, int) and abs(number) >= 10**15:
+        return f"{'-' if number < 0 else ''}1e{math.log10(abs(number)):.0f}"
+    return f"{number:.6g}" if isinstance(number, float) else str(number)
+
+
+def _float(number: float) -> float:
+    try:
+        return float(number)
+    except OverflowError:
+        return math.inf
 
 
 def _size(count: float) -> str:

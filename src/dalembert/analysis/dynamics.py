@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from dalembert.integrators.base import Integrator
 from dalembert.integrators.runge_kutta import RK4
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
+from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 from dalembert.symbolic.backends import BACKENDS
@@ -38,7 +39,7 @@ OF_OUTPUTS = 4
 """Order of the quadrature through the ends of equal steps."""
 
 
-@dataclass(frozen=True)
+@options
 class Dynamics:
     """Forward dynamics as a strategy object: run it, repeat it, differentiate it.
 

@@ -21,6 +21,7 @@ from dalembert.analysis.static_balance import (
 )
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
+from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status
@@ -36,7 +37,7 @@ class EquilibriumRecord:
     kernel: StaticsKernel
 
 
-@dataclass(frozen=True)
+@options
 class Equilibrium:
     """Static equilibrium as a strategy object.
 

@@ -9,13 +9,14 @@ from typing import TypeVar
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.options import options
 from dalembert.symbolic.expression import Expression
 from dalembert.text import plain_text
 
 T = TypeVar("T")
 
 
-@dataclass(frozen=True)
+@options
 class Event:
     """Something that happens when a measure crosses zero.
 

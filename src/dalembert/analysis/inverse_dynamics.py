@@ -6,16 +6,16 @@ With the motion known from kinematics, ``Cᵀ λ = f − d − M v̇`` gives eve
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from dalembert.analysis.kinematics import Kinematics
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
+from dalembert.options import options
 from dalembert.results.motion import Motion
 
 
-@dataclass(frozen=True)
+@options
 class InverseDynamics(Kinematics):
     """Kinematic simulation followed by the forces it needs, as a strategy object."""
 

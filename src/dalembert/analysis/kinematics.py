@@ -8,7 +8,7 @@ short enough for Newton's corrections to stay small against the motion, so the b
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,11 +18,12 @@ from dalembert.analysis.events import Occurrence
 from dalembert.analysis.kinematics_run import TOLERANCE, KinematicsRun
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
+from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 
 
-@dataclass(frozen=True)
+@options
 class Kinematics:
     """Kinematic simulation as a strategy object.
 

@@ -17,6 +17,7 @@ from dalembert.analysis.equilibrium import Equilibrium
 from dalembert.analysis.linearization_kernel import Linearized, linearization_kernel
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
+from dalembert.options import options
 from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome, Status
@@ -24,7 +25,7 @@ from dalembert.results.status import Outcome, Status
 __all__ = ["Linearization", "Modes", "MotionLinearization", "linearize"]
 
 
-@dataclass(frozen=True)
+@options
 class Linearization:
     """Linearisation as a strategy object.
 

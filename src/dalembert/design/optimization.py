@@ -11,11 +11,12 @@ import numpy as np
 from dalembert.design.problem import DesignProblem
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.model.model import Model
+from dalembert.options import options
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.motion import Motion
 
 
-@dataclass(frozen=True)
+@options
 class Limit:
     """``lower ≤ response ≤ upper``; equal limits make an equation.
 

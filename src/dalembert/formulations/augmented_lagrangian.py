@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 
 from dalembert.errors import UnsupportedError
@@ -11,6 +9,7 @@ from dalembert.formulations.augmented_mass import AugmentedLagrangianSolver, Aug
 from dalembert.formulations.base import Formulation
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
+from dalembert.options import options
 
 DISTRUST = 300.0
 """Per square metre (or radian) of violation, ``m/α`` is at least this."""
@@ -18,7 +17,7 @@ ENOUGH = 1e4
 """Factor below which the violation does not push ``α``."""
 
 
-@dataclass(frozen=True)
+@options
 class AugmentedLagrangian(Formulation):
     """``(M + CᵀαC) v̇ = f − d + Cᵀ(α ξ − λ*)``, ``λ* ← λ* + α (C v̇ − ξ)`` (7.5–7.6).
 

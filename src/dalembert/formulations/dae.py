@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 
 from dalembert.errors import UnsupportedError
@@ -17,10 +15,11 @@ from dalembert.formulations.base import (
 from dalembert.formulations.range_space import RangeSpaceSolver
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
+from dalembert.options import options
 from dalembert.symbolic.semi_explicit import SemiExplicit
 
 
-@dataclass(frozen=True)
+@options
 class Dae(Formulation):
     """``ẏ = A v``, ``M v̇ + d = f − Cᵀλ`` with the constraints at a chosen level.
 

@@ -19,6 +19,7 @@ from dalembert.formulations.partition import best_partition, largest_ratio
 from dalembert.formulations.singular_values import SingularValueBasis
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
+from dalembert.options import options
 from dalembert.symbolic.factor import LdlFactor
 from dalembert.symbolic.null_space import NullSpaceBasis, PartitionBasis
 
@@ -52,7 +53,7 @@ ORTHOGONAL: dict[str, Callable[[ca.SX], NullSpaceBasis]] = {
 }
 
 
-@dataclass(frozen=True)
+@options
 class NullSpace(Formulation):
     """Project onto the motions that the constraints permit and onto the rest (5.13–5.14).
 

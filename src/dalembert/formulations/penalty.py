@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 
 from dalembert.errors import UnsupportedError
@@ -11,6 +9,7 @@ from dalembert.formulations.augmented_mass import AugmentedLagrangianSolver, Aug
 from dalembert.formulations.base import Formulation, SaddleSolver
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
+from dalembert.options import options
 
 
 class PenaltySolver(SaddleSolver):
@@ -28,7 +27,7 @@ class PenaltySolver(SaddleSolver):
         return AugmentedLagrangianSolver(self.augmented, 3, rounds=1)
 
 
-@dataclass(frozen=True)
+@options
 class Penalty(Formulation):
     """``(M + CᵀαC) v̇ = f − d − Cᵀα(2ηΦ̇ + ω²Φ − ξ)`` (7.4), ``λ = α(C v̇ − ξ + 2ηΦ̇ + ω²Φ)``.
 

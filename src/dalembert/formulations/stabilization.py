@@ -9,6 +9,7 @@ import casadi as ca
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import WORK, Formulation, state_symbols
 from dalembert.model.equations import Equations
+from dalembert.options import options
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
 
 
@@ -57,7 +58,7 @@ class Stabilization:
         return []
 
 
-@dataclass(frozen=True)
+@options
 class Baumgarte(Stabilization):
     """``ξ_stab = ξ − α Φ̇ − β Φ`` (5.16–5.17); critical with ``β = α²/4``, the default.
 
@@ -91,7 +92,7 @@ class Baumgarte(Stabilization):
         return stabilised - beta * e.constraints
 
 
-@dataclass(frozen=True)
+@options
 class Projection(Stabilization):
     """Mass-orthogonal projection of positions, then of speeds (5.21).
 

@@ -20,6 +20,7 @@ from dalembert.formulations.null_space import NullSpaceSolver
 from dalembert.formulations.partition import best_partition, largest_ratio
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
+from dalembert.options import options
 from dalembert.symbolic.implicit import Stage
 from dalembert.symbolic.null_space import PartitionBasis
 from dalembert.symbolic.semi_explicit import SemiExplicit
@@ -30,7 +31,7 @@ LIMIT = 1.5
 LIMIT_OF_GIVEN = 50.0
 
 
-@dataclass(frozen=True)
+@options
 class VelocityPartitioning(Formulation):
     """Integrate as many speeds as there are degrees of freedom (6.8).
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 
 from dalembert.errors import UnsupportedError
@@ -13,6 +11,7 @@ from dalembert.integrators.bdf_step import BdfStep
 from dalembert.integrators.step import Step
 from dalembert.integrators.step_control import arrival
 from dalembert.integrators.tolerances import check_tolerances
+from dalembert.options import options
 
 SOLVED = 1e-2
 """Residual of the equations, relative to the tolerance, with which a step may stand."""
@@ -21,7 +20,7 @@ UNSOLVED, NOT_FINITE, AGAIN = 0.25, 0.2, 0.5
 after a second refusal in a row."""
 
 
-@dataclass(frozen=True)
+@options
 class Bdf(Integrator):
     """Backward differentiation of orders 1 to 5 with variable steps, for stiff and DAE systems.
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.newmark import NewmarkFamily
 from dalembert.integrators.newmark_step import NewmarkCoefficients
+from dalembert.options import options
 
 
-@dataclass(frozen=True)
+@options
 class GeneralizedAlpha(NewmarkFamily):
     """Generalised-α (Chung and Hulbert 1993) for constrained systems (Arnold and Brüls 2007).
 
@@ -44,7 +43,7 @@ class GeneralizedAlpha(NewmarkFamily):
         return _second_order((2 * rho - 1) / (rho + 1), rho / (rho + 1))
 
 
-@dataclass(frozen=True)
+@options
 class HHT(NewmarkFamily):
     """Hilber, Hughes and Taylor (1977): ``α_f = α``, ``γ = 1/2 + α``, ``β = (1 + α)²/4``.
 

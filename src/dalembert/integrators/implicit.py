@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Integrator, Problem
 from dalembert.integrators.step import Step
+from dalembert.options import options
 from dalembert.symbolic.newton import NewtonSettings
 
 
-@dataclass(frozen=True, kw_only=True)
+@options(kw_only=True)
 class ImplicitIntegrator(Integrator, ABC):
     """Integrator that solves equations in every step by Newton's method.
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Problem
 from dalembert.integrators.implicit import ImplicitIntegrator
 from dalembert.integrators.newmark_step import NewmarkCoefficients, NewmarkStep
+from dalembert.options import options
 
 
-@dataclass(frozen=True, kw_only=True)
+@options(kw_only=True)
 class NewmarkFamily(ImplicitIntegrator, ABC):
     """Method given by its four coefficients, in the form of Arnold and Brüls (2007)."""
 
@@ -24,7 +24,7 @@ class NewmarkFamily(ImplicitIntegrator, ABC):
         return NewmarkStep(self.coefficients, problem, self)
 
 
-@dataclass(frozen=True)
+@options
 class Newmark(NewmarkFamily):
     """Newmark (1959): ``v⁺ = v + h((1 − γ) v̇ + γ v̇⁺)``, positions with ``β`` likewise.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import sqrt
 
 import casadi as ca
@@ -19,6 +18,7 @@ from dalembert.integrators.implicit_runge_kutta import (
 from dalembert.integrators.step import Step
 from dalembert.integrators.step_control import decide
 from dalembert.integrators.tolerances import check_tolerances
+from dalembert.options import options
 
 _R = sqrt(6)
 RADAU_IIA = ButcherMatrix(
@@ -37,7 +37,7 @@ ESTIMATE = FILTER / 3 * np.array([-13 - 7 * _R, -13 + 7 * _R, -1]) @ np.array(RA
 ERROR_ORDER = 3
 
 
-@dataclass(frozen=True)
+@options
 class Radau(ImplicitRungeKutta):
     """Radau IIA, three stages, order 5: for stiff systems and for every index.
 

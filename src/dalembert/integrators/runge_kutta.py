@@ -23,6 +23,7 @@ from dalembert.integrators.tableau import (
     ButcherTableau,
 )
 from dalembert.integrators.tolerances import check_tolerances
+from dalembert.options import options
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class RKGill(ExplicitRungeKutta):
         return GILL
 
 
-@dataclass(frozen=True)
+@options
 class AdaptiveRungeKutta(ExplicitRungeKutta):
     """Embedded method whose step length follows the estimated error of coordinates and speeds.
 

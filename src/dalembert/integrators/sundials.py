@@ -11,6 +11,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Integrator, Problem
 from dalembert.integrators.step import GraphStep
 from dalembert.integrators.tolerances import check_tolerances
+from dalembert.options import options
 from dalembert.symbolic.semi_explicit import SemiExplicit
 
 MOST_STEPS = 50_000
@@ -19,7 +20,7 @@ SHORT = 1e-6
 """Share of the interval for which IDAS looks when it makes its start values consistent."""
 
 
-@dataclass(frozen=True)
+@options
 class SundialsIntegrator(Integrator, ABC):
     """Variable steps and orders inside each interval of the run, the interval being its ``step``.
 

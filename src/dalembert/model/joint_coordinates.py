@@ -7,7 +7,7 @@ The joints of a spanning tree hold exactly, by ``y = g(q)``; the other constrain
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import casadi as ca
@@ -21,6 +21,7 @@ from dalembert.model.kinematic_tree import links_of
 from dalembert.model.model import Model
 from dalembert.model.tree_inertia import TreeInertia
 from dalembert.model.tree_motion import TreeMotion
+from dalembert.options import options
 from dalembert.symbolic.expression import stack
 from dalembert.symbolic.factor import LdlFactor, block_inverse
 from dalembert.symbolic.implicit import ImplicitFunction
@@ -28,7 +29,7 @@ from dalembert.symbolic.implicit import ImplicitFunction
 CHOICES = {"angles": ("relative", "absolute"), "reactions": ("augmented", "projected")}
 
 
-@dataclass(frozen=True)
+@options
 class JointCoordinates(Coordinates):
     """Relative motions in the joints of a tree; loops are closed by constraints (6.21).
 

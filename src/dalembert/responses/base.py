@@ -9,19 +9,19 @@ follow.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from dalembert.analysis.events import Occurrence
 from dalembert.analysis.instants import end_by_event
 from dalembert.errors import AnalysisError, ExpressionError
+from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.symbolic.expression import Expression
 from dalembert.text import plain_text
 
 
-@dataclass(frozen=True)
+@options
 class Response:
     """A named number drawn from a motion.
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dalembert.analysis.events import Event, Occurrence
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.motion import Motion
 from dalembert.symbolic.expression import Expression, t
 
 
-@dataclass(frozen=True)
+@options
 class AtEvent(Response):
     """Value at the instant of an event ``g(t, x, p) = 0``.
 

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.symbolic.expression import Expression
 
 
-@dataclass(frozen=True)
+@options
 class Maximum(Response):
     """Largest sample, or its smooth lower bound (Kreisselmeier and Steinhauser 1979).
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.motion import Motion
 from dalembert.symbolic.expression import Expression
@@ -22,7 +23,7 @@ class Final(Response):
         return np.eye(1, samples.size, samples.size - 1).ravel()
 
 
-@dataclass(frozen=True)
+@options
 class At(Response):
     """Value at a time, or of a load case, mode or point of a path by number.
 

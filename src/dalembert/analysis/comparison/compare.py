@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,11 +22,12 @@ from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import checked_span, output_times
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
+from dalembert.options import options
 from dalembert.results.comparison.result import Comparison, comparison_of
 from dalembert.results.motion import Motion
 
 
-@dataclass(frozen=True)
+@options
 class Comparing:
     """A comparison as a strategy object, its choices checked; parameters as in ``compare``."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,12 @@ from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tang
 from dalembert.analysis.structural.spectrum import Spectrum, largest
 from dalembert.analysis.structural.statics import Statics, factorised
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
+from dalembert.options import options
 from dalembert.results.structural.buckling_modes import BucklingModes
 from dalembert.structures.model import StructuralModel
 
 
-@dataclass(frozen=True)
+@options
 class Buckling:
     """Linear buckling as a strategy object.
 

@@ -7,7 +7,6 @@ across the direction of the path; so the load may fall as well as grow.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy as np
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.path_equations import Crossing, PathEquations
 from dalembert.errors import AnalysisError, SingularityError
+from dalembert.options import options
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult, Plane
 from dalembert.structures.model import StructuralModel
@@ -30,7 +30,7 @@ MARGIN = 1e-9
 """Part of a step at whose end the path is taken to be at its limit already."""
 
 
-@dataclass(frozen=True)
+@options
 class ArcLength:
     """Equilibria of one load case along the path of its load.
 

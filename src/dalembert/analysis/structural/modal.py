@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil
 from dalembert.analysis.structural.spectrum import Spectrum, nearest
 from dalembert.analysis.structural.statics import Statics, factorised
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
+from dalembert.options import options
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.results.structural.vibration_modes import VibrationModes
@@ -23,7 +24,7 @@ CONVERGED = 1e-6
 """Largest residual of eigenpairs that counts as none."""
 
 
-@dataclass(frozen=True)
+@options
 class Modal:
     """Modes of vibration as a strategy object.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from dalembert.analysis.structural.balance import Balance, Balanced
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.statics import StaticsRecord, factorised
+from dalembert.options import options
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
@@ -20,7 +20,7 @@ SHORTEST = 1e-6
 """Share of the load below which a step is not halved any more."""
 
 
-@dataclass(frozen=True)
+@options
 class NonlinearStatics:
     """Equilibrium at large displacements, ``∂W/∂u (U, p) = P`` with ``U_p`` prescribed.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -14,11 +14,12 @@ from dalembert.analysis.structural.transient_run import TransientRun, motion_at
 from dalembert.analysis.structural.transient_start import STARTS
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.newmark import Newmark, NewmarkFamily
+from dalembert.options import options
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel
 
 
-@dataclass(frozen=True, eq=False)
+@options(eq=False)
 class Transient:
     """Motion of a structure under loads and support motions that may depend on time.
 

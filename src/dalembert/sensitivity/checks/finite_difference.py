@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.motion import Motion
 from dalembert.sensitivity.checks.replays import Replays
 from dalembert.sensitivity.checks.stencils import Quotient, best_step, checked_step, place
 
 
-@dataclass(frozen=True)
+@options
 class FiniteDifference:
     """Difference quotients ``(R(p + h) − R(p))/h`` (8.24) and their relatives.
 
