@@ -175,7 +175,6 @@ def test_responses_that_are_not_a_number(response, method):
         (da.final("bar.angle"), {"wrt": "lenght"}, "unknown parameter 'lenght'"),
         (da.final("bar.angle"), {"method": da.Adjoint}, "method is .*give a name or an object"),
         (da.at(2.1, "bar.angle"), {}, "t = 2.1 s is outside the run 0…2 s"),
-        (da.at(math.nan, "bar.angle"), {}, "t = nan s is outside the run"),
     ],
 )
 def test_wrong_requests(responses, options, words):
