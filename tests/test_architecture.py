@@ -62,8 +62,27 @@ def test_every_module_says_what_it_is(path):
     assert len(text.splitlines()) <= 520, "a file this long holds more than one concept"
 
 
-def test_heavy_libraries_are_imported_lazily():
-    heavy = ("xarray", "pandas", "matplotlib", "pydantic", "scipy.optimize")
-    code = f"import sys, dalembert; print([m for m in {heavy} if m in sys.modules])"
+def run(code: str) -> str:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    return done.stdout.strip()
+
+
+def test_heavy_libraries_are_imported_lazily():
+    """None with the package; with its names only what they need, which files need more of."""
+    heavy = ("xarray", "pandas", "matplotlib", "pydantic", "scipy.optimize")
+    loaded = "print([m for m in {} if m in sys.modules])"
+    first, then = ("casadi", "numpy", *heavy), heavy
+    assert run(f"import sys, dalembert; {loaded.format(first)}") == "[]"
+    names = "(name for name in dalembert.__all__ if not name.startswith('load_'))"
+    touch = f"[getattr(dalembert, name) for name in {names}]"
+    assert run(f"import sys, dalembert; {touch}; {loaded.format(then)}") == "[]"
+
+
+def test_public_names():
+    """Each is there whatever was imported before, and packages do not hide functions."""
+    for before in ("dalembert", "dalembert.sensitivity.gradient", "dalembert.design.optimization"):
+        code = f"import dalembert, {before}; print(callable(dalembert.sensitivity))"
+        assert run(code) == "True", before
+    code = "import dalembert as da; print(set(da.__all__) - set(dir(da)), da.structures.__name__)"
+    assert run(code) == "set() dalembert.structures"
+    assert not hasattr(__import__("dalembert"), "no_such_name")

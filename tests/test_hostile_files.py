@@ -11,8 +11,7 @@ from pathlib import Path
 
 import h5py
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from test_bad_input import GOOD, LAW, K, edited, load_or_refuse
 
 import dalembert as da

@@ -11,7 +11,7 @@ from test_derivatives import difference, relative_parameters
 
 import dalembert as da
 from dalembert import planar
-from dalembert.responses import Response, evaluate
+from dalembert.responses.base import Response, evaluate
 
 G = 9.81
 

@@ -8,8 +8,7 @@ import re
 
 import casadi as ca
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, settings, strategies as st
 
 from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.expression import Expression

@@ -8,8 +8,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from registry import CASES, FORMULATIONS, INTEGRATORS, Builder, Observer, model_of
 from test_random_mechanisms import tree as random_tree
 

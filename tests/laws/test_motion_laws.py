@@ -8,8 +8,7 @@ from types import SimpleNamespace
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from registry import LAWS, Builder, Observer
 from scipy.interpolate import CubicSpline as SciPySpline
 

@@ -9,13 +9,11 @@ import pytest
 from registry import CASES, FORMULATIONS, INTEGRATORS, STABILIZATIONS, model_of
 from test_derivatives import difference, flat, relative_parameters
 from test_statics import propped_bar
-from test_structures import CASES as STRUCTURES
-from test_structures import model_of as structure_of
-from test_structures import triangle, truss
+from test_structures import CASES as STRUCTURES, model_of as structure_of, triangle, truss
 
 import dalembert as da
 from dalembert import planar, structures
-from dalembert.responses import Response
+from dalembert.responses.base import Response
 from dalembert.structures.model import StructuralModel
 
 TIMES = (0.0, 0.033, 0.05, 0.12)

@@ -10,7 +10,7 @@ from registry import CONSTRAINED, INTEGRATORS, STABILIZATIONS, model_of
 
 import dalembert as da
 from dalembert import planar
-from dalembert.integrators import ExplicitRungeKutta
+from dalembert.integrators.runge_kutta import ExplicitRungeKutta
 
 ORDERS = {
     "Euler": (0.8, 1.2),

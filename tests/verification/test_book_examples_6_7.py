@@ -10,9 +10,22 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
-from test_book_three_bodies import A1, FREE, J1, J2, J3, M1, M2, M3, STATES, G, K, by_hand
-from test_book_three_bodies import A2 as TO_PIN
-from test_book_three_bodies import A3 as TO_ROD
+from test_book_three_bodies import (
+    A1,
+    A2 as TO_PIN,
+    A3 as TO_ROD,
+    FREE,
+    J1,
+    J2,
+    J3,
+    M1,
+    M2,
+    M3,
+    STATES,
+    G,
+    K,
+    by_hand,
+)
 
 import dalembert as da
 from dalembert import planar

@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import dalembert as da
-from dalembert.analysis import solve_statics
+from dalembert.analysis.structural.solve_statics import solve_statics
 from dalembert.io.spring_deck import load_deck
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -21,10 +21,10 @@ def report(results: Path, /, *, output: Path | None = None, as_json: AsJson = Fa
         Print one JSON document instead of text.
     """
     from dalembert.report.page import write_page
-    from dalembert.results.store import load_dataset, report_of
+    from dalembert.results.store import load_results, report_of
 
     with wrong_input():
-        payload = report_of(load_dataset(results))
+        payload = report_of(load_results(results))
         page = output or results.with_suffix(".report.html")
         refuse_replacing(results, [page])
         write_page(payload, page)

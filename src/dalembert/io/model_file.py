@@ -133,13 +133,13 @@ def load_model_file(path: str | Path) -> ModelFile:
     return ModelFile(path, document)
 
 
-def load(path: str | Path) -> System | Structure:
-    """The system or structure that a model file describes.
+def load_model(path: str | Path) -> System | Structure:
+    """Read a mechanism or structure from a TOML or JSON model file; ``build()`` it to analyse it.
 
     Raises
     ------
     FileError, ModelError
-        See ``load_model_file``.
+        With file, place, value and cure.
     """
     return load_model_file(path).build()
 

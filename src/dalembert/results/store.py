@@ -45,8 +45,8 @@ def save_dataset(data: xr.Dataset, path: str | Path) -> Path:
     return Path(path)
 
 
-def load_dataset(path: str | Path) -> xr.Dataset:
-    """Read a result file into memory; ``report_of`` gives its report.
+def load_results(path: str | Path) -> xr.Dataset:
+    """Read a result file written by ``save`` as an ``xarray.Dataset``.
 
     Raises
     ------

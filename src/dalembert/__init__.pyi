@@ -1,0 +1,169 @@
+"""The public names and where they come from: each stands here, once.
+
+Editors and type checkers read this file; ``__init__.py`` imports a name when it is first used.
+"""
+
+from dalembert import structures as structures
+from dalembert.analysis.assembly import solve_assembly as solve_assembly
+from dalembert.analysis.comparison.compare import compare as compare
+from dalembert.analysis.dynamics import Dynamics as Dynamics, solve_dynamics as solve_dynamics
+from dalembert.analysis.equilibrium import (
+    Equilibrium as Equilibrium,
+    solve_equilibrium as solve_equilibrium,
+)
+from dalembert.analysis.events import Event as Event
+from dalembert.analysis.inverse_dynamics import (
+    InverseDynamics as InverseDynamics,
+    solve_inverse_dynamics as solve_inverse_dynamics,
+)
+from dalembert.analysis.kinematics import (
+    Kinematics as Kinematics,
+    solve_kinematics as solve_kinematics,
+)
+from dalembert.analysis.linearization import Linearization as Linearization, linearize as linearize
+from dalembert.analysis.structural.buckling import (
+    Buckling as Buckling,
+    solve_buckling as solve_buckling,
+)
+from dalembert.analysis.structural.load_path import (
+    ArcLength as ArcLength,
+    solve_load_path as solve_load_path,
+)
+from dalembert.analysis.structural.modal import Modal as Modal, solve_modes as solve_modes
+from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics as NonlinearStatics
+from dalembert.analysis.structural.solve_statics import solve_statics as solve_statics
+from dalembert.analysis.structural.statics import Statics as Statics
+from dalembert.analysis.structural.transient import (
+    Transient as Transient,
+    solve_transient as solve_transient,
+)
+from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleigh
+from dalembert.design.optimization import Limit as Limit, Optimum as Optimum, optimize as optimize
+from dalembert.elements import laws as laws, planar as planar
+from dalembert.elements.curves import (
+    FormulaCurve as FormulaCurve,
+    SplineCurve as SplineCurve,
+    u as u,
+)
+from dalembert.elements.laws.base import Formula as Formula
+from dalembert.elements.laws.harmonic import Harmonic as Harmonic
+from dalembert.elements.laws.polynomial import Polynomial as Polynomial
+from dalembert.elements.laws.rise import (
+    CycloidalRise as CycloidalRise,
+    HarmonicRise as HarmonicRise,
+    Polynomial345Rise as Polynomial345Rise,
+    Polynomial4567Rise as Polynomial4567Rise,
+)
+from dalembert.elements.laws.table import Table as Table
+from dalembert.errors import (
+    AnalysisError as AnalysisError,
+    AssemblyError as AssemblyError,
+    DalembertError as DalembertError,
+    ExpressionError as ExpressionError,
+    FileError as FileError,
+    ModelError as ModelError,
+    SingularityError as SingularityError,
+    UnknownNameError as UnknownNameError,
+    UnsupportedError as UnsupportedError,
+)
+from dalembert.formulations.augmented_lagrangian import AugmentedLagrangian as AugmentedLagrangian
+from dalembert.formulations.dae import Dae as Dae
+from dalembert.formulations.energy_projection import EnergyProjection as EnergyProjection
+from dalembert.formulations.kkt import Kkt as Kkt
+from dalembert.formulations.null_space import NullSpace as NullSpace
+from dalembert.formulations.penalty import Penalty as Penalty
+from dalembert.formulations.range_space import RangeSpace as RangeSpace
+from dalembert.formulations.stabilization import (
+    Baumgarte as Baumgarte,
+    Projection as Projection,
+    Stabilization as Stabilization,
+)
+from dalembert.formulations.velocity_partitioning import (
+    VelocityPartitioning as VelocityPartitioning,
+)
+from dalembert.integrators.backward_euler import (
+    BackwardEuler as BackwardEuler,
+    Trapezoidal as Trapezoidal,
+)
+from dalembert.integrators.bdf import Bdf as Bdf
+from dalembert.integrators.generalized_alpha import HHT as HHT, GeneralizedAlpha as GeneralizedAlpha
+from dalembert.integrators.newmark import Newmark as Newmark
+from dalembert.integrators.radau import Radau as Radau
+from dalembert.integrators.runge_kutta import (
+    RK4 as RK4,
+    DormandPrince as DormandPrince,
+    DormandPrince853 as DormandPrince853,
+    Euler as Euler,
+    Heun as Heun,
+    RKGill as RKGill,
+)
+from dalembert.integrators.sundials import Cvodes as Cvodes, Ida as Ida
+from dalembert.io.model_file import load_model as load_model
+from dalembert.model.coordinates import AbsoluteCoordinates as AbsoluteCoordinates
+from dalembert.model.joint_coordinates import JointCoordinates as JointCoordinates
+from dalembert.model.model import Model as Model
+from dalembert.model.system import System as System
+from dalembert.responses.base import Response as Response, evaluate as evaluate
+from dalembert.responses.events import (
+    AtEvent as AtEvent,
+    at_event as at_event,
+    event_time as event_time,
+)
+from dalembert.responses.extremes import (
+    Maximum as Maximum,
+    Minimum as Minimum,
+    maximum as maximum,
+    minimum as minimum,
+)
+from dalembert.responses.integrals import (
+    Integral as Integral,
+    Mean as Mean,
+    Rms as Rms,
+    Total as Total,
+    integral as integral,
+    mean as mean,
+    rms as rms,
+    total as total,
+)
+from dalembert.responses.values import At as At, Final as Final, at as at, final as final
+from dalembert.results.comparison.result import Comparison as Comparison
+from dalembert.results.motion import Motion as Motion
+from dalembert.results.status import Outcome as Outcome, Status as Status
+from dalembert.results.store import load_results as load_results
+from dalembert.results.tornado import tornado as tornado
+from dalembert.sensitivity.checks.certificate import Certificate as Certificate
+from dalembert.sensitivity.checks.finite_difference import FiniteDifference as FiniteDifference
+from dalembert.sensitivity.checks.step_study import StepStudy as StepStudy, step_study as step_study
+from dalembert.sensitivity.gradient import sensitivity as sensitivity
+from dalembert.sensitivity.methods import Adjoint as Adjoint, Direct as Direct
+from dalembert.sensitivity.second_order import hessian_product as hessian_product
+from dalembert.sensitivity.structural.eigenvalue_slopes import (
+    eigenvalue_slopes as eigenvalue_slopes,
+)
+from dalembert.structures.structure import Structure as Structure
+from dalembert.symbolic.compiled import clear_cache as clear_cache
+from dalembert.symbolic.expression import Expression as Expression, t as t
+from dalembert.symbolic.functions import (
+    absolute as absolute,
+    acos as acos,
+    asin as asin,
+    atan as atan,
+    atan2 as atan2,
+    cos as cos,
+    cosh as cosh,
+    exp as exp,
+    floor as floor,
+    hypot as hypot,
+    log as log,
+    sign as sign,
+    sin as sin,
+    sinh as sinh,
+    smooth_abs as smooth_abs,
+    sqrt as sqrt,
+    tan as tan,
+    tanh as tanh,
+    where as where,
+)
+from dalembert.symbolic.parameter import Parameter as Parameter
+
+__version__: str
