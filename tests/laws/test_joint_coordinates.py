@@ -84,7 +84,8 @@ def accelerations(view, formulation=None) -> list[np.ndarray]:
     start, p = model.start, model.nominal
     q, u = (x.full().ravel() for x in view.reduce.function(0.0, start.y, start.v, p))
     f = f.choose(e, 0.0, q, p)
-    function = f.acceleration(e, e.constraint_acceleration, view.everything).function
+    seen = [e.without_dropped(column) for column in view.everything]
+    function = f.acceleration(e, e.constraint_acceleration, seen).function
     return [x.full().ravel() for x in function(0.0, np.concatenate([q, u, [0, 0]]), p)]
 
 

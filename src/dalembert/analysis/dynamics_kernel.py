@@ -14,6 +14,7 @@ from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.analysis.variant import Variant
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation
+from dalembert.formulations.redundancy import TRUSTED, best_rows, largest_share
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.adaptive import AdaptiveMarch
 from dalembert.integrators.base import Attempt, Integrator
@@ -104,31 +105,46 @@ class DynamicsKernel:
         return found
 
     # variants -----------------------------------------------------------------------
-    def choose(self, t: float, x: np.ndarray, p: np.ndarray) -> int:
-        """The variant for a state."""
+    def choose(
+        self, t: float, x: np.ndarray, p: np.ndarray, rows: tuple[int, ...] | None = None
+    ) -> int:
+        """The variant for a state, with some rows of the equations or, by default, good ones."""
         y = x[: self.equations.coordinate_count]
-        chosen = self.formulation.choose(self.equations, t, y, p)
+        rows = self._rows(t, y, p) if rows is None else rows
+        chosen = self.formulation.choose(self.view.with_rows(rows), t, y, p)
         for mode, variant in enumerate(self.variants):
-            if variant.formulation == chosen:
+            if (variant.rows, variant.formulation) == (rows, chosen):
                 return mode
-        self.variants.append(Variant(self.view, chosen, self.stabilization, self.integrator))
+        made = Variant(self.view, rows, chosen, self.stabilization, self.integrator)
+        self.variants.append(made)
         return len(self.variants) - 1
+
+    def _rows(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
+        """The rows of the start where the others follow well from them, else the best ones."""
+        rows, whole = self.view.rows, self.view.whole
+        if len(rows) == whole.constraint_count:
+            return rows
+        share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_share(whole, rows)])
+        return rows if float(share(t, y, p)) <= TRUSTED else best_rows(whole, len(rows), t, y, p)
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray) -> Switch:
         """How many of these steps to keep, and the variant after them."""
-        everything, watched = Switch(times.size - 1, mode), self.variants[mode].conditioning
-        if watched is None:
+        everything, now = Switch(times.size - 1, mode), self.variants[mode]
+        if now.conditioning is None:
             return everything
-        function, limit = watched
         y = states[: self.equations.coordinate_count]
-        (values,) = self.over(function, times.size)(times, y, np.tile(p[:, None], times.size))
-        bad = np.flatnonzero(~(values.ravel() <= limit))
+        watched = self.over(now.conditioning, times.size)
+        shares, values = watched(times, y, np.tile(p[:, None], times.size))
+        bad = np.flatnonzero(~((shares.ravel() <= 1) & (values.ravel() <= 1)))
         if not bad.size:
             return everything
-        last_good = max(int(bad[0]) - 1, 0)
+        last_good, rows = max(int(bad[0]) - 1, 0), now.rows
         for kept in (last_good, int(bad[0])):
+            t, x = float(times[kept]), states[:, kept]
             try:
-                following = self.choose(float(times[kept]), states[:, kept], p)
+                if not shares.ravel()[bad[0]] <= 1:
+                    rows = best_rows(self.view.whole, len(rows), t, y[:, kept], p)
+                following = self.choose(t, x, p, rows)
             except SingularityError as error:
                 return Switch(last_good, mode, str(error))
             if following != mode:

@@ -100,7 +100,8 @@ class Ending:
             return ""
         lost = ~(self.violations < self.lost)
         lost_at = float(self.s.t[np.argmax(lost)] if lost.any() else self.s.t[-1])
-        found = near_singular_position(self.kernel.equations, self.steps, self.p, lost_at)
+        variant = self.kernel.variants[self.steps.mode[-1] if self.steps.count else -1]
+        found = near_singular_position(variant.equations, self.steps, self.p, lost_at)
         if found is None:
             return ""
         time, smallest, place = found

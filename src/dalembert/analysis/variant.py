@@ -8,6 +8,7 @@ import casadi as ca
 
 from dalembert.formulations.base import Formulation, state_rate
 from dalembert.formulations.consistency import with_consistent_speeds
+from dalembert.formulations.redundancy import TRUSTED, largest_share
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.step import Step
@@ -23,6 +24,7 @@ class Variant:
     Parameters
     ----------
     view : the model in the coordinates that are integrated
+    rows : of its constraint equations, those that are solved
     formulation : as ``Formulation.choose`` made it
     stabilization, integrator : of the run
     """
@@ -30,11 +32,12 @@ class Variant:
     def __init__(
         self,
         view: CoordinateView,
+        rows: tuple[int, ...],
         formulation: Formulation,
         stabilization: Stabilization,
         integrator: Integrator,
     ):
-        self.view, self.equations = view, view.equations
+        self.view, self.rows, self.equations = view, rows, view.with_rows(rows)
         self.formulation, self.stabilization = formulation, stabilization
         self.integrator = integrator
         self.xi = stabilization.constraint_acceleration(self.equations)
@@ -71,22 +74,29 @@ class Variant:
     @once
     def measured(self, measure: Expression) -> ImplicitFunction:
         """``(t, x, p) → measure`` of the bodies, accelerations and multipliers included."""
-        seen = [self.view.lift(measure.sx)]
-        return self.formulation.acceleration(self.equations, self.xi, seen, "measured")
+        return self._seen([self.view.lift(measure.sx)], "measured")
 
     @cached_property
     def bodies(self) -> ca.Function:
         """``(t, x, p) → y, v, v̇, λ`` of all bodies and equations."""
-        found = self.formulation.acceleration(
-            self.equations, self.xi, self.view.everything, "bodies"
-        )
-        return found.function
+        return self._seen(self.view.everything, "bodies").function
+
+    def _seen(self, expressions: list[ca.SX], name: str) -> ImplicitFunction:
+        """Expressions of the view, with the multipliers of equations not solved at zero."""
+        e = self.equations
+        outputs = [e.without_dropped(expression) for expression in expressions]
+        return self.formulation.acceleration(e, self.xi, outputs, name)
 
     @cached_property
-    def conditioning(self) -> tuple[ca.Function, float] | None:
-        """``(t, y, p) → value`` and the limit above which another variant is chosen."""
-        e = self.equations
-        found = self.formulation.conditioning(e)
-        if found is None:
+    def conditioning(self) -> ca.Function | None:
+        """``(t, y, p) → (share, value)`` of the equations left out and of the formulation.
+
+        Both relative to the limit above which another variant is chosen; None where nothing is.
+        """
+        e, nothing = self.equations, ca.SX(0)
+        found, redundant = self.formulation.conditioning(e), bool(e.dropped.numel())
+        if found is None and not redundant:
             return None
-        return ca.Function("conditioning", [e.t, e.y, e.p], [found[0]]), found[1]
+        share = largest_share(self.view.whole, self.rows) / TRUSTED if redundant else nothing
+        value = nothing if found is None else found[0] / found[1]
+        return ca.Function("conditioning", [e.t, e.y, e.p], [share, value])

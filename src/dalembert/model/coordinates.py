@@ -9,6 +9,7 @@ import casadi as ca
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
 from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.once import once
 
 
 class CoordinateView:
@@ -17,16 +18,28 @@ class CoordinateView:
     Attributes
     ----------
     model : Model
-    equations : Equations in these coordinates
+    whole : Equations in these coordinates, redundant ones too
+    rows : those of its constraint equations that are solved at the start
     names : names of the coordinates
     """
 
     model: Model
-    equations: Equations
+    whole: Equations
+    rows: tuple[int, ...]
     names: list[str]
 
+    @property
+    def equations(self) -> Equations:
+        """With the rows of the start."""
+        return self.with_rows(self.rows)
+
+    @once
+    def with_rows(self, rows: tuple[int, ...]) -> Equations:
+        """With these constraint equations."""
+        return self.whole.with_rows(list(rows))
+
     def lift(self, expression: ca.SX) -> ca.SX:
-        """A measure of the bodies (of t, y, v, v̇, λ, p) in the symbols of ``equations``."""
+        """A measure of the bodies (of t, y, v, v̇, λ, p) in the symbols of ``whole``."""
         raise NotImplementedError
 
     @property
@@ -68,11 +81,12 @@ class AbsoluteView(CoordinateView):
 
     def __init__(self, model: Model, every_equation: bool):
         self.model = model
-        self.equations = model.all_equations if every_equation else model.equations
+        self.whole, every = model.all_equations, range(model.all_equations.constraint_count)
+        self.rows = tuple(every if every_equation else model.closure.rows)
         self.names = list(model.guesses.names)
 
     def lift(self, expression: ca.SX) -> ca.SX:
-        return self.equations.without_dropped(expression)
+        return expression
 
     @property
     def reduce(self) -> ImplicitFunction:

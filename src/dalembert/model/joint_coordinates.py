@@ -26,6 +26,8 @@ from dalembert.symbolic.expression import stack
 from dalembert.symbolic.factor import LdlFactor, block_inverse
 from dalembert.symbolic.implicit import ImplicitFunction
 
+ROUNDING = 1e-10
+"""Natural size of a row of C below which it is nothing but rounding."""
 CHOICES = {"angles": ("relative", "absolute"), "reactions": ("augmented", "projected")}
 
 
@@ -90,8 +92,8 @@ class JointView(CoordinateView):
         ]
         carried = set(self.tree_rows)
         self.loop_rows = [k for k in range(self.bodies.constraint_count) if k not in carried]
-        e = self._equations()
-        self.equations = e if every_equation else e.with_rows(self._independent(e))
+        self.whole = e = self._equations()
+        self.rows = tuple(range(e.constraint_count) if every_equation else self._independent(e))
 
     @cached_property
     def _exchange(self) -> tuple[ca.SX, ca.SX]:
@@ -150,7 +152,11 @@ class JointView(CoordinateView):
 
     def _independent(self, e: Equations) -> list[int]:
         """Loop equations that do not follow from the tree and the ones before them."""
-        return independent_rows(self._at_start(e.jacobian)) if self.loop_rows else []
+        if not self.loop_rows:
+            return []
+        c = self._at_start(e.jacobian) * e.scales.coordinates / e.scales.rows[:, None]
+        c[np.linalg.norm(c, axis=1) < ROUNDING] = 0  # satisfied by the tree alone
+        return independent_rows(c)
 
     def _massless(self, inertia: TreeInertia) -> tuple[int, ...]:
         """Coordinates that take part in a motion without kinetic energy."""
@@ -167,7 +173,7 @@ class JointView(CoordinateView):
         tree = self.bodies.multiplier[self.tree_rows, :]
         if tree.numel() and ca.depends_on(expression, tree):
             symbols, known = ca.vertcat(symbols, tree), ca.vertcat(known, self.tree_reactions)
-        return self.equations.without_dropped(ca.substitute(expression, symbols, known))
+        return ca.substitute(expression, symbols, known)
 
     @cached_property
     def tree_reactions(self) -> ca.SX:
