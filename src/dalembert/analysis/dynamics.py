@@ -37,6 +37,8 @@ STRATEGIES = {
 """What each choice of a run must be, and what it usually is."""
 OF_OUTPUTS = 4
 """Order of the quadrature through the ends of equal steps."""
+INTERVALS = 1000
+"""Where the integrator's own steps are not seen, integrals look at so many intervals at least."""
 
 
 @options
@@ -126,7 +128,12 @@ class Dynamics:
             points = StepQuadrature(steps, order)
             made = self._sampled(motion, points.times, points.branches)
             return replace(made, record=replace(made.record, quadrature=points))
-        if self.outputs is None or motion.time.size > steps.count:
+        if steps.count and kernel.fixed.at_once(int(steps.mode[0])):
+            finer = steps.divided(-(-INTERVALS // steps.count))
+            steps = kernel.fixed.repeat(finer, steps.x[:, 0], motion.parameters)
+            motion = replace(motion, record=replace(record, steps=steps))
+            return self._sampled(motion, *outputs_of(steps, None))
+        if self.outputs is None:
             return motion
         return self._sampled(motion, *outputs_of(steps, None, end_by_event(motion) is not None))
 

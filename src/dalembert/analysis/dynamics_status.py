@@ -59,6 +59,9 @@ class Ending:
         residual = float(np.max(self.violations, initial=0.0))
         if steps.interrupted:
             return self._ends(Outcome.INTERRUPTED, f"stopped at t = {self.time:g} s")
+        if steps.explained:
+            text = f"after t = {steps.end:.9g} s {steps.message}"
+            return self._ends(Outcome.DIVERGED, text)
         unsolved = self.unsolved() if steps.message else ""
         if unsolved:
             return self._ends(Outcome.NOT_CONVERGED, unsolved)

@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.errors import AnalysisError, SolverFailure
 from dalembert.integrators.checkpoints import Recorder, Repeat, recorder_like
 from dalembert.integrators.step import Step
-from dalembert.integrators.steps import Steps, Watch, run_length
+from dalembert.integrators.steps import Steps, Watch, even_length, run_length
 from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.kernel import Kernel
 from dalembert.symbolic.prelude import before
@@ -88,15 +88,17 @@ class FixedMarch:
     def _march(
         self, times, h, corrected, mode, x0, p, recorder: Recorder, watch: Watch | None = None
     ) -> Steps:
-        done, message, interrupted = 0, "", False
+        done, message, interrupted, explained = 0, "", False, False
         mode, longest = mode.copy(), CHUNK
         try:
             while done < h.size:
                 count = run_length(mode, done, longest)
+                if self.at_once(int(mode[done])):
+                    count = even_length(h[done : done + count])
                 longest = min(2 * longest, CHUNK)
                 part = slice(done, done + count)
                 given = (times[part], h[part], corrected[part])
-                out, reason = self._advance(int(mode[done]), recorder.last, given, p)
+                out, reason, explained = self._advance(int(mode[done]), recorder.last, given, p)
                 good = np.all(np.isfinite(out), axis=0)
                 valid = count if good.all() else int(np.argmin(good))
                 ends = np.append(times[done : done + valid], (times[part] + h[part])[valid - 1])
@@ -126,31 +128,46 @@ class FixedMarch:
             mode[:done],
             message=message,
             interrupted=interrupted,
+            explained=explained and bool(message),
         )
         steps.x = recorder.states(self.again(steps, p))
         return steps
 
-    def _advance(self, mode: int, x: np.ndarray, given, p: np.ndarray) -> tuple[np.ndarray, str]:
-        """States after a chunk of steps; NaN, and why, from where a solver inside gave up."""
+    def _advance(
+        self, mode: int, x: np.ndarray, given, p: np.ndarray
+    ) -> tuple[np.ndarray, str, bool]:
+        """States after a chunk of steps; NaN from where a solver inside gave up, and why.
+
+        The last tells whether that is all there is to say.
+        """
         count = given[0].size
         try:
-            return self._chunk(count, mode)(x, *given, p)[0], ""
+            return self._chunk(count, mode)(x, *given, p)[0], "", False
         except SolverFailure:  # it tells neither where nor what was done before
             out = np.full((x.size, count), np.nan)
         for k in range(count):
             try:
                 (x,) = self._chunk(1, mode)(x.ravel(), *(column[k] for column in given), p)
             except SolverFailure as error:
-                return out, f"a step failed: {error.reason}"
+                why = self.step_of(mode).explained(error.reason)
+                return out, why or f"a step failed: {error.reason}", bool(why)
             out[:, k] = x.ravel()
-        return out, ""
+        return out, "", False
 
     def _chunk(self, count: int, mode: int) -> Kernel:
         single = self.backend.repeated(self.single(mode), 0)
         key = (single, count)
         if key not in self._chunks:
-            self._chunks[key] = Kernel(_map_steps(self._prepared(mode)[0], single, count))
+            if count > 1 and self.at_once(mode):
+                self._chunks[key] = Kernel(self.step_of(mode).chunk(count))
+            else:
+                self._chunks[key] = Kernel(_map_steps(self._prepared(mode)[0], single, count))
         return self._chunks[key]
+
+    def at_once(self, mode: int) -> bool:
+        """Whether equal steps are taken as chunks."""
+        step = self.step_of(mode)
+        return step.even and not branches(step, self.period)
 
     def single(self, mode: int) -> ca.Function:
         """``(x, t, h, flag, q) → x``; the flag says whether the step is corrected."""

@@ -85,6 +85,27 @@ class Step:
         """``(t, x, p) → memory`` at the start, None for methods without."""
         return None
 
+    def explained(self, reason: str) -> str:
+        """Why a solver inside gave up and what to do about it, where its word for it is clear."""
+        return ""
+
+    @property
+    def even(self) -> bool:
+        """Takes chunks of equal steps at once, by the functions below."""
+        return False
+
+    def chunk(self, count: int) -> ca.Function:
+        """``(x, t, h, flag, p) → states`` after each of ``count`` equal steps."""
+        raise NotImplementedError
+
+    def chunk_adjoint(self, count: int) -> ca.Function:
+        """``(x, t, h, flag, p, weights of the states) → (x̄, p̄)``."""
+        raise NotImplementedError
+
+    def chunk_tangents(self, count: int, columns: int) -> ca.Function:
+        """``(x, t, h, flag, p, dx, dp) → changes of the states``, all columns of each in turn."""
+        raise NotImplementedError
+
     @property
     def residual(self) -> ca.Function | None:
         """``(t, h, x, p)`` → relative residual of the equations solved in the step, if any."""

@@ -17,7 +17,8 @@ class Steps:
 
     ``corrected[k]`` tells whether the step ended with the correction, ``mode[k]`` which variant of
     the step was taken. The last column of ``x`` is the end of the last step. ``message`` is empty
-    when the end was reached. Of long marches ``x`` holds few states and repeats the others.
+    when the end was reached; ``explained`` where it says all there is to say. Of long marches ``x``
+    holds few states and repeats the others.
     """
 
     t: np.ndarray
@@ -28,6 +29,7 @@ class Steps:
     rejected: int = 0
     message: str = ""
     interrupted: bool = False
+    explained: bool = False
 
     @property
     def count(self) -> int:
@@ -51,12 +53,29 @@ class Steps:
             self.interrupted,
         )
 
+    def divided(self, parts: int) -> Steps:
+        """The same march, to be repeated in shorter steps."""
+        h = np.repeat(self.h / parts, parts)
+        t = np.repeat(self.t[: self.count], parts) + h * np.tile(np.arange(parts), self.count)
+        corrected, mode = (np.repeat(column, parts) for column in (self.corrected, self.mode))
+        return Steps(t, h, self.x[:, :1], corrected, mode)
+
 
 def run_length(mode: np.ndarray, begin: int, longest: int) -> int:
     """How many steps from ``begin`` on are of one mode, ``longest`` at most."""
     part = mode[begin : begin + longest]
     different = np.flatnonzero(part != part[0])
     return int(different[0]) if different.size else part.size
+
+
+EVEN = 1e-6
+"""Difference of lengths, relative, of steps that are taken as equal."""
+
+
+def even_length(h: np.ndarray) -> int:
+    """How many steps from the first on are as long as it."""
+    different = np.flatnonzero(np.abs(h - h[0]) > EVEN * h[0])
+    return int(different[0]) if different.size else h.size
 
 
 class Switch(NamedTuple):

@@ -1,4 +1,4 @@
-"""CVODES and IDAS of the SUNDIALS suite (Hindmarsh et al. 2005), one interval after another."""
+"""CVODES and IDAS of the SUNDIALS suite (Hindmarsh et al. 2005)."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import casadi as ca
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Integrator, Problem
-from dalembert.integrators.step import GraphStep
+from dalembert.integrators.sundials_step import MOST_STEPS, Flow, SundialsStep
 from dalembert.integrators.tolerances import check_tolerances
 from dalembert.options import options
 from dalembert.symbolic.semi_explicit import SemiExplicit
 
-MOST_STEPS = 50_000
-"""Steps that SUNDIALS may take within one interval."""
+FINER = 1e-2
+"""Tolerance of sensitivity equations, relative to that of the run: their errors add up apart."""
 SHORT = 1e-6
 """Share of the interval for which IDAS looks when it makes its start values consistent."""
 
@@ -24,13 +24,13 @@ SHORT = 1e-6
 class SundialsIntegrator(Integrator, ABC):
     """Variable steps and orders inside each interval of the run, the interval being its ``step``.
 
-    SUNDIALS starts anew, with order 1 and short steps, in every interval: a run is fastest with
-    few long ones. A stabilisation corrects at their ends. Where SUNDIALS gives up, the run ends as
-    ``DIVERGED`` with what was reached.
+    SUNDIALS goes on from interval to interval for some hundred of them; only then, and for times
+    between their ends, does it start anew, with order 1 and short steps. A stabilisation corrects
+    the states at the ends. Where SUNDIALS gives up, the run ends with what was reached.
 
-    Gradients come from the sensitivity equations that CasADi integrates along: direct and adjoint
-    gradients are right to about the tolerances, and agree with each other to as much only. For
-    exact derivatives of the steps use ``Bdf``, ``Radau`` or ``RK4``.
+    Gradients come from the sensitivity equations, integrated to a hundredth of the tolerances:
+    direct and adjoint gradients are right to about the tolerances of the run, and agree with each
+    other better than that. For exact derivatives of the steps use ``Bdf``, ``Radau`` or ``RK4``.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class SundialsIntegrator(Integrator, ABC):
         return True
 
     @property
-    def options(self) -> dict:
+    def _options(self) -> dict:
         """What SUNDIALS is told."""
         return {
             "reltol": self.rtol,
@@ -63,31 +63,39 @@ class SundialsIntegrator(Integrator, ABC):
             "disable_internal_warnings": True,
         }
 
-    def step(self, problem: Problem) -> GraphStep:
-        """One interval; time runs from 0 to 1 in it, so that its length is a number like others."""
-        return GraphStep(
-            self.interval(problem),
-            self.state_size(problem),
-            correction=problem.correction,
-            upkeep=problem.upkeep,
-        )
+    def step(self, problem: Problem) -> SundialsStep:
+        finer = {name: FINER * self._options[name] for name in ("reltol", "abstol")}
+        options = {**self._options, **finer, "quad_err_con": True}
+        return SundialsStep(problem, self.flow(problem), self._cvodes(problem, options))
 
     @abstractmethod
-    def state_size(self, problem: Problem) -> int:
-        """Length of the state."""
+    def flow(self, problem: Problem) -> Flow:
+        """What integrates the run."""
 
     @abstractmethod
-    def interval(self, problem: Problem) -> ca.Function:
-        """``(t, h, x, p) → x`` at ``t + h``."""
+    def _rate(self, problem: Problem) -> ca.Function:
+        """``(t, x, p) → ẋ``."""
+
+    def _cvodes(self, problem: Problem, options: dict) -> Flow:
+        """CVODES on ``ẋ = F(t, x, p)``."""
+        rate = self._rate(problem)
+        x, p = ca.SX.sym("x", rate.numel_in(1)), ca.SX.sym("p", rate.numel_in(2))
+        t, h, number = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("number")
+        equations = {
+            "t": number,
+            "x": x,
+            "p": ca.vertcat(t, h, p),
+            "ode": h * rate(t + h * number, x, p),
+        }
+        return lambda count: _flow("cvodes", equations, count, options)
 
 
 @dataclass(frozen=True)
 class Cvodes(SundialsIntegrator):
     """Backward differentiation of ``ẋ = F(t, x, p)`` by CVODES, orders 1 to 5.
 
-    The run's ``step`` is the interval after which CVODES starts anew: few long ones are best, and
-    outputs between them are integrated from their beginnings. Gradients are right to about the
-    tolerances, see ``Bdf`` for exact ones.
+    The run's ``step`` is the distance of the states that are kept; CVODES chooses its own steps.
+    Gradients are right to about the tolerances, see ``Bdf`` for exact ones.
 
     Parameters
     ----------
@@ -100,8 +108,8 @@ class Cvodes(SundialsIntegrator):
         A tolerance that is not positive, or a formulation without accelerations.
     """
 
-    def state_size(self, problem: Problem) -> int:
-        return self._rate(problem).numel_out(0)
+    def flow(self, problem: Problem) -> Flow:
+        return self._cvodes(problem, self._options)
 
     def _rate(self, problem: Problem) -> ca.Function:
         if problem.rate is None:
@@ -111,28 +119,14 @@ class Cvodes(SundialsIntegrator):
             )
         return problem.rate.function
 
-    def interval(self, problem: Problem) -> ca.Function:
-        rate = self._rate(problem)
-        x, p = ca.SX.sym("x", rate.numel_in(1)), ca.SX.sym("p", rate.numel_in(2))
-        t, h, fraction = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("fraction")
-        equations = {
-            "t": fraction,
-            "x": x,
-            "p": ca.vertcat(t, h, p),
-            "ode": h * rate(t + h * fraction, x, p),
-        }
-        solver = ca.integrator("cvodes", "cvodes", equations, 0, 1, self.options)
-        return _interval(solver, x.numel(), p.numel())
-
 
 @dataclass(frozen=True)
 class Ida(SundialsIntegrator):
     """Backward differentiation of ``ẋ = F(t, x, z, p)``, ``0 = G(t, x, z, p)`` by IDAS.
 
     The system has index 1: accelerations and multipliers are algebraic and left out of the error
-    control. The run's ``step`` is the interval after which IDAS starts anew: few long ones are
-    best, and outputs between them are integrated from their beginnings. Gradients are right to
-    about the tolerances, see ``Bdf`` for exact ones.
+    control. The run's ``step`` is the distance of the states that are kept; IDAS chooses its own
+    steps. Gradients are right to about the tolerances, see ``Bdf`` for exact ones.
 
     Parameters
     ----------
@@ -149,44 +143,50 @@ class Ida(SundialsIntegrator):
     def implicit(self) -> bool:
         return True
 
-    @property
-    def options(self) -> dict:
-        # the line search of IDACalcIC fails where start values are right and its scale is coarse
-        start = {"calc_ic": True, "first_time": SHORT}
-        return {**super().options, "suppress_algebraic": True, **start}
+    def _rate(self, problem: Problem) -> ca.Function:
+        system = problem.system
+        z = system.start.function(system.t, system.x, system.p)
+        rate = ca.substitute(system.rate, system.z, z)
+        return ca.Function("rate", [system.t, system.x, system.p], [rate], {"cse": True})
 
-    def state_size(self, problem: Problem) -> int:
-        return problem.system.x.numel()
-
-    def interval(self, problem: Problem) -> ca.Function:
+    def flow(self, problem: Problem) -> Flow:
         system: SemiExplicit = problem.system
         if system.index > 1:
             raise UnsupportedError(
                 f"Ida takes systems of index 1, this formulation makes one of index "
                 f"{system.index}; use integrator=Bdf() or Radau(), or formulation=Dae(index=1)"
             )
-        t, h, fraction = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("fraction")
+        t, h, number = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("number")
         rate, algebraic = ca.substitute(
-            [system.rate, system.algebraic], [system.t], [t + h * fraction]
+            [system.rate, system.algebraic], [system.t], [t + h * number]
         )
         equations = {
-            "t": fraction,
+            "t": number,
             "x": system.x,
             "z": system.z,
             "p": ca.vertcat(t, h, system.p),
             "ode": h * rate,
             "alg": algebraic,
         }
-        solver = ca.integrator("idas", "idas", equations, 0, 1, self.options)
-        return _interval(solver, system.x.numel(), system.p.numel(), system.start.function)
+        # the line search of IDACalcIC fails where start values are right and its scale is coarse
+        start = {"calc_ic": True, "first_time": SHORT}
+        options = {**self._options, "suppress_algebraic": True, **start}
+        return lambda count: _flow("idas", equations, count, options, system.start.function)
 
 
-def _interval(
-    solver: ca.Function, states: int, parameters: int, start: ca.Function | None = None
+def _flow(
+    solver: str, equations: dict, count: int, options: dict, start: ca.Function | None = None
 ) -> ca.Function:
-    """``(t, h, x, p) → x`` by a solver, with its algebraic variables at the start if it has any."""
-    t, h, x = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("x", states)
-    p = ca.MX.sym("p", parameters)
+    """Time counts intervals, so that their length is a number like others.
+
+    Parameters
+    ----------
+    start : ``(t, x, p) → z``, where there are algebraic variables
+    """
+    ends = list(range(1, count + 1))
+    made = ca.integrator(solver, solver, equations, 0, ends, options)
+    t, h, x = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("x", made.numel_in("x0"))
+    p = ca.MX.sym("p", made.numel_in("p") - 2)
     algebraic = {} if start is None else {"z0": start(t, x, p)}
-    end = solver(x0=x, p=ca.vertcat(t, h, p), **algebraic)["xf"]
-    return ca.Function("interval", [t, h, x, p], [end])
+    found = made(x0=x, p=ca.vertcat(t, h, p), **algebraic)["xf"]
+    return ca.Function("flow", [t, h, x, p], [found])

@@ -11,7 +11,8 @@ import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, alike
 from dalembert.integrators.march import CHUNK, branches, flagged
-from dalembert.integrators.steps import run_length
+from dalembert.integrators.step import Step
+from dalembert.integrators.steps import even_length, run_length
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_adjoint
 from dalembert.symbolic.kernel import Kernel
 from dalembert.symbolic.once import once
@@ -29,6 +30,8 @@ class AdjointMarch(MarchedSample):
         while stop > 0:
             mode = int(steps.mode[stop - 1])
             count = run_length(steps.mode[:stop][::-1], 0, CHUNK)
+            if self.kernel.fixed.at_once(mode):
+                count = even_length(steps.h[stop - count : stop][::-1])
             injected = self._injected(stop - count, stop - 1, p_bar)
             part = np.arange(stop - 1, stop - count - 1, -1)
             (carried,) = self._backward(count, mode)(
@@ -82,6 +85,8 @@ class AdjointMarch(MarchedSample):
 
     def _backward(self, count: int, mode: int) -> Kernel:
         """``count`` backward steps in one call."""
+        if self.kernel.fixed.at_once(mode):
+            return _backward_chunk(self.step_of(mode), count)
         prelude, single = _backward_step(self.kernel, mode)
         step = self.kernel.backend.repeated(single, count)
         return _backward_steps(self.kernel, prelude, step, count)
@@ -118,6 +123,21 @@ def _backward_steps(
     p_bar = carried[n:] + prelude.adjoint(p, last[n:])
     inputs = [carried, t, h, flag, x, inject, p]
     return Kernel(ca.Function("backward", inputs, [ca.vertcat(last[:n], p_bar)]))
+
+
+@once
+def _backward_chunk(step: Step, count: int) -> Kernel:
+    """The same of equal steps that are taken at once."""
+    n, m = step.size, step.parameter_count
+    carried, p = ca.MX.sym("c", n + m), ca.MX.sym("p", m)
+    t, h, flag = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
+    x, inject = ca.MX.sym("x", n, count), ca.MX.sym("i", n, count)
+    forwards = list(reversed(range(count)))
+    weights = ca.horzcat(inject[:, forwards[1:]], carried[:n])
+    given = (x[:, -1], t[:, forwards], h[:, forwards], flag[:, forwards], p)
+    x_bar, p_bar = step.chunk_adjoint(count)(*given, weights)
+    following = ca.vertcat(x_bar + inject[:, -1], carried[n:] + p_bar)
+    return Kernel(ca.Function("backward", [carried, t, h, flag, x, inject, p], [following]))
 
 
 @once

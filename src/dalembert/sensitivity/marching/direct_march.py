@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, alike
 from dalembert.integrators.march import CHUNK, branches, flagged
 from dalembert.integrators.step import Step
-from dalembert.integrators.steps import run_length
+from dalembert.integrators.steps import even_length, run_length
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.implicit import ImplicitFunction
@@ -27,7 +27,7 @@ class DirectMarch:
 
     Parameters
     ----------
-    samples : of the same run
+    samples : of the same steps
     columns : numbers of the parameters
     """
 
@@ -48,9 +48,11 @@ class DirectMarch:
         longest = int(np.clip(MOST // (n * c), 1, CHUNK))
         dx, begin = self._at_start(), 0
         while begin < steps.count:
-            count = run_length(steps.mode, begin, longest)
+            count, mode = run_length(steps.mode, begin, longest), int(steps.mode[begin])
+            if self.run.kernel.fixed.at_once(mode):
+                count = even_length(steps.h[begin : begin + count])
             part = slice(begin, begin + count)
-            (out,) = self._forward(count, int(steps.mode[begin]))(
+            (out,) = self._forward(count, mode)(
                 dx,
                 steps.t[part],
                 steps.h[part],
@@ -112,6 +114,8 @@ class DirectMarch:
     def _forward(self, count: int, mode: int) -> Kernel:
         """Tangents of ``count`` steps in one call."""
         kernel = self.run.kernel
+        if kernel.fixed.at_once(mode):
+            return _forward_chunk(self.run.step_of(mode), count, self.columns)
         prelude, single = _forward_step(kernel, mode, self.count)
         step = kernel.backend.repeated(single, count)
         return _forward_steps(kernel, prelude, step, count, self.columns)
@@ -145,6 +149,18 @@ def _forward_steps(
     rates = prelude.tangent.map(c)(ca.repmat(p, 1, c), ca.DM(unit))
     out = step.mapaccum(count)(dx, ts, hs, fs, xs, same, ca.repmat(rates, 1, count))
     return Kernel(ca.Function("forward", [dx, ts, hs, fs, xs, p], [out]))
+
+
+@once
+def _forward_chunk(step: Step, count: int, columns: tuple[int, ...]) -> Kernel:
+    """The same of equal steps that are taken at once."""
+    n, m, c = step.size, step.parameter_count, len(columns)
+    unit = np.zeros((m, c))
+    unit[list(columns), range(c)] = 1.0
+    dx, p, xs = ca.MX.sym("dx", n, c), ca.MX.sym("p", m), ca.MX.sym("xs", n, count)
+    times = [ca.MX.sym(s, 1, count) for s in ("t", "h", "flag")]
+    out = step.chunk_tangents(count, c)(xs[:, 0], *times, p, dx, ca.DM(unit))
+    return Kernel(ca.Function("forward", [dx, *times, xs, p], [out]))
 
 
 @once

@@ -1,0 +1,97 @@
+"""Intervals that CVODES and IDAS integrate without starting anew between them.
+
+A start costs many short steps of low order and brings an error of its own, so a chunk of equal
+intervals is one call that answers with the states at their ends. Corrections are applied to these
+states and not fed back until the next chunk. Gradients carry the weights or changes of all states
+of a chunk through its sensitivity equations, those of ``ẋ = F(t, x, z(t, x, p), p)``: IDAS cannot
+begin its backward problem anew where a weight comes in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import casadi as ca
+import numpy as np
+
+from dalembert.integrators.base import Problem
+from dalembert.integrators.step import GraphStep
+
+MOST_STEPS = 50_000
+"""Steps that SUNDIALS may take within one interval."""
+Flow = Callable[[int], ca.Function]
+"""Number of intervals → ``(t, h, x, p) → states`` (n, count) at their ends."""
+
+
+class SundialsStep(GraphStep):
+    """One interval, or a chunk of equal ones.
+
+    Parameters
+    ----------
+    problem : Problem
+    flow : as the run takes it
+    smooth : as gradients take it
+    """
+
+    def __init__(self, problem: Problem, flow: Flow, smooth: Flow):
+        self.problem, self.flow, self.smooth = problem, flow, smooth
+        single = flow(1)
+        size = single.numel_in(2)
+        super().__init__(single, size, correction=problem.correction, upkeep=problem.upkeep)
+
+    @property
+    def even(self) -> bool:
+        return True
+
+    def explained(self, reason: str) -> str:
+        if "TOO_MUCH_WORK" not in reason:
+            return ""
+        return (
+            f"SUNDIALS took {MOST_STEPS} steps (max_num_steps) in one interval without reaching "
+            "its end: something moves that fast, jumps, or grows without bound. Ask for shorter "
+            "intervals (step), looser tolerances, or use Radau()"
+        )
+
+    def _chunk(self, count: int) -> tuple[list[ca.MX], list[ca.MX], ca.MX, ca.MX]:
+        """Symbols ``x, t, h, flag, p``, those of a flow, and times and parameters at all ends."""
+        x, p = ca.MX.sym("x", self.size), ca.MX.sym("p", self.parameter_count)
+        t, h, flag = (ca.MX.sym(name, 1, count) for name in ("t", "h", "flag"))
+        begin, length = t[0], ca.sum2(h) / count
+        ends = begin + length * ca.DM(np.arange(1, count + 1)).T
+        return [x, t, h, flag, p], [begin, length, x, p], ends, ca.repmat(p, 1, count)
+
+    def chunk(self, count: int) -> ca.Function:
+        symbols, given, ends, same = self._chunk(count)
+        states = self.flow(count)(*given)
+        if self._finish is not None:
+            states = self._finish.function.map(count)(ends, states, same)
+        return ca.Function("chunk", symbols, [states])
+
+    def chunk_adjoint(self, count: int) -> ca.Function:
+        (x, t, h, flag, p), given, ends, same = self._chunk(count)
+        weights, p_bar = ca.MX.sym("w", self.size, count), ca.MX(self.parameter_count, 1)
+        flow, seeds = self.smooth(count), weights
+        states = flow(*given)
+        if self._finish is not None:
+            back = self._finish.adjoint.map(count)(ends, states, same, weights)
+            seeds, p_bar = back[1], ca.sum2(back[2])
+        _, _, x_bar, more = flow.reverse(1)(*given, states, seeds)
+        out = [ca.densify(x_bar), ca.densify(p_bar + more)]
+        return ca.Function("chunk_adjoint", [x, t, h, flag, p, weights], out)
+
+    def chunk_tangents(self, count: int, columns: int) -> ca.Function:
+        (x, t, h, flag, p), given, ends, same = self._chunk(count)
+        dx = ca.MX.sym("dx", self.size, columns)
+        dp = ca.MX.sym("dp", self.parameter_count, columns)
+        flow = self.smooth(count)
+        states, still = flow(*given), ca.MX(1, columns)
+        changes = flow.forward(columns)(*given, states, still, still, dx, dp)
+        # from all intervals of each direction to all directions of each interval
+        order = [k + count * i for k in range(count) for i in range(columns)]
+        changes = ca.densify(changes)[:, order]
+        if self._finish is not None:
+            each = [k for k in range(count) for _ in range(columns)]
+            given = [ends[:, each], states[:, each], same[:, each]]
+            still, along = ca.MX(1, count * columns), ca.repmat(dp, 1, count)
+            changes = self._finish.tangent.map(count * columns)(*given, still, changes, along)
+        return ca.Function("chunk_tangents", [x, t, h, flag, p, dx, dp], [ca.densify(changes)])
