@@ -9,16 +9,14 @@ import dalembert as da
 from dalembert import planar
 from dalembert.model.absolute import absolute_equations
 from dalembert.model.guesses import Guesses
-from dalembert.model.scales import scales_of
+from dalembert.model.natural_units import scales_of
 
 SIZES = [1.0, 1e-9, 2.0**-40, 1e9, 3.7]
 
 
 def scales(system):
     """Scales before anything is assembled."""
-    return scales_of(
-        system, absolute_equations(system), Guesses.collect(system.coordinates), np.zeros(0)
-    )
+    return scales_of(system, absolute_equations(system), Guesses.collect(system), np.zeros(0))
 
 
 def crank_on_springs(length=1.0, mass=1.0, time=1.0):

@@ -21,7 +21,7 @@ from dalembert.integrators.base import Attempt, Integrator
 from dalembert.integrators.checkpoints import States
 from dalembert.integrators.march import FixedMarch
 from dalembert.integrators.steps import Steps, Switch
-from dalembert.model.assembly import AssembledState
+from dalembert.model.closure import AssembledState
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.results.recording import Recording, Trajectory

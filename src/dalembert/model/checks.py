@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 
 import casadi as ca
@@ -13,6 +13,9 @@ from dalembert.elements.base import Constraint, ForceElement, rate_of
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.description import Description
 from dalembert.symbolic.expression import free_symbols, stack, t
+
+Formulas = list[tuple[str, ca.SX]]
+"""Formulas with the entities they belong to."""
 
 
 def check_membership(d: Description) -> None:
@@ -36,50 +39,86 @@ def check_membership(d: Description) -> None:
 def check_symbols(d: Description) -> None:
     """What formulas may depend on: lengths on parameters, joints on poses, forces on speeds."""
     parameters = set(d.parameters)
-    poses = {"t"} | _names(c.pose for c in (*d.coordinates, d.ground))
+    poses = parameters | {"t"} | _names(c.pose for c in (*d.coordinates, d.ground))
     states = poses | _names(c.twist for c in (*d.coordinates, d.ground))
+    lengths: Formulas = [(name, f.sx) for name, f in d.derived_parameters.items()]
+    positions: Formulas = [(c.name, c.equations) for c in d.constraints]
+    efforts: Formulas = []
     for element in d.elements.values():
-        if isinstance(element, Constraint):
-            _allow(element.name, element.equations, parameters | poses, "positions and t")
-        elif isinstance(element, ForceElement):
+        if isinstance(element, ForceElement):
             rate = partial(rate_of, owners=element.parts() or d.coordinates, time=t.sx)
             for s, q in element.works(rate):
-                _allow(element.name, s, parameters | poses, "positions and t")
-                _allow(element.name, q, parameters | states, "positions, speeds and t")
-        else:
-            for entity, formula, _ in element.checked_quantities():
-                _allow(entity, formula.sx, parameters, "")
-    for name, formula in d.derived_parameters.items():
-        _allow(name, formula.sx, parameters, "")
+                positions.append((element.name, s))
+                efforts.append((element.name, q))
+        elif not isinstance(element, Constraint):
+            lengths += [(entity, f.sx) for entity, f, _ in element.checked_quantities()]
+    _allow(positions, poses, ", positions and t")
+    _allow(efforts, states, ", positions, speeds and t")
+    _allow(lengths, parameters, "")
 
 
-def _allow(entity: str, formula: ca.SX, allowed: set[str], also: str) -> None:
-    foreign = free_symbols(formula) - allowed
-    if foreign:
-        what = f"parameters of this system, {also}" if also else "parameters of this system"
-        raise ExpressionError(
-            f"depends on {', '.join(sorted(foreign))}; only {what} are allowed here", entity
-        )
+def _allow(formulas: Formulas, allowed: set[str], also: str) -> None:
+    if free_symbols(stack(formula for _, formula in formulas)) <= allowed:
+        return
+    for entity, formula in formulas:
+        foreign = free_symbols(formula) - allowed
+        if foreign:
+            raise ExpressionError(
+                f"depends on {', '.join(sorted(foreign))}; only parameters of this system{also} "
+                "are allowed here",
+                entity,
+            )
 
 
-def check_values(d: Description, values: Sequence[float] | np.ndarray) -> None:
-    """Numbers must be finite and within their limits at the given parameter values."""
-    symbols = stack(p.sx for p in d.parameters.values())
-    for element in d.elements.values():
-        for entity, formula, meta in element.checked_quantities():
-            if free_symbols(formula.sx) - set(d.parameters):
-                continue
-            numbers = ca.Function("q", [symbols], [formula.sx])(values).full().ravel()
-            for number in numbers:
-                _check_number(float(number), entity, meta)
-        for condition, wrong in element.conditions():
-            found = ca.Function("c", [symbols], [condition])(values)
-            if not float(found) >= 0:
-                raise ModelError(wrong, element.name)
+class ValueChecks:
+    """Numbers of a mechanism must be finite and within their limits.
+
+    Parameters
+    ----------
+    d : Description
+    """
+
+    def __init__(self, d: Description):
+        known = set(d.parameters)
+        self._checks: list[Callable[[np.ndarray], None]] = []
+        formulas: list[ca.SX] = []
+        for element in d.elements.values():
+            for entity, formula, meta in element.checked_quantities():
+                if free_symbols(formula.sx) <= known:
+                    self._checks.append(partial(_check_numbers, entity=entity, meta=meta))
+                    formulas.append(formula.sx)
+            for condition, wrong in element.conditions():
+                self._checks.append(partial(_check_condition, name=element.name, wrong=wrong))
+                formulas.append(condition)
+        self._ends = np.cumsum([f.numel() for f in formulas], dtype=int)
+        symbols = stack(p.sx for p in d.parameters.values())
+        self._values = ca.Function("quantities", [symbols], [stack(formulas)])
+
+    def __call__(self, values: Sequence[float] | np.ndarray) -> None:
+        """Check them at parameter values.
+
+        Raises
+        ------
+        ModelError
+            Names the first quantity that is wrong, with its value.
+        """
+        numbers = np.split(self._values(values).full().ravel(), self._ends[:-1])
+        for check, found in zip(self._checks, numbers, strict=False):
+            check(found)
 
 
 def _names(columns: Iterable[ca.SX]) -> set[str]:
     return {name for column in columns for name in free_symbols(column)}
+
+
+def _check_condition(found: np.ndarray, name: str, wrong: str) -> None:
+    if not np.all(found >= 0):
+        raise ModelError(wrong, name)
+
+
+def _check_numbers(found: np.ndarray, entity: str, meta: Mapping) -> None:
+    for number in found:
+        _check_number(float(number), entity, meta)
 
 
 def _check_number(number: float, entity: str, meta: Mapping) -> None:

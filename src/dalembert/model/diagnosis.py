@@ -5,11 +5,22 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 import numpy as np
+from scipy import sparse
 
 from dalembert.elements.planar.drivers import Driver
 from dalembert.model.closure import Closure
 from dalembert.model.description import Description
+from dalembert.model.independence import columns_of
 from dalembert.model.topology import Topology, analyse_topology
+
+NOT_SHARED = 1e-9
+"""Share of an equation in another, both of length one, that is rounding."""
+NO_MASS = 1e-12
+"""Mass, relative to the largest, that counts as none."""
+NOT_MOVING = 1e-6
+"""Part of a motion, relative to its largest, that is rounding."""
+MOVED = 1e-6
+"""Correction of a guess, in natural units, that is told."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +52,7 @@ class Diagnosis:
     gruebler : coordinates − joint equations, the count that ignores redundancy
     driven : number of driver equations
     free : degrees of freedom that the drivers leave
+    corrections : given coordinate → change that assembly made; ``moved`` lists those to be told
     """
 
     coordinates: int
@@ -57,6 +69,7 @@ class Diagnosis:
     drivers: tuple[str, ...]
     forces: tuple[str, ...]
     corrections: dict[str, float]
+    moved: tuple[str, ...]
     velocity_corrections: dict[str, float]
 
     @property
@@ -83,9 +96,8 @@ class Diagnosis:
             )
         for name in self.topology.unconnected:
             found.append(("warning", f"body {name} is not connected to anything"))
-        moved = {n: c for n, c in self.corrections.items() if abs(c) > 1e-6}
-        if moved:
-            listed = ", ".join(f"{n} by {c:+.3g}" for n, c in moved.items())
+        if self.moved:
+            listed = ", ".join(f"{n} by {self.corrections[n]:+.3g}" for n in self.moved)
             found.append(("info", f"assembly moved given poses: {listed}"))
         if self.velocity_corrections:
             listed = ", ".join(f"{n} by {c:+.3g}" for n, c in self.velocity_corrections.items())
@@ -100,7 +112,7 @@ class Diagnosis:
         }
 
 
-def diagnose(d: Description, closure: Closure, mass: np.ndarray) -> Diagnosis:
+def diagnose(d: Description, closure: Closure, mass: sparse.csc_array) -> Diagnosis:
     """Examine a closed mechanism; ``mass`` is its mass matrix."""
     is_driver = np.array([isinstance(c, Driver) for c, _ in closure.owners], dtype=bool)
     kept = np.zeros(len(closure.owners), dtype=bool)
@@ -127,30 +139,35 @@ def diagnose(d: Description, closure: Closure, mass: np.ndarray) -> Diagnosis:
         drivers=tuple(c.name for c in d.constraints if isinstance(c, Driver)),
         forces=tuple(f.name for f in d.forces),
         corrections=closure.start.corrections,
+        moved=tuple(
+            name
+            for name, size in zip(closure.guesses.names, closure.scales.coordinates, strict=True)
+            if abs(closure.start.corrections.get(name, 0.0)) > MOVED * size
+        ),
         velocity_corrections=closure.start.velocity_corrections,
     )
 
 
 def _redundancy(closure: Closure, row: int) -> Redundancy:
     constraint, component = closure.owners[row]
-    weights, *_ = np.linalg.lstsq(
-        closure.jacobian[closure.rows].T, closure.jacobian[row], rcond=None
-    )
+    weights = closure.independence.kernel({row: -1.0})
     shared = [
         closure.owners[k][0].name
-        for k, w in zip(closure.rows, weights, strict=True)
-        if abs(w) > 1e-9 and closure.owners[k][0] is not constraint
+        for k in closure.rows
+        if abs(weights[k]) > NOT_SHARED and closure.owners[k][0] is not constraint
     ]
     return Redundancy(constraint.name, component, tuple(dict.fromkeys(shared)))
 
 
-def _massless(closure: Closure, mass: np.ndarray) -> tuple[str, ...]:
-    """Bodies that take part in a free motion without kinetic energy."""
-    basis = np.linalg.svd(closure.jacobian[closure.rows])[2][len(closure.rows) :].T
-    if not basis.size:
+def _massless(closure: Closure, mass: sparse.csc_array) -> tuple[str, ...]:
+    """Bodies that take part in a free motion without kinetic energy, ``C δ = M δ = 0``."""
+    scale = sparse.diags_array(closure.scales.coordinates)
+    weighed = sparse.csr_array(scale @ mass @ scale)
+    largest = abs(weighed).max(axis=1).toarray().ravel()
+    heavy = np.flatnonzero(largest > NO_MASS * largest.max(initial=0.0))
+    motions = columns_of(sparse.vstack([closure.jacobian[closure.rows], weighed[heavy]]))
+    if not motions.free:
         return ()
-    values, vectors = np.linalg.eigh(basis.T @ mass @ basis)
-    scale = max(np.abs(mass).max(), 1e-300)
-    lost = basis @ vectors[:, values < 1e-12 * scale]
-    moving = np.abs(lost).max(axis=1, initial=0.0) > 1e-6
+    motion = np.abs(motions.any_kernel(np.random.default_rng(0)))
+    moving = motion > NOT_MOVING * motion.max()
     return tuple(dict.fromkeys(o for o, m in zip(closure.guesses.owners, moving, strict=True) if m))

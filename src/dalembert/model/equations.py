@@ -12,6 +12,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import casadi as ca
+import numpy as np
+from scipy import sparse
 
 from dalembert.model.inertia import Inertia
 from dalembert.model.scales import Scales
@@ -79,11 +81,17 @@ class Equations:
         """``M`` as a matrix."""
         return self.inertia.matrix
 
+    def mass_at(self, p: np.ndarray) -> sparse.csc_array:
+        """``M`` for parameter values ``p``, with all coordinates at zero."""
+        function = ca.Function("mass", [self.y, self.p], [self.mass])
+        return sparse.csc_array(function(np.zeros(self.coordinate_count), p).sparse())
+
     @property
     def metric(self) -> ca.SX:
-        """``M`` with a unit mass for speeds that have none, so that it can be inverted."""
+        """``M`` with a natural mass for speeds that have none, so that it can be inverted."""
         units = ca.SX(self.speed_count, 1)
-        units[list(self.massless)] = 1
+        for k in self.massless:
+            units[k] = self.scales.mass * (self.scales.length / self.scales.coordinates[k]) ** 2
         return self.mass + ca.diag(units)
 
     @cached_property

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Coordinates
+from dalembert.model.description import Description
 from dalembert.symbolic.expression import stack
 
 
@@ -20,22 +20,27 @@ class Guesses:
     names: list[str]
     units: list[str]
     owners: list[str]
+    _values: ca.Function = None  # type: ignore[assignment]
 
     @classmethod
-    def collect(cls, groups: list[Coordinates]) -> Guesses:
+    def collect(cls, d: Description) -> Guesses:
         made = cls([], [], [], [], [])
-        for group in groups:
+        for group in d.coordinates:
             pose, twist = group.guesses()
             made.pose += pose
             made.twist += twist
             made.names += [f"{group.name}.{n}" for n in group.coordinate_names]
             made.units += list(group.coordinate_units)
             made.owners += [group.name] * len(pose)
+        parameters = stack(p.sx for p in d.parameters.values())
+        given = [_filled(made.pose), _filled(made.twist)]
+        made._values = ca.Function("guess", [parameters], given)
         return made
 
-    def function(self, parameters: ca.SX) -> ca.Function:
-        """``p → (y, v)`` as given, zero where missing."""
-        return ca.Function("guess", [parameters], [_filled(self.pose), _filled(self.twist)])
+    def values(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Pose and twist as given for parameter values, zero where missing."""
+        pose, twist = self._values(p)
+        return pose.full().ravel(), twist.full().ravel()
 
     def priority(self, given: list) -> list[int]:
         """Indices in the order in which they are held: given first, angles first."""
@@ -53,4 +58,4 @@ class Guesses:
 
 
 def _filled(values: list) -> ca.SX:
-    return stack(ca.SX(0) if v is None else v for v in values)
+    return ca.densify(ca.vertcat(ca.SX(0, 1), *(0 if v is None else v for v in values)))

@@ -1,50 +1,214 @@
-"""Which rows of a matrix are independent, and which unit vectors complete them."""
+"""Which columns of a sparse matrix are independent, taken in a prescribed order.
+
+Columns are eliminated one after the other by orthogonal transformations of the rows they touch,
+``A = Q R`` with the rows of R found one at a time. What is left of a column when its turn comes is
+its part across the columns taken before it; too short a part leaves the column out. Only rows
+that touch a column take part, so that the work grows with the number of columns where the graph
+of the matrix is a chain, a tree or a net of loops (A. George and M. T. Heath, Linear Algebra
+Appl. 34, 1980).
+"""
 
 from __future__ import annotations
 
+import heapq
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from itertools import count, pairwise
+
 import numpy as np
+from scipy import sparse
+from scipy.linalg import lapack
 
 CLEARLY, BARELY = 0.05, 1e-6
-"""Length that is left of a unit vector across the others, for it to be taken at first, and then."""
+"""Share of a column that is across the others, for it to be taken at first, and then."""
+DEPENDENT = 1e-8
+"""Share up to which a row of constraints follows from others."""
+NOTHING = 1e-14
+"""Entries of a matrix of unit rows or columns that are rounding."""
 
 
-def independent_rows(matrix: np.ndarray, tolerance: float = 1e-8) -> list[int]:
-    """Rows, in order, that do not depend linearly on the rows before them."""
-    basis = np.zeros((matrix.shape[1], 0))
-    kept = []
-    for k, row in enumerate(matrix):
-        norm = np.linalg.norm(row)
-        if norm == 0 or not np.isfinite(norm):
-            continue
-        rest, size = _across(row / norm, basis)
-        if size > tolerance:
-            basis = np.column_stack([basis, rest])
-            kept.append(k)
-    return kept
+class Echelon:
+    """Independent columns of a matrix and what the others are made of.
+
+    Parameters
+    ----------
+    matrix : (m, n) sparse or dense, its rows or its columns of length one
+    order : columns in the order in which they are taken; all by default
+    thresholds : least share of a column across those taken, for one round after the other
+
+    Attributes
+    ----------
+    pivots : independent columns in the order taken
+    """
+
+    def __init__(
+        self,
+        matrix,
+        order: Iterable[int] | None = None,
+        thresholds: Sequence[float] = (DEPENDENT,),
+    ):
+        by_row = sparse.csr_array(matrix)
+        self.size = by_row.shape[1]
+        waiting = list(range(self.size) if order is None else order)
+        self._turn = np.zeros(self.size, dtype=int)
+        self._turn[waiting] = np.arange(len(waiting))
+        self._place = np.zeros(self.size, dtype=int)
+        self._active: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self._touching: list[set[int]] = [set() for _ in range(self.size)]
+        self._names = count()
+        for start, end in pairwise(by_row.indptr):
+            self._add(by_row.indices[start:end], by_row.data[start:end])
+        norms = np.sqrt(np.bincount(by_row.indices, by_row.data**2, self.size))
+        self._rows: list[tuple[int, np.ndarray, np.ndarray]] = []
+        for threshold in thresholds:
+            last = threshold == thresholds[-1]
+            waiting = [j for j in waiting if not self._take(j, threshold * norms[j], last)]
+        self.pivots = [row[0] for row in self._rows]
+
+    @property
+    def free(self) -> list[int]:
+        """The other columns."""
+        return sorted(set(range(self.size)) - set(self.pivots))
+
+    def kernel(self, values: Mapping[int, float]) -> np.ndarray:
+        """(n,) the vector x with ``A x = 0`` and these values in the free columns, else 0."""
+        x = np.zeros(self.size)
+        x[list(values)] = list(values.values())
+        waiting = [-row for column in values for row in self._rows_with.get(column, ())]
+        heapq.heapify(waiting)
+        last = len(self._rows)
+        while waiting:  # from the last row that is touched upwards
+            row = -heapq.heappop(waiting)
+            if row < last:
+                last = row
+                pivot, columns, entries = self._rows[row]
+                x[pivot] = -(entries[1:] @ x[columns]) / entries[0]
+                if x[pivot]:
+                    for above in self._rows_with.get(pivot, ()):
+                        heapq.heappush(waiting, -above)
+        return x
+
+    def any_kernel(self, rng: np.random.Generator) -> np.ndarray:
+        """(n,) a vector x with ``A x = 0`` in general direction, its largest entry one."""
+        values = rng.standard_normal(len(self.free))
+        x = self.kernel(dict(zip(self.free, values, strict=True)))
+        return x / np.abs(x).max(initial=0.0) if x.any() else x
+
+    @cached_property
+    def _rows_with(self) -> dict[int, list[int]]:
+        """Rows that have a column beside their pivot."""
+        found: dict[int, list[int]] = {}
+        for row, (_, columns, _) in enumerate(self._rows):
+            for column in columns.tolist():
+                found.setdefault(column, []).append(row)
+        return found
+
+    def _take(self, column: int, least: float, last: bool) -> bool:
+        """Eliminate a column if enough is left of it; if not, its rest is dropped at last."""
+        touching = [self._active[name] for name in sorted(self._touching[column])]
+        rest = [entries[columns == column][0] for columns, entries in touching]
+        left = math.hypot(*rest)
+        if not left > max(least, NOTHING):
+            if last or left <= NOTHING:
+                self._drop(column)
+            return False
+        columns, block = self._merged(column)
+        triangle = _triangular(block)
+        self._rows.append((column, columns[1:], triangle[0]))
+        for k, row in enumerate(triangle[1:], 1):
+            self._add(columns[k:], row[k:])
+        return True
+
+    def _merged(self, first: int) -> tuple[np.ndarray, np.ndarray]:
+        """The rows that touch a column, which stands first, the others in turn; they are removed.
+
+        So what is left of them is triangular, and the next column touches few of them.
+        """
+        found = [self._remove(name) for name in sorted(self._touching[first])]
+        columns = np.unique(np.concatenate([columns for columns, _ in found]))
+        turn = self._turn[columns]
+        turn[columns == first] = -1
+        columns = columns[np.argsort(turn)]
+        self._place[columns] = np.arange(columns.size)
+        block = np.zeros((len(found), columns.size), order="F")
+        for row, (at, entries) in enumerate(found):
+            block[row, self._place[at]] = entries
+        return columns, block
+
+    def _add(self, columns: np.ndarray, entries: np.ndarray) -> None:
+        """Keep what is more than rounding of a row."""
+        large = np.abs(entries) > NOTHING
+        columns, entries = columns[large], entries[large]
+        if columns.size:
+            name = next(self._names)
+            self._active[name] = columns, entries
+            for j in columns.tolist():
+                self._touching[j].add(name)
+
+    def _remove(self, name: int) -> tuple[np.ndarray, np.ndarray]:
+        columns, entries = self._active.pop(name)
+        for j in columns.tolist():
+            self._touching[j].discard(name)
+        return columns, entries
+
+    def _drop(self, column: int) -> None:
+        """Forget what is left of a column."""
+        for name in sorted(self._touching[column]):
+            columns, entries = self._remove(name)
+            self._add(columns[columns != column], entries[columns != column])
 
 
-def independent_units(matrix: np.ndarray, order: list[int]) -> list[int]:
-    """Unit vectors, tried in order, that complete the rows of ``matrix`` to a basis."""
-    n = matrix.shape[1]
-    kept: list[int] = []
-    basis = np.linalg.qr(matrix.T)[0] if matrix.shape[0] else np.zeros((n, 0))
-    need = n - matrix.shape[0]
-    for threshold in (CLEARLY, BARELY):
-        for k in order:
-            if len(kept) == need:
-                return kept
-            if k in kept:
-                continue
-            rest, size = _across(np.eye(n)[k], basis)
-            if size > threshold:
-                basis = np.column_stack([basis, rest])
-                kept.append(k)
-    return kept
+def rows_of(matrix, tolerance: float = DEPENDENT) -> Echelon:
+    """Rows of a matrix, in order, that do not depend linearly on the rows before them.
+
+    They are the columns of its transpose, each made of length one; one that has no length or is
+    not finite is left out.
+    """
+    by_row = sparse.csr_array(matrix, dtype=float, copy=True)
+    norms = np.sqrt(np.bincount(_row_of_entry(by_row), by_row.data**2, by_row.shape[0]))
+    usable = np.isfinite(norms) & (norms > 0)
+    factor = np.where(usable, 1.0 / np.where(usable, norms, 1.0), 0.0)
+    by_row.data = np.where(usable[_row_of_entry(by_row)], by_row.data, 0.0)
+    return Echelon((sparse.diags_array(factor) @ by_row).T, thresholds=(tolerance,))
 
 
-def _across(vector: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, float]:
-    """Direction and length of what is left of a vector across an orthonormal basis."""
-    for _ in range(2):  # once leaves rounding of the size of the vector
-        vector = vector - basis @ (basis.T @ vector)
-    size = float(np.linalg.norm(vector))
-    return (vector / size if size else vector), size
+def independent_rows(matrix, tolerance: float = DEPENDENT) -> list[int]:
+    """Indices of the rows, in order, that do not depend linearly on the rows before them."""
+    return rows_of(matrix, tolerance).pivots
+
+
+def columns_of(matrix, order: Iterable[int] | None = None, least: float = DEPENDENT) -> Echelon:
+    """Columns of a matrix whose rows count alike, in order, the clearly independent ones first.
+
+    Parameters
+    ----------
+    matrix : (m, n), its rows are made of length one
+    order : of the columns; their own by default
+    least : share of a column across the others that is enough at last
+    """
+    by_row = sparse.csr_array(matrix)
+    norms = np.sqrt(np.bincount(_row_of_entry(by_row), by_row.data**2, by_row.shape[0]))
+    unit = sparse.diags_array(1.0 / np.where(norms > 0, norms, 1.0)) @ by_row
+    return Echelon(unit, order, (CLEARLY, BARELY, least))
+
+
+def free_columns(matrix, order: Sequence[int]) -> list[int]:
+    """Coordinates that independent equations leave free, as early in the order as possible.
+
+    The last ones are determined by the equations, as far as these clearly determine them.
+    """
+    determined = set(columns_of(matrix, reversed(order), 0.0).pivots)
+    return [k for k in order if k not in determined][: matrix.shape[1] - matrix.shape[0]]
+
+
+def _triangular(block: np.ndarray) -> np.ndarray:
+    """The factor R of ``Q R``."""
+    packed = lapack.dgeqrf(block, overwrite_a=True)[0]
+    for row in range(1, min(block.shape)):
+        packed[row, :row] = 0.0
+    return packed[: min(block.shape)]
+
+
+def _row_of_entry(matrix: sparse.csr_array) -> np.ndarray:
+    return np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))

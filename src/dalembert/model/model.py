@@ -10,12 +10,12 @@ import casadi as ca
 import numpy as np
 
 from dalembert.model.absolute import absolute_equations, at_ground
-from dalembert.model.assembly import AssembledState
-from dalembert.model.checks import check_values
-from dalembert.model.closure import Closure
+from dalembert.model.checks import ValueChecks
+from dalembert.model.closure import AssembledState, Closure
 from dalembert.model.description import Description
 from dalembert.model.diagnosis import diagnose
 from dalembert.model.guesses import Guesses
+from dalembert.model.natural_units import scales_of
 from dalembert.model.scales import Scales
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.implicit import ImplicitFunction
@@ -54,13 +54,15 @@ class Model:
         self.constraints, self.forces = parts.constraints, parts.forces
         self.coordinates = parts.coordinates
         self.nominal = np.array([p.value for p in self.parameters.values()], dtype=float)
-        self.all_equations = absolute_equations(parts)
-        mass = self.mass_matrix(self.nominal)
+        guesses = Guesses.collect(parts)
+        equations = absolute_equations(parts)
+        mass = equations.mass_at(self.nominal)
         self.all_equations = replace(
-            self.all_equations, massless=tuple(int(k) for k in np.flatnonzero(np.diag(mass) == 0))
+            equations,
+            scales=scales_of(parts, equations, guesses, self.nominal),
+            massless=tuple(int(k) for k in np.flatnonzero(mass.diagonal() == 0)),
         )
-        self.closure = Closure(parts, self.all_equations, self.nominal, strict)
-        self.all_equations = replace(self.all_equations, scales=self.closure.scales)
+        self.closure = Closure(parts, self.all_equations, guesses, self.nominal, strict)
         self.equations = self.all_equations.with_rows(self.closure.rows)
         self.diagnosis = diagnose(parts, self.closure, mass)
 
@@ -72,7 +74,7 @@ class Model:
     @property
     def scales(self) -> Scales:
         """Natural units of the mechanism."""
-        return self.closure.scales
+        return self.all_equations.scales
 
     @property
     def start(self) -> AssembledState:
@@ -99,14 +101,13 @@ class Model:
         """
         return self.closure.assemble(p, time)
 
+    @cached_property
+    def _check_values(self) -> ValueChecks:
+        return ValueChecks(self.parts)
+
     def mass_matrix(self, p: np.ndarray) -> np.ndarray:
         """``M`` for parameter values ``p``."""
-        return self._mass(np.zeros(self.all_equations.coordinate_count), p).full()
-
-    @cached_property
-    def _mass(self) -> ca.Function:
-        e = self.all_equations
-        return ca.Function("M", [e.y, e.p], [ca.densify(e.mass)])
+        return self.all_equations.mass_at(p).toarray()
 
     # access ------------------------------------------------------------------------
     def values(self, parameters: Mapping[str, float] | None = None) -> np.ndarray:
@@ -119,7 +120,7 @@ class Model:
         """
         p = parameter_vector(self.parameters, parameters, self.name)
         if parameters:
-            check_values(self.parts, p)
+            self._check_values(p)
         return p
 
     def __getitem__(self, name: str) -> Expression:

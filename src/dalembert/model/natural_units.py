@@ -49,15 +49,13 @@ class _AtGuesses:
 
     def __init__(self, d: Description, e: Equations, guesses: Guesses, p: np.ndarray):
         self.d, self.e, self.p, self.guesses = d, e, p, guesses
-        self.y, self.v = (g.full().ravel() for g in guesses.function(e.p)(p))
+        self.y, self.v = guesses.values(p)
         units = [unit for c in d.constraints for unit in c.units()]
         self.in_metres = np.array([unit == "m" for unit in units], dtype=bool)
         still = ca.jacobian(e.constraints, e.t)
         stiffness = ca.jacobian(e.force, e.y)
         outputs = [e.constraints, e.jacobian, still, e.mass, e.force, stiffness]
-        values = ca.Function("at_guesses", [e.t, e.y, e.v, e.p], outputs, {"cse": True})(
-            0.0, self.y, self.v, p
-        )
+        values = ca.Function("at_guesses", [e.t, e.y, e.v, e.p], outputs)(0.0, self.y, self.v, p)
         self.gaps, self.drift, self.forces = (values[k].full().ravel() for k in (0, 2, 4))
         self.jacobian, self.stiffness = values[1].sparse().tocsr(), values[5].sparse().tocoo()
         self.masses = values[3].sparse().diagonal()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from dalembert.elements.base import Element
 from dalembert.errors import ModelError
-from dalembert.model.checks import check_membership, check_symbols, check_values
+from dalembert.model.checks import ValueChecks, check_membership, check_symbols
 from dalembert.model.description import Description
 from dalembert.model.model import Model
 from dalembert.symbolic.expression import Expression, as_expression
@@ -95,5 +95,5 @@ class System(Description):
         """
         check_membership(self)
         check_symbols(self)
-        check_values(self, [p.value for p in self.parameters.values()])
+        ValueChecks(self)([p.value for p in self.parameters.values()])
         return Model(self.copy(), strict=strict)

@@ -1,0 +1,124 @@
+"""What makes an assembled position useless as a start, and says so."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.base import Constraint, Element, ForceElement, rate_of
+from dalembert.elements.planar.drivers import Driver
+from dalembert.errors import ModelError, SingularityError
+from dalembert.model.absolute import at_ground
+from dalembert.model.assembly import Assembler
+from dalembert.model.description import Description
+from dalembert.model.equations import Equations
+from dalembert.model.independence import columns_of, independent_rows
+from dalembert.symbolic.expression import free_symbols, stack, t
+
+Owners = list[tuple[Constraint, int]]
+"""Constraint and component behind each row."""
+NEARBY = (1e-2, 1e-3)
+"""Largest changes, in natural units, by which a motion leaves a singular position."""
+CLEARLY_INDEPENDENT = 1e-7
+
+
+def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
+    """Every driver must be among the independent rows.
+
+    Raises
+    ------
+    ModelError
+        Names a driver that is not.
+    """
+    kept = set(rows)
+    for k, (constraint, _) in enumerate(owners):
+        if isinstance(constraint, Driver) and k not in kept:
+            raise ModelError(
+                "drives a coordinate that the joints and other drivers already determine "
+                "(over-driven mechanism); remove this driver or another one",
+                constraint.name,
+            )
+
+
+def refuse_singular(
+    assembler: Assembler, owners: Owners, rows: list[int], y: np.ndarray, p: np.ndarray
+) -> None:
+    """Tell redundancy, which stays, from a singular position, which a small motion leaves.
+
+    Raises
+    ------
+    SingularityError
+        The start is a singular position: the motion from there is not determined.
+    """
+    joints = [k for k, (c, _) in enumerate(owners) if not isinstance(c, Driver)]
+    motions = columns_of(assembler.scaled_jacobian(0.0, y, p)[joints])
+    rng = np.random.default_rng(1)
+    for size in NEARBY if motions.free else ():
+        motion = size * assembler.scales.coordinates * motions.any_kernel(rng)
+        found = assembler.close(0.0, y + motion, p, joints)
+        if not found.accepted:
+            continue
+        jacobian = assembler.scaled_jacobian(0.0, found.x, p)[: len(owners)]
+        generic = independent_rows(jacobian, CLEARLY_INDEPENDENT)
+        if len(generic) > len(rows):
+            lost = sorted(set(generic) - set(rows))
+            extra = ", ".join(dict.fromkeys(owners[k][0].name for k in lost))
+            raise SingularityError(
+                "the start is a singular position (dead centre or branch point): "
+                f"{extra} lose their independence there; start a little beside it"
+            )
+
+
+class Definedness:
+    """Whether every element has a value and a direction at a position.
+
+    Parameters
+    ----------
+    d : Description
+    equations : Equations
+    y, p : the position and the parameter values
+    """
+
+    def __init__(self, d: Description, equations: Equations, y: np.ndarray, p: np.ndarray):
+        self.d, self.e, self.y, self.p = d, equations, y, p
+
+    def refuse_undefined(self) -> None:
+        """Every element must be defined.
+
+        Raises
+        ------
+        ModelError
+            Names one that is not.
+        """
+        if self._is_finite(stack([ca.vec(self.e.jacobian.nz[:]), self.e.force])):
+            return
+        for element in (*self.d.constraints, *self.d.forces):
+            if not self._is_finite(self._definition(element)):
+                raise ModelError(
+                    "has no defined direction or value at the assembled position (two points that "
+                    "coincide, a root or a division by zero?); move its points or mend its formula",
+                    element.name,
+                )
+
+    def _definition(self, element: Element) -> ca.SX:
+        """Directions and values an element is made of."""
+
+        def fixed(expression: ca.SX) -> ca.SX:
+            return at_ground(self.d.ground, expression)
+
+        y = self.e.y
+        if isinstance(element, Constraint):
+            return ca.vec(ca.jacobian(fixed(element.equations), y))
+        assert isinstance(element, ForceElement)
+        owners = element.parts() or self.d.coordinates
+        works = element.works(lambda s: rate_of(s, owners, t.sx))
+        parts = [ca.vec(ca.jacobian(fixed(s), y)) for s, _ in works]
+        return stack(parts + [fixed(q) for _, q in works])
+
+    def _is_finite(self, column: ca.SX) -> bool:
+        inputs = [self.e.t, self.e.y, self.e.v, self.e.p]
+        if free_symbols(column) - free_symbols(ca.vertcat(*inputs)):
+            return True  # accelerations or multipliers: nothing can be said before a run
+        at_rest = np.zeros(self.e.speed_count)
+        values = ca.Function("defined", inputs, [column])(0.0, self.y, at_rest, self.p)
+        return bool(np.all(np.isfinite(values.full())))
