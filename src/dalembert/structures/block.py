@@ -32,11 +32,15 @@ class ElementBlock:
     ):
         self.kind, self.names, self.nodes = kind, names, nodes
         self.degrees, self._data = degrees, data
+        self._kept: tuple[np.ndarray, np.ndarray] | None = None
         self.count = degrees.shape[1]
 
     def data(self, p: np.ndarray) -> np.ndarray:
-        """(m, ne) numbers at parameter values ``p``."""
-        return self._shaped(self._data.values(p))
+        """(m, ne) numbers at parameter values ``p``, read-only; the last ones are kept."""
+        if self._kept is None or not np.array_equal(self._kept[0], p):
+            self._kept = p.copy(), self._shaped(self._data.values(p))
+            self._kept[1].flags.writeable = False
+        return self._kept[1]
 
     def lengths(self, p: np.ndarray) -> np.ndarray:
         """(ne,) largest distances of their nodes from the first [m]."""

@@ -11,6 +11,7 @@ import numpy as np
 from dalembert.structures.measures import Measure, State, Weights
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.expression import Expression, stack, t
+from dalembert.symbolic.once import once
 
 
 class MeasuredStates:
@@ -53,6 +54,53 @@ class MeasuredStates:
         return Formula(self, sx).weights(k)
 
 
+class FormulaGraph:
+    """A formula and its derivatives as functions of time, measures and parameters.
+
+    Parameters
+    ----------
+    model : StructuralModel
+    sx : the formula
+
+    Attributes
+    ----------
+    names : of the measures
+    alone : whether it is one measure and nothing else
+    """
+
+    def __init__(self, model: StructuralModel, sx: ca.SX):
+        others = {"t", *model.parameters}
+        found = [s for s in ca.symvar(sx) if s.name() not in others]
+        self.names, self.alone = [s.name() for s in found], bool(found) and sx.is_symbolic()
+        self._sx, self._given = sx, [t.sx, stack(found), model.p]
+
+    @cached_property
+    def value(self) -> ca.Function:
+        """The formula."""
+        return ca.Function("formula", self._given, [ca.densify(self._sx)])
+
+    @cached_property
+    def slopes(self) -> ca.Function:
+        """Its derivatives by measures and parameters."""
+        slopes = [ca.densify(ca.gradient(self._sx, by)) for by in self._given[1:]]
+        return ca.Function("slopes", self._given, slopes)
+
+    @cached_property
+    def turns(self) -> ca.Function:
+        """Change of the slopes with the measures and the parameters."""
+        given = self._given
+        seen = ca.vertcat(*given[1:])
+        change = ca.SX.sym("change", seen.numel())
+        turned = [ca.densify(ca.jtimes(slope, seen, change)) for slope in self.slopes(*given)]
+        return ca.Function("turns", [*given, change], turned)
+
+
+@once
+def formula_graph(model: StructuralModel, sx: ca.SX) -> FormulaGraph:
+    """The functions of a formula, compiled where they are needed first."""
+    return FormulaGraph(model, sx)
+
+
 @dataclass
 class Formula:
     """A scalar formula of measures, parameters and time, over all states.
@@ -67,30 +115,27 @@ class Formula:
     sx: ca.SX
 
     def __post_init__(self) -> None:
-        model = self.states.model
-        others = {"t", *model.parameters}
-        symbols = stack(s for s in ca.symvar(self.sx) if s.name() not in others)
-        self._measures = [self.states.measure(s.name()) for s in ca.vertsplit(symbols)]
-        given = [t.sx, symbols, model.p]
-        slopes = [ca.gradient(self.sx, symbols), ca.gradient(self.sx, model.p)]
-        self._value = ca.Function("formula", given, [ca.densify(self.sx)])
-        self._slopes = ca.Function("slopes", given, [ca.densify(slope) for slope in slopes])
+        self._graph = formula_graph(self.states.model, self.sx)
+        self._measures = [self.states.measure(name) for name in self._graph.names]
 
     @property
     def values(self) -> np.ndarray:
         """(K,) at all states."""
-        count = len(self.states.time)
-        if not count:
-            return np.zeros(0)
+        count, graph = len(self.states.time), self._graph
         numbers = np.array([self._numbers(k) for k in range(count)]).reshape(count, -1).T
+        if graph.alone or not count:
+            return numbers.ravel()
         p = np.tile(self.states.parameters[:, None], count)
-        return self._value.map(count)(self.states.time[None, :], numbers, p).full().ravel()
+        return graph.value.map(count)(self.states.time[None, :], numbers, p).full().ravel()
 
     def weights(self, k: int, weight: float = 1.0) -> Weights:
         """What the formula weighs the state ``k`` and the parameters."""
         into, state = self.states.no_weights(), self.states.state(k)
+        if self._graph.alone:
+            self._measures[0].pull(state, weight, into)
+            return into
         given = self.states.time[k], self._numbers(k), self.states.parameters
-        slopes, own = (found.full().ravel() for found in self._slopes(*given))
+        slopes, own = (found.full().ravel() for found in self._graph.slopes(*given))
         into.p += weight * own
         for measure, slope in zip(self._measures, slopes, strict=True):
             measure.pull(state, weight * float(slope), into)
@@ -100,27 +145,18 @@ class Formula:
         """Change of the value with the state ``k``; ``change.p`` is that of the parameters."""
         return self.weights(k).along(change)
 
-    @cached_property
-    def _turns(self) -> ca.Function:
-        """Change of the slopes with the measures and the parameters."""
-        given = self._slopes.sx_in()
-        seen = ca.vertcat(*given[1:])
-        change = ca.SX.sym("change", seen.numel())
-        turned = [ca.densify(ca.jtimes(slope, seen, change)) for slope in self._slopes(*given)]
-        return ca.Function("turns", [*given, change], turned)
-
     def turn(self, k: int, change: State, weight: float = 1.0) -> Weights:
         """Change of ``weights`` with the state ``k``."""
         into, state = self.states.no_weights(), self.states.state(k)
         given = self.states.time[k], self._numbers(k), self.states.parameters
-        slopes = self._slopes(*given)[0].full().ravel()
+        slopes = self._graph.slopes(*given)[0].full().ravel()
         moved = []
         for measure in self._measures:
             alone = self.states.no_weights()
             measure.pull(state, 1.0, alone)
             moved.append(alone.along(change))
         rates = np.concatenate([moved, change.p])
-        turned, own = (found.full().ravel() for found in self._turns(*given, rates))
+        turned, own = (found.full().ravel() for found in self._graph.turns(*given, rates))
         into.p += weight * own
         for measure, slope, more in zip(self._measures, slopes, turned, strict=True):
             measure.pull(state, weight * float(more), into)

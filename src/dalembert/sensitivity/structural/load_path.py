@@ -13,9 +13,8 @@ import numpy as np
 
 from dalembert.analysis.structural.path_equations import PathEquations
 from dalembert.results.structural.load_path import LoadPathResult
-from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample
-from dalembert.sensitivity.structural.statics import StaticsGradient
+from dalembert.sensitivity.structural.statics import StaticsEngine, StaticsGradient
 
 
 class LoadPathGradient(StaticsGradient):
@@ -34,6 +33,9 @@ class LoadPathGradient(StaticsGradient):
         point = self._point(case)
         return self.equations.factor(point, self.path.planes[case]), self.equations.matrix(point)[2]
 
+    def state(self, case: int) -> tuple:
+        return *super().state(case), id(self.path.planes[case])
+
     def share(self, case: int) -> float:
         return float(self.path.load_factors[case])
 
@@ -44,14 +46,14 @@ class LoadPathGradient(StaticsGradient):
         found = self.factors(case)[0].solve(np.append(rest[self.free], 0.0))
         return self.equations.displaced(found), float(found[-1])
 
-    def multiplier(self, case: int, u_bar: np.ndarray, factor_bar: float) -> np.ndarray:
-        seen = np.append(u_bar[self.free], factor_bar)
+    def multiplier(self, case: int, u_bar: np.ndarray, factor_bar: np.ndarray) -> np.ndarray:
+        seen = np.vstack([u_bar[self.free], factor_bar])
         found = np.zeros_like(u_bar)
         found[self.free] = self.factors(case)[0].solve(seen, trans="T")[:-1]
         return found
 
 
-class LoadPathEngine(RowEngine):
+class LoadPathEngine(StaticsEngine):
     """Every point with factors of its own."""
 
     row = LoadPathGradient

@@ -42,7 +42,7 @@ class PencilTangent:
                         displacements[id(term.state)] += u_bar
         for key, u_bar in displacements.items():
             seen = Weights(u_bar, np.zeros_like(u_bar), np.zeros(gradient.size))
-            gradient += self.statics[key].pulled(0, seen)
+            gradient += self.statics[key].pulled(0, [seen])[:, 0]
         return gradient
 
     def along(self, column: int) -> PencilChange:

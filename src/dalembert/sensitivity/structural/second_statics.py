@@ -53,12 +53,12 @@ class SecondStatics(StaticsTangent):
         u, p, d = self.result.displacements[:, case], self.p, self.direction
         reactions, applied = self._split(seen.forces)
         u_bar = seen.u + stiffness @ reactions
-        multiplier = self.multiplier(case, u_bar, 0.0)
+        multiplier = self.multiplier(case, u_bar, np.zeros(1))
         u_bar = u_bar - stiffness @ multiplier
         softer, p_bar = self.assembly.turn(u, p, reactions - multiplier, change.u, d)
         reactions, more = self._split(moved.forces)
         u_turn = moved.u + stiffness @ reactions + softer
-        turned = self.multiplier(case, u_turn, 0.0)
+        turned = self.multiplier(case, u_turn, np.zeros(1))
         u_turn = u_turn - stiffness @ turned
         return (
             moved.p

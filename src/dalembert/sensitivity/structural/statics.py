@@ -10,7 +10,11 @@ import numpy as np
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample
+from dalembert.structures.columns import Pulls
 from dalembert.structures.measures import Weights
+
+ENTRIES = 4_000_000
+"""Numbers of elements, times responses, that are gathered at once."""
 
 
 class StaticsTangent:
@@ -37,29 +41,33 @@ class StaticsTangent:
             found[self.free] = self.result.record[case].factor.solve(rest[self.free])
         return found, 0.0
 
-    def multiplier(self, case: int, u_bar: np.ndarray, factor_bar: float) -> np.ndarray:
-        """(n,) ``K_ff⁻ᵀ`` of weights of the displacements; K is symmetric."""
+    def multiplier(self, case: int, u_bar: np.ndarray, factor_bar: np.ndarray) -> np.ndarray:
+        """(n, rows) ``K_ff⁻ᵀ`` of weights of the displacements; K is symmetric."""
         return self.moved(case, u_bar)[0]
 
-    def pulled(self, case: int, seen: Weights) -> np.ndarray:
-        """(np,) weights of the parameters, all in all."""
+    def pulled(self, case: int, seen: Sequence[Weights]) -> np.ndarray:
+        """(np, rows) weights of the parameters, all in all, for many responses by one solution."""
         loads, stiffness, share = self._loads(case), self.stiffness(case), self.share(case)
-        reactions, applied = np.zeros_like(seen.forces), np.zeros_like(seen.forces)
-        reactions[self.held] = seen.forces[self.held]
-        applied[self.free] = seen.forces[self.free]
+        seen_u, forces, p_bar = (
+            np.stack([getattr(one, name) for one in seen], axis=1) for name in ("u", "forces", "p")
+        )
+        reactions, applied = np.zeros_like(forces), np.zeros_like(forces)
+        reactions[self.held], applied[self.free] = forces[self.held], forces[self.free]
         applied -= reactions  # what acts on a support itself, its reaction does not see
-        u_bar = seen.u + stiffness @ reactions
-        factor_bar = seen.load_factor + applied @ loads.values(self.p)
-        factor_bar += u_bar[self.held] @ self.model.prescribed.values(self.p)
+        u_bar = seen_u + stiffness @ reactions
+        factor_bar = np.array([one.load_factor for one in seen]) + applied.T @ loads.values(self.p)
+        factor_bar += u_bar[self.held].T @ self.model.prescribed.values(self.p)
         multiplier = self.multiplier(case, u_bar, factor_bar)
         u_bar = u_bar - stiffness @ multiplier  # free entries vanish: equilibrium takes care
-        u = self.result.displacements[:, case]
-        return (
-            seen.p
-            + self.assembly.pull(u, self.p, reactions - multiplier)
-            + share * loads.pull(self.p, applied + multiplier)
-            + share * self.model.prescribed.pull(self.p, u_bar[self.held])
-        )
+        internal = Pulls(self.assembly, self.p, len(seen))
+        u = self.result.displacements[:, [case]]
+        internal.forces(u, (reactions - multiplier)[:, None, :])
+        prescribed = self.model.prescribed
+        given = [
+            loads.pull(self.p, one) + prescribed.pull(self.p, held)
+            for one, held in zip((applied + multiplier).T, u_bar[self.held].T, strict=True)
+        ]
+        return p_bar + internal.total + share * np.stack(given, axis=1)
 
     def pushed(self, case: int, dp: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         """Changes of displacements, forces and load factor by ``D_i P − D_i K U``."""
@@ -91,29 +99,26 @@ class StaticsGradient(StaticsTangent):
         self.sample = sample
         self._changes = {} if shared is None else shared
 
-    def _cases(self) -> Iterator[tuple[int, float, Weights]]:
+    def cases(self) -> Iterator[tuple[int, float, Weights]]:
         """Number, weight of the sample, and what the measure weighs there."""
         for k in np.flatnonzero(self.sample.weights):
             seen = self.result.weights(self.sample.measure.sx, int(k))
             yield int(k), float(self.sample.weights[k]), seen
 
-    def adjoint(self) -> np.ndarray:
-        """(np,) gradient by one solve per response and load case (8.27)."""
-        gradient = np.zeros(self.p.size)
-        for k, weight, seen in self._cases():
-            gradient += weight * self.pulled(k, seen)
-        return gradient
-
     def direct(self, columns: Sequence[int]) -> np.ndarray:
         """(columns,) derivatives by one back-substitution per parameter and load case (8.26)."""
         gradient = np.zeros(len(columns))
-        for k, weight, seen in self._cases():
-            state = self.result.cases[k], self.result.displacements[:, k].tobytes()
+        for k, weight, seen in self.cases():
+            state = self.state(k)
             for i, column in enumerate(columns):
                 du, dforces, dfactor = self._change(k, column, state)
                 change = seen.u @ du + seen.forces @ dforces + seen.load_factor * dfactor
                 gradient[i] += weight * (change + seen.p[column])
         return gradient
+
+    def state(self, case: int) -> tuple:
+        """What tells a state from others."""
+        return self.result.cases[case], self.result.displacements[:, case].tobytes()
 
     def _change(self, case: int, column: int, state: tuple) -> tuple:
         """``pushed`` by one parameter, once for all responses that look at this state."""
@@ -126,6 +131,23 @@ class StaticsGradient(StaticsTangent):
 
 
 class StaticsEngine(RowEngine):
-    """All rows with the factors of the analysis."""
+    """All rows with the factors of the analysis; one solution for all of a state (8.27)."""
 
     row = StaticsGradient
+
+    def adjoint(self) -> np.ndarray:
+        rows: list[StaticsGradient] = self._rows()
+        found = np.zeros((len(rows), rows[0].p.size))
+        looks: dict[tuple, list[tuple[int, int, float, Weights]]] = {}
+        for r, row in enumerate(rows):
+            for k, weight, seen in row.cases():
+                looks.setdefault(row.state(k), []).append((r, k, weight, seen))
+        entries = sum(b.degrees.size for b in rows[0].assembly.blocks)
+        most = max(1, ENTRIES // max(entries, 1))
+        for several in looks.values():
+            for begin in range(0, len(several), most):
+                part = several[begin : begin + most]
+                numbers, cases, weights, all_seen = zip(*part, strict=True)
+                pulled = rows[numbers[0]].pulled(cases[0], all_seen).T
+                np.add.at(found, list(numbers), np.array(weights)[:, None] * pulled)
+        return found
