@@ -8,6 +8,7 @@ from registry import INTEGRATORS
 from test_bdf import chain
 
 import dalembert as da
+from dalembert import planar
 from dalembert.analysis.dynamics import Dynamics
 
 SPEED, SPIN = "lower.angular_velocity", da.integral("lower.angular_velocity", name="turned")
@@ -86,3 +87,18 @@ def test_totals_add_the_outputs():
         found = da.sensitivity(motion, total, method=method)
         np.testing.assert_allclose(found.values[0], expected, rtol=1e-12, atol=1e-14)
     assert found.response_unit.item() == motion.expression(SPEED).unit
+
+
+CONTROLLED = [name for name, method in INTEGRATORS.items() if method.controls_error]
+
+
+@pytest.mark.parametrize("name", CONTROLLED)
+def test_defaults_hold_six_digits_of_a_long_swing(name):
+    """Ten seconds of a pendulum: what one method holds by default, the others hold too."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    rod = system.add(planar.Bar("rod", length=1.0, mass=1.0, angle=0.0))
+    system.add(planar.Revolute("pin", system.ground.center, rod.start))
+    model, end = system.build(), [10.0]
+    fine = da.solve_dynamics(model, 10.0, outputs=end, integrator=da.DormandPrince853(1e-12, 1e-12))
+    motion = da.solve_dynamics(model, 10.0, outputs=end, integrator=INTEGRATORS[name])
+    np.testing.assert_allclose(motion.trajectory.y, fine.trajectory.y, rtol=0, atol=5e-7)

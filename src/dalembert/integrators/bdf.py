@@ -51,8 +51,8 @@ class Bdf(Integrator):
         A tolerance or ``max_step`` that is not positive, or another order.
     """
 
-    rtol: float = 1e-6
-    atol: float = 1e-8
+    rtol: float = 1e-10
+    atol: float = 1e-12
     max_step: float | None = None
     max_order: int = 5
 

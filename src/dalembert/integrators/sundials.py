@@ -14,7 +14,7 @@ from dalembert.integrators.tolerances import check_tolerances
 from dalembert.options import options
 from dalembert.symbolic.semi_explicit import SemiExplicit
 
-FINER = 1e-2
+FINER, FINEST = 1e-2, 1e-13
 """Tolerance of sensitivity equations, relative to that of the run: their errors add up apart."""
 SHORT = 1e-6
 """Share of the interval for which IDAS looks when it makes its start values consistent."""
@@ -43,8 +43,8 @@ class SundialsIntegrator(Integrator, ABC):
         A tolerance that is not positive.
     """
 
-    rtol: float = 1e-8
-    atol: float = 1e-10
+    rtol: float = 1e-10
+    atol: float = 1e-12
 
     def __post_init__(self) -> None:
         check_tolerances(self.name, self.rtol, self.atol)
@@ -64,7 +64,7 @@ class SundialsIntegrator(Integrator, ABC):
         }
 
     def step(self, problem: Problem) -> SundialsStep:
-        finer = {name: FINER * self._options[name] for name in ("reltol", "abstol")}
+        finer = {"reltol": max(FINER * self.rtol, FINEST), "abstol": FINER * self.atol}
         options = {**self._options, **finer, "quad_err_con": True}
         return SundialsStep(problem, self.flow(problem), self._cvodes(problem, options))
 
