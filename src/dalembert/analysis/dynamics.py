@@ -60,6 +60,8 @@ class Dynamics:
     strict : refuse inconsistent initial speeds instead of projecting them
     backend : ``"vm"``, CasADi's virtual machine, at once; ``"c"``, compiled once by the system's
         C compiler and kept on disk; ``"auto"``, C where it exists or its work repays compiling
+    balance : largest error of the energy balance, over the energy that took part in the motion,
+        with which a run still counts as completed
     memory : bytes for the states that gradients and later questions need; of a longer run only
         few are kept and the others computed again when needed, which costs another run.
         Without ``outputs`` everything is kept
@@ -76,6 +78,7 @@ class Dynamics:
     events: Events | None = None
     strict: bool = False
     backend: str = "vm"
+    balance: float = 0.25
     memory: float = 2.0**28
 
     def __post_init__(self) -> None:
@@ -84,6 +87,8 @@ class Dynamics:
             if not isinstance(given, kind):
                 text = f"{name} is {given!r}; give a strategy such as {usual.__name__}()"
                 raise AnalysisError(text)
+        if not self.balance > 0:
+            raise AnalysisError(f"balance is {self.balance}; it must be a positive share")
         if self.backend not in BACKENDS:
             known = ", ".join(map(repr, BACKENDS))
             raise UnsupportedError(f"unknown backend {self.backend!r}; known: {known}")

@@ -12,6 +12,7 @@ from dalembert.analysis.branches import outputs_of
 from dalembert.analysis.choices import doubts
 from dalembert.analysis.dynamics_kernel import DynamicsRecord
 from dalembert.analysis.dynamics_status import Ending, statistics
+from dalembert.analysis.dynamics_truth import DynamicsTruth
 from dalembert.analysis.event_search import EventSearch
 from dalembert.analysis.events import as_events
 from dalembert.analysis.progress import progress_reporter
@@ -28,7 +29,7 @@ from dalembert.formulations.kkt import Kkt
 from dalembert.integrators.steps import Steps, Switch, Watch
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
-from dalembert.results.recording import EventRecord, Trajectory
+from dalembert.results.recording import EventRecord
 from dalembert.results.status import Status
 
 SHORTEST = 1e-12
@@ -83,7 +84,7 @@ class DynamicsRun:
             )
         return self.kernel.initial(state, self.start, self.p)
 
-    def doubts(self, motion: Motion) -> list[str]:
+    def doubts(self, motion: Motion, truth: DynamicsTruth) -> list[str]:
         """Warnings about the choices made; an exchange of energy below round-off counts as none."""
         a = self.analysis
         exchanged = float(np.max(np.abs(motion.trajectory.work), initial=0.0))
@@ -92,6 +93,8 @@ class DynamicsRun:
         freedom = self.model.diagnosis.free
         found = doubts(a.formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
         fed_back = a.stabilization.feedback or a.formulation.feedback
+        if motion.status.success:
+            found += truth.doubts
         if motion.status.success and not (a.integrator.controls_error or fed_back):
             found += StepAccuracy(self.kernel, motion.record.steps, self.p).doubts
         return found
@@ -110,17 +113,18 @@ class DynamicsRun:
             steps = self.events.cut(steps, *ends)
         times, branches = outputs_of(steps, self.requested, ends is not None)
         trajectory = self.kernel.trajectory(times, steps, branches, self.p)
+        truth = DynamicsTruth(self.kernel, steps, trajectory, self.p, self.analysis.balance)
         motion = Motion(
             model=self.model,
             analysis=self.analysis,
             parameters=self.p,
             trajectory=trajectory,
-            status=self.status(steps, trajectory, happened if ends is not None else []),
+            status=self.status(steps, truth, happened if ends is not None else []),
             statistics=statistics(self.kernel, steps, trajectory, self.p, (prepared, elapsed)),
             events=happened,
             record=DynamicsRecord(self.kernel, steps, branches),
         )
-        motion.warnings = self.doubts(motion)
+        motion.warnings = self.doubts(motion, truth)
         return motion
 
     def prepare(self, mode: int) -> None:
@@ -150,12 +154,10 @@ class DynamicsRun:
         return self.kernel.switch(times, states, mode, self.p)
 
     # what is told ------------------------------------------------------------------
-    def status(self, steps: Steps, s: Trajectory, ended_by: list[EventRecord]) -> Status:
+    def status(self, steps: Steps, truth: DynamicsTruth, ended_by: list[EventRecord]) -> Status:
         """How the run ended; ``ended_by`` are the events up to a terminal one."""
-        ending = Ending(self.kernel, steps, s, self.p, self.following_length(steps))
-        if ended_by:
-            return ending.terminated(ended_by[-1].name, ended_by[-1].time)
-        return ending.status
+        ending = Ending(self.kernel, steps, truth.s, self.p, self.following_length(steps), truth)
+        return ending.status(ended_by[-1] if ended_by else None)
 
     def following_length(self, steps: Steps) -> float:
         """Length of the step that comes, or would have come, after the last one."""

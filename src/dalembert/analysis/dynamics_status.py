@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.dynamics_truth import DynamicsTruth
 from dalembert.analysis.singular_positions import LOST, SingularPosition, near_singular_position
 from dalembert.integrators.steps import Steps
 from dalembert.model.model import Model
-from dalembert.results.recording import Trajectory
+from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.once import once
 
@@ -25,6 +25,7 @@ class Ending:
     kernel, steps, trajectory : of the run
     p : (np,) parameters
     following : length of the step that comes, or would have come, after the last one [s]
+    truth : the trajectory against the model's own equations
     """
 
     def __init__(
@@ -34,26 +35,22 @@ class Ending:
         trajectory: Trajectory,
         p: np.ndarray,
         following: float,
+        truth: DynamicsTruth,
     ):
         self.kernel, self.steps, self.s, self.p = kernel, steps, trajectory, p
-        self.following = following
+        self.following, self.truth = following, truth
         self.time = float(trajectory.t[-1])
         self.lost = LOST * kernel.model.scales.length
 
-    @cached_property
+    @property
     def violations(self) -> np.ndarray:
         """Largest violation of a position constraint at every output."""
-        return _violations(self.kernel.model, self.s, self.p)
+        return self.truth.residuals.violations
 
     def _ends(self, outcome: Outcome, text: str) -> Status:
         return Status(outcome, text, self.time, float(np.max(self.violations, initial=0.0)))
 
-    def terminated(self, name: str, time: float) -> Status:
-        """Ended by an event."""
-        return self._ends(Outcome.TERMINATED, f"{name} at t = {time:.9g} s")
-
-    @property
-    def status(self) -> Status:
+    def status(self, ended_by: EventRecord | None) -> Status:
         """Outcome, message and residual."""
         steps, s = self.steps, self.s
         residual = float(np.max(self.violations, initial=0.0))
@@ -80,6 +77,11 @@ class Ending:
         if self.kernel.variants[0].step.corrects and residual > self.lost:
             text = f"the projection left a violation of {residual:.3g}; use a shorter step"
             return self._ends(Outcome.NOT_CONVERGED, text)
+        if objection := self.truth.objection:
+            return self._ends(*objection)
+        if ended_by:
+            text = f"{ended_by.name} at t = {ended_by.time:.9g} s"
+            return self._ends(Outcome.TERMINATED, text)
         return self._ends(Outcome.COMPLETED, f"reached t = {self.time:g} s")
 
     def unsolved(self) -> str:
@@ -182,10 +184,3 @@ def _violation(model: Model) -> ca.Function:
     e = model.equations
     lengths = e.constraints * (e.scales.length / e.scales.rows)
     return ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(lengths)])
-
-
-def _violations(model: Model, s: Trajectory, p: np.ndarray) -> np.ndarray:
-    """Largest violation of every output."""
-    if not model.equations.constraint_count or not s.t.size:
-        return np.zeros(s.t.size)
-    return _violation(model).map(s.t.size)(s.t, s.y, np.tile(p[:, None], s.t.size)).full().ravel()

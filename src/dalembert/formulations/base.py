@@ -16,6 +16,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
+from dalembert.formulations.levels import Level
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
@@ -82,6 +83,11 @@ class Formulation:
     def feedback(self) -> tuple[float, float] | None:
         """``(c₁, c₀)`` of ``Φ̈ + c₁Φ̇ + c₀Φ = 0`` where violations are fed back."""
         return None
+
+    @property
+    def held(self) -> frozenset[Level]:
+        """Levels at which every state satisfies the constraints, and not nearly so."""
+        return frozenset({Level.ACCELERATION})
 
     @property
     def report(self) -> dict[str, float]:

@@ -12,6 +12,7 @@ from dalembert.formulations.base import (
     state_rate,
     state_symbols,
 )
+from dalembert.formulations.levels import NONE, Level
 from dalembert.formulations.range_space import RangeSpaceSolver
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
@@ -62,6 +63,12 @@ class Dae(Formulation):
                 f"Dae(index={self.index}, stabilized=True): the stabilised form has index 2; use "
                 "Dae(index=2, stabilized=True)"
             )
+
+    @property
+    def held(self) -> frozenset[Level]:
+        own = {3: Level.POSITION, 2: Level.SPEED, 1: Level.ACCELERATION}[self.index]
+        also = {Level.POSITION} if self.stabilized else NONE
+        return frozenset({own, Level.ACCELERATION} | also)
 
     @property
     def gives_accelerations(self) -> bool:

@@ -7,6 +7,7 @@ import casadi as ca
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.augmented_mass import AugmentedLagrangianSolver, AugmentedMass
 from dalembert.formulations.base import Formulation, SaddleSolver
+from dalembert.formulations.levels import NONE, Level
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.options import options
@@ -68,6 +69,10 @@ class Penalty(Formulation):
     @property
     def report(self) -> dict[str, float]:
         return {"augmented mass / mean mass": self.factor}
+
+    @property
+    def held(self) -> frozenset[Level]:
+        return NONE
 
     @property
     def feedback(self) -> tuple[float, float]:

@@ -8,6 +8,7 @@ import casadi as ca
 
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import WORK, Formulation, state_symbols
+from dalembert.formulations.levels import NONE, Level
 from dalembert.model.equations import Equations
 from dalembert.options import options
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
@@ -41,6 +42,11 @@ class Stabilization:
     def reference_energy(self, e: Equations) -> ca.SX:
         """Start value of the energy that should be there; zero where nobody asks."""
         return ca.SX(0)
+
+    @property
+    def held(self) -> frozenset[Level]:
+        """Levels at which every state satisfies the constraints, thanks to the correction."""
+        return NONE
 
     @property
     def feedback(self) -> tuple[float, float] | None:
@@ -123,6 +129,10 @@ class Projection(Stabilization):
     @property
     def period(self) -> int:
         return self.every
+
+    @property
+    def held(self) -> frozenset[Level]:
+        return frozenset({Level.POSITION, Level.SPEED}) if self.every == 1 else NONE
 
     def correction(self, e: Equations, formulation: Formulation) -> ImplicitFunction | None:
         m = e.constraint_count

@@ -15,6 +15,7 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import Formulation, feeds_back
+from dalembert.formulations.levels import Level
 from dalembert.formulations.named_speeds import check_independent, indices_of
 from dalembert.formulations.null_space import NullSpaceSolver
 from dalembert.formulations.partition import best_partition, largest_ratio
@@ -102,6 +103,10 @@ class IndependentSpeeds(Formulation):
         self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]
     ) -> NullSpaceSolver:
         return NullSpaceSolver(inertia, PartitionBasis(jacobian, self.indices))
+
+    @property
+    def held(self) -> frozenset[Level]:
+        return frozenset({Level.SPEED, Level.ACCELERATION})
 
     def conditioning(self, e: Equations) -> tuple[ca.SX, float]:
         return largest_ratio(e, self.indices), self.limit

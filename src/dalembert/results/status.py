@@ -16,6 +16,8 @@ class Outcome(StrEnum):
     SINGULAR = "singular position"
     DIVERGED = "diverged"
     NOT_CONVERGED = "not converged"
+    VIOLATED = "violates the model's equations"
+    UNBALANCED = "energy not balanced"
 
 
 @dataclass(frozen=True)

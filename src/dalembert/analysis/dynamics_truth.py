@@ -1,0 +1,105 @@
+"""Whether what a run has left is a motion of the model at all."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.energy_balance import EnergyBalance
+from dalembert.analysis.model_residuals import Gap, ModelResiduals
+from dalembert.formulations.levels import NONE, Level
+from dalembert.integrators.steps import Steps
+from dalembert.results.recording import Trajectory
+from dalembert.results.status import Outcome
+
+EXACT = {Level.POSITION: 1e-6, Level.SPEED: 1e-6, Level.ACCELERATION: 1e-4}
+"""Share of its terms by which a constraint that is held may be open; accelerations lose digits
+near singular positions."""
+MOTION = 1e-6
+"""The same of an equation of motion, which every formulation solves."""
+DRIFT, TOLD = 0.1, 1e-2
+"""Where constraints are held nearly only: what is no motion of the mechanism, and what is told."""
+QUARTER = 0.25
+"""Of the largest share of the energy that may come from nowhere: what is told."""
+
+
+class DynamicsTruth:
+    """Positions, speeds, accelerations, forces and energies of a run, against the model's own.
+
+    Parameters
+    ----------
+    kernel, steps, trajectory : of the run
+    p : (np,) parameters
+    balance : largest error of the energy over the energy that took part
+    """
+
+    def __init__(
+        self,
+        kernel: DynamicsKernel,
+        steps: Steps,
+        trajectory: Trajectory,
+        p: np.ndarray,
+        balance: float,
+    ):
+        self.kernel, self.steps, self.s, self.p = kernel, steps, trajectory, p
+        self.balance = balance
+        self.residuals = ModelResiduals(kernel.model, trajectory, p)
+
+    @property
+    def held(self) -> frozenset[Level]:
+        """Levels at which the constraints are held, and not nearly so."""
+        formulation, stabilization = self.kernel.variants[0].formulation, self.kernel.stabilization
+        fed_back = {Level.ACCELERATION} if stabilization.feedback else NONE
+        return (formulation.held - fed_back) | stabilization.held
+
+    @cached_property
+    def gaps(self) -> list[tuple[Gap, float]]:
+        """Of each level and of the equations of motion, what is open, and what may be."""
+        found, held = self.residuals, self.held
+        levels = [(found.of_level(x), EXACT[x] if x in held else DRIFT) for x in Level]
+        return [*levels, (found.of_motion, MOTION)]
+
+    @cached_property
+    def energy(self) -> EnergyBalance:
+        return EnergyBalance(self.kernel.model, self._from_start(), self.p)
+
+    def _from_start(self) -> Trajectory:
+        """The trajectory, with the start in front where it is no output."""
+        s, steps = self.s, self.steps
+        if s.t[0] == steps.t[0]:
+            return s
+        mode, t = steps.mode[:1] if steps.count else np.array([0]), steps.t[:1]
+        first = self.kernel.mapped(lambda v: v.bodies, mode, t, steps.x[:, :1], self.p)
+        columns = [*first, np.zeros((2, 1))]
+        later = (s.y, s.v, s.a, s.multiplier, s.work)
+        joined = (np.hstack(pair) for pair in zip(columns, later, strict=True))
+        return Trajectory(np.append(t, s.t), *joined)
+
+    @property
+    def objection(self) -> tuple[Outcome, str] | None:
+        """Why the run must not be called completed, if so."""
+        for gap, limit in self.gaps:
+            if not gap.share <= limit:
+                cure = "use a shorter step"
+                if limit == DRIFT:
+                    cure += ", or stabilization=Projection()"
+                text = f"{gap.text}, {gap.share:.2g} of the size of its terms; {cure}"
+                return Outcome.VIOLATED, text
+        if not self.energy.worst[0] <= self.balance:
+            text = f"{self.energy.text}; use a shorter step, or another integrator"
+            return Outcome.UNBALANCED, text
+        return None
+
+    @property
+    def doubts(self) -> list[str]:
+        """What is no reason to refuse the run, but should be known."""
+        found = [
+            f"{gap.text}, {gap.share:.2g} of the size of its terms: nothing holds it there"
+            for gap, limit in self.gaps
+            if limit == DRIFT and TOLD < gap.share <= DRIFT
+        ]
+        if QUARTER * self.balance < self.energy.worst[0] <= self.balance:
+            found.append(f"{self.energy.text}; the steps are long for this motion")
+        return found

@@ -1,0 +1,142 @@
+"""What a motion leaves open of the model's own equations.
+
+    Φ(y, t) = 0,      Ψ = C v + Φ_t = 0,      C v̇ = ξ,      M v̇ + d = f − Cᵀ λ
+
+with all constraint equations and in the coordinates of the bodies, whatever a run has used.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.formulations.levels import Level
+from dalembert.model.model import Model
+from dalembert.results.recording import Trajectory
+from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.once import once
+
+LOOKED = 100
+"""Outputs, evenly spread, at which all equations are looked at; positions are at every one."""
+
+
+@dataclass(frozen=True)
+class Gap:
+    """The equation that is open furthest, relative to the size of its terms.
+
+    Attributes
+    ----------
+    share : residual over terms, infinite where it is not a number
+    text : which equation, by how much, and when
+    """
+
+    share: float
+    text: str = ""
+
+
+class ModelResiduals:
+    """Residuals along a trajectory.
+
+    Terms count by their magnitudes, and at least by the mechanism's own scales: what is at rest is
+    not judged by its rounding.
+
+    Parameters
+    ----------
+    model : Model
+    trajectory : of all bodies and multipliers
+    p : (np,) parameters
+    """
+
+    def __init__(self, model: Model, trajectory: Trajectory, p: np.ndarray):
+        self.model, self.s, self.p = model, trajectory, p
+        self.m = model.all_equations.constraint_count
+        count = trajectory.t.size
+        looked = np.linspace(0, count - 1, min(count, LOOKED)).astype(int)
+        if self.m and np.all(np.isfinite(self.violations)):
+            looked = np.append(looked, np.argmax(self.violations))
+        self.looked = np.unique(looked)
+
+    @cached_property
+    def violations(self) -> np.ndarray:
+        """(K,) largest residual of a position constraint; angles times the natural length [m]."""
+        t = self.s.t
+        if not (self.m and t.size):
+            return np.zeros(t.size)
+        mapped = _violations(self.model, t.size)
+        return mapped(t, self.s.y, np.tile(self.p[:, None], t.size))[0].ravel()
+
+    @cached_property
+    def _table(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of Φ, Ψ, ``C v̇ − ξ`` and the equations of motion; shares of their terms."""
+        s, scales = self.s.some(self.looked), self.model.scales
+        mapped, p = _residuals(self.model, s.t.size), np.tile(self.p[:, None], s.t.size)
+        residuals, terms = mapped(s.t, s.y, s.v, s.a, s.multiplier, p)
+        least = [scales.rows / scales.time**level for level in Level]
+        shares = np.abs(residuals) / (terms + np.concatenate([*least, scales.efforts])[:, None])
+        return residuals, np.where(np.isfinite(shares), shares, np.inf)
+
+    # the worst of each ------------------------------------------------------------------
+    def of_level(self, level: Level) -> Gap:
+        """The constraint that is violated most."""
+        if not self.m:
+            return Gap(0.0)
+        row, share, value, time = self._worst(slice(level * self.m, (level + 1) * self.m))
+        constraint, k = self.model.closure.owners[row]
+        unit = constraint.units()[k] + ("", "/s", "/s²")[level]
+        name = self.model.equation_names[row]
+        return Gap(share, f"{name} is violated by {value:.3g} {unit} at t = {time:.9g} s")
+
+    @property
+    def of_motion(self) -> Gap:
+        """The equation of motion that is open furthest."""
+        row, share, value, time = self._worst(slice(len(Level) * self.m, None))
+        unit = "N" if self.model.guesses.units[row] == "m" else "N m"
+        name = self.model.guesses.names[row]
+        text = f"the equation of motion of {name} is open by {value:.3g} {unit} at t = {time:.9g} s"
+        return Gap(share, text)
+
+    def _worst(self, rows: slice) -> tuple[int, float, float, float]:
+        """Row, share, residual and time."""
+        residuals, shares = (table[rows] for table in self._table)
+        row, k = np.unravel_index(int(np.argmax(shares)), shares.shape)
+        time = self.s.t[self.looked[k]]
+        return int(row), float(shares[row, k]), float(abs(residuals[row, k])), float(time)
+
+
+@once
+def _violations(model: Model, count: int) -> Kernel:
+    """``(t, y, p) → |Φ|`` for so many columns."""
+    e = model.all_equations
+    lengths = e.constraints * (e.scales.length / e.scales.rows)
+    function = ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(lengths)])
+    return Kernel(function.map(count))
+
+
+@once
+def _residuals(model: Model, count: int) -> Kernel:
+    """``(t, y, v, v̇, λ, p) →`` residuals, and sums of the magnitudes of their terms."""
+    return Kernel(_equations(model).map(count))
+
+
+@once
+def _equations(model: Model) -> ca.Function:
+    e = model.all_equations
+    c, size = e.jacobian, ca.fabs(e.jacobian)
+    psi, xi = e.velocity_constraints, e.constraint_acceleration
+    driven = ca.substitute(psi, e.v, ca.SX.zeros(e.speed_count))
+    push, pull = e.inertia.times(e.a), ca.mtimes(c.T, e.multiplier)
+    pairs = [
+        (e.constraints, ca.SX.zeros(e.constraint_count)),
+        (psi, ca.mtimes(size, ca.fabs(e.v)) + ca.fabs(driven)),
+        (ca.mtimes(c, e.a) - xi, ca.mtimes(size, ca.fabs(e.a)) + ca.fabs(xi)),
+        (
+            push + e.bias - e.force + pull,
+            sum(map(ca.fabs, (push, e.bias, e.force)), ca.mtimes(size.T, ca.fabs(e.multiplier))),
+        ),
+    ]
+    inputs = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
+    outputs = [ca.densify(ca.vertcat(*parts)) for parts in zip(*pairs, strict=True)]
+    return ca.Function("residuals", inputs, outputs, {"cse": True})
