@@ -24,6 +24,8 @@ CLOSED = newton.NewtonSettings(tolerance=1e-14, max_iterations=200, slack=1e3, h
 """Violations, relative to their scales, that are aimed at; slack times as much is accepted."""
 MISSING_WEIGHT = 1e-2
 LEAST_DAMPING = 1e-15
+STATIONARY = 1e-6
+"""Slope of the violation, relative to it and to the size of the equations, that counts as none."""
 SEARCH_SAMPLES = 361
 LARGEST_TURN = 1.0
 """Longest step of an angle [rad]; positions, in which most equations are linear, have none."""
@@ -161,6 +163,8 @@ class _Nearest(newton.Equations[np.ndarray]):
         normal = scaled @ scaled.T
         level = normal.trace() / max(value.size, 1)
         violation = float(np.linalg.norm(value))
+        if np.linalg.norm(scaled.T @ value) <= STATIONARY * np.sqrt(level) * violation:
+            raise np.linalg.LinAlgError("no motion makes the violation smaller")
         self.damping /= 5
         while True:
             damping = level * max(self.damping * violation, LEAST_DAMPING)

@@ -1,0 +1,85 @@
+"""Nothing depends on units: a mechanism in nanometres is built like one in kilometres."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from registry import CASES, model_of
+from units import Units, in_other_units
+
+import dalembert as da
+from dalembert import planar
+
+OTHERS = [
+    Units(length=1e-9),
+    Units(length=1e9),
+    Units(mass=1e-9, time=1e9),
+    Units(length=1e-9, mass=1e9, time=1e-9),
+]
+LENGTHS = [1e-11, 1e-9, 1e-3, 1.0, 1e3, 1e9]
+
+
+def facts(model: da.Model) -> dict:
+    """All that the diagnosis says without a unit."""
+    told = model.diagnosis.to_dict()
+    levels = [(m["level"], m["text"].partition(":")[0]) for m in told.pop("messages")]
+    for name in ("corrections", "velocity_corrections"):
+        told[name] = sorted(told[name])
+    return told | {"messages": levels, "rows": model.closure.rows, "held": held(model)}
+
+
+def held(model: da.Model) -> list:
+    recipe = model.closure.recipe
+    return [recipe.positions.indices, recipe.speeds.indices, recipe.projected]
+
+
+@pytest.mark.parametrize("units", OTHERS, ids=str)
+@pytest.mark.parametrize("name", CASES)
+def test_start_and_diagnosis_change_with_the_units_only(name, units):
+    one = model_of(name)
+    other = in_other_units(one.parts, units).build()
+    assert facts(other) == facts(one)
+    sizes = np.array([units(unit) for unit in one.guesses.units])
+    scale = one.scales.coordinates
+    np.testing.assert_allclose(other.start.y / sizes / scale, one.start.y / scale, atol=1e-11)
+    rates = sizes / units.time
+    fast = np.abs(one.start.v / scale).max(initial=0.0) or 1.0
+    np.testing.assert_allclose(
+        other.start.v / rates / scale, one.start.v / scale, atol=1e-11 * fast
+    )
+
+
+def triangle(size: float, longest: float) -> da.System:
+    """Three bars pinned to each other: sides 1, 1 and ``longest``, times the size."""
+    system = da.System("triangle")
+    sides = [1.0, 1.0, longest]
+    bars = [
+        system.add(planar.Bar(f"b{k}", length=size * side, mass=1.0, angle=2.0 * k))
+        for k, side in enumerate(sides)
+    ]
+    system.add(planar.Revolute("A", bars[0].end, bars[1].start))
+    system.add(planar.Revolute("B", bars[1].end, bars[2].start))
+    system.add(planar.Revolute("C", bars[2].end, bars[0].start))
+    return system
+
+
+@pytest.mark.parametrize("size", LENGTHS)
+def test_a_possible_triangle_closes_at_any_size(size):
+    model = triangle(size, 1.9).build()
+    assert model.start.residual < 1e-11 * size
+    assert model.diagnosis.degrees_of_freedom == 3 and not model.diagnosis.massless
+
+
+@pytest.mark.parametrize("size", LENGTHS)
+def test_an_impossible_triangle_is_refused_at_any_size(size):
+    with pytest.raises(da.AssemblyError):
+        triangle(size, 2.1).build()
+
+
+@pytest.mark.parametrize("size", LENGTHS)
+def test_a_body_without_mass_is_found_at_any_size(size):
+    system = triangle(size, 1.5)
+    system.elements["b1"].mass = system.elements["b1"].inertia = system.elements["b0"].mass * 0
+    loose = system.add(planar.Body("loose", points={"P": (size, 0.0)}))
+    system.add(planar.Revolute("D", system.elements["b0"].end, loose.point("P")))
+    assert system.build().diagnosis.massless == ("loose",)

@@ -1,0 +1,149 @@
+"""The same mechanism written in other units of length, mass and time.
+
+Parameters keep their values; every quantity of every element, a formula of parameters, positions,
+speeds and time, is multiplied by the factor of its own unit, with what it is a formula of divided
+by theirs. So a mechanism in metres becomes one in nanometres whatever its formulas say.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+import dalembert as da
+from dalembert import planar, t, u
+from dalembert.elements.base import Constraint, Element
+from dalembert.elements.curves import Curve, FormulaCurve
+from dalembert.elements.laws.base import Law
+from dalembert.elements.planar.springs import SpringDamper
+from dalembert.symbolic.expression import Expression
+
+DIMENSIONS = {
+    "": (0, 0, 0),
+    "1": (0, 0, 0),
+    "rad": (0, 0, 0),
+    "m": (1, 0, 0),
+    "kg": (0, 1, 0),
+    "s": (0, 0, 1),
+    "N": (1, 1, -2),
+    "J": (2, 1, -2),
+    "W": (2, 1, -3),
+}
+"""Powers of length, mass and time."""
+
+
+@dataclass(frozen=True)
+class Units:
+    """How many new units the old ones are."""
+
+    length: float = 1.0
+    mass: float = 1.0
+    time: float = 1.0
+
+    def __call__(self, unit: str) -> float:
+        """Factor of a quantity, e.g. of ``kg m^2`` or ``N s/m``."""
+        above, _, below = unit.partition("/")
+        power = np.zeros(3)
+        for part, sign in ((above, 1), (below, -1)):
+            for word in part.split():
+                base, _, exponent = word.partition("^")
+                power += sign * int(exponent or 1) * np.array(DIMENSIONS[base])
+        return float(np.prod(np.array([self.length, self.mass, self.time]) ** power))
+
+    def of_rates(self, unit: str) -> float:
+        return self(unit) / self.time
+
+
+def in_other_units(system, units: Units) -> da.System:
+    """The mechanism of a system, or of the parts of a model."""
+    return _Translation(system, units).made
+
+
+class _Translation:
+    def __init__(self, system, units: Units):
+        self.units, self.made = units, da.System(system.name)
+        self.made.parameters.update(system.parameters)
+        self.made.derived_parameters.update(system.derived_parameters)
+        self.bodies = {"ground": self.made.ground}
+        self.old, self.new = [t.sx], [t.sx / units.time]
+        self._identify(system.ground, self.made.ground)
+        if system.gravity is not None:
+            self.made.gravity = self.formula(system.gravity, "m/s^2")
+        for element in system.elements.values():
+            if isinstance(element, planar.Body):
+                made = self.made.add(self.body(element))
+                self.bodies[element.name] = made
+                self._identify(element, made)
+        for element in system.elements.values():
+            if not isinstance(element, planar.Body):
+                self.made.elements[element.name] = self.element(element)
+        order = list(system.elements)
+        self.made.elements = {name: self.made.elements[name] for name in order}
+        for measure, value in system.initial_conditions:
+            self.made.initial(
+                self.formula(measure, measure.unit), self.formula(value, measure.unit)
+            )
+
+    def _identify(self, old, new) -> None:
+        factors = ca.vertcat(*(self.units(unit) for unit in old.coordinate_units))
+        rates = ca.vertcat(*(self.units.of_rates(unit) for unit in old.coordinate_units))
+        self.old += [old.pose, old.twist]
+        self.new += [new.pose / factors, new.twist / rates]
+
+    def formula(self, expression: Expression, unit: str) -> Expression:
+        return Expression(self.units(unit) * ca.substitute([expression.sx], self.old, self.new)[0])
+
+    def point(self, point: planar.Point) -> planar.Point:
+        local = self.formula(point.local, "m")
+        body = self.bodies[point.body.name]
+        return body.center if not body.rotates else body.point(local[0], local[1])
+
+    def body(self, body):
+        named = ("position", "angle", "velocity", "angular_velocity")
+        wanted = dict(zip(named, body.initial, strict=True))
+        wanted |= {"mass": body.mass, "inertia": body.inertia if body.rotates else None}
+        wanted |= {"length": getattr(body, "length", None)}
+        metas = {f.name: f.metadata for f in body.quantity_fields()}
+        given = {
+            name: self.formula(value, metas[name]["unit"])
+            for name, value in wanted.items()
+            if value is not None
+        }
+        made = type(body)(body.name, **given)
+        for name, point in body.points.items():
+            if name not in made.points:
+                made.add_point(name, self.formula(point.local, "m"))
+        return made
+
+    def element(self, element: Element) -> Element:
+        values = {f.name: self.value(element, f) for f in dataclasses.fields(element)}
+        return type(element)(**values)
+
+    def value(self, element: Element, field: dataclasses.Field):
+        value, unit = getattr(element, field.name), field.metadata.get("unit", "")
+        if isinstance(value, Expression):
+            linear, _, angular = unit.partition(" | ")
+            unit = angular if getattr(element, "sliding_unit", "m") == "rad" else linear
+            unit = element.unit if isinstance(element, planar.UserConstraint) else unit
+            if isinstance(element, planar.Stop) and field.name == "stiffness":
+                power = float(element.exponent.sx) if element.exponent.sx.is_constant() else 1.5
+                return self.formula(value, "N") * self.units.length**-power
+            return self.formula(value, unit)
+        if isinstance(value, planar.Body):
+            return self.bodies[value.name]
+        if isinstance(value, planar.Point):
+            return self.point(value)
+        if isinstance(value, Constraint):
+            return self.made.elements[value.name]
+        if isinstance(value, Law):
+            return self.formula(Expression(value.value(t.sx)), element.units()[0])
+        if isinstance(value, Curve):
+            x, y = ca.vertsplit(self.units.length * value.position(u.sx))
+            return FormulaCurve(Expression(x), Expression(y), *value.interval(), value.closed)
+        if callable(value) and isinstance(element, SpringDamper):
+            s, f = self.units(element.coordinate_unit), self.units(element.force_unit)
+            return lambda stretch, rate: f * value(stretch / s, rate * (self.units.time / s))
+        return value
