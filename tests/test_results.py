@@ -120,3 +120,28 @@ def test_no_events_have_the_same_shape(tmp_path):
     motion.save(tmp_path / "run.nc")
     for data in (motion.data, da.load_results(tmp_path / "run.nc")):
         assert data["event_time"].shape == (0,) and data["event_coordinates"].shape == (0, 2)
+
+
+VERBS = [name for name in da.__all__ if name.startswith("solve_")] + ["linearize"]
+
+
+@pytest.mark.parametrize("name", [name for name in VERBS if name != "solve_assembly"])
+def test_verbs_tell_the_nearest_option(name):
+    with pytest.raises(da.AnalysisError, match=rf"^{name}: unknown option 'nonsense'; known: "):
+        getattr(da, name)(None, nonsense=1)
+    with pytest.raises(da.AnalysisError, match=r"unknown option 'stp' \(did you mean 'step'\?\)"):
+        da.solve_dynamics(None, 1.0, stp=0.1)
+
+
+def test_modes_are_written_as_other_results_are(tmp_path):
+    """Also the optimum of frequencies, which has no page."""
+    system = da.System("swing", gravity=(0.0, -9.81))
+    bob = system.add(planar.Bar("bob", length=1.0, mass=2.0, angle=-1.5))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), bob.start))
+    modes = da.linearize(system.build())
+    files = modes.write(tmp_path / "swing", report=True, csv=True)
+    assert [f.name for f in files] == ["swing.nc", "swing.csv"] and all(f.exists() for f in files)
+    found = da.load_results(files[0])["frequency"].values
+    assert found == pytest.approx(modes.frequencies)
+    with pytest.raises(da.UnsupportedError, match="no report of Modes"):
+        modes.report(tmp_path / "swing.html")

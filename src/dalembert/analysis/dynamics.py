@@ -24,6 +24,7 @@ from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.motion import Motion
+from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome
 from dalembert.symbolic.backends import BACKENDS
 from dalembert.symbolic.once import once
@@ -42,7 +43,7 @@ INTERVALS = 1000
 
 
 @options
-class Dynamics:
+class Dynamics(Analysis[Model, Motion]):
     """Forward dynamics as a strategy object: run it, repeat it, differentiate it.
 
     Parameters
@@ -66,6 +67,9 @@ class Dynamics:
         few are kept and the others computed again when needed, which costs another run.
         Without ``outputs`` everything is kept
     """
+
+    spoken = "dynamics"
+    integrates = True
 
     duration: float | None = None
     step: float | None = None
@@ -232,8 +236,6 @@ def solve_dynamics(
     AnalysisError
         Wrong options; ``AssemblyError``, ``SingularityError`` where the run cannot begin.
     """
-    try:
-        analysis = Dynamics(duration=duration, **options)
-    except TypeError as error:
-        raise AnalysisError(f"solve_dynamics: {error}") from None
-    return analysis.run(model, parameters, progress)
+    return Dynamics.of("solve_dynamics", duration=duration, **options).run(
+        model, parameters, progress
+    )

@@ -51,7 +51,7 @@ class DynamicsRun:
         self.start, self.end = checked_span(analysis.duration, analysis.t_span)
         self.step = checked_step(analysis.step, self.start, self.end)
         self.requested = output_times(analysis.outputs, self.start, self.end)
-        self.p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        self.p = model.values(parameters)
         if model.diagnosis.massless:
             raise SingularityError(
                 f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; "

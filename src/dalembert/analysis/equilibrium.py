@@ -24,6 +24,7 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
+from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.newton import NewtonSettings, Solution, solve
 
@@ -38,7 +39,7 @@ class EquilibriumRecord:
 
 
 @options
-class Equilibrium:
+class Equilibrium(Analysis[Model, Motion]):
     """Static equilibrium as a strategy object.
 
     Parameters
@@ -47,6 +48,9 @@ class Equilibrium:
     tolerance : of the residual relative to the largest applied force
     max_iterations : of Newton's method
     """
+
+    spoken = "static equilibrium"
+    at_rest = True
 
     time: float = 0.0
     tolerance: float = TOLERANCE
@@ -68,7 +72,7 @@ class Equilibrium:
         AssemblyError
             The mechanism cannot be assembled.
         """
-        p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        p = model.values(parameters)
         return _Search(self, model, p).execute(start)
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
@@ -156,8 +160,4 @@ def solve_equilibrium(
         Wrong options; ``AssemblyError`` where the mechanism cannot be put together. A search that
         does not converge says so in its status.
     """
-    try:
-        analysis = Equilibrium(**options)
-    except TypeError as error:
-        raise AnalysisError(f"solve_equilibrium: {error}") from None
-    return analysis.run(model, parameters)
+    return Equilibrium.of("solve_equilibrium", **options).run(model, parameters)

@@ -17,6 +17,7 @@ from dalembert.analysis.events import Event, Occurrence, as_events, locate_again
 from dalembert.analysis.flow import Flow
 from dalembert.integrators.steps import Steps
 from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.results.status import Outcome
 
 NEAR = 1e-12
@@ -35,7 +36,7 @@ class Instant:
         return Branches(np.array([self.index]), np.array([self.length]))
 
 
-def end_by_event(motion: Motion) -> Occurrence | None:
+def end_by_event(motion: Result) -> Occurrence | None:
     """The terminal event at which the last output lies, if that is how the run ended."""
     if motion.status.outcome is not Outcome.TERMINATED:
         return None

@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.analysis.kinematics import Kinematics
-from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.motion import Motion
@@ -18,6 +17,8 @@ from dalembert.results.motion import Motion
 @options
 class InverseDynamics(Kinematics):
     """Kinematic simulation followed by the forces it needs, as a strategy object."""
+
+    spoken = "inverse dynamics"
 
     @property
     def efforts(self) -> bool:
@@ -48,8 +49,6 @@ def solve_inverse_dynamics(
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
     """
-    try:
-        analysis = InverseDynamics(duration=duration, **options)
-    except TypeError as error:
-        raise AnalysisError(f"solve_inverse_dynamics: {error}") from None
-    return analysis.run(model, parameters, progress)
+    return InverseDynamics.of("solve_inverse_dynamics", duration=duration, **options).run(
+        model, parameters, progress
+    )

@@ -21,10 +21,11 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
+from dalembert.results.result import Analysis
 
 
 @options
-class Kinematics:
+class Kinematics(Analysis[Model, Motion]):
     """Kinematic simulation as a strategy object.
 
     Parameters
@@ -34,6 +35,8 @@ class Kinematics:
     step : time between positions, by default a thousandth of the run [s]
     outputs : number of equally spaced times, or the times [s]; default every step
     """
+
+    spoken = "kinematics"
 
     duration: float | None = None
     step: float | None = None
@@ -156,11 +159,9 @@ def solve_kinematics(
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
     """
-    try:
-        analysis = Kinematics(duration=duration, **options)
-    except TypeError as error:
-        raise AnalysisError(f"solve_kinematics: {error}") from None
-    return analysis.run(model, parameters, progress)
+    return Kinematics.of("solve_kinematics", duration=duration, **options).run(
+        model, parameters, progress
+    )
 
 
 def refuse_outside(times: np.ndarray, run: np.ndarray) -> None:

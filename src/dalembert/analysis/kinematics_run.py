@@ -48,7 +48,7 @@ class KinematicsRun:
 
     def __init__(self, analysis: Any, model: Model, parameters):
         self.analysis, self.model = analysis, model
-        self.p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        self.p = model.values(parameters)
         self.start, self.end = checked_span(analysis.duration, analysis.t_span)
         requested = output_times(analysis.outputs, self.start, self.end)
         step = checked_step(analysis.step, self.start, self.end)

@@ -20,13 +20,14 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
+from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 
 __all__ = ["Linearization", "Modes", "MotionLinearization", "linearize"]
 
 
 @options
-class Linearization:
+class Linearization(Analysis[Model, Modes]):
     """Linearisation as a strategy object.
 
     Parameters
@@ -34,6 +35,8 @@ class Linearization:
     time : instant at which laws and forces are taken [s]
     equilibrium : first find the static equilibrium; otherwise take the assembled state
     """
+
+    spoken = "modes"
 
     time: float = 0.0
     equilibrium: bool = True
@@ -51,7 +54,7 @@ class Linearization:
         AnalysisError
             No equilibrium was found.
         """
-        p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        p = model.values(parameters)
         return modes_of(self, self._state(model, p))
 
     def _state(self, model: Model, p: np.ndarray) -> Linearized:
@@ -72,7 +75,7 @@ class Linearization:
 
 
 @dataclass(frozen=True)
-class MotionLinearization:
+class MotionLinearization(Analysis[Model, Modes]):
     """Linearisation about the last instant of a motion.
 
     Parameters
@@ -80,7 +83,18 @@ class MotionLinearization:
     motion : Motion
     """
 
+    spoken = "modes"
+
     motion: Motion
+
+    def run(
+        self, model: Model, parameters: Mapping[str, float] | np.ndarray | None = None
+    ) -> Modes:
+        """The modes at the end of the motion."""
+        if model is not self.motion.model:
+            raise AnalysisError("the motion is of another model; linearize with the one it is of")
+        p = self.motion.parameters if parameters is None else model.values(parameters)
+        return modes_of(self, last_instant(self.motion.analysis.replay(self.motion, p)))
 
     def replay(self, modes: Modes, p: np.ndarray) -> Modes:
         """The same modes at the end of the motion at other parameter values."""
@@ -156,11 +170,7 @@ def linearize(
         mass.
     """
     if at is not None:
-        if isinstance(at.analysis, Equilibrium):
-            return modes_of(Linearization(at.analysis.time), at_rest(at))
+        if at.analysis.at_rest:
+            return modes_of(Linearization(float(at.time[0])), at_rest(at))
         return modes_of(MotionLinearization(at), last_instant(at))
-    try:
-        analysis = Linearization(**options)
-    except TypeError as error:
-        raise AnalysisError(f"linearize: {error}") from None
-    return analysis.run(model, parameters)
+    return Linearization.of("linearize", **options).run(model, parameters)

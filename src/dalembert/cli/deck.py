@@ -23,10 +23,8 @@ def run_deck(
     as_json: bool,
 ) -> int:
     """Solve the structure, write its results, and print what the book's program prints."""
-    from dalembert.cli.structures import write
-
     result = solved_deck(path, settings)
-    files = write(result, output_folder(output) / path.stem, report, csv)
+    files = result.write(output_folder(output) / path.stem, report, csv)
     made = _summary(result) | {"files": [str(f) for f in files]}
     if as_json:
         emit(made)

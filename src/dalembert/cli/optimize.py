@@ -64,11 +64,10 @@ def optimize(
 
     silent = quiet or as_json
     best = best_of(built, **design, analysis=task, progress=False if silent else tell)
-    files = []
+    files: list[Path] = []
     if folder is not None:
         base = folder / f"{file.path.stem}.optimum"
-        files.append(best.motion.save(f"{base}.nc"))
-        files.append(best.motion.report(f"{base}.report.html", **choices))
+        files = best.motion.write(base, True, False, **choices)
     made = _document(best, files)
     if as_json:
         emit(made)

@@ -25,6 +25,7 @@ from dalembert.cli.console import (
 from dalembert.cli.deck import run_deck
 from dalembert.cli.loading import is_deck, loaded, output_folder, refuse_replacing, teller_of
 from dalembert.errors import UnsupportedError
+from dalembert.results.status import Outcome, Status
 
 
 def run(
@@ -79,10 +80,10 @@ def run(
     show = not quiet and not as_json and sys.stderr.isatty()
     with file.located("analysis"):
         result = task.run(built, progress=show)
-    files = teller.write(result, base, report, csv, choices)
-    code = _exit_code(getattr(result, "status", None))
+    files = result.write(base, report, csv, **choices)
+    code = _exit_code(result.status)
     made = {"ok": code == DONE, "name": file.name, "model": teller.sentence(built)}
-    made |= teller.summary(result)
+    made |= result.summary()
     made["files"] = [str(f) for f in files]
     if as_json:
         emit(made)
@@ -95,10 +96,10 @@ def run(
     return code
 
 
-def _exit_code(status: Any) -> int:
-    if status is None or status.success:
+def _exit_code(status: Status) -> int:
+    if status.success:
         return DONE
-    return INTERRUPTED if status.outcome.name == "INTERRUPTED" else FAILED
+    return INTERRUPTED if status.outcome is Outcome.INTERRUPTED else FAILED
 
 
 def _print(made: dict[str, Any], messages: list[tuple[str, str]]) -> None:

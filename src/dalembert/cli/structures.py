@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from dalembert.cli.console import console, head, shown, tell
 from dalembert.cli.parameters import parameters, print_parameters
 
 if TYPE_CHECKING:
-    from dalembert.results.structural.outputs import StructuralOutputs
     from dalembert.structures.model import StructuralModel
 
 SHOWN = 20
@@ -57,61 +53,6 @@ def explain(model: StructuralModel) -> None:
     for case in made["load_cases"]:
         tell(f"  load case       {case or '(without a name)'}")
     print_parameters(model)
-
-
-def write(
-    result: StructuralOutputs, base: Path, report: bool, csv: bool, choices: Any = None
-) -> list[Path]:
-    """Results (.nc), and if asked for a table (.csv) and a report (.report.html)."""
-    files = [result.save(base.with_name(f"{base.name}.nc"))]
-    if csv:
-        files.append(result.to_csv(base.with_name(f"{base.name}.csv")))
-    if report:
-        files.append(result.report(base.with_name(f"{base.name}.report.html")))
-    return files
-
-
-def summary(result: StructuralOutputs) -> dict[str, Any]:
-    """Status, and the largest displacement and the sum of the reactions of each state."""
-    made: dict[str, Any] = {
-        "status": str(result.status),
-        "residual": result.status.residual,
-        "statistics": result.statistics,
-    }
-    named = getattr(result, "named", {})
-    numbers = {name: result.values(name) for name in named}
-    rows = []
-    for k, label in enumerate(result.state_names):
-        row: dict[str, Any] = {result.kind_of_state: label}
-        row |= {name: float(values[k]) for name, values in numbers.items()}
-        if not result.of_any_size:
-            row["largest displacement"] = _largest(result, k)
-            row["sum of reactions"] = _reactions(result, k)
-        rows.append(row)
-    made["states"] = rows
-    if len(rows) == 1:
-        totals = {name: result.values(name) for name in result.totals}
-        made["totals"] = {name: float(value[0]) for name, value in totals.items()}
-    return made
-
-
-def _largest(result: StructuralOutputs, k: int) -> dict[str, Any]:
-    """Size and node of the largest displacement."""
-    degrees = result.model.degrees
-    table = degrees.table[:, : degrees.dimension]
-    size = np.linalg.norm(np.where(table >= 0, result.displacements[table, k], 0.0), axis=1)
-    node = int(np.argmax(size))
-    return {"value": float(size[node]), "unit": "m", "node": degrees.nodes.name(node)}
-
-
-def _reactions(result: StructuralOutputs, k: int) -> dict[str, float]:
-    """Sum of the forces of the supports along each direction [N]."""
-    degrees, held = result.model.degrees, result.model.assembly.prescribed
-    found = {}
-    for axis, direction in enumerate(degrees.directions[: degrees.dimension]):
-        numbers = np.intersect1d(degrees.table[:, axis], held)
-        found[direction.replace("u", "f", 1)] = float(result.forces[numbers, k].sum())
-    return found
 
 
 def show(made: dict[str, Any]) -> None:

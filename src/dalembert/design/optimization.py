@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from dalembert.design.problem import DesignProblem
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.responses.base import Response, as_responses
-from dalembert.results.motion import Motion
+from dalembert.results.result import AnalysedModel, Analysis, Result
+from dalembert.sensitivity.methods import Method
 
 
 @options
@@ -70,8 +69,8 @@ class Optimum:
     message: str
     gradient: dict[str, float]
     history: list[Iterate]
-    initial: Motion
-    motion: Motion
+    initial: Result
+    motion: Result
     at_bounds: list[str] = field(default_factory=list)
     active: list[str] = field(default_factory=list)
     runs: int = 0
@@ -96,15 +95,15 @@ class Optimum:
 
 
 def optimize(
-    model: Model,
+    model: AnalysedModel,
     minimize: Response | None = None,
     *,
     maximize: Response | None = None,
     subject_to: Sequence[Limit] = (),
     vary: Sequence[str] | None = None,
-    analysis: Any,
+    analysis: Analysis,
     start: Mapping[str, float] | None = None,
-    method: Any = "auto",
+    method: Method = "auto",
     max_iterations: int = 100,
     tolerance: float = 1e-8,
     progress: bool | Callable[[int, float], None] = False,

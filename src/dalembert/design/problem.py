@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.model.model import Model
 from dalembert.responses.base import Response, evaluate
-from dalembert.results.motion import Motion
+from dalembert.results.result import AnalysedModel, Analysis, Result
 from dalembert.results.status import Outcome
 from dalembert.sensitivity.gradient import gradient_values
+from dalembert.sensitivity.methods import Method
 
 
 @dataclass
@@ -22,7 +21,7 @@ class Evaluation:
 
     values: np.ndarray
     gradient: np.ndarray | None
-    motion: Motion
+    motion: Result
 
 
 @dataclass
@@ -37,11 +36,11 @@ class DesignProblem:
     method : of ``sensitivity``
     """
 
-    model: Model
-    analysis: Any
+    model: AnalysedModel
+    analysis: Analysis
     responses: Sequence[Response]
     vary: Sequence[str]
-    method: Any = "auto"
+    method: Method = "auto"
     on_run: Callable[[], None] = lambda: None
     runs: int = 0
     failures: list[str] = field(default_factory=list)

@@ -110,14 +110,16 @@ class Model:
         return self.all_equations.mass_at(p).toarray()
 
     # access ------------------------------------------------------------------------
-    def values(self, parameters: Mapping[str, float] | None = None) -> np.ndarray:
-        """Parameter vector with some values replaced.
+    def values(self, parameters: Mapping[str, float] | np.ndarray | None = None) -> np.ndarray:
+        """Parameter vector with some values replaced, or the whole vector as it is given.
 
         Raises
         ------
         ModelError
             Unknown parameter or a value that is not finite.
         """
+        if isinstance(parameters, np.ndarray):
+            return parameters
         p = parameter_vector(self.parameters, parameters, self.name)
         if parameters:
             self._check_values(p)

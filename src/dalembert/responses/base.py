@@ -16,7 +16,7 @@ from dalembert.analysis.events import Occurrence
 from dalembert.analysis.instants import end_by_event
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import options
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.symbolic.expression import Expression
 from dalembert.text import plain_text
 
@@ -48,20 +48,20 @@ class Response:
 
         return replace(self, name=name)
 
-    def over(self, motion: Motion) -> Response:
+    def over(self, motion: Result) -> Response:
         """The same response as it is taken of this result."""
         return self
 
-    def sample_times(self, motion: Motion) -> np.ndarray | None:
+    def sample_times(self, motion: Result) -> np.ndarray | None:
         """Own sampling times, or None for the outputs of the motion."""
         return None
 
-    def sampled(self, motion: Motion) -> Motion:
+    def sampled(self, motion: Result) -> Result:
         """The motion at the instants that the response looks at."""
         times = self.sample_times(motion)
         return motion if times is None else motion.at(times)
 
-    def moves_with(self, motion: Motion) -> Occurrence | None:
+    def moves_with(self, motion: Result) -> Occurrence | None:
         """The event at whose instant the last sample is taken; None where all times are fixed."""
         return end_by_event(motion) if self.sample_times(motion) is None else None
 
@@ -92,7 +92,7 @@ class Response:
         return unit
 
 
-def scalar_measure(motion: Motion, response: Response) -> Expression:
+def scalar_measure(motion: Result, response: Response) -> Expression:
     """The response's measure as an expression of the model.
 
     Raises
@@ -134,7 +134,7 @@ def as_responses(responses: Response | Sequence[Response]) -> list[Response]:
     return listed
 
 
-def evaluate(motion: Motion, response: Response) -> float:
+def evaluate(motion: Result, response: Response) -> float:
     """Value of a response on a motion."""
     sampled = response.sampled(motion)
     samples = sampled.values(scalar_measure(motion, response))

@@ -8,7 +8,7 @@ from dalembert.analysis.events import Event, Occurrence
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import options
 from dalembert.responses.base import Response
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.symbolic.expression import Expression, t
 
 
@@ -41,16 +41,13 @@ class AtEvent(Response):
         number = "" if self.occurrence == 1 else f" {self.occurrence}"
         return f"at_event({Occurrence(self.event)}{number}, {text}"
 
-    def sampled(self, motion: Motion) -> Motion:
-        at_event = getattr(motion.analysis, "at_event", None)
-        if at_event is None:
-            kind = type(motion.analysis).__name__
-            raise UnsupportedError(
-                f"{self.label}: {kind} has no events; use solve_dynamics or solve_kinematics"
-            )
-        return at_event(motion, Occurrence(self.event, self.occurrence))
+    def sampled(self, motion: Result) -> Result:
+        try:
+            return motion.analysis.at_event(motion, Occurrence(self.event, self.occurrence))
+        except UnsupportedError as error:
+            raise UnsupportedError(f"{self.label}: {error}") from None
 
-    def moves_with(self, motion: Motion) -> Occurrence | None:
+    def moves_with(self, motion: Result) -> Occurrence | None:
         return Occurrence(self.event, self.occurrence)
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:

@@ -15,7 +15,7 @@ from dalembert.analysis.events import Occurrence
 from dalembert.analysis.instants import end_by_event
 from dalembert.responses.base import Response
 from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.symbolic.expression import Expression
 
 
@@ -87,13 +87,13 @@ class OverRun(Response):
         """The response with the weights of a rule."""
         raise NotImplementedError
 
-    def sampled(self, motion: Motion) -> Motion:
-        return getattr(motion, "over_steps", motion)
+    def sampled(self, motion: Result) -> Result:
+        return motion.over_steps
 
-    def over(self, motion: Motion) -> Response:
+    def over(self, motion: Result) -> Response:
         return self.by(rule_over(self.sampled(motion)))
 
-    def moves_with(self, motion: Motion) -> Occurrence | None:
+    def moves_with(self, motion: Result) -> Occurrence | None:
         return end_by_event(self.sampled(motion))
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from dalembert.analysis.step_quadrature import StepQuadrature
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 
 SHORT = 1e-3
 """Length of the last interval, relative to the one before, below which the two are one."""
@@ -68,9 +68,9 @@ class Count:
         return np.zeros(self.count)
 
 
-def rule_over(motion: Motion) -> Rule:
+def rule_over(motion: Result) -> Rule:
     """The rule for the samples of a motion."""
-    if not getattr(motion, "continuous", True):
+    if not motion.continuous:
         return Count(motion.time.size)
     chosen: StepQuadrature | None = getattr(motion.record, "quadrature", None)
     return Quadrature.over(motion.time) if chosen is None else chosen

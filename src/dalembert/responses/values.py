@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.options import options
 from dalembert.responses.base import Response
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.symbolic.expression import Expression
 
 
@@ -38,7 +38,7 @@ class At(Response):
     def label(self) -> str:
         return self.name or super().label.replace("at(", f"at({self.time:g}, ", 1)
 
-    def sample_times(self, motion: Motion) -> np.ndarray | None:
+    def sample_times(self, motion: Result) -> np.ndarray | None:
         return np.array([float(self.time)])
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:

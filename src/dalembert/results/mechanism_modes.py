@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -11,6 +12,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.results.numbered import Numbered
+from dalembert.results.result import Analysis
 from dalembert.results.status import Status
 from dalembert.symbolic.expression import Expression, free_symbols
 from dalembert.symbolic.names import Names
@@ -51,7 +53,7 @@ class Modes(Numbered):
     """
 
     model: Model
-    analysis: Any
+    analysis: Analysis
     parameters: np.ndarray
     numbers: np.ndarray
     eigenvalues: np.ndarray
@@ -61,6 +63,8 @@ class Modes(Numbered):
     positions: np.ndarray
     record: Any = None
     statistics: dict[str, Any] = field(default_factory=dict)
+
+    has_page = False
 
     @property
     def frequencies(self) -> np.ndarray:
@@ -126,6 +130,27 @@ class Modes(Numbered):
             shape = (("coordinate", "mode"), getattr(self.shapes, part))
             found[f"shape_{part}"] = xr.DataArray(shape[1], {"coordinate": names}, shape[0])
         return xr.Dataset(found, attrs={"model": self.model.name})
+
+    def summary(self) -> dict[str, Any]:
+        """Stability, frequencies and damping ratios."""
+        told = "stable" if self.stable else "not stable"
+        found = zip(self.frequencies, self.damping_ratios, strict=True)
+        return {
+            "status": f"{told}, {self.eigenvalues.size} mode(s)",
+            "modes": [{"frequency [Hz]": float(f), "damping ratio": float(z)} for f, z in found],
+        }
+
+    def save(self, path: str | Path) -> Path:
+        """Write ``data`` to a NetCDF file; ``load_results`` reads it back."""
+        from dalembert.results.store import save_dataset
+
+        return save_dataset(self.data, path)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write frequencies and damping ratios as CSV."""
+        from dalembert.results.store import save_table
+
+        return save_table(self.data[["frequency", "damping_ratio"]].to_dataframe(), path)
 
     def __repr__(self) -> str:
         rows = ", ".join(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.expression import Expression
@@ -13,9 +13,27 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+FINAL = ("kinetic_energy", "potential_energy", "energy", "balance_error")
+LARGEST = ("position_violation", "velocity_violation")
+
+
 @dataclass(eq=False, repr=False)
 class Motion(LabelledRecording):
     """Motion of a mechanism: its data, files, pictures and report."""
+
+    def summary(self) -> dict[str, Any]:
+        """Status, statistics, events, final energies and largest violations."""
+        data, some = self.data, bool(self.time.size)
+        return {
+            "status": str(self.status),
+            "time": self.status.time,
+            "residual": self.status.residual,
+            "statistics": self.statistics,
+            "warnings": list(self.warnings),
+            "events": [event.row for event in self.events],
+            "final": {name: float(data[name][-1]) for name in FINAL if some},
+            "largest": {name: float(data[name].max()) for name in LARGEST if some},
+        }
 
     # files and pictures ------------------------------------------------------------
     def save(self, path: str | Path, plots=None, trace=None) -> Path:

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.results.result import Result
 from dalembert.symbolic.expression import Expression
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-class Numbered:
+class Numbered(Result):
     """Modes by their numbers; responses see the numbers as they see the instants of a motion.
 
     Attributes

@@ -55,17 +55,10 @@ def report_payload(
 
 
 def _subtitle(motion: LabelledRecording) -> str:
-    kind = type(motion.analysis).__name__
-    spoken = {
-        "Dynamics": "dynamics",
-        "Kinematics": "kinematics",
-        "InverseDynamics": "inverse dynamics",
-        "Equilibrium": "static equilibrium",
-    }.get(kind, kind)
     choices = ("integrator", "formulation", "stabilization", "coordinates")
     used = [str(motion.statistics[k]) for k in choices if k in motion.statistics]
     told = " + ".join(u for u in used if u != "AbsoluteCoordinates")
-    return ", ".join([spoken, told]).rstrip(", ")
+    return ", ".join([motion.analysis.spoken, told]).rstrip(", ")
 
 
 def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]:
@@ -199,7 +192,7 @@ def _default_plots(motion: LabelledRecording, names: set[str]) -> list[list[str]
         plots.append(efforts[:2])
     if reactions:
         plots.append(reactions)
-    if type(motion.analysis).__name__ == "Dynamics":
+    if motion.analysis.integrates:
         plots.append([e for e in ("kinetic_energy", "potential_energy", "energy") if e in names])
     return plots
 
@@ -237,7 +230,7 @@ def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:
         if data[name].size:
             rows.append((label, f"{float(data[name].max()):.3g}"))
     error = np.abs(data["balance_error"].values)
-    if error.size and np.isfinite(error).all() and type(motion.analysis).__name__ != "Kinematics":
+    if error.size and np.isfinite(error).all():
         rows.append(("largest energy balance error [J]", f"{error.max():.3g}"))
     return [
         {"label": str(k), "value": f"{v:.6g}" if isinstance(v, float) else str(v)} for k, v in rows

@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from dalembert.model.model import Model
+from dalembert.results.result import Analysis, Result
 from dalembert.results.status import Status
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.kernel import Kernel
@@ -63,7 +64,7 @@ class EventRecord:
 
 
 @dataclass(eq=False, repr=False)
-class Recording:
+class Recording(Result):
     """States of a mechanism over time, and any measure of them.
 
     Attributes
@@ -80,7 +81,7 @@ class Recording:
     """
 
     model: Model
-    analysis: Any
+    analysis: Analysis
     parameters: np.ndarray
     trajectory: Trajectory
     status: Status
@@ -123,8 +124,7 @@ class Recording:
     @cached_property
     def over_steps(self) -> Self:
         """The same motion where integrals over it look: its outputs, or points of its steps."""
-        look = getattr(self.analysis, "over_steps", None)
-        return self if look is None else look(self)
+        return self.analysis.over_steps(self)
 
     def __repr__(self) -> str:
         span = f"{self.time[0]:g}…{self.time[-1]:g} s" if self.time.size else "no times"

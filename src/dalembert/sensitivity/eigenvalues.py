@@ -22,7 +22,7 @@ import numpy as np
 
 from dalembert.analysis.linearization_kernel import Linearized
 from dalembert.errors import SingularityError
-from dalembert.results.mechanism_modes import IMAG, REAL, Modes
+from dalembert.results.mechanism_modes import IMAG, REAL
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.invariant import COINCIDE, coinciding, invariant_subspaces
 from dalembert.sensitivity.samples import Sample
@@ -58,8 +58,8 @@ class EigenvalueGradient:
     """
 
     def __init__(self, sample: Sample):
-        self.sample, self.modes = sample, cast(Modes, sample.motion)
-        self.state = cast(Linearized, self.modes.record)
+        self.sample, self.modes = sample, sample.motion
+        self.state: Linearized = self.modes.record
         self.origin = cast(ImplicitFunction, self.state.origin)  # for all that the registry lists
         self.near = np.asarray(self.state.near)
         slopes, own = self.modes.slopes(sample.measure)

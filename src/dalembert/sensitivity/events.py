@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from dalembert.analysis.instants import end_by_event
 from dalembert.analysis.timeline import checked_span
 from dalembert.errors import SingularityError
 from dalembert.responses.events import AtEvent
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.samples import Sample, take_sample
 
@@ -46,7 +47,7 @@ class Gate:
     engine : of the run, to ask for rates
     """
 
-    motion: Motion
+    motion: Result
     occurrence: Occurrence
     engine: Engine
 
@@ -114,11 +115,11 @@ class Gate:
 
     @property
     def _declared(self) -> dict[str, Event]:
-        return as_events(getattr(self.motion.analysis, "events", None))
+        return as_events(self.motion.analysis.events)
 
     @cached_property
     def _start(self) -> float:
-        analysis = self.motion.analysis
+        analysis: Any = self.motion.analysis  # one over time: it has events
         return checked_span(analysis.duration, analysis.t_span)[0]
 
     @property
@@ -147,7 +148,7 @@ class EventEngine(Engine):
         An event whose instant has no derivative.
     """
 
-    def __init__(self, motion: Motion, kind: type[Engine], samples: Sequence[Sample]):
+    def __init__(self, motion: Result, kind: type[Engine], samples: Sequence[Sample]):
         super().__init__(samples)
         engine = kind(samples)
         gates: dict[Occurrence, Gate] = {}

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, as_responses, evaluate
-from dalembert.results.mechanism_modes import Modes
-from dalembert.results.motion import Motion
-from dalembert.results.structural.result import StructuralResult
+from dalembert.results.result import Result
 from dalembert.sensitivity.checks.certificate import certify
 from dalembert.sensitivity.checks.diagnosis import Findings, diagnose
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def sensitivity(
-    motion: Motion | Modes | StructuralResult,
+    motion: Result,
     responses: Response | Sequence[Response],
     wrt: Sequence[str] | None = None,
     method: Method = "auto",
@@ -50,7 +48,6 @@ def sensitivity(
         Unknown parameter or method; a run that failed; a response that has no derivative at these
         parameters, e.g. at an event that is only just reached.
     """
-    motion = cast(Motion, motion)  # a structural result answers to the same names
     listed = as_responses(responses)
     refuse_unfinished(motion)
     columns = chosen_columns(motion, wrt)
@@ -68,7 +65,7 @@ def sensitivity(
 
 
 def gradient_values(
-    motion: Motion,
+    motion: Result,
     responses: Sequence[Response],
     wrt: Sequence[str] | None = None,
     method: Method = "auto",
@@ -82,7 +79,7 @@ def gradient_values(
     return _values(motion, responses, columns, _strategy(method, len(responses), len(columns)))
 
 
-def chosen_columns(motion: Motion, wrt: Sequence[str] | None) -> list[int]:
+def chosen_columns(motion: Result, wrt: Sequence[str] | None) -> list[int]:
     """Numbers of the parameters with these names, each once; all where ``wrt`` is None.
 
     Raises
@@ -103,7 +100,7 @@ def chosen_columns(motion: Motion, wrt: Sequence[str] | None) -> list[int]:
     return [names[n] for n in chosen]
 
 
-def _values(motion: Motion, responses, columns: list[int], strategy) -> np.ndarray:
+def _values(motion: Result, responses, columns: list[int], strategy) -> np.ndarray:
     values = strategy.gradient(motion, responses, columns).reshape(len(responses), len(columns))
     if not np.all(np.isfinite(values)):
         r, i = (int(k[0]) for k in np.nonzero(~np.isfinite(values)))
@@ -115,7 +112,7 @@ def _values(motion: Motion, responses, columns: list[int], strategy) -> np.ndarr
     return values
 
 
-def _labelled(motion: Motion, responses, columns, values: np.ndarray, strategy) -> xr.DataArray:
+def _labelled(motion: Result, responses, columns, values: np.ndarray, strategy) -> xr.DataArray:
     import xarray as xr
 
     listed = list(motion.model.parameters.values())
@@ -146,16 +143,16 @@ def _strategy(
     return method.choose(responses, parameters) if isinstance(method, Automatic) else method
 
 
-def _unit(motion: Motion, response: Response) -> str:
+def _unit(motion: Result, response: Response) -> str:
     return response.over(motion).unit(motion.expression(response.measure).unit)
 
 
-def refuse_unfinished(motion: Motion) -> None:
+def refuse_unfinished(motion: Result) -> None:
     if not motion.status.success:
         raise AnalysisError(f"no gradient of a run that failed: {motion.status}")
 
 
-def refuse_unknown_values(motion: Motion, responses: Sequence[Response]) -> None:
+def refuse_unknown_values(motion: Result, responses: Sequence[Response]) -> None:
     """A response whose value is not a number has no gradient.
 
     Raises

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.responses.base import Response
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference
 from dalembert.sensitivity.registry import engine_of
 
@@ -18,7 +18,7 @@ class Direct:
     """Direct differentiation: cost grows with the number of parameters."""
 
     def gradient(
-        self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
+        self, motion: Result, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
         """(responses, columns) derivatives."""
         return engine_of(motion, responses).direct(columns)
@@ -29,7 +29,7 @@ class Adjoint:
     """Adjoint method: cost grows with the number of responses."""
 
     def gradient(
-        self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
+        self, motion: Result, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
         """(responses, columns) derivatives."""
         return engine_of(motion, responses).adjoint()[:, list(columns)]

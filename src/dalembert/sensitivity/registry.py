@@ -16,7 +16,7 @@ from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient import Transient
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.sensitivity.eigenvalues import EigenvalueEngine
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.events import EventEngine
@@ -43,7 +43,7 @@ ENGINES: dict[type, type[Engine]] = {
 """Analysis → engine; subclasses of an analysis use the same."""
 
 
-def engine_of(motion: Motion, responses: Sequence[Response]) -> Engine:
+def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
     """The engine for responses of a result.
 
     Raises

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
 from dalembert.analysis.events import Occurrence
 from dalembert.responses.base import Response, scalar_measure
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.symbolic.expression import Expression
+
+R = TypeVar("R", bound=Result)
 
 
 @dataclass(frozen=True)
-class Sample:
+class Sample(Generic[R]):
     """A response with the samples it is made of.
 
     Attributes
     ----------
-    motion : the motion at the sampling times
+    motion : the result at the sampling times
     measure : scalar expression
     value : ``R(m)``
     weights : (K,) ``∂R/∂m_k``
@@ -28,7 +31,7 @@ class Sample:
     """
 
     response: Response
-    motion: Motion
+    motion: R
     measure: Expression
     value: float
     weights: np.ndarray
@@ -43,7 +46,7 @@ def weights_change(sample: Sample, change: np.ndarray) -> np.ndarray:
     return sample.response.weights_change(sample.motion.time, values, change)
 
 
-def take_sample(motion: Motion, response: Response) -> Sample:
+def take_sample(motion: Result, response: Response) -> Sample[Any]:
     """Evaluate a response and its weights on a motion."""
     sampled = response.sampled(motion)
     measure = scalar_measure(motion, response)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, as_responses
-from dalembert.results.motion import Motion
-from dalembert.results.structural.result import StructuralResult
+from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import (
     chosen_columns,
     refuse_unfinished,
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def hessian_product(
-    result: Motion | StructuralResult,
+    result: Result,
     response: Response,
     direction: Mapping[str, float] | Sequence[float] | np.ndarray,
     wrt: Sequence[str] | None = None,
@@ -50,7 +49,6 @@ def hessian_product(
     """
     import xarray as xr
 
-    result = cast(Motion, result)  # a structural result answers to the same names
     columns = chosen_columns(result, wrt)
     along = _along(result, direction, columns)
     refuse_unfinished(result)
@@ -81,7 +79,7 @@ def hessian_product(
     )
 
 
-def _along(result: Motion, direction, columns: list[int]) -> np.ndarray:
+def _along(result: Result, direction, columns: list[int]) -> np.ndarray:
     """(np,) components along all parameters."""
     along = np.zeros(result.parameters.size)
     if isinstance(direction, Mapping):

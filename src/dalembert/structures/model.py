@@ -111,14 +111,16 @@ class StructuralModel:
             raise ModelError(f"depends on {', '.join(sorted(foreign))}, no parameters here", entity)
 
     # parameters -----------------------------------------------------------------------------
-    def values(self, parameters: Mapping[str, float] | None = None) -> np.ndarray:
-        """Parameter vector with some values replaced.
+    def values(self, parameters: Mapping[str, float] | np.ndarray | None = None) -> np.ndarray:
+        """Parameter vector with some values replaced, or the whole vector as it is given.
 
         Raises
         ------
         ModelError
             Unknown parameter, or a value that makes a quantity leave its limits.
         """
+        if isinstance(parameters, np.ndarray):
+            return parameters
         p = parameter_vector(self.parameters, parameters, self.name)
         if parameters:
             self.check_values(p)

@@ -67,7 +67,7 @@ def find_reference(
     """
     if isinstance(given, Motion):
         exact = given.at(np.asarray(span.outputs))
-        text = f"the given motion by {_told(given.analysis)}"
+        text = "the given motion"
     else:
         chosen = given or _capped(TIGHT, span)
         exact, text = _run(model, chosen, span, p), _told(chosen)

@@ -13,12 +13,13 @@ from dalembert.analysis.structural.spectrum import Spectrum, largest
 from dalembert.analysis.structural.statics import Statics, factorised
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
+from dalembert.results.result import Analysis
 from dalembert.results.structural.buckling_modes import BucklingModes
 from dalembert.structures.model import StructuralModel
 
 
 @options
-class Buckling:
+class Buckling(Analysis[StructuralModel, BucklingModes]):
     """Linear buckling as a strategy object.
 
     The exact strain energies of the elements give ``K_g = ∂³W/∂u³ (0) · u₀``. What is true of the
@@ -37,6 +38,8 @@ class Buckling:
     UnsupportedError
         A count that is not positive.
     """
+
+    spoken = "linear buckling"
 
     count: int = 3
     case: str = ""
@@ -62,7 +65,7 @@ class Buckling:
         AnalysisError
             Unknown load case; no load factor of the sign asked for.
         """
-        p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        p = model.values(parameters)
         pencil = self._pencil(model, p)
         return self._modes(pencil, p, self._spectrum(pencil))
 
@@ -141,8 +144,4 @@ def solve_buckling(
         Wrong options, unknown load case, no such factor; ``SingularityError`` where the structure
         is a mechanism.
     """
-    try:
-        analysis = Buckling(count, case, **options)
-    except TypeError as error:
-        raise AnalysisError(f"solve_buckling: {error}") from None
-    return analysis.run(model, parameters)
+    return Buckling.of("solve_buckling", count=count, case=case, **options).run(model, parameters)

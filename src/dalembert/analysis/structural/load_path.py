@@ -15,6 +15,7 @@ from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.path_equations import Crossing, PathEquations
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
+from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult, Plane
 from dalembert.structures.model import StructuralModel
@@ -31,7 +32,7 @@ MARGIN = 1e-9
 
 
 @options
-class ArcLength:
+class ArcLength(Analysis[StructuralModel, LoadPathResult]):
     """Equilibria of one load case along the path of its load.
 
     Parameters
@@ -50,6 +51,8 @@ class ArcLength:
     UnsupportedError
         A number that is not positive.
     """
+
+    spoken = "load path"
 
     case: str = ""
     first: float = 0.1
@@ -77,7 +80,7 @@ class ArcLength:
             An unknown load case, or one that moves nothing; ``SingularityError`` where the
             structure is a mechanism before any load acts.
         """
-        p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        p = model.values(parameters)
         if self.case not in model.loads:
             known = ", ".join(repr(c) for c in model.loads)
             raise AnalysisError(f"no load case {self.case!r}; known: {known}")
@@ -271,8 +274,4 @@ def solve_load_path(
     AnalysisError
         Wrong options; ``SingularityError`` where the structure is a mechanism.
     """
-    try:
-        analysis = ArcLength(**options)
-    except TypeError as error:
-        raise AnalysisError(f"solve_load_path: {error}") from None
-    return analysis.run(model, parameters)
+    return ArcLength.of("solve_load_path", **options).run(model, parameters)

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import scipy.sparse.linalg as linalg
 
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectrum import Spectrum, nearest
-from dalembert.analysis.structural.statics import Statics, factorised
+from dalembert.analysis.structural.statics import factorised
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
+from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.results.structural.vibration_modes import VibrationModes
@@ -25,7 +25,7 @@ CONVERGED = 1e-6
 
 
 @options
-class Modal:
+class Modal(Analysis[StructuralModel, VibrationModes]):
     """Modes of vibration as a strategy object.
 
     Parameters
@@ -42,6 +42,8 @@ class Modal:
         A count that is not positive; ``about`` with several load cases, or of another analysis.
     """
 
+    spoken = "modes of vibration"
+
     count: int = 6
     lumped: bool = False
     shift: float = 0.0
@@ -52,7 +54,7 @@ class Modal:
             raise UnsupportedError(f"Modal: count is {self.count}; it must be positive")
         if self.about is None:
             return
-        if not isinstance(self.about.analysis, (Statics, NonlinearStatics)):
+        if not self.about.analysis.at_rest:
             kind = type(self.about.analysis).__name__
             raise UnsupportedError(f"Modal: about is of {kind}; take a result of solve_statics")
         if len(self.about.cases) != 1:
@@ -77,7 +79,7 @@ class Modal:
             Nothing has mass; ``about`` is of another structure, or failed.
         """
         if self.about is None:
-            p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+            p = model.values(parameters)
         else:
             p = self._loaded_parameters(self.about, model, parameters)
         pencil = self._pencil(model, p)
@@ -187,8 +189,4 @@ def solve_modes(
     AnalysisError
         Wrong options, nothing has mass; ``SingularityError`` where something moves freely.
     """
-    try:
-        analysis = Modal(count, **options)
-    except TypeError as error:
-        raise AnalysisError(f"solve_modes: {error}") from None
-    return analysis.run(model, parameters)
+    return Modal.of("solve_modes", count=count, **options).run(model, parameters)

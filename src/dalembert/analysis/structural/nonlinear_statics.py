@@ -11,6 +11,7 @@ from dalembert.analysis.structural.balance import Balance, Balanced
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.statics import StaticsRecord, factorised
 from dalembert.options import options
+from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
@@ -21,7 +22,7 @@ SHORTEST = 1e-6
 
 
 @options
-class NonlinearStatics:
+class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
     """Equilibrium at large displacements, ``∂W/∂u (U, p) = P`` with ``U_p`` prescribed.
 
     Loads and prescribed displacements grow together in ``steps`` equal steps; a step in which
@@ -38,6 +39,9 @@ class NonlinearStatics:
     UnsupportedError
         A number that is not positive.
     """
+
+    spoken = "nonlinear statics"
+    at_rest = True
 
     steps: int = 10
     tolerance: float = 1e-10
@@ -59,7 +63,7 @@ class NonlinearStatics:
         SingularityError
             The structure is a mechanism before any load acts.
         """
-        p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        p = model.values(parameters)
         paths = [LoadPath(self, model, p, case) for case in model.loads]
         u = np.stack([path.follow() for path in paths], axis=1)
         forces = np.stack([path.forces() for path in paths], axis=1)

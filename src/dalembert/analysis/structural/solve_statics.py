@@ -7,7 +7,6 @@ from typing import Any
 
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.statics import Statics
-from dalembert.errors import AnalysisError
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 
@@ -33,9 +32,5 @@ def solve_statics(
     AnalysisError
         Wrong options; ``SingularityError`` where the structure is a mechanism.
     """
-    try:
-        analysis: Statics | NonlinearStatics
-        analysis = NonlinearStatics(**options) if nonlinear else Statics(**options)
-    except TypeError as error:
-        raise AnalysisError(f"solve_statics: {error}") from None
-    return analysis.run(model, parameters)
+    chosen = NonlinearStatics if nonlinear else Statics
+    return chosen.of("solve_statics", **options).run(model, parameters)

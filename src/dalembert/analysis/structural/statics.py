@@ -11,6 +11,7 @@ import scipy.sparse as sparse
 import scipy.sparse.linalg as linalg
 
 from dalembert.errors import SingularityError
+from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
@@ -33,8 +34,11 @@ class StaticsRecord:
 
 
 @dataclass(frozen=True)
-class Statics:
+class Statics(Analysis[StructuralModel, StructuralResult]):
     """Linear statics as a strategy object; all load cases share one factorisation."""
+
+    spoken = "linear statics"
+    at_rest = True
 
     def run(
         self,
@@ -50,7 +54,7 @@ class Statics:
             The structure can move without straining; names the nodes that do.
         """
         model = model.linearized
-        p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        p = model.values(parameters)
         assembly, size = model.assembly, len(model.degrees)
         free, held = assembly.free, assembly.prescribed
         rest = np.zeros(size)

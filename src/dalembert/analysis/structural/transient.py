@@ -15,12 +15,13 @@ from dalembert.analysis.structural.transient_start import STARTS
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.newmark import Newmark, NewmarkFamily
 from dalembert.options import options
+from dalembert.results.result import Analysis
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel
 
 
 @options(eq=False)
-class Transient:
+class Transient(Analysis[StructuralModel, StructuralMotion]):
     """Motion of a structure under loads and support motions that may depend on time.
 
     Parameters
@@ -41,6 +42,8 @@ class Transient:
     AnalysisError, UnsupportedError
         A choice that is none of these.
     """
+
+    spoken = "transient"
 
     duration: float | None = None
     step: float | None = None
@@ -94,7 +97,7 @@ class Transient:
         SingularityError
             The run cannot begin.
         """
-        p = parameters if isinstance(parameters, np.ndarray) else model.values(parameters)
+        p = model.values(parameters)
         return TransientRun(self, model, p).execute(progress)
 
     def resample(self, motion: StructuralMotion, times: np.ndarray) -> StructuralMotion:
@@ -140,8 +143,6 @@ def solve_transient(
     AnalysisError
         Wrong options; ``SingularityError`` where the run cannot begin.
     """
-    try:
-        analysis = Transient(duration=duration, **options)
-    except TypeError as error:
-        raise AnalysisError(f"solve_transient: {error}") from None
-    return analysis.run(model, parameters, progress)
+    return Transient.of("solve_transient", duration=duration, **options).run(
+        model, parameters, progress
+    )

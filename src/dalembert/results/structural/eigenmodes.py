@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.results.numbered import Numbered
+from dalembert.results.result import Analysis
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
@@ -71,7 +72,7 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
     """
 
     model: StructuralModel
-    analysis: Any
+    analysis: Analysis
     parameters: np.ndarray
     numbers: np.ndarray
     eigenvalues: np.ndarray
@@ -119,7 +120,7 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
 
     def measure(self, name: str) -> Measure:
         """What a symbol in a formula stands for."""
-        return self._behind(self.model, name, getattr(self.analysis, "lumped", False))
+        return self._behind(self.model, name)
 
     @classmethod
     def _behind(cls, model: StructuralModel, name: str, lumped: bool = False) -> Measure:

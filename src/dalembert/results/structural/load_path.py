@@ -92,7 +92,7 @@ class LoadPathResult(StructuralResult):
         AnalysisError
             The path does not get there.
         """
-        return self.analysis.at_load(self, factor)
+        return self.analysis.at_load(self, factor)  # type: ignore[attr-defined]
 
     @property
     def data(self) -> xr.Dataset:

@@ -8,13 +8,14 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.results.result import Result
 from dalembert.structures.measures import Measure, State, Weights
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.expression import Expression, stack, t
 from dalembert.symbolic.once import once
 
 
-class MeasuredStates:
+class MeasuredStates(Result):
     """States by number, load cases or instants, and any formula of their measures.
 
     Attributes

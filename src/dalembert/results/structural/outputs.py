@@ -74,6 +74,12 @@ class StructuralOutputs(StructuralStates):
             ax=ax,
         )
 
+    def summary(self) -> dict[str, Any]:
+        """Status, and the largest displacement and the sum of the reactions of each state."""
+        from dalembert.results.structural.summary import structural_summary
+
+        return structural_summary(self)
+
     def report(self, path: str | Path) -> Path:
         """Write the interactive report, one self-contained HTML file."""
         from dalembert.report.page import write_page

@@ -16,14 +16,6 @@ from dalembert.results.structural.symbols import arrows, moments, support_symbol
 
 MOST_NUMBERS = 3_000_000
 """Numbers in a page; of more cases than fit some are left out, evenly."""
-SPOKEN = {
-    "Statics": "linear statics",
-    "NonlinearStatics": "nonlinear statics",
-    "ArcLength": "load path",
-    "Modal": "modes of vibration",
-    "Buckling": "linear buckling",
-    "Transient": "transient",
-}
 
 
 def structural_payload(result: StructuralStates) -> dict[str, Any]:
@@ -44,7 +36,7 @@ def structural_payload(result: StructuralStates) -> dict[str, Any]:
         "format": 1,
         "kind": "structure",
         "title": model.name,
-        "subtitle": SPOKEN.get(type(result.analysis).__name__, type(result.analysis).__name__),
+        "subtitle": result.analysis.spoken,
         "dimension": drawing.dimension,
         "cases": [result.state_names[k] for k in keep],
         "drawing": _drawing(drawing),

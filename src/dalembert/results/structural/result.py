@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.results.result import Analysis
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
@@ -34,7 +35,7 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
     """
 
     model: StructuralModel
-    analysis: Any
+    analysis: Analysis
     parameters: np.ndarray
     cases: list[str]
     displacements: np.ndarray

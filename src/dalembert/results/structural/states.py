@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.status import Status
+from dalembert.results.result import Result
 from dalembert.structures.measures import State
 from dalembert.structures.mesh import Mesh
 from dalembert.structures.model import StructuralModel
@@ -19,21 +19,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-class StructuralStates:
+class StructuralStates(Result):
     """States of a structure: under load cases, modes, instants.
 
     Attributes
     ----------
-    model, analysis, parameters, status, statistics : as the result has them
     cases : names of the states
     displacements, forces : (n, states)
     """
 
     model: StructuralModel
-    analysis: Any
-    parameters: np.ndarray
-    status: Status
-    statistics: dict[str, Any]
     cases: list[str]
     displacements: np.ndarray
     forces: np.ndarray
@@ -42,6 +37,8 @@ class StructuralStates:
     """What people call one of the states."""
     totals: ClassVar[tuple[str, ...]] = ("mass", "compliance", "strain_energy")
     """Measures of the whole that are told in summaries."""
+    named: ClassVar[dict[str, Expression]] = {}
+    """Measures that a state has as a whole, as a mode has a frequency."""
     in_sequence: ClassVar[bool] = False
     """Whether the states follow one another, as instants do."""
     of_any_size: ClassVar[bool] = False
@@ -59,10 +56,6 @@ class StructuralStates:
 
     def state(self, case: int) -> State:
         """Displacements and forces of one case."""
-        raise NotImplementedError
-
-    def values(self, measure: str | Expression) -> np.ndarray:
-        """(states,) values of a measure."""
         raise NotImplementedError
 
     @property

@@ -77,6 +77,9 @@ class VibrationModes(EigenModes):
         """(k,) [Hz]."""
         return self.values("frequency")
 
+    def measure(self, name: str) -> Measure:
+        return self._behind(self.model, name, self.analysis.lumped)  # type: ignore[attr-defined]
+
     @classmethod
     def _find(cls, model: StructuralModel, name: str) -> Expression | None:
         for prefix in (PARTICIPATION, EFFECTIVE):

@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.integrators.sundials import SundialsIntegrator
 from dalembert.responses.base import Response
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.sensitivity.checks.diagnosis import NEGLIGIBLE
 from dalembert.sensitivity.checks.replays import Replays
 from dalembert.sensitivity.checks.scales import parameter_scales
@@ -100,7 +100,7 @@ class Certificate:
 
 
 def certify(
-    motion: Motion,
+    motion: Result,
     responses: Sequence[Response],
     columns: list[int],
     rng: np.random.Generator | None = None,
@@ -142,7 +142,7 @@ def certify(
     return Certificate(xr.Dataset(data, coordinates, attrs={"model": motion.model.name}))
 
 
-def _agreement(motion: Motion) -> float:
+def _agreement(motion: Result) -> float:
     """How well direct and adjoint derivatives must agree."""
     integrator = getattr(motion.analysis, "integrator", None)
     if isinstance(integrator, SundialsIntegrator):  # whose sensitivities have its tolerances

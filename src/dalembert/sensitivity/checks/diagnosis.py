@@ -11,8 +11,8 @@ import numpy as np
 
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
-from dalembert.results.motion import Motion
 from dalembert.results.recording import Recording
+from dalembert.results.result import Result
 from dalembert.sensitivity.checks.kinks import ties
 from dalembert.sensitivity.checks.scales import parameter_scales
 from dalembert.symbolic.once import once
@@ -35,7 +35,7 @@ class Findings:
     columns : numbers of the parameters
     """
 
-    motion: Motion
+    motion: Result
     responses: Sequence[Response]
     columns: Sequence[int]
     values: np.ndarray

@@ -9,7 +9,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.base import Response
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.sensitivity.checks.replays import Replays
 from dalembert.sensitivity.checks.stencils import Quotient, best_step, checked_step, place
 
@@ -41,7 +41,7 @@ class FiniteDifference:
         checked_step(self.scheme, self.step)
 
     def gradient(
-        self, motion: Motion, responses: Sequence[Response], columns: Sequence[int]
+        self, motion: Result, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
         """(responses, columns) difference quotients.
 
@@ -54,7 +54,7 @@ class FiniteDifference:
         rows = [q.evaluate(motion.parameters, values) for q in self.quotients(motion, columns)]
         return np.array(rows).T.reshape(len(responses), len(columns))
 
-    def quotients(self, motion: Motion, columns: Sequence[int]) -> list[Quotient]:
+    def quotients(self, motion: Result, columns: Sequence[int]) -> list[Quotient]:
         """One for each of these parameters."""
         names = list(motion.model.parameters)
         for name in self.step if isinstance(self.step, Mapping) else ():
@@ -68,6 +68,6 @@ class FiniteDifference:
         given = self.step.get(name) if isinstance(self.step, Mapping) else self.step
         return best_step(self.scheme) if given is None else float(given)
 
-    def notes(self, motion: Motion, columns: Sequence[int]) -> list[str]:
+    def notes(self, motion: Result, columns: Sequence[int]) -> list[str]:
         """Where another stencil is used than the one asked for."""
         return [q.note for q in self.quotients(motion, columns) if q.note]

@@ -11,7 +11,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.responses.extremes import Maximum
 from dalembert.responses.integrals import Rms
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.sensitivity.checks.scales import parameter_scales
 from dalembert.sensitivity.registry import engine_of
 
@@ -36,7 +36,7 @@ class Picked(Response):
         return np.eye(1, samples.size, self.index).ravel()
 
 
-def _slopes(motion: Motion, response: Response, samples: np.ndarray, columns) -> np.ndarray:
+def _slopes(motion: Result, response: Response, samples: np.ndarray, columns) -> np.ndarray:
     """(samples, columns) changes of some samples for changes of 100 % of the parameters."""
     few = samples[np.unique(np.linspace(0, samples.size - 1, PICKED).astype(int))]
     picked = [Picked(response.measure, f"sample {k}", int(k)) for k in few]
@@ -44,7 +44,7 @@ def _slopes(motion: Motion, response: Response, samples: np.ndarray, columns) ->
     return found * parameter_scales(motion, columns)
 
 
-def ties(motion: Motion, response: Response, columns: Sequence[int]) -> str:
+def ties(motion: Result, response: Response, columns: Sequence[int]) -> str:
     """What to say where several samples are the largest and change differently; else nothing."""
     if not isinstance(response, Maximum) or response.smooth is not None:
         return ""
@@ -68,12 +68,12 @@ def ties(motion: Motion, response: Response, columns: Sequence[int]) -> str:
     )
 
 
-def _instant(motion: Motion, k: int) -> str:
+def _instant(motion: Result, k: int) -> str:
     cases = getattr(motion, "cases", None)
     return f"load case {cases[k]!r}" if cases else f"t = {motion.time[k]:.6g} s"
 
 
-def refuse_kinks(motion: Motion, responses: Sequence[Response], columns: Sequence[int]) -> None:
+def refuse_kinks(motion: Result, responses: Sequence[Response], columns: Sequence[int]) -> None:
     """A root mean square of zero has no gradient unless all its samples stay zero.
 
     Raises

@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 
 
 @dataclass
@@ -22,7 +22,7 @@ class Replays:
     responses : what is drawn from it
     """
 
-    motion: Motion
+    motion: Result
     responses: Sequence[Response]
     _known: dict[bytes, np.ndarray] = field(default_factory=dict, repr=False)
 

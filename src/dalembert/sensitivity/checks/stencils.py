@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError, UnsupportedError
-from dalembert.results.motion import Motion
+from dalembert.results.result import Result
 from dalembert.sensitivity.checks.scales import parameter_scale
 
 EPS = float(np.finfo(float).eps)
@@ -90,7 +90,7 @@ def moved(p: np.ndarray, column: int, by: float) -> np.ndarray:
     return changed
 
 
-def place(motion: Motion, column: int, scheme: str, relative: float) -> Quotient:
+def place(motion: Result, column: int, scheme: str, relative: float) -> Quotient:
     """The scheme's quotient within the bounds of the parameter and the limits of the model.
 
     Raises
@@ -125,7 +125,7 @@ def place(motion: Motion, column: int, scheme: str, relative: float) -> Quotient
     )
 
 
-def refusal(motion: Motion, column: int, offsets: Sequence[float], step: float) -> str:
+def refusal(motion: Result, column: int, offsets: Sequence[float], step: float) -> str:
     """Why these values are not allowed; empty where they are."""
     names = list(motion.model.parameters)
     for offset in sorted({min(offsets), max(offsets)} - {0.0}):
@@ -140,7 +140,7 @@ def refusal(motion: Motion, column: int, offsets: Sequence[float], step: float) 
     return ""
 
 
-def beyond_bounds(motion: Motion, column: int, value: float) -> str:
+def beyond_bounds(motion: Result, column: int, value: float) -> str:
     """Which bound a value leaves, unless the run itself is outside; empty where none."""
     parameter = list(motion.model.parameters.values())[column]
     lower, upper = parameter.bounds

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.results.motion import Motion
-from dalembert.results.structural.result import StructuralResult
+from dalembert.results.result import Result
 from dalembert.sensitivity.checks.replays import Replays
 from dalembert.sensitivity.checks.scales import parameter_scale
 from dalembert.sensitivity.checks.stencils import SCHEMES, checked_step, place
@@ -65,7 +64,7 @@ class StepStudy:
 
 
 def step_study(
-    result: Motion | StructuralResult,
+    result: Result,
     response: Response,
     parameter: str,
     steps: Sequence[float] = STEPS,
@@ -85,7 +84,7 @@ def step_study(
     AnalysisError, UnsupportedError
         Unknown parameter or scheme, a step that is not positive; what ``sensitivity`` raises.
     """
-    motion = cast(Motion, result)
+    motion = result
     for scheme in schemes:
         for step in steps:
             checked_step(scheme, step)

@@ -14,13 +14,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import cast
 
 import numpy as np
 
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.errors import SingularityError
-from dalembert.results.structural.eigenmodes import EigenModes, ModeWeights
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.samples import Sample
 from dalembert.sensitivity.structural.loaded_pencil import PencilTangent
@@ -98,8 +96,8 @@ class EigenpairGradient:
     """
 
     def __init__(self, sample: Sample):
-        self.sample, self.modes = sample, cast(EigenModes, sample.motion)
-        self.spectrum = cast(Spectrum, self.modes.record)
+        self.sample, self.modes = sample, sample.motion
+        self.spectrum: Spectrum = self.modes.record
         self.own = np.zeros(self.modes.parameters.size)
         self.groups = self._groups()
 
@@ -107,7 +105,7 @@ class EigenpairGradient:
         values, shapes = np.zeros(self.spectrum.values.size), np.zeros_like(self.spectrum.shapes)
         for k in np.flatnonzero(self.sample.weights):
             share = float(self.sample.weights[k])
-            seen = cast(ModeWeights, self.modes.weights(self.sample.measure.sx, int(k)))
+            seen = self.modes.weights(self.sample.measure.sx, int(k))
             if not np.isfinite(seen.eigenvalue):
                 raise SingularityError(
                     f"{self.sample.response.label}: the eigenvalue of mode {self.modes.numbers[k]} "

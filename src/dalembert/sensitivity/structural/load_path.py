@@ -7,7 +7,7 @@ point it is the gradient of the limit load, whatever the plane: the path is leve
 from __future__ import annotations
 
 from functools import cache
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +22,7 @@ class LoadPathGradient(StaticsGradient):
 
     def __init__(self, sample: Sample, shared: dict | None = None):
         super().__init__(sample, shared)
-        self.path = cast(LoadPathResult, sample.motion)
+        self.path: LoadPathResult = sample.motion
         self.equations = PathEquations(self.model, self.p, self.path.cases[0])
         self.factors = cache(self._factors)
 

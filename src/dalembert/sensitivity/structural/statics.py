@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -95,7 +95,7 @@ class StaticsGradient(StaticsTangent):
     """
 
     def __init__(self, sample: Sample, shared: dict | None = None):
-        super().__init__(cast(StructuralResult, sample.motion))
+        super().__init__(sample.motion)
         self.sample = sample
         self._changes = {} if shared is None else shared
 

@@ -1,0 +1,171 @@
+"""What responses, gradients and designs see: results, and the analyses that made them."""
+
+from __future__ import annotations
+
+import difflib
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVar
+
+import numpy as np
+
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.results.status import Status
+from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.parameter import Parameter
+
+
+class AnalysedModel(Protocol):
+    """A mechanism or a structure, as far as everything about its parameters goes."""
+
+    name: str
+    parameters: Mapping[str, Parameter]
+    nominal: np.ndarray
+
+    def values(self, parameters: Any = None) -> np.ndarray:
+        """(np,) values of the parameters, some replaced."""
+        ...
+
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, a formula or an expression."""
+        ...
+
+
+class Result(Protocol):
+    """States at instants, or by number, and any measure of them.
+
+    Attributes
+    ----------
+    model : what was analysed
+    analysis : the analysis that made it
+    parameters : (np,) values used
+    time : (K,) instants [s]; of load cases, modes and points of a path their numbers
+    status : how it ended
+    statistics : name → number or text, for people
+    record : what a gradient needs
+    warnings : doubts about the choices made
+    events : what happened
+    continuous : whether there is something between the instants; integrals are sums where not
+    has_page : whether there is a report of it
+    """
+
+    model: Any
+    analysis: Analysis
+    parameters: np.ndarray
+    status: Status
+    statistics: dict[str, Any]
+    record: Any
+    warnings: Sequence[str] = ()
+    events: Sequence[Any] = ()
+    continuous: ClassVar[bool] = True
+    has_page: ClassVar[bool] = True
+
+    if TYPE_CHECKING:  # results have it as a property or as a field
+
+        @property
+        def time(self) -> np.ndarray: ...
+
+    def at(self, times: np.ndarray) -> Self:
+        """The same at other instants, or some of the numbers."""
+        ...
+
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, a formula or an expression."""
+        ...
+
+    def values(self, measure: str | Expression) -> np.ndarray:
+        """(K,) values of a scalar measure."""
+        ...
+
+    @property
+    def over_steps(self) -> Self:
+        """The same where integrals look at it."""
+        return self
+
+    # for people ----------------------------------------------------------------------------
+    def summary(self) -> dict[str, Any]:
+        """``status`` and the numbers to tell."""
+        ...
+
+    def save(self, path: str | Path) -> Path:
+        """Write all results to a NetCDF file; ``load_results`` reads it back."""
+        ...
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write a table."""
+        ...
+
+    def report(self, path: str | Path) -> Path:
+        """Write the interactive report, one self-contained HTML file, where ``has_page``."""
+        raise UnsupportedError(f"there is no report of {type(self).__name__}; save or draw it")
+
+    def write(self, base: Path, report: bool, csv: bool, **first_view: Any) -> list[Path]:
+        """Results (.nc), and if asked for a table (.csv) and a report (.report.html)."""
+        files = [self.save(base.with_name(f"{base.name}.nc"))]
+        if csv:
+            files.append(self.to_csv(base.with_name(f"{base.name}.csv")))
+        if report and self.has_page:
+            files.append(self.report(base.with_name(f"{base.name}.report.html"), **first_view))
+        return files
+
+
+M = TypeVar("M")
+R = TypeVar("R")
+
+
+class Analysis(ABC, Generic[M, R]):
+    """How a result is made, made again at other parameters, and looked at elsewhere.
+
+    A new analysis is a frozen dataclass of options with ``run`` and ``replay``; one over time
+    gives ``resample``, one with events ``at_event``.
+    """
+
+    spoken: ClassVar[str] = ""
+    """What people call it."""
+    events: Mapping[str, Any] | None = None
+    """Name → event, where there can be some."""
+    at_rest: ClassVar[bool] = False
+    """Its results are equilibria, each on its own."""
+    integrates: ClassVar[bool] = False
+    """Its results come of integration, which energies judge."""
+
+    @abstractmethod
+    def run(self, model: M, parameters: Mapping[str, float] | np.ndarray | None = None) -> R:
+        """The result for a model, with some parameters replaced or all given."""
+
+    @abstractmethod
+    def replay(self, result: R, p: np.ndarray) -> R:
+        """The same at other parameter values: same steps, same branch."""
+
+    def resample(self, result: R, times: np.ndarray) -> R:
+        """The same at other instants."""
+        raise UnsupportedError(f"a result of {type(self).__name__} has no other instants")
+
+    def at_event(self, result: R, occurrence: Any) -> R:
+        """The result at the instant of an event."""
+        kind = type(self).__name__
+        raise UnsupportedError(f"{kind} has no events; use solve_dynamics or solve_kinematics")
+
+    def over_steps(self, result: R) -> R:
+        """The result where integrals look at it."""
+        return result
+
+    @classmethod
+    def of(cls, verb: str, **options: Any) -> Self:
+        """The analysis with the options that a verb was given.
+
+        Raises
+        ------
+        AnalysisError
+            It has no such option; tells the nearest.
+        """
+        known = [field.name for field in fields(cls)]  # type: ignore[arg-type]
+        for name in options:
+            if name not in known:
+                close = difflib.get_close_matches(name, known, 1)
+                nearest = f" (did you mean {close[0]!r}?)" if close else ""
+                listed = ", ".join(known) or "none"
+                raise AnalysisError(f"{verb}: unknown option {name!r}{nearest}; known: {listed}")
+        return cls(**options)
