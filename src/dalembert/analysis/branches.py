@@ -42,16 +42,15 @@ def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
         A time outside the run.
     """
     count = steps.count
-    slack = 1e-12 * max(1.0, abs(steps.end))
+    slack = steps.instant
     if not (times[0] >= steps.t[0] - slack and times[-1] <= steps.end + slack):
         raise AnalysisError(
             f"times {times[0]:g}…{times[-1]:g} s leave the run {steps.t[0]:g}…{steps.end:g} s"
         )
     index = np.clip(np.searchsorted(steps.t[:count], times, side="right") - 1, 0, count - 1)
     length = np.clip(times - steps.t[index], 0.0, steps.h[index])
-    small = 1e-12 * np.maximum(1.0, np.abs(times))
-    length[length < small] = 0.0
-    near = np.abs(length - steps.h[index]) < small
+    length[length < slack] = 0.0
+    near = np.abs(length - steps.h[index]) < slack
     length[near] = steps.h[index[near]]
     return Branches(index, length)
 
@@ -74,7 +73,7 @@ def outputs_of(
         index = np.minimum(np.arange(count + 1), max(count - 1, 0))
         length = np.append(np.zeros(count), steps.h[-1:] if count else 0.0)
         return times, Branches(index, length)
-    slack = 1e-12 * max(1.0, abs(steps.end))
+    slack = steps.instant
     times = requested[requested <= steps.end + slack]
     if steps.end < requested[-1] - slack and (not times.size or times[-1] < steps.end):
         times = np.append(times, steps.end)

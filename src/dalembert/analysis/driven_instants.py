@@ -30,7 +30,8 @@ def driven_instant(motion: Motion, occurrence: Occurrence) -> float:
 
     if motion.record.origin is not None:
         before = driven_instant(motion.record.origin, occurrence)
-        return locate_again(value, rate, before, str(occurrence))
+        span = float(np.ptp(motion.record.path.t))
+        return locate_again(value, rate, before, str(occurrence), span)
     path = replace(motion, trajectory=motion.record.path)
     k = occurrence.among(event.crossings(path.values(measure)).tolist())
     return locate(value, float(path.time[k]), float(path.time[k + 1]))

@@ -162,6 +162,6 @@ class DynamicsRun:
     def following_length(self, steps: Steps) -> float:
         """Length of the step that comes, or would have come, after the last one."""
         if self.kernel.adaptive is not None:
-            return SHORTEST * max(1.0, abs(steps.end))
+            return SHORTEST * max(self.end - self.start, abs(steps.end))
         lengths = np.diff(uniform_grid(self.start, self.end, self.step))
         return float(lengths[min(steps.count, lengths.size - 1)])

@@ -15,8 +15,8 @@ from dalembert.integrators.steps import Steps
 from dalembert.results.recording import EventRecord
 from dalembert.symbolic.expression import Expression
 
-SHORTEST = 1e-15
-"""Length [s] left to a step that ends where it begins."""
+SHORTEST = 1e-12
+"""Share left of a step that ends where it begins."""
 
 
 class EventSearch:
@@ -91,4 +91,4 @@ class EventSearch:
 
     def cut(self, steps: Steps, k: int, length: float) -> Steps:
         """The steps up to the ``k``-th, which is shortened."""
-        return Flow(self.kernel, steps, self.p).ended(k, max(length, SHORTEST))
+        return Flow(self.kernel, steps, self.p).ended(k, max(length, SHORTEST * float(steps.h[k])))

@@ -124,13 +124,21 @@ def locate(value: Callable[[float], float], low: float, high: float) -> float:
         return low
     if f_high == 0.0 or f_low * f_high > 0:
         return high
-    return float(brentq(value, low, high, xtol=1e-13, rtol=1e-14, maxiter=1000))
+    return float(brentq(value, low, high, xtol=1e-12 * (high - low), rtol=1e-14, maxiter=1000))
 
 
 def locate_again(
-    value: Callable[[float], float], rate: Callable[[float], float], near: float, name: str
+    value: Callable[[float], float],
+    rate: Callable[[float], float],
+    near: float,
+    name: str,
+    span: float,
 ) -> float:
-    """Root of ``value`` next to one that parameters have moved a little (Newton).
+    """Root of ``value`` next to one that parameters have moved a little, by Newton's method.
+
+    Parameters
+    ----------
+    span : of times among which they are told apart [s]
 
     Raises
     ------
@@ -141,6 +149,6 @@ def locate_again(
     for _ in range(20):
         change = value(found) / (rate(found) or np.nan)
         found -= change
-        if abs(change) <= 1e-9 * max(1.0, abs(near)):  # the next change would be round-off
+        if abs(change) <= 1e-9 * span:  # the next change would be round-off
             return found
     raise AnalysisError(f"event {name!r} does not happen again near where it happened before")

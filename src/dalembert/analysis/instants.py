@@ -20,7 +20,6 @@ from dalembert.results.motion import Motion
 from dalembert.results.result import Result
 from dalembert.results.status import Outcome
 
-NEAR = 1e-12
 """Distance from the beginning of a step, relative to the time, that counts as none."""
 
 
@@ -92,6 +91,7 @@ def _moved(motion: Motion, flow: Flow, event: Event, before: Instant) -> Instant
         lambda s: flow.rate(measure, k, s),
         before.length,
         str(Occurrence(event)),
+        flow.steps.end - float(flow.steps.t[0]),
     )
     return Instant(k, length)
 
@@ -108,7 +108,7 @@ def _end(steps: Steps) -> Instant:
 def _placed(steps: Steps, time: float) -> Instant:
     """An instant lies at the end of a step rather than at the beginning of the next."""
     k = int(np.clip(np.searchsorted(steps.t[: steps.count], time) - 1, 0, steps.count - 1))
-    length, small = time - float(steps.t[k]), NEAR * max(1.0, abs(time))
+    length, small = time - float(steps.t[k]), steps.instant
     if length < small and k > 0:
         return Instant(k - 1, float(steps.h[k - 1]))
     end = float(steps.h[k])

@@ -90,7 +90,8 @@ def output_times(
     times = np.asarray(outputs, dtype=float).ravel()
     if not times.size or not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
         raise AnalysisError("output times must be finite and increasing")
-    if times[0] < start - 1e-12 or times[-1] > end * (1 + 1e-12) + 1e-12:
+    slack = 1e-12 * max(abs(start), abs(end))
+    if times[0] < start - slack or times[-1] > end + slack:
         raise AnalysisError(
             f"output times {times[0]:g}…{times[-1]:g} s leave the run {start:g}…{end:g} s"
         )

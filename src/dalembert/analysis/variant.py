@@ -6,7 +6,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from dalembert.formulations.base import Formulation, state_rate
+from dalembert.formulations.base import Formulation, state_rate, state_sizes
 from dalembert.formulations.consistency import with_consistent_speeds
 from dalembert.formulations.redundancy import TRUSTED, largest_share
 from dalembert.formulations.stabilization import Stabilization
@@ -61,6 +61,8 @@ class Variant:
             positions=e.coordinate_count,
             tangential=tangential,
             upkeep=with_consistent_speeds(e, formulation, None),
+            sizes=state_sizes(e),
+            time=e.scales.time,
         )
 
     @cached_property

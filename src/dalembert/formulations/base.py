@@ -20,7 +20,7 @@ from dalembert.formulations.levels import Level
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
-from dalembert.symbolic.semi_explicit import SemiExplicit
+from dalembert.symbolic.semi_explicit import SemiExplicit, Sizes
 
 
 class SaddleSolver:
@@ -165,8 +165,9 @@ class Formulation:
         z = ca.vertcat(e.a, e.multiplier)
         level = (0,) * z.numel()
         start = self.acceleration(e, e.constraint_acceleration, [z], "algebraic_start")
+        sizes = sizes_of(e, [e.scales.multipliers], (0,))
         return SemiExplicit(
-            e.t, state_symbols(e), z, e.p, state_rate(e), algebraic, level, level, 1, start
+            e.t, state_symbols(e), z, e.p, state_rate(e), algebraic, level, level, 1, start, sizes
         )
 
 
@@ -186,6 +187,30 @@ def state_symbols(e: Equations) -> ca.SX:
 
 
 WORK = ca.SX.sym("work", 2)
+
+
+def state_sizes(e: Equations) -> np.ndarray:
+    """Natural sizes of the state."""
+    s = e.scales
+    return np.concatenate([s.coordinates, s.speeds, np.full(WORK.numel(), s.energy)])
+
+
+def sizes_of(e: Equations, forces: list[np.ndarray], levels: tuple[int, ...]) -> Sizes:
+    """Natural sizes of ``z = [v̇; forces]`` and of the equations, constraints of some levels.
+
+    Parameters
+    ----------
+    forces : sizes of the multipliers of every set of constraints
+    levels : 0 where a set holds accelerations, 1 speeds, 2 positions
+    """
+    s = e.scales
+    rows = [s.rows * s.time ** (level - 2) for level in levels]
+    return Sizes(
+        s.time,
+        state_sizes(e),
+        np.concatenate([s.speeds / s.time, *forces]),
+        np.concatenate([s.efforts, *rows]),
+    )
 
 
 def state_rate(e: Equations) -> ca.SX:

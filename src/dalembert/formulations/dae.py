@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import (
     Formulation,
     dynamic_equations,
     feeds_back,
+    sizes_of,
     state_rate,
     state_symbols,
 )
@@ -101,9 +103,14 @@ class Dae(Formulation):
             rate = ca.vertcat(rate, e.powers)
             z, lag = [*z, mu], [*lag, *[1] * m]
         levels = {3: e.constraints, 2: e.velocity_constraints, 1: ca.mtimes(e.jacobian, e.a) - xi}
-        for level in (2, 3) if self.stabilized else (self.index,):
+        chosen = (2, 3) if self.stabilized else (self.index,)
+        for level in chosen:
             rows.append(levels[level])
             depth += [level - 1] * m
+        forces = [e.scales.multipliers]
+        if self.stabilized:
+            forces.append(self._shift_size(e))
+        sizes = sizes_of(e, forces, tuple(level - 1 for level in chosen))
         start = [e.a, e.multiplier] + ([ca.SX.zeros(m)] if self.stabilized else [])
         return SemiExplicit(
             e.t,
@@ -116,7 +123,14 @@ class Dae(Formulation):
             tuple(lag),
             self.index,
             self.acceleration(e, e.constraint_acceleration, [ca.vertcat(*start)], "dae_start"),
+            sizes,
         )
+
+    @staticmethod
+    def _shift_size(e: Equations) -> np.ndarray:
+        """Natural size of ``μ``: an impulse, or a length or angle over a time without the mass."""
+        s = e.scales
+        return s.rows / s.time if e.massless else s.multipliers * s.time
 
     @staticmethod
     def _shift(e: Equations, mu: ca.SX) -> ca.SX:

@@ -16,6 +16,7 @@ from dalembert.symbolic.kernel import Kernel
 
 ATTEMPTS = 64
 SMALLEST_STEP = 1e-13
+"""Relative to the run or to its distance from t = 0."""
 
 
 class AdaptiveMarch:
@@ -94,7 +95,7 @@ class AdaptiveMarch:
                 if message or not out.shape[1]:
                     continue
                 state = out[:, -1]
-                message = _trouble(state)
+                message = _trouble(state, end - start)
                 if message:
                     continue
                 watch.progress((state[0] - start) / (end - start))
@@ -147,11 +148,11 @@ def _idle_at_the_end(attempt: ca.Function) -> ca.Function:
     return ca.Function("attempt", [state, fixed], list(outputs))
 
 
-def _trouble(state: np.ndarray) -> str:
-    """Why a march cannot go on from ``[t; h; …]``, or nothing."""
+def _trouble(state: np.ndarray, span: float) -> str:
+    """Why a march over some time cannot go on from ``[t; h; …]``, or nothing."""
     if not np.all(np.isfinite(state)):
         return "the state is no longer finite"
-    if state[1] < SMALLEST_STEP * max(1.0, abs(state[0])):
+    if state[1] < SMALLEST_STEP * max(span, abs(state[0])):
         return f"the step length fell below {state[1]:.1e} s"
     return ""
 

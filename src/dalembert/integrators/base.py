@@ -31,6 +31,8 @@ class Problem:
     controlled : how many leading entries of x the error control looks at
     positions : how many of these are positions; speeds follow, then the rest
     tangential : ``(t, x, p, error) → error`` along the constraints, or None
+    sizes : (n,) natural sizes of the entries of x, units by default
+    time : natural time [s]
     """
 
     rate: ImplicitFunction | None
@@ -40,6 +42,8 @@ class Problem:
     positions: int
     tangential: ca.Function | None = None
     upkeep: ImplicitFunction | None = None
+    sizes: np.ndarray | None = None
+    time: float = 1.0
 
     @cached_property
     def system(self) -> SemiExplicit:

@@ -10,9 +10,11 @@ from dalembert.integrators.bdf_control import Accuracy
 from dalembert.integrators.bdf_step import BdfStep
 from dalembert.integrators.step import Step
 from dalembert.integrators.step_control import arrival
-from dalembert.integrators.tolerances import check_tolerances
+from dalembert.integrators.tolerances import absolute, check_tolerances
 from dalembert.options import options
 
+SHARE = 1e-12
+"""Absolute tolerance by natural sizes, where none is given."""
 SOLVED = 1e-2
 """Residual of the equations, relative to the tolerance, with which a step may stand."""
 UNSOLVED, NOT_FINITE, AGAIN = 0.25, 0.2, 0.5
@@ -41,7 +43,7 @@ class Bdf(Integrator):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-12 of the natural sizes
     max_step : longest step [s]; a quarter of the run if None
     max_order : highest order, 1 to 5; with 1 and 2 stable for all oscillations that decay
 
@@ -52,7 +54,7 @@ class Bdf(Integrator):
     """
 
     rtol: float = 1e-10
-    atol: float = 1e-12
+    atol: float | None = None
     max_step: float | None = None
     max_order: int = 5
 
@@ -78,7 +80,8 @@ class Bdf(Integrator):
         return self.max_step
 
     def step(self, problem: Problem) -> BdfStep:
-        return BdfStep(problem, Accuracy(self.rtol, self.atol, self.max_order))
+        least = absolute(self.atol, SHARE, problem, problem.system.x.numel())
+        return BdfStep(problem, Accuracy(self.rtol, least, self.max_order))
 
     def attempt(self, problem: Problem, step: Step) -> Attempt:
         assert isinstance(step, BdfStep)

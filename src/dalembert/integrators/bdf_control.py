@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
+import numpy as np
 
 from dalembert.integrators.base import Problem
 from dalembert.integrators.bdf_differences import ERROR, by_order
-from dalembert.integrators.error_norm import largest, relative_error
+from dalembert.integrators.error_norm import impulsive, largest, relative_error
 from dalembert.integrators.step_control import STANDSTILL
 
 SAFETY, GREATEST_GROWTH, LEAST_GROWTH = 0.81, 10.0, 0.2
@@ -20,7 +21,7 @@ class Accuracy:
     """What the steps are to keep: tolerances, and between which orders they choose."""
 
     rtol: float
-    atol: float
+    atol: np.ndarray
     max_order: int = 5
     least_order: int = 1
 
@@ -31,7 +32,7 @@ class BdfControl:
     Algebraic variables are functions of the others and are left out. With index 3 the constraint
     forces of a step move the speeds by an order of h less accurate than the positions, in the
     directions that the constraints forbid: where a correction removes that, errors are taken along
-    the constraints (``problem.tangential``); else speeds are allowed ``1/h`` of the tolerance.
+    the constraints (``problem.tangential``); else speeds are allowed ``1/h`` of what positions are.
     """
 
     def __init__(self, problem: Problem, accuracy: Accuracy):
@@ -39,12 +40,11 @@ class BdfControl:
 
     def weights(self, h, x) -> ca.SX:
         """Allowed errors of x."""
-        allowed = self.accuracy.atol + self.accuracy.rtol * ca.fabs(x)
-        first, last = self.problem.positions, self.problem.controlled
-        impulsive = self.problem.system.index == 3 and 2 in self.problem.system.depth
-        if not impulsive or self.problem.tangential is not None:
+        allowed = ca.DM(self.accuracy.atol) + self.accuracy.rtol * ca.fabs(x)
+        off = self.problem.system.index == 3 and 2 in self.problem.system.depth
+        if not off or self.problem.tangential is not None:
             return allowed
-        return ca.vertcat(allowed[:first], allowed[first:last] / ca.fmin(h, 1), allowed[last:])
+        return impulsive(self.problem, h, allowed)
 
     def _norm(self, t, h, state, difference, p) -> ca.SX:
         """Largest entry of a difference, relative to the tolerance."""

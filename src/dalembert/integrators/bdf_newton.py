@@ -114,7 +114,7 @@ class CorrectorEquations:
             bounds = [weights[i] / ca.fabs(reach[i, j]) for i in reach[:, j].sparsity().row()]
             allowed[j] = functools.reduce(ca.fmin, bounds) if bounds else 0
         slopes = ca.fabs(ca.jacobian(self.residual, self.unknown))
-        size = ca.fabs(self.predicted) + self.accuracy.atol / self.accuracy.rtol
+        size = ca.fabs(self.predicted) + ca.DM(self.accuracy.atol) / self.accuracy.rtol
         rounded = ca.mtimes(ca.fabs(ca.jacobian(self.residual, self.predicted)), size)
         rounded += ca.mtimes(slopes, ca.fabs(self.unknown))
         scale = NEWTON * ca.mtimes(slopes, allowed) + ROUNDING * rounded + TINY

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
 
 from dalembert.integrators.base import Attempt, Problem
 from dalembert.integrators.error_norm import largest, relative_error
@@ -10,7 +11,9 @@ from dalembert.integrators.explicit_step import ExplicitStep
 from dalembert.integrators.step_control import decide
 
 
-def embedded_attempt(problem: Problem, step: ExplicitStep, rtol: float, atol: float) -> Attempt:
+def embedded_attempt(
+    problem: Problem, step: ExplicitStep, rtol: float, atol: np.ndarray
+) -> Attempt:
     """Compute the step and its error, keep or refuse it, propose the next length.
 
     What a correction removes counts little, see ``relative_error``.
@@ -32,7 +35,7 @@ def embedded_attempt(problem: Problem, step: ExplicitStep, rtol: float, atol: fl
 def _error_ratio(problem: Problem, step: ExplicitStep, rtol, atol, where, slopes) -> ca.SX:
     """Estimated error relative to the tolerance."""
     t, h, x, new, p = where
-    allowed = atol + rtol * ca.fmax(ca.fabs(x), ca.fabs(new))
+    allowed = ca.DM(atol) + rtol * ca.fmax(ca.fabs(x), ca.fabs(new))
 
     def scaled(weights) -> ca.SX:
         parts = (w * k for w, k in zip(weights, slopes, strict=True) if w)

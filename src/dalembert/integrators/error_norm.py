@@ -29,8 +29,20 @@ def relative_error(
     if problem.tangential is None:
         return ca.fabs(error[:count] / allowed[:count])
     along = problem.tangential(t, x, p, error)
-    off = ca.fabs(error - along)[:count] / ca.sqrt(allowed[:count])
+    sizes = 1 if problem.sizes is None else problem.sizes[:count]
+    off = ca.fabs(error - along)[:count] / ca.sqrt(allowed[:count] * sizes)
     return ca.fmax(ca.fabs(along)[:count] / allowed[:count], off)
+
+
+def impulsive(problem: Problem, h: Graph, allowed: Graph) -> Graph:
+    """Allowed errors where constraint forces of a step move the speeds: ``h`` times as much counts.
+
+    Off the constraints of index 3, errors of speeds do not shrink with the step; they matter as
+    those of positions that they make within it.
+    """
+    first, last = problem.positions, problem.controlled
+    speeds = ca.fmax(allowed[first:last], allowed[: last - first] / h)
+    return ca.vertcat(allowed[:first], speeds, allowed[last:])
 
 
 def largest(ratios: Graph) -> Graph:

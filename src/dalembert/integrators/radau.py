@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.integrators.base import Attempt, Problem
-from dalembert.integrators.error_norm import largest, relative_error
+from dalembert.integrators.error_norm import impulsive, largest, relative_error
 from dalembert.integrators.implicit_runge_kutta import (
     ButcherMatrix,
     CollocationStep,
@@ -17,7 +17,7 @@ from dalembert.integrators.implicit_runge_kutta import (
 )
 from dalembert.integrators.step import Step
 from dalembert.integrators.step_control import decide
-from dalembert.integrators.tolerances import check_tolerances
+from dalembert.integrators.tolerances import SHARE, absolute, check_tolerances
 from dalembert.options import options
 
 _R = sqrt(6)
@@ -50,7 +50,7 @@ class Radau(ImplicitRungeKutta):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
     max_step : longest step [s]; a quarter of the run if None
     fixed : take steps of the given length without error control
     tolerance : relative residual at which Newton's method ends [-]
@@ -63,7 +63,7 @@ class Radau(ImplicitRungeKutta):
     """
 
     rtol: float = 1e-8
-    atol: float = 1e-10
+    atol: float | None = None
     max_step: float | None = None
     fixed: bool = False
 
@@ -99,11 +99,10 @@ class Radau(ImplicitRungeKutta):
         new, rates, _ = step.solve(t, h, x, p)
         corrected = step.finished(t + h, new, p)
         error = _estimate(step, t, h, x, p, rates)
+        least = ca.DM(absolute(self.atol, SHARE, problem, step.size))
+        allowed = least + self.rtol * ca.fmax(ca.fabs(x), ca.fabs(corrected))
         if problem.tangential is None and problem.system.index == 3:
-            # speeds off the constraints do not shrink with h; they matter as h times themselves
-            weight = [1.0] * problem.positions + [0.0] * (step.size - problem.positions)
-            error = error * (h + (1 - h) * ca.DM(weight))
-        allowed = self.atol + self.rtol * ca.fmax(ca.fabs(x), ca.fabs(corrected))
+            allowed = impulsive(problem, h, allowed)
         ratio = largest(relative_error(problem, t + h, new, p, error, allowed))
         ratio = ca.if_else(ca.sumsqr(corrected) < np.inf, ratio, np.inf)
         following, record = decide(state, end, h, corrected, ratio, ERROR_ORDER)

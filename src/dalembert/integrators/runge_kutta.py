@@ -22,7 +22,7 @@ from dalembert.integrators.tableau import (
     HEUN,
     ButcherTableau,
 )
-from dalembert.integrators.tolerances import check_tolerances
+from dalembert.integrators.tolerances import SHARE, absolute, check_tolerances
 from dalembert.options import options
 
 
@@ -99,7 +99,7 @@ class AdaptiveRungeKutta(ExplicitRungeKutta):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
     max_step : longest step [s]; a quarter of the run if None
 
     Raises
@@ -109,7 +109,7 @@ class AdaptiveRungeKutta(ExplicitRungeKutta):
     """
 
     rtol: float = 1e-8
-    atol: float = 1e-10
+    atol: float | None = None
     max_step: float | None = None
 
     def __post_init__(self) -> None:
@@ -129,7 +129,8 @@ class AdaptiveRungeKutta(ExplicitRungeKutta):
 
     def attempt(self, problem: Problem, step: Step) -> Attempt:
         assert isinstance(step, ExplicitStep)
-        return embedded_attempt(problem, step, self.rtol, self.atol)
+        least = absolute(self.atol, SHARE, problem, step.size)
+        return embedded_attempt(problem, step, self.rtol, least)
 
 
 @dataclass(frozen=True)
@@ -141,7 +142,7 @@ class DormandPrince(AdaptiveRungeKutta):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
     max_step : longest step [s]; a quarter of the run if None
 
     Raises
@@ -166,7 +167,7 @@ class DormandPrince853(AdaptiveRungeKutta):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
     max_step : longest step [s]; a quarter of the run if None
 
     Raises

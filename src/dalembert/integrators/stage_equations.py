@@ -13,7 +13,7 @@ from dalembert.symbolic.semi_explicit import SemiExplicit
 
 ROUNDING = 16 * float(np.finfo(float).eps)
 LEAST = 1e-9
-"""Size of states and accelerations, in SI units, that is measured as if it were not less."""
+"""Part of the natural size of an unknown or a state that is measured as if it were not less."""
 SMALL_ROWS = 1e-2
 """Share of the largest row that every row is measured by at least."""
 
@@ -64,16 +64,21 @@ class StageEquations:
         by_unknown = ca.fabs(ca.jacobian(self._rows, self.u))
         still = ca.substitute(self._rows, self.u, ca.SX.zeros(self.count))
         by_state = ca.fabs(ca.jacobian(still, s.x))
-        terms = ca.densify(ca.mtimes(by_unknown, LEAST + ca.fabs(self.u)) + ca.fabs(still))
+        sizes = s.sizes
+        least = np.concatenate([sizes.algebraic, sizes.rates[self.coupled]]) * LEAST
+        least[: self.algebraic] /= sizes.time ** np.array(s.lag)
+        rows_alike = np.concatenate([sizes.rows, sizes.rates[self.coupled]])
+        terms = ca.densify(ca.mtimes(by_unknown, least + ca.fabs(self.u)) + ca.fabs(still))
         change = self.h * ca.mtimes(by_state, ca.fabs(self._rate))
         constraints = [int(i) for i in np.flatnonzero(level)]
         terms[constraints, :] = change[constraints, :]
-        noise = ca.densify(ca.mtimes(by_state, LEAST + ca.fabs(s.x)))
+        noise = ca.densify(ca.mtimes(by_state, LEAST * sizes.states + ca.fabs(s.x)))
         scale = ca.SX.zeros(terms.numel())
         for depth in np.unique(level):
             rows = [int(i) for i in np.flatnonzero(level == depth)]
             for weight, part in ((tolerance, terms[rows]), (ROUNDING, noise[rows])):
-                scale[rows] += weight * (part + SMALL_ROWS * ca.mmax(part))
+                alike = rows_alike[rows]
+                scale[rows] += weight * (part + SMALL_ROWS * alike * ca.mmax(part / alike))
         return ca.Function("row_scale", [s.t, self.h, s.x, self.u, s.p], [scale])
 
     def begin(self) -> ca.Function:

@@ -42,7 +42,7 @@ def decide(
 
 def arrival(t: Graph, h: Graph, end: Graph) -> Graph:
     """``t + h``; the end itself where rounding would leave a step of no length to it."""
-    return ca.if_else(end - (t + h) <= 1e-12 * ca.fmax(1, ca.fabs(end)), end, t + h)
+    return ca.if_else(end - (t + h) <= 1e-12 * ca.fmax(ca.fabs(t), ca.fabs(end)), end, t + h)
 
 
 def _growth(error: Graph, last: Graph, accepted: Graph, q: int) -> Graph:

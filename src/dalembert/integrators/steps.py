@@ -39,6 +39,11 @@ class Steps:
     def end(self) -> float:
         return float(self.t[-1] + self.h[-1]) if self.count else float(self.t[0])
 
+    @property
+    def instant(self) -> float:
+        """Times that differ by less are the same."""
+        return 1e-12 * max(abs(float(self.t[0])), abs(self.end))
+
     def cut(self, count: int, message: str = "") -> Steps:
         """The first ``count`` steps."""
         t = self.t[: max(count, 1)] if count else self.t[:1]

@@ -6,16 +6,19 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Integrator, Problem
 from dalembert.integrators.sundials_step import MOST_STEPS, Flow, SundialsStep
-from dalembert.integrators.tolerances import check_tolerances
+from dalembert.integrators.tolerances import check_tolerances, natural
 from dalembert.options import options
 from dalembert.symbolic.semi_explicit import SemiExplicit
 
 FINER, FINEST = 1e-2, 1e-13
 """Tolerance of sensitivity equations, relative to that of the run: their errors add up apart."""
+SHARE = 1e-12
+"""Absolute tolerance by natural sizes, where none is given."""
 SHORT = 1e-6
 """Share of the interval for which IDAS looks when it makes its start values consistent."""
 
@@ -35,7 +38,8 @@ class SundialsIntegrator(Integrator, ABC):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance of all states [m, rad, m/s, rad/s, J]
+    atol : absolute tolerance of all states [m, rad, m/s, rad/s, J]; by default 1e-12 of their
+        natural sizes
 
     Raises
     ------
@@ -44,7 +48,7 @@ class SundialsIntegrator(Integrator, ABC):
     """
 
     rtol: float = 1e-10
-    atol: float = 1e-12
+    atol: float | None = None
 
     def __post_init__(self) -> None:
         check_tolerances(self.name, self.rtol, self.atol)
@@ -58,13 +62,17 @@ class SundialsIntegrator(Integrator, ABC):
         """What SUNDIALS is told."""
         return {
             "reltol": self.rtol,
-            "abstol": self.atol,
+            "abstol": SHARE if self.atol is None else self.atol,
             "max_num_steps": MOST_STEPS,
             "disable_internal_warnings": True,
         }
 
+    def sizes(self, problem: Problem, count: int) -> ca.DM:
+        """What SUNDIALS, which has one absolute tolerance, sees the states in."""
+        return ca.DM(natural(problem, count) if self.atol is None else np.ones(count))
+
     def step(self, problem: Problem) -> SundialsStep:
-        finer = {"reltol": max(FINER * self.rtol, FINEST), "abstol": FINER * self.atol}
+        finer = {"reltol": max(FINER * self.rtol, FINEST), "abstol": FINER * self._options["abstol"]}
         options = {**self._options, **finer, "quad_err_con": True}
         return SundialsStep(problem, self.flow(problem), self._cvodes(problem, options))
 
@@ -81,13 +89,14 @@ class SundialsIntegrator(Integrator, ABC):
         rate = self._rate(problem)
         x, p = ca.SX.sym("x", rate.numel_in(1)), ca.SX.sym("p", rate.numel_in(2))
         t, h, number = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("number")
+        sizes = self.sizes(problem, x.numel())
         equations = {
             "t": number,
             "x": x,
             "p": ca.vertcat(t, h, p),
-            "ode": h * rate(t + h * number, x, p),
+            "ode": h * rate(t + h * number, sizes * x, p) / sizes,
         }
-        return lambda count: _flow("cvodes", equations, count, options)
+        return lambda count: _flow("cvodes", equations, sizes, count, options)
 
 
 @dataclass(frozen=True)
@@ -100,7 +109,8 @@ class Cvodes(SundialsIntegrator):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance of all states [m, rad, m/s, rad/s, J]
+    atol : absolute tolerance of all states [m, rad, m/s, rad/s, J]; by default 1e-12 of their
+        natural sizes
 
     Raises
     ------
@@ -131,7 +141,8 @@ class Ida(SundialsIntegrator):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance of all states [m, rad, m/s, rad/s, J]
+    atol : absolute tolerance of all states [m, rad, m/s, rad/s, J]; by default 1e-12 of their
+        natural sizes
 
     Raises
     ------
@@ -157,30 +168,39 @@ class Ida(SundialsIntegrator):
                 f"{system.index}; use integrator=Bdf() or Radau(), or formulation=Dae(index=1)"
             )
         t, h, number = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("number")
+        sizes = self.sizes(problem, system.x.numel())
         rate, algebraic = ca.substitute(
-            [system.rate, system.algebraic], [system.t], [t + h * number]
+            [system.rate, system.algebraic],
+            [system.t, system.x],
+            [t + h * number, sizes * system.x],
         )
         equations = {
             "t": number,
             "x": system.x,
             "z": system.z,
             "p": ca.vertcat(t, h, system.p),
-            "ode": h * rate,
+            "ode": h * rate / sizes,
             "alg": algebraic,
         }
         # the line search of IDACalcIC fails where start values are right and its scale is coarse
         start = {"calc_ic": True, "first_time": SHORT}
         options = {**self._options, "suppress_algebraic": True, **start}
-        return lambda count: _flow("idas", equations, count, options, system.start.function)
+        return lambda count: _flow("idas", equations, sizes, count, options, system.start.function)
 
 
 def _flow(
-    solver: str, equations: dict, count: int, options: dict, start: ca.Function | None = None
+    solver: str,
+    equations: dict,
+    sizes: ca.DM,
+    count: int,
+    options: dict,
+    start: ca.Function | None = None,
 ) -> ca.Function:
     """Time counts intervals, so that their length is a number like others.
 
     Parameters
     ----------
+    sizes : of the states that the equations are written in
     start : ``(t, x, p) → z``, where there are algebraic variables
     """
     ends = list(range(1, count + 1))
@@ -188,5 +208,5 @@ def _flow(
     t, h, x = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("x", made.numel_in("x0"))
     p = ca.MX.sym("p", made.numel_in("p") - 2)
     algebraic = {} if start is None else {"z0": start(t, x, p)}
-    found = made(x0=x, p=ca.vertcat(t, h, p), **algebraic)["xf"]
-    return ca.Function("flow", [t, h, x, p], [found])
+    found = made(x0=x / sizes, p=ca.vertcat(t, h, p), **algebraic)["xf"]
+    return ca.Function("flow", [t, h, x, p], [ca.repmat(sizes, 1, count) * found])

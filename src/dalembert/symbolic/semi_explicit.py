@@ -2,11 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
+import numpy as np
 
 from dalembert.symbolic.implicit import ImplicitFunction
+
+
+@dataclass(frozen=True, eq=False)
+class Sizes:
+    """Natural sizes of a system, by which its numbers are measured.
+
+    Attributes
+    ----------
+    time : [s]
+    states, algebraic : (n,), (k,) of the variables
+    rows : (k,) of the algebraic equations
+    """
+
+    time: float
+    states: np.ndarray
+    algebraic: np.ndarray
+    rows: np.ndarray
+
+    @property
+    def rates(self) -> np.ndarray:
+        """(n,) of the rates of the states."""
+        return self.states / self.time
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +48,7 @@ class SemiExplicit:
         ``μ`` that shifts speeds; it is scaled by ``h^lag``
     index : differentiation index
     start : ``(t, x, p) → z``, consistent algebraic variables
+    sizes : natural sizes; units where nothing is known
     """
 
     t: ca.SX
@@ -37,3 +61,9 @@ class SemiExplicit:
     lag: tuple[int, ...]
     index: int
     start: ImplicitFunction
+    sizes: Sizes = field(default=None)  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        if self.sizes is None:
+            ones = (np.ones(n.numel()) for n in (self.x, self.z, self.algebraic))
+            object.__setattr__(self, "sizes", Sizes(1.0, *ones))
