@@ -147,7 +147,13 @@ class IndependentSpeeds(Formulation):
             e, e.constraint_acceleration, [ca.vertcat(plain.z, e.v)], "algebraic_start"
         )
         rate, algebraic = ca.substitute([plain.rate, plain.algebraic], [e.v], [speeds.unknown])
-        more = (0,) * e.speed_count
+        more, natural = (0,) * e.speed_count, e.scales
+        added = np.concatenate([natural.rows / natural.time, natural.speeds[list(self.indices)]])
+        sizes = replace(
+            plain.sizes,
+            algebraic=np.concatenate([plain.sizes.algebraic, natural.speeds]),
+            rows=np.concatenate([plain.sizes.rows, added]),
+        )
         return replace(
             plain,
             z=ca.vertcat(plain.z, speeds.unknown),
@@ -156,4 +162,5 @@ class IndependentSpeeds(Formulation):
             depth=plain.depth + more,
             lag=plain.lag + more,
             start=start,
+            sizes=sizes,
         )

@@ -72,8 +72,9 @@ class SundialsIntegrator(Integrator, ABC):
         return ca.DM(natural(problem, count) if self.atol is None else np.ones(count))
 
     def step(self, problem: Problem) -> SundialsStep:
-        finer = {"reltol": max(FINER * self.rtol, FINEST), "abstol": FINER * self._options["abstol"]}
-        options = {**self._options, **finer, "quad_err_con": True}
+        plain = self._options
+        finer = {"reltol": max(FINER * self.rtol, FINEST), "abstol": FINER * plain["abstol"]}
+        options = {**plain, **finer, "quad_err_con": True}
         return SundialsStep(problem, self.flow(problem), self._cvodes(problem, options))
 
     @abstractmethod
