@@ -367,3 +367,12 @@ def test_schema_tells_units(schema):
     bar = schema.schema["$defs"]["Bar"]["properties"]
     assert "[m]" in bar["length"]["description"]
     assert "[kg m^2]" in bar["inertia"]["description"]
+
+
+def test_checking_makes_no_step():
+    """What cannot work is told by the strategies; steps are made by the run."""
+    file = load_model_file(next(p for p in EXAMPLES if p.name == "four_bar.toml"))
+    model = file.model()
+    analysis = make_analysis(file, model)
+    variants = analysis.kernel(model).variants
+    assert variants and not any({"step", "attempt"} & set(vars(v)) for v in variants)

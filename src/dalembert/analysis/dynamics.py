@@ -14,6 +14,8 @@ from dalembert.analysis.dynamics_run import DynamicsRun
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.instants import end_by_event, ended_again, instant_of
 from dalembert.analysis.step_quadrature import StepQuadrature
+from dalembert.analysis.timeline import check_times
+from dalembert.analysis.variant import Variant
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.range_space import RangeSpace
@@ -101,6 +103,21 @@ class Dynamics(Analysis[Model, Motion]):
         """Compiled functions, made once per model and choice of strategies."""
         choices = (self.coordinates, self.formulation, self.stabilization, self.integrator)
         return _kernel(model, *choices, self.backend)
+
+    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
+        """The strategies work together, and on this mechanism where it starts."""
+
+        def definite() -> Variant:
+            kernel, start, p = self.kernel(model), model.start, model.nominal
+            x = kernel.start.function(0.0, start.y, start.v, p).full().ravel()
+            return kernel.variants[kernel.choose(0.0, x, p)]
+
+        return {
+            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs),
+            "coordinates": lambda: self.kernel(model),
+            "formulation": definite,
+            "integrator": lambda: self.integrator.check(definite().problem),
+        }
 
     def run(
         self,

@@ -16,6 +16,7 @@ import numpy as np
 from dalembert.analysis.driven_instants import driven_instant
 from dalembert.analysis.events import Occurrence
 from dalembert.analysis.kinematics_run import TOLERANCE, KinematicsRun
+from dalembert.analysis.timeline import check_times
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.options import options
@@ -47,6 +48,12 @@ class Kinematics(Analysis[Model, Motion]):
     def efforts(self) -> bool:
         """Whether multipliers are part of the result."""
         return False
+
+    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
+        """Times are in order."""
+        return {
+            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs)
+        }
 
     def run(
         self,

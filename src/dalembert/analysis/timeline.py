@@ -96,3 +96,21 @@ def output_times(
             f"output times {times[0]:g}…{times[-1]:g} s leave the run {start:g}…{end:g} s"
         )
     return np.clip(times, start, end)
+
+
+def check_times(
+    duration: float | None,
+    t_span: tuple[float, float] | None,
+    step: float | None,
+    outputs: int | Sequence[float] | None,
+) -> None:
+    """Span, step and outputs of an analysis over time fit each other.
+
+    Raises
+    ------
+    AnalysisError
+        They do not.
+    """
+    start, end = checked_span(duration, t_span)
+    checked_step(step, start, end)
+    output_times(outputs, start, end)

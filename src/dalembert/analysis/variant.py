@@ -67,6 +67,7 @@ class Variant:
 
     @cached_property
     def step(self) -> Step:
+        self.integrator.check(self.problem)
         return self.integrator.step(self.problem)
 
     @cached_property

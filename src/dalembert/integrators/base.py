@@ -105,14 +105,19 @@ class Integrator:
         """``R(z)`` with ``x⁺ = R(hλ) x`` for ``ẋ = λx``, None where it is not a one-step method."""
         return None
 
-    def step(self, problem: Problem) -> Step:
-        """One step of given length.
+    def check(self, problem: Problem) -> None:
+        """Refuse a problem that has not the form this method needs; compiles nothing.
 
         Raises
         ------
         UnsupportedError
-            The problem has not the form this method needs.
+            Names a method or formulation that works.
         """
+        if self.implicit:
+            _ = problem.system  # which tells what cannot be written so
+
+    def step(self, problem: Problem) -> Step:
+        """One step of given length, of a problem that passes ``check``."""
         raise NotImplementedError
 
     def attempt(self, problem: Problem, step: Step) -> Attempt | None:

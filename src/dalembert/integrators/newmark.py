@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Problem
 from dalembert.integrators.implicit import ImplicitIntegrator
-from dalembert.integrators.newmark_step import NewmarkCoefficients, NewmarkStep
+from dalembert.integrators.newmark_step import NewmarkCoefficients, NewmarkStep, check
 from dalembert.options import options
 
 
@@ -19,6 +19,9 @@ class NewmarkFamily(ImplicitIntegrator, ABC):
     @abstractmethod
     def coefficients(self) -> NewmarkCoefficients:
         """Coefficients of the method."""
+
+    def check(self, problem: Problem) -> None:
+        check(self.coefficients, problem, self.name)
 
     def step(self, problem: Problem) -> NewmarkStep:
         return NewmarkStep(self.coefficients, problem, self)

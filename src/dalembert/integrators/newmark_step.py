@@ -50,13 +50,6 @@ class NewmarkStep(GraphStep):
         self.chosen, self.problem = chosen, problem
         self.equations = e = StageEquations(problem.system)
         s = problem.system
-        _refuse_algebraic_speeds(problem, settings.name)
-        if problem.system.index == 3 and chosen.undamped and problem.correction is None:
-            raise UnsupportedError(
-                f"{settings.name} without damping lets every disturbance of the accelerations grow "
-                "where only positions are constrained; use GeneralizedAlpha(rho_inf=0.9), "
-                "stabilization=Projection() or Dae(index=2)"
-            )
         n, controlled = e.size, problem.controlled
         self.positions = list(range(problem.positions))
         self.speeds = list(range(problem.positions, controlled))
@@ -154,12 +147,24 @@ class NewmarkStep(GraphStep):
         return new, residual
 
 
-def _refuse_algebraic_speeds(problem: Problem, name: str) -> None:
-    """Positions must follow from the speeds in the state, which the method averages."""
+def check(chosen: NewmarkCoefficients, problem: Problem, name: str) -> None:
+    """Positions must follow from the speeds in the state, which the method averages.
+
+    Raises
+    ------
+    UnsupportedError
+        They do not, or nothing damps the accelerations of a system of index 3.
+    """
     s = problem.system
     instant = [i for i, lag in enumerate(s.lag) if lag == 0]
     if ca.depends_on(s.rate[: problem.positions], s.z[instant]):
         raise UnsupportedError(
             f"{name} needs all speeds in the state, of which this formulation keeps some only; use "
             "Trapezoidal() or Radau(), or formulation=RangeSpace()"
+        )
+    if s.index == 3 and chosen.undamped and problem.correction is None:
+        raise UnsupportedError(
+            f"{name} without damping lets every disturbance of the accelerations grow "
+            "where only positions are constrained; use GeneralizedAlpha(rho_inf=0.9), "
+            "stabilization=Projection() or Dae(index=2)"
         )

@@ -45,12 +45,15 @@ class ExplicitRungeKutta(Integrator, ABC):
     def stability(self) -> Callable[[np.ndarray], np.ndarray]:
         return self.tableau.stability
 
-    def step(self, problem: Problem) -> ExplicitStep:
+    def check(self, problem: Problem) -> None:
         if problem.rate is None:
             raise UnsupportedError(
                 f"{self.name} is explicit and needs accelerations; with this formulation use an "
                 "implicit integrator such as Radau() or Bdf(), or use formulation=RangeSpace()"
             )
+
+    def step(self, problem: Problem) -> ExplicitStep:
+        assert problem.rate is not None
         return ExplicitStep(self.tableau, problem.rate, problem.correction, problem.upkeep)
 
 

@@ -119,15 +119,18 @@ class Cvodes(SundialsIntegrator):
         A tolerance that is not positive, or a formulation without accelerations.
     """
 
-    def flow(self, problem: Problem) -> Flow:
-        return self._cvodes(problem, self._options)
-
-    def _rate(self, problem: Problem) -> ca.Function:
+    def check(self, problem: Problem) -> None:
         if problem.rate is None:
             raise UnsupportedError(
                 "Cvodes integrates accelerations, which this formulation does not give; use "
                 "integrator=Radau() or Bdf(), or formulation=RangeSpace()"
             )
+
+    def flow(self, problem: Problem) -> Flow:
+        return self._cvodes(problem, self._options)
+
+    def _rate(self, problem: Problem) -> ca.Function:
+        assert problem.rate is not None
         return problem.rate.function
 
 
@@ -155,6 +158,14 @@ class Ida(SundialsIntegrator):
     def implicit(self) -> bool:
         return True
 
+    def check(self, problem: Problem) -> None:
+        if problem.system.index > 1:
+            raise UnsupportedError(
+                f"Ida takes systems of index 1, this formulation makes one of index "
+                f"{problem.system.index}; use integrator=Bdf() or Radau(), or "
+                "formulation=Dae(index=1)"
+            )
+
     def _rate(self, problem: Problem) -> ca.Function:
         system = problem.system
         z = system.start.function(system.t, system.x, system.p)
@@ -163,11 +174,6 @@ class Ida(SundialsIntegrator):
 
     def flow(self, problem: Problem) -> Flow:
         system: SemiExplicit = problem.system
-        if system.index > 1:
-            raise UnsupportedError(
-                f"Ida takes systems of index 1, this formulation makes one of index "
-                f"{system.index}; use integrator=Bdf() or Radau(), or formulation=Dae(index=1)"
-            )
         t, h, number = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("number")
         sizes = self.sizes(problem, system.x.numel())
         rate, algebraic = ca.substitute(

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from pydantic import BaseModel
 
-from dalembert.analysis.dynamics import Dynamics
 from dalembert.analysis.events import Event
 from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient_equation import Rayleigh
-from dalembert.analysis.timeline import checked_span, checked_step, output_times
 from dalembert.errors import SingularityError
 from dalembert.io.fields import kind_of, written
 from dalembert.io.formulas import Formulas, ParameterNames
@@ -21,6 +20,7 @@ from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES
 from dalembert.io.tables import EventTable
 from dalembert.model.model import Model
+from dalembert.results.result import Analysis
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 
@@ -49,37 +49,15 @@ def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
     cls = known[name]
     with file.located("analysis"):
         analysis = cls(**_options(file, model, cls, table))
-        _check_times(analysis)
-    _check_choices(file, model, analysis)
+    _check(file, model, analysis)
     return analysis
 
 
-def _check_choices(file: ModelFile, model: Any, analysis: Any) -> None:
-    """The strategies of an analysis can work together, and on this mechanism.
-
-    The functions of the first step are made for that; the run finds them ready.
-
-    Raises
-    ------
-    ModelError, UnsupportedError
-        Choices that cannot work, with their place.
-    """
-    if not isinstance(analysis, Dynamics):
-        return
-    start, p = model.start, model.nominal
-    try:
-        with file.located("analysis", "coordinates"):
-            kernel = analysis.kernel(model)
-        with file.located("analysis", "formulation"):
-            x = kernel.start.function(0.0, start.y, start.v, p).full().ravel()
-            mode = kernel.choose(0.0, x, p)
-        with file.located("analysis"):
-            variant = kernel.variants[mode]
-            if analysis.integrator.adaptive:
-                _ = variant.attempt
-            _ = variant.step
-    except SingularityError:  # the position is at fault, and the run may begin at another one
-        return
+def _check(file: ModelFile, model: Any, analysis: Analysis) -> None:
+    """What shows before a run that it cannot work is told as a slip of the file."""
+    for option, check in analysis.checks(model).items():
+        with file.located("analysis", option), suppress(SingularityError):
+            check()  # where the position is at fault, the run may begin at another one
 
 
 def _options(file: ModelFile, model: Any, cls: type, table: BaseModel | None) -> dict[str, Any]:
@@ -136,12 +114,3 @@ def _event(file: ModelFile, model: Model, name: str, given: Any) -> Event:
     with file.located("analysis", "events", name):
         measure = model.expression(str(table.measure))
         return Event(measure, table.terminal, table.direction)
-
-
-def _check_times(analysis: Any) -> None:
-    """Spans and steps are checked before the run, so that a slip is told as one of the file."""
-    if not hasattr(analysis, "t_span"):
-        return
-    start, end = checked_span(analysis.duration, analysis.t_span)
-    checked_step(analysis.step, start, end)
-    output_times(analysis.outputs, start, end)

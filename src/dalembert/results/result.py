@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVar
@@ -134,6 +134,10 @@ class Analysis(ABC, Generic[M, R]):
     @abstractmethod
     def run(self, model: M, parameters: Mapping[str, float] | np.ndarray | None = None) -> R:
         """The result for a model, with some parameters replaced or all given."""
+
+    def checks(self, model: M) -> Mapping[str, Callable[[], object]]:
+        """Option → what tells, before a run and without compiling it, that it cannot work."""
+        return {}
 
     @abstractmethod
     def replay(self, result: R, p: np.ndarray) -> R:

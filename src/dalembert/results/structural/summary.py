@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from dalembert.results.structural.outputs import StructuralOutputs
+from dalembert.results.structural.states import StructuralStates
 
 
-def structural_summary(result: StructuralOutputs) -> dict[str, Any]:
+def structural_summary(result: StructuralStates) -> dict[str, Any]:
     """Status, and the largest displacement and the sum of the reactions of each state."""
     made: dict[str, Any] = {
         "status": str(result.status),
@@ -33,7 +32,7 @@ def structural_summary(result: StructuralOutputs) -> dict[str, Any]:
     return made
 
 
-def _largest(result: StructuralOutputs, k: int) -> dict[str, Any]:
+def _largest(result: StructuralStates, k: int) -> dict[str, Any]:
     """Size and node of the largest displacement."""
     degrees = result.model.degrees
     table = degrees.table[:, : degrees.dimension]
@@ -42,7 +41,7 @@ def _largest(result: StructuralOutputs, k: int) -> dict[str, Any]:
     return {"value": float(size[node]), "unit": "m", "node": degrees.nodes.name(node)}
 
 
-def _reactions(result: StructuralOutputs, k: int) -> dict[str, float]:
+def _reactions(result: StructuralStates, k: int) -> dict[str, float]:
     """Sum of the forces of the supports along each direction [N]."""
     degrees, held = result.model.degrees, result.model.assembly.prescribed
     found = {}
