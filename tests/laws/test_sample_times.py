@@ -83,3 +83,17 @@ def test_instants_of_a_driven_mechanism_with_a_redundant_bar():
     assert found.response_value[1] == pytest.approx(float(motion["motor.effort"][4]), rel=1e-12)
     check = da.sensitivity(motion, responses, "length", method="finite-difference")
     np.testing.assert_allclose(found, check, rtol=1e-8)
+
+
+@pytest.mark.parametrize(("turn", "few"), [(2.0, 90), (6.0, 160), (300.0, 2000)])
+def test_few_outputs_of_a_driven_motion_take_as_many_steps_as_the_way_asks_for(turn, few):
+    """A tenth of a radian a step; those asked for are the same as among a thousand."""
+    outputs, given = np.linspace(0, 2, 14), {"turn": turn}
+    seldom = da.solve_kinematics(driven(), 2.0, outputs=outputs, parameters=given)
+    often = da.solve_kinematics(driven(), 2.0, outputs=outputs, step=0.002, parameters=given)
+    assert seldom.statistics["steps"] < few and often.statistics["steps"] >= 1000
+    for name in ("y", "v", "a"):
+        expected = getattr(often.trajectory, name)
+        np.testing.assert_allclose(
+            getattr(seldom.trajectory, name), expected, atol=1e-9 * (1 + np.abs(expected).max())
+        )

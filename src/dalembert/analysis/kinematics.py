@@ -33,7 +33,8 @@ class Kinematics(Analysis[Model, Motion]):
     ----------
     duration : length of the run from t = 0 [s]; this or ``t_span``
     t_span : (start, end) of the run [s]
-    step : time between positions, by default a thousandth of the run [s]
+    step : time between positions [s]; by default a thousandth of the run, or where only outputs are
+        asked for and no efforts, as long as none goes further than a tenth of a radian
     outputs : number of equally spaced times, or the times [s]; default every step
     """
 

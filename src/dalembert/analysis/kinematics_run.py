@@ -34,6 +34,10 @@ SMALL_TURN = 1e-9, 1e-3
 REGULAR = 1e-5
 """Smallest pivot ratio of a trusted Jacobian: the error of its velocities is ε over its square."""
 SMALLEST_FRACTION = 2.0**-30
+FEW = 64
+"""Steps in which the motion is looked at first where only some outputs are asked for."""
+SHORT_WAY = 0.1
+"""Way of a step, in natural sizes (so an angle in radians), that needs no shorter ones."""
 
 
 class KinematicsRun:
@@ -52,6 +56,7 @@ class KinematicsRun:
         self.start, self.end = checked_span(analysis.duration, analysis.t_span)
         requested = output_times(analysis.outputs, self.start, self.end)
         step = checked_step(analysis.step, self.start, self.end)
+        self.chosen = requested is not None and analysis.step is None and not analysis.efforts
         grid = uniform_grid(self.start, self.end, step)
         self.grid = grid if requested is None else np.union1d(grid, requested)
         self.requested = grid if requested is None else requested
@@ -66,6 +71,8 @@ class KinematicsRun:
     def execute(self, progress) -> Motion:
         begin = clock.perf_counter()
         first = self.first_configuration()
+        if self.chosen:
+            self.shorten(first)
         with progress_reporter(progress, f"moving {self.model.name}") as report:
             times, table = self.march(first, report)
         path = self.trajectory(times, table)
@@ -105,6 +112,23 @@ class KinematicsRun:
         return first
 
     # marching ----------------------------------------------------------------------
+    def shorten(self, first: np.ndarray) -> None:
+        """Take no more steps than the way asks for, where only some outputs are wanted.
+
+        Looks ahead in few steps; where one of them is difficult, the grid stays as it is.
+        """
+        times = np.linspace(self.start, self.end, FEW + 1)
+        h = np.diff(times)
+        (out,) = self.kernel.chunk(FEW)(first, times[1:], h, self.p)
+        table = np.column_stack([first, out])
+        if not self.trusted(table, h).all():
+            return
+        turned = np.diff(table[: self.n], axis=1) / self.sizes.coordinates[:, None]
+        count = max(FEW, int(np.ceil(FEW * np.abs(turned).max(initial=0.0) / SHORT_WAY)))
+        if count + self.requested.size < self.grid.size:
+            needed = np.linspace(self.start, self.end, count + 1)
+            self.grid = np.union1d(needed, self.requested)
+
     def march(self, first: np.ndarray, report) -> tuple[np.ndarray, np.ndarray]:
         columns, times, done = [first.reshape(-1, 1)], [self.grid[:1]], 0
         h = np.diff(self.grid)
