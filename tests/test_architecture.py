@@ -59,7 +59,7 @@ def test_types():
 def test_every_module_says_what_it_is(path):
     text = path.read_text(encoding="utf-8")
     assert text.startswith('"""'), "a module begins with a docstring"
-    assert len(text.splitlines()) <= 520, "a file this long holds more than one concept"
+    assert len(text.splitlines()) <= 320, "a file this long holds more than one concept"
 
 
 def run(code: str) -> str:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import math
+import re
 from collections.abc import Callable
 from typing import Any, TypeVar, dataclass_transform
 
@@ -90,3 +92,31 @@ _WANTED: dict[str, tuple[Callable[[Any], bool], str]] = {
     "bool": (lambda value: isinstance(value, (bool, np.bool_)), "true or false"),
     "str": (lambda value: isinstance(value, str), "a text"),
 }
+
+
+SECTIONS = ("Parameters", "Raises")
+
+
+def inherit_texts(cls: type) -> None:
+    """Give a class's docstring the parameters that its bases describe and it does not."""
+    intro, own = _sections(cls.__doc__ or "")
+    for base in cls.__mro__[1:]:
+        for title, entries in _sections(base.__doc__ or "")[1].items():
+            if title == "Parameters" or title not in own:
+                own[title] = own.get(title, {}) | {
+                    name: text for name, text in entries.items() if name not in own.get(title, {})
+                }
+    for title in SECTIONS:
+        if title in own:
+            intro += "\n".join(["\n", title, "-" * len(title), *own[title].values()])
+    cls.__doc__ = intro
+
+
+def _sections(doc: str) -> tuple[str, dict[str, dict[str, str]]]:
+    """The text before the sections, and title → first word → entry."""
+    intro, *rest = re.split(rf"\n\n({'|'.join(SECTIONS)})\n-+\n", inspect.cleandoc(doc))
+    found: dict[str, dict[str, str]] = {}
+    for title, body in zip(rest[::2], rest[1::2], strict=True):
+        entries = re.split(r"\n(?=\S)", body)
+        found[title] = {entry.split(maxsplit=1)[0]: entry for entry in entries}
+    return intro, found

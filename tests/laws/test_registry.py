@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
+import re
 
 import casadi as ca
 import pytest
@@ -21,6 +23,7 @@ from dalembert.elements import planar, registry
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
+from dalembert.integrators.registry import INTEGRATORS as KNOWN
 
 COVERED = {kind for case in CASES.values() for kind in case.covers}
 NOT_ELEMENTS = {planar.Point}
@@ -78,3 +81,11 @@ def _untouched(element, entity: str) -> bool:
     defaults = {f.name: f.default for f in element.quantity_fields()}
     field = entity.rpartition(".")[2]
     return field in defaults and defaults[field] is not None
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_options_are_described_once_and_everywhere(name):
+    """Help shows every option of a method, those of its bases too, each a single time."""
+    cls = KNOWN[name]
+    for field in dataclasses.fields(cls):
+        assert len(re.findall(rf"^{field.name} : ", cls.__doc__, re.MULTILINE)) == 1, field.name

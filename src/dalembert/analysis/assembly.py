@@ -43,14 +43,6 @@ class Assembly:
             raise KeyError(f"no body {body!r}; known: {', '.join(self.model.diagnosis.bodies)}")
         return found
 
-    def correction_by_body(self) -> dict[str, float]:
-        """Largest change made to a given coordinate of each body."""
-        largest: dict[str, float] = {}
-        for name, change in self.corrections.items():
-            body = name.rpartition(".")[0]
-            largest[body] = max(largest.get(body, 0.0), abs(change))
-        return largest
-
 
 def solve_assembly(
     model: Model, parameters: Mapping[str, float] | None = None, time: float = 0.0

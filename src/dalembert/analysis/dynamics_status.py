@@ -11,7 +11,6 @@ from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.dynamics_truth import DynamicsTruth
 from dalembert.analysis.singular_positions import LOST, SingularPosition, near_singular_position
 from dalembert.integrators.steps import Steps
-from dalembert.model.model import Model
 from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.once import once
@@ -176,11 +175,3 @@ def _acceleration_residual(kernel: DynamicsKernel, s: Trajectory, p: np.ndarray)
     """Largest ``|C v̇ − ξ|`` of all equations over the outputs."""
     parameters = np.tile(p[:, None], s.t.size)
     return float(_left_out(kernel).map(s.t.size)(s.t, s.y, s.v, s.a, parameters).full().max())
-
-
-@once
-def _violation(model: Model) -> ca.Function:
-    """As a length: by its natural size, times that of lengths."""
-    e = model.equations
-    lengths = e.constraints * (e.scales.length / e.scales.rows)
-    return ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(lengths)])

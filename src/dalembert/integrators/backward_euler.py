@@ -12,18 +12,7 @@ TRAPEZOIDAL = ButcherMatrix(((0.0, 0.0), (0.5, 0.5)), order=2)
 
 @dataclass(frozen=True, kw_only=True)
 class BackwardEuler(ImplicitRungeKutta):
-    """``x⁺ = x + h F(t + h, x⁺, z⁺)`` (5.6): order 1, damps whatever is fast.
-
-    Parameters
-    ----------
-    tolerance : relative residual at which Newton's method ends [-]
-    max_iterations : of Newton's method
-
-    Raises
-    ------
-    UnsupportedError
-        A tolerance that is not positive, or no iteration.
-    """
+    """``x⁺ = x + h F(t + h, x⁺, z⁺)`` (5.6): order 1, damps whatever is fast."""
 
     @property
     def matrix(self) -> ButcherMatrix:
@@ -35,16 +24,6 @@ class Trapezoidal(ImplicitRungeKutta):
     """``x⁺ = x + h/2 (F(t, x, z) + F(t + h, x⁺, z⁺))``: order 2, no damping at all.
 
     The algebraic variables at the beginning of a step are those of the accelerations there.
-
-    Parameters
-    ----------
-    tolerance : relative residual at which Newton's method ends [-]
-    max_iterations : of Newton's method
-
-    Raises
-    ------
-    UnsupportedError
-        A tolerance that is not positive, or no iteration.
     """
 
     @property

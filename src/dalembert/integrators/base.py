@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.integrators.step import Step
+from dalembert.options import inherit_texts
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.semi_explicit import SemiExplicit
 
@@ -71,6 +72,9 @@ class Attempt:
 @dataclass(frozen=True)
 class Integrator:
     """Strategy object: how time advances."""
+
+    def __init_subclass__(cls) -> None:
+        inherit_texts(cls)
 
     @property
     def name(self) -> str:

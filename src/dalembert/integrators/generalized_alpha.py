@@ -18,8 +18,6 @@ class GeneralizedAlpha(NewmarkFamily):
     Parameters
     ----------
     rho_inf : ``ρ`` from 0 (asymptotic annihilation) to 1 (no damping) [-]
-    tolerance : relative residual at which Newton's method ends [-]
-    max_iterations : of Newton's method
 
     Raises
     ------
@@ -52,8 +50,6 @@ class HHT(NewmarkFamily):
     Parameters
     ----------
     alpha : 0 (no damping) to 1/3 [-]
-    tolerance : relative residual at which Newton's method ends [-]
-    max_iterations : of Newton's method
 
     Raises
     ------

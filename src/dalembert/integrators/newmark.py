@@ -36,8 +36,6 @@ class Newmark(NewmarkFamily):
     Parameters
     ----------
     gamma, beta : ``γ`` and ``β``; unconditionally stable for ``2β ≥ γ ≥ 1/2``
-    tolerance : relative residual at which Newton's method ends [-]
-    max_iterations : of Newton's method
 
     Raises
     ------

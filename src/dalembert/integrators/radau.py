@@ -53,8 +53,6 @@ class Radau(ImplicitRungeKutta):
     atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
     max_step : longest step [s]; a quarter of the run if None
     fixed : take steps of the given length without error control
-    tolerance : relative residual at which Newton's method ends [-]
-    max_iterations : of Newton's method
 
     Raises
     ------

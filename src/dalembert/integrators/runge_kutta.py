@@ -141,17 +141,6 @@ class DormandPrince(AdaptiveRungeKutta):
     """Dormand–Prince 5(4) with step size control (Dormand and Prince 1980).
 
     A step is accepted when ``max |e_i| / (atol + rtol |x_i|) ≤ 1`` over coordinates and speeds.
-
-    Parameters
-    ----------
-    rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
-    max_step : longest step [s]; a quarter of the run if None
-
-    Raises
-    ------
-    UnsupportedError
-        A tolerance or ``max_step`` that is not positive.
     """
 
     @property
@@ -166,17 +155,6 @@ class DormandPrince853(AdaptiveRungeKutta):
     A step is accepted when ``‖e₅‖² / √(‖e₅‖² + 0.01 ‖e₃‖²) ≤ 1``, with the norms of the estimates
     of orders 5 and 3 over coordinates and speeds as in ``ButcherTableau`` (Hairer, Nørsett and
     Wanner 1993, II.10).
-
-    Parameters
-    ----------
-    rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
-    max_step : longest step [s]; a quarter of the run if None
-
-    Raises
-    ------
-    UnsupportedError
-        A tolerance or ``max_step`` that is not positive.
     """
 
     @property

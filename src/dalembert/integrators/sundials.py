@@ -107,12 +107,6 @@ class Cvodes(SundialsIntegrator):
     The run's ``step`` is the distance of the states that are kept; CVODES chooses its own steps.
     Gradients are right to about the tolerances, see ``Bdf`` for exact ones.
 
-    Parameters
-    ----------
-    rtol : relative tolerance [-]
-    atol : absolute tolerance of all states [m, rad, m/s, rad/s, J]; by default 1e-12 of their
-        natural sizes
-
     Raises
     ------
     UnsupportedError
@@ -141,12 +135,6 @@ class Ida(SundialsIntegrator):
     The system has index 1: accelerations and multipliers are algebraic and left out of the error
     control. The run's ``step`` is the distance of the states that are kept; IDAS chooses its own
     steps. Gradients are right to about the tolerances, see ``Bdf`` for exact ones.
-
-    Parameters
-    ----------
-    rtol : relative tolerance [-]
-    atol : absolute tolerance of all states [m, rad, m/s, rad/s, J]; by default 1e-12 of their
-        natural sizes
 
     Raises
     ------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 from functools import cache
 from typing import Annotated, Any, Literal
 
@@ -137,4 +138,4 @@ def about_field(field: dataclasses.Field) -> str | None:
 
 def summary_of(cls: type) -> str:
     """The first paragraph of what is said about a class."""
-    return (cls.__doc__ or "").strip().split("\n\n")[0].replace("\n    ", " ")
+    return inspect.cleandoc(cls.__doc__ or "").split("\n\n")[0].replace("\n", " ")

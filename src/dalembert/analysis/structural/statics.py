@@ -16,8 +16,6 @@ from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 
-SHIFT = 1e-12
-"""What is added to an exactly singular stiffness, relative to its diagonal, to find what moves."""
 SOFTEST = 1e-14
 """Energy of a motion that counts as none, relative to the terms of which it is the difference."""
 
