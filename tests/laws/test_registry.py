@@ -88,4 +88,5 @@ def test_options_are_described_once_and_everywhere(name):
     """Help shows every option of a method, those of its bases too, each a single time."""
     cls = KNOWN[name]
     for field in dataclasses.fields(cls):
-        assert len(re.findall(rf"^{field.name} : ", cls.__doc__, re.MULTILINE)) == 1, field.name
+        entry = rf"^(?:\w+, )*{field.name}(?:, \w+)* : "
+        assert len(re.findall(entry, cls.__doc__, re.MULTILINE)) == 1, field.name
