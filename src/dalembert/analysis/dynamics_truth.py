@@ -49,10 +49,16 @@ class DynamicsTruth:
 
     @property
     def held(self) -> frozenset[Level]:
-        """Levels at which the constraints are held, and not nearly so."""
-        formulation, stabilization = self.kernel.variants[0].formulation, self.kernel.stabilization
+        """Levels at which all constraints are held, and not nearly so.
+
+        What is left out as redundant follows from the others where the levels below are held.
+        """
+        first, stabilization = self.kernel.variants[0], self.kernel.stabilization
         fed_back = {Level.ACCELERATION} if stabilization.feedback else NONE
-        return (formulation.held - fed_back) | stabilization.held
+        held = (first.formulation.held - fed_back) | stabilization.held
+        if not first.equations.dropped.numel():
+            return held
+        return frozenset(level for level in held if set(range(level)) <= held)
 
     @cached_property
     def gaps(self) -> list[tuple[Gap, float]]:

@@ -12,8 +12,8 @@ from dalembert.results.recording import Trajectory
 from dalembert.symbolic.kernel import Kernel
 from dalembert.symbolic.once import once
 
-ROUNDING = 1e-9
-"""Share of the energies themselves, and of the mechanism's own, that tells nothing."""
+ROUNDING = 1e-9, 1e-6
+"""Shares of the energies themselves, and of the mechanism's natural energy, that tell nothing."""
 
 
 class EnergyBalance:
@@ -48,7 +48,7 @@ class EnergyBalance:
         """The energy that took part: kinetic, of storages since the start, dissipated, put in."""
         kinetic, potential = self.energies
         parts = (kinetic, potential - potential[0], *self.s.work)
-        least = ROUNDING * (np.abs(self.energies).max() + self.model.scales.energy)
+        least = ROUNDING[0] * np.abs(self.energies).max() + ROUNDING[1] * self.model.scales.energy
         return float(sum(np.abs(part).max() for part in parts) + least)
 
     @cached_property

@@ -97,7 +97,8 @@ class Variant:
         Both relative to the limit above which another variant is chosen; None where nothing is.
         """
         e, nothing = self.equations, ca.SX(0)
-        found, redundant = self.formulation.conditioning(e), bool(e.dropped.numel())
+        found = self.formulation.conditioning(e)
+        redundant = len(self.rows) < self.view.whole.constraint_count
         if found is None and not redundant:
             return None
         share = largest_share(self.view.whole, self.rows) / TRUSTED if redundant else nothing

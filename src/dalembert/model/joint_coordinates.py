@@ -28,6 +28,8 @@ from dalembert.symbolic.implicit import ImplicitFunction
 
 ROUNDING = 1e-10
 """Natural size of a row of C below which it is nothing but rounding."""
+ELSEWHERE = (0.0, 0.31, -0.17)
+"""Where else joints may stand, in radians, for what is so everywhere."""
 CHOICES = {"angles": ("relative", "absolute"), "reactions": ("augmented", "projected")}
 
 
@@ -92,7 +94,8 @@ class JointView(CoordinateView):
         ]
         carried = set(self.tree_rows)
         self.loop_rows = [k for k in range(self.bodies.constraint_count) if k not in carried]
-        self.whole = e = self._equations()
+        e = self._equations()
+        self.whole = e = e.with_rows(self._not_satisfied_by_the_tree(e))
         self.rows = tuple(range(e.constraint_count) if every_equation else self._independent(e))
 
     @cached_property
@@ -143,20 +146,31 @@ class JointView(CoordinateView):
         by_body = reach(0.0, start.y, self.model.nominal).full()
         return np.abs(by_body * e.scales.coordinates).max(axis=1, initial=0.0)
 
-    def _at_start(self, expression: ca.SX) -> np.ndarray:
-        """An expression of t, q and p at the assembled start."""
+    def _at_start(self, expression: ca.SX, moved: np.ndarray | float = 0.0) -> np.ndarray:
+        """An expression of t, q and p at the assembled start, or some way off."""
         start, p = self.model.start, self.model.nominal
         q, _ = self.reduce.function(0.0, start.y, start.v, p)
         function = ca.Function("start", [self.bodies.t, self.motion.q, self.bodies.p], [expression])
-        return function(0.0, q, p).full()
+        return function(0.0, q.full().ravel() + moved, p).full()
 
-    def _independent(self, e: Equations) -> list[int]:
-        """Loop equations that do not follow from the tree and the ones before them."""
+    def _not_satisfied_by_the_tree(self, e: Equations) -> list[int]:
+        """Loop equations but those that hold wherever the tree stands, such as of a doubled pin.
+
+        Their rows of C are nothing but rounding, in which every weight of equations is lost.
+        """
         if not self.loop_rows:
             return []
-        c = self._at_start(e.jacobian) * e.scales.coordinates / e.scales.rows[:, None]
-        c[np.linalg.norm(c, axis=1) < ROUNDING] = 0  # satisfied by the tree alone
-        return independent_rows(c)
+        sizes, count = e.scales.coordinates, np.arange(1, e.speed_count + 1)
+        found = [self._at_start(e.jacobian, way * sizes * np.cos(count)) for way in ELSEWHERE]
+        natural = [c * sizes / e.scales.rows[:, None] for c in found]
+        largest = np.max([np.linalg.norm(c, axis=1) for c in natural], axis=0)
+        return [int(k) for k in np.flatnonzero(~(largest < ROUNDING))]
+
+    def _independent(self, e: Equations) -> list[int]:
+        """Loop equations that do not follow from the ones before them."""
+        if not e.constraint_count:
+            return []
+        return independent_rows(self._at_start(e.jacobian) / e.scales.rows[:, None])
 
     def _massless(self, inertia: TreeInertia) -> tuple[int, ...]:
         """Coordinates that take part in a motion without kinetic energy."""
