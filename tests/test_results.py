@@ -145,3 +145,16 @@ def test_modes_are_written_as_other_results_are(tmp_path):
     assert found == pytest.approx(modes.frequencies)
     with pytest.raises(da.UnsupportedError, match="no report of Modes"):
         modes.report(tmp_path / "swing.html")
+
+
+def test_a_state_brings_its_own_parameters():
+    """``at`` is a motion with its parameters and options: others are refused, not passed over."""
+    system = da.System("swing", gravity=(0.0, -9.81))
+    mass = system.parameter("m", 2.0)
+    bob = system.add(planar.Bar("bob", length=1.0, mass=mass, angle=-1.5))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), bob.start))
+    model = system.build()
+    rest = da.solve_equilibrium(model)
+    for given in ({"parameters": {"m": 1.0}}, {"time": 1.0}):
+        with pytest.raises(da.AnalysisError, match=r"linearize: (m|time) cannot be given with at="):
+            da.linearize(model, rest, **given)

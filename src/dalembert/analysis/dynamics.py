@@ -104,6 +104,10 @@ class Dynamics(Analysis[Model, Motion]):
         choices = (self.coordinates, self.formulation, self.stabilization, self.integrator)
         return _kernel(model, *choices, self.backend)
 
+    @property
+    def gradient_error(self) -> float:
+        return self.integrator.gradient_error
+
     def checks(self, model: Model) -> dict[str, Callable[[], object]]:
         """The strategies work together, and on this mechanism where it starts."""
 

@@ -25,7 +25,6 @@ from dalembert.analysis.timeline import (
     uniform_grid,
 )
 from dalembert.errors import AssemblyError, SingularityError
-from dalembert.formulations.kkt import Kkt
 from dalembert.integrators.steps import Steps, Switch, Watch
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
@@ -66,7 +65,7 @@ class DynamicsRun:
         """A mass that was not zero when the model was built must not become zero."""
         mass = np.diag(self.model.mass_matrix(self.p))
         lost = set(np.flatnonzero(mass == 0)) - set(self.model.equations.massless)
-        if lost and not isinstance(self.analysis.formulation, Kkt):
+        if lost and self.analysis.formulation.needs_mass:
             names = ", ".join(self.model.guesses.names[k] for k in sorted(lost))
             raise SingularityError(
                 f"the inertia of {names} is zero with these parameters but was not when the model "

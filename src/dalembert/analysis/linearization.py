@@ -170,6 +170,9 @@ def linearize(
         mass.
     """
     if at is not None:
+        if parameters or options:
+            given = ", ".join([*(parameters or ()), *options])
+            raise AnalysisError(f"linearize: {given} cannot be given with at=, which has its own")
         if at.analysis.at_rest:
             return modes_of(Linearization(float(at.time[0])), at_rest(at))
         return modes_of(MotionLinearization(at), last_instant(at))

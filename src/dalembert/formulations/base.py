@@ -63,6 +63,11 @@ class Formulation:
         return False
 
     @property
+    def needs_mass(self) -> bool:
+        """Divides by masses that were not zero when the model was built."""
+        return True
+
+    @property
     def gives_accelerations(self) -> bool:
         """Can be integrated as ``ẋ = F(t, x, p)``, so by explicit methods."""
         return True

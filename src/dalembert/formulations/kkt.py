@@ -33,5 +33,9 @@ class Kkt(Formulation):
     Takes massless bodies; costs more than ``RangeSpace``.
     """
 
+    @property
+    def needs_mass(self) -> bool:
+        return False
+
     def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> KktSolver:
         return KktSolver(inertia, jacobian)

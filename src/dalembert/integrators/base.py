@@ -95,6 +95,11 @@ class Integrator:
         return self.adaptive
 
     @property
+    def gradient_error(self) -> float:
+        """Relative error of its gradients; none where they are derivatives of the steps taken."""
+        return 0.0
+
+    @property
     def order(self) -> int:
         """Order to which integrals over the run follow its steps."""
         return 4

@@ -58,6 +58,10 @@ class SundialsIntegrator(Integrator, ABC):
         return True
 
     @property
+    def gradient_error(self) -> float:
+        return self.rtol
+
+    @property
     def _options(self) -> dict:
         """What SUNDIALS is told."""
         return {

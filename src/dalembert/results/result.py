@@ -131,6 +131,11 @@ class Analysis(ABC, Generic[M, R]):
     integrates: ClassVar[bool] = False
     """Its results come of integration, which energies judge."""
 
+    @property
+    def gradient_error(self) -> float:
+        """Relative error of its gradients, beside that of equations solved to round-off."""
+        return 0.0
+
     @abstractmethod
     def run(self, model: M, parameters: Mapping[str, float] | np.ndarray | None = None) -> R:
         """The result for a model, with some parameters replaced or all given."""

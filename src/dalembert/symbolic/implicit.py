@@ -8,7 +8,9 @@ gives, with one further solve (adjoint: one transposed solve) by the *same* fact
     ż = −(∂r/∂z)⁻¹ (∂r/∂x) ẋ,        x̄ = −(∂r/∂x)ᵀ (∂r/∂z)⁻ᵀ z̄.
 
 Both are chains of the same kind, so derivatives of any order follow by repetition.
-Everything that is solved in this package and can be differentiated is one of these.
+Positions, accelerations, multipliers, projections, equilibria and the start of a mechanism are of
+these. Implicit steps (``integrators``) and structures, whose systems are large, are differentiated
+by the same two formulas with factors of their own.
 """
 
 from __future__ import annotations

@@ -29,6 +29,11 @@ class Choice:
     known: Mapping[str, type]
     default: tuple[str, ...]
 
+    @property
+    def usual(self) -> type:
+        """The first of them."""
+        return self.known[self.default[0]]
+
     def read(self, given: Any) -> list[Any]:
         """Strategy objects from names, classes or objects, one or several; None for the default.
 
@@ -153,10 +158,10 @@ def _needless(c: Combination, open_choices: set[str]) -> bool:
         return True
     if "formulation" in open_choices and needed and not taken:
         return True
-    usual, first = CHOICES["coordinates"].default[0], CHOICES["formulation"].default[0]
-    if "coordinates" not in open_choices or type(c.coordinates).__name__ == usual:
+    usual, first = CHOICES["coordinates"].usual, CHOICES["formulation"].usual
+    if "coordinates" not in open_choices or type(c.coordinates) is usual:
         return False
-    return "formulation" not in open_choices or type(c.formulation).__name__ != first
+    return "formulation" not in open_choices or type(c.formulation) is not first
 
 
 def _settings(

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.integrators.sundials import SundialsIntegrator
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.diagnosis import NEGLIGIBLE
@@ -144,10 +143,7 @@ def certify(
 
 def _agreement(motion: Result) -> float:
     """How well direct and adjoint derivatives must agree."""
-    integrator = getattr(motion.analysis, "integrator", None)
-    if isinstance(integrator, SundialsIntegrator):  # whose sensitivities have its tolerances
-        return max(AGREE, 1e3 * integrator.rtol)
-    return AGREE
+    return max(AGREE, 1e3 * motion.analysis.gradient_error)
 
 
 def _differences(values: Replays, columns: list[int]) -> tuple[np.ndarray, ...]:

@@ -15,7 +15,6 @@ from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.march import CHUNK, flagged
 from dalembert.integrators.steps import run_length
-from dalembert.integrators.sundials import SundialsIntegrator
 from dalembert.sensitivity.marching.directional_march import DirectionalMarch, repeated
 from dalembert.sensitivity.marching.second_step import second_begin, second_step
 from dalembert.sensitivity.samples import Sample, weights_change
@@ -39,7 +38,7 @@ class SecondMarch(DirectionalMarch):
 
     def __init__(self, sample: Sample, direction: np.ndarray):
         super().__init__(sample, direction)
-        if isinstance(self.kernel.integrator, SundialsIntegrator):
+        if self.kernel.integrator.gradient_error:
             raise UnsupportedError(
                 f"second derivatives of {self.kernel.integrator.name} are no better than rough: "
                 "its steps are not repeated exactly; use Bdf(), Radau() or RK4()"
