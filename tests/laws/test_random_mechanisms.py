@@ -1,15 +1,26 @@
-"""Identities that hold for any mechanism, on random trees of bars with springs."""
+"""Identities on random trees of bars with springs; mechanisms of all kinds by random choices.
+
+``DALEMBERT_RANDOM_MECHANISMS=5000 pytest tests/laws/test_random_mechanisms.py`` tries more of them.
+"""
 
 from __future__ import annotations
 
+import os
+from collections import Counter
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from hypothesis import given, settings, strategies as st
 from newton_euler import Snapshot
+from random_mechanisms import random_mechanism
+from random_strategies import faults, judged
 from twins import cross
 
 import dalembert as da
 from dalembert import planar
 
+MECHANISMS, PARTS = int(os.environ.get("DALEMBERT_RANDOM_MECHANISMS", "240")), 8
 GRAVITY = (0.3, -9.81)
 counts = st.integers(2, 5)
 seeds = st.integers(0, 10_000)
@@ -115,3 +126,35 @@ def test_reactions_balance_every_bar(count, seed, pinned):
         now = with_springs(motion, k)
         limit = 1e-9 * (1 + np.abs(now.data.multiplier.values).max())
         assert now.imbalance(GRAVITY if pinned else (0.0, 0.0)) < limit
+
+
+# all kinds of mechanisms and strategies ----------------------------------------------------------
+
+
+@pytest.mark.parametrize("part", range(PARTS))
+def test_what_is_completed_is_right(part):
+    """Open, closed, redundant, massless, driven; sprung, stopped, loaded: the twin finds no fault.
+
+    A run may end otherwise where there is a reason, and says it.
+    """
+    verdicts: Counter[str] = Counter()
+    for seed in range(part, MECHANISMS, PARTS):
+        found = judged(seed)
+        assert not found.faults, str(found)
+        assert found.verdict == "completed" or found.message, str(found)
+        verdicts[found.verdict] += 1
+    assert verdicts["completed"] > 0.85 * verdicts.total(), verdicts
+
+
+@pytest.mark.parametrize(
+    ("field", "row", "fault"),
+    [("y", 0, "Φ"), ("v", 1, "Ψ"), ("a", 0, "C v̇"), ("multiplier", 0, "M v̇")],
+)
+def test_the_twin_notices_what_is_wrong(field, row, fault):
+    _, m = random_mechanism(5)
+    motion = da.solve_dynamics(m.system.build(), 0.1, step=0.01, outputs=3)
+    assert motion.status.success and not faults(m, motion)
+    spoilt = getattr(motion.trajectory, field).copy()
+    spoilt[row, 1] += 0.1 * (1 + np.abs(spoilt[:, 1]).max())
+    motion.trajectory = replace(motion.trajectory, **{field: spoilt})
+    assert any(text.startswith(fault) for text in faults(m, motion))
