@@ -16,14 +16,16 @@ MEMORY = 4e9
 """Bytes that one task may take."""
 ROUNDS = 1e6
 """Rounds of one task, such as load steps, iterations or repeated runs."""
+LARGEST = 1e100
+"""Size of a number beyond which products of a few overflow."""
 STEP = 48
 """Bytes of a time step beside its state: its time, length, marks, and copies of these."""
-INSTRUCTION = 400
-"""Bytes of an operation in a graph, with those of its derivatives."""
 VARIABLE = "DALEMBERT_BUDGET"
 
 
-def afford(what: str, *, memory: float = 0.0, rounds: float = 0.0, cure: str) -> None:
+def afford(
+    what: str, *, memory: float = 0.0, rounds: float = 0.0, cure: str, doubt: float = 1.0
+) -> None:
     """Go on only where a task takes no more than it is given.
 
     Parameters
@@ -32,6 +34,7 @@ def afford(what: str, *, memory: float = 0.0, rounds: float = 0.0, cure: str) ->
     memory : bytes it would take
     rounds : rounds it would take
     cure : what to give instead
+    doubt : how many times too much an estimate may be
 
     Raises
     ------
@@ -40,7 +43,7 @@ def afford(what: str, *, memory: float = 0.0, rounds: float = 0.0, cure: str) ->
     """
     factor, memory, rounds = _factor(), _float(memory), _float(rounds)
     share = max(memory / MEMORY, rounds / ROUNDS)
-    if share <= factor:
+    if share <= factor * doubt:
         return
     by_memory = share == memory / MEMORY
     cost = f"{_size(memory)} of memory" if by_memory else f"{rounds:.3g} rounds"

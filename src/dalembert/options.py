@@ -4,27 +4,33 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-import math
 import re
 from collections.abc import Callable
 from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
 
-from dalembert.budget import afford, numeral
+from dalembert.budget import LARGEST, afford, numeral
 from dalembert.errors import UnsupportedError
 
 Class = TypeVar("Class", bound=type)
-ROUNDS_OF = {"iterations", "max_iterations", "steps", "max_points", "repeat"}
+ROUNDS = {"max_iterations", "steps", "max_points", "repeat"}
 """Options that say how often something is done."""
+UNROLLED = {"iterations"}
+"""Options that say how often something stands in a graph."""
+MOST = 10**15
+"""Size of the largest whole number."""
+COPY = 4_000_000
+"""Bytes of one time, with its derivatives, in a mechanism of a few bodies."""
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field,))
 def options(cls: Class | None = None, /, **how: bool) -> Any:
     """Make a frozen dataclass that refuses what its annotations do not say.
 
-    ``float`` is a finite number, ``int`` a whole one, ``bool`` true or false, ``str`` a text; with
-    ``| None`` there may be none. What else a class demands is told by its ``__post_init__``.
+    ``float`` is a number of usable size, ``int`` a whole one, ``bool`` true or false, ``str`` a
+    text; with ``| None`` there may be none. What else a class demands is told by its
+    ``__post_init__``.
 
     Parameters
     ----------
@@ -64,33 +70,41 @@ def check_option(owner: str, field: dataclasses.Field, value: Any) -> None:
     shown = numeral(value) if isinstance(value, int) else f"{value!r:.60}"
     if not allowed(value):
         raise UnsupportedError(f"{owner}({field.name}={shown}): {field.name} must be {text}")
-    if field.name in ROUNDS_OF:
-        what = f"{owner}({field.name}={shown})"
-        afford(what, rounds=value, cure=f"give fewer {field.name}")
+    what, cure = f"{owner}({field.name}={shown})", f"give fewer {field.name}"
+    if field.name in ROUNDS:
+        afford(what, rounds=value, cure=cure)
+    if field.name in UNROLLED:
+        afford(what, memory=COPY * value, cure=cure)
 
 
 def is_number(value: Any) -> bool:
-    """A finite real number; true and false are none."""
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.number)):
+    """A real number that can be computed with; true and false are none."""
+    if isinstance(value, (bool, np.bool_, np.complexfloating)):
         return False
-    try:
-        return not isinstance(value, np.complexfloating) and math.isfinite(value)
-    except OverflowError:  # of a whole number
+    if not isinstance(value, (int, float, np.number)):
         return False
+    size: Any = abs(value)
+    return bool(size == 0 or 1 / LARGEST <= size <= LARGEST)
 
 
 def is_whole(value: Any) -> bool:
-    """A whole number."""
-    if isinstance(value, int) and not isinstance(value, bool):
-        return True  # however large
-    return is_number(value) and float(value).is_integer()
+    """A whole number that fits; ``10.0`` is none."""
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    return whole and abs(value) <= MOST
+
+
+def are_names(value: Any) -> bool:
+    """A name, or several."""
+    listed = value if isinstance(value, (list, tuple)) else [value]
+    return all(isinstance(name, str) for name in listed)
 
 
 _WANTED: dict[str, tuple[Callable[[Any], bool], str]] = {
-    "float": (is_number, "a finite number"),
-    "int": (is_whole, "a whole number"),
+    "float": (is_number, f"a number, from {1 / LARGEST:g} to {LARGEST:g} in size or 0"),
+    "int": (is_whole, f"a whole number up to {numeral(MOST)} in size"),
     "bool": (lambda value: isinstance(value, (bool, np.bool_)), "true or false"),
     "str": (lambda value: isinstance(value, str), "a text"),
+    "tuple[str, ...]": (are_names, "names"),
 }
 
 

@@ -18,12 +18,16 @@ from dalembert.analysis.events import as_events
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.step_accuracy import StepAccuracy
 from dalembert.analysis.timeline import (
+    Pace,
+    afford_states,
     check_driver_laws,
     checked_span,
     checked_step,
     output_times,
+    step_count,
     uniform_grid,
 )
+from dalembert.budget import STEP
 from dalembert.errors import AssemblyError, SingularityError
 from dalembert.integrators.steps import Steps, Switch, Watch
 from dalembert.model.model import Model
@@ -50,6 +54,7 @@ class DynamicsRun:
         self.start, self.end = checked_span(analysis.duration, analysis.t_span)
         self.step = checked_step(analysis.step, self.start, self.end)
         self.requested = output_times(analysis.outputs, self.start, self.end)
+        self._afford()
         self.p = model.values(parameters)
         if model.diagnosis.massless:
             raise SingularityError(
@@ -60,6 +65,15 @@ class DynamicsRun:
         self._refuse_lost_mass()
         self.kernel = analysis.kernel(model)
         self.events = EventSearch(self.kernel, as_events(analysis.events), self.p)
+
+    def _afford(self) -> None:
+        """Steps and outputs that are too many are refused; of adaptive steps the fewest count."""
+        e, integrator = self.model.equations, self.analysis.integrator
+        longest = integrator.longest_step or self.end - self.start
+        step = min(longest, self.end - self.start) if integrator.adaptive else self.step
+        count = step_count(self.start, self.end, step)
+        count = count if self.requested is None else self.requested.size
+        afford_states(count, 3 * (e.coordinate_count + 2 * e.speed_count + e.constraint_count))
 
     def _refuse_lost_mass(self) -> None:
         """A mass that was not zero when the model was built must not become zero."""
@@ -146,8 +160,15 @@ class DynamicsRun:
 
     def watch(self, report: Callable[[float], None]) -> Watch:
         """What follows the march: states of every step are kept where all are outputs anyway."""
-        memory = np.inf if self.requested is None else self.analysis.memory
-        return Watch(report, self.events.terminal_crossing, self.switch, memory, self.requested)
+        every = self.requested is None
+        kept = 24.0 * self.model.equations.coordinate_count if every else 0.0
+        self.pace = Pace(self.start, self.end, STEP + kept)
+        memory = np.inf if every else self.analysis.memory
+        return Watch(report, self.ends, self.switch, memory, self.requested)
+
+    def ends(self, ends: np.ndarray, states: np.ndarray) -> bool:
+        """Whether a terminal event happens in these steps, or they lead to too many."""
+        return self.events.terminal_crossing(ends, states) or self.pace.exceeds(ends)
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int) -> Switch:
         return self.kernel.switch(times, states, mode, self.p)
@@ -156,6 +177,8 @@ class DynamicsRun:
     def status(self, steps: Steps, truth: DynamicsTruth, ended_by: list[EventRecord]) -> Status:
         """How the run ended; ``ended_by`` are the events up to a terminal one."""
         ending = Ending(self.kernel, steps, truth.s, self.p, self.following_length(steps), truth)
+        if self.pace.excess:
+            return ending.given_up(self.pace.excess)
         return ending.status(ended_by[-1] if ended_by else None)
 
     def following_length(self, steps: Steps) -> float:

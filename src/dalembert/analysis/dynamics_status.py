@@ -49,6 +49,10 @@ class Ending:
     def _ends(self, outcome: Outcome, text: str) -> Status:
         return Status(outcome, text, self.time, float(np.max(self.violations, initial=0.0)))
 
+    def given_up(self, text: str) -> Status:
+        """Ended for what it would take."""
+        return self._ends(Outcome.NOT_CONVERGED, text)
+
     def status(self, ended_by: EventRecord | None) -> Status:
         """Outcome, message and residual."""
         steps, s = self.steps, self.s

@@ -12,6 +12,7 @@ from dalembert.analysis.kinematics_kernel import KinematicsRecord, kinematics_ke
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.singular_positions import SingularPosition
 from dalembert.analysis.timeline import (
+    afford_states,
     check_driver_laws,
     checked_span,
     checked_step,
@@ -25,6 +26,8 @@ from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status
 
 CHUNK = 200
+NEAR = 1e-9
+"""Distance of two times, in steps, below which they are one."""
 TOLERANCE = 1e-10
 """Largest violation of a position that counts as found, by the natural size of its equation."""
 LARGEST_TURN = 0.1
@@ -58,6 +61,11 @@ class KinematicsRun:
         step = checked_step(analysis.step, self.start, self.end)
         self.chosen = requested is not None and analysis.step is None and not analysis.efforts
         grid = uniform_grid(self.start, self.end, step)
+        e = model.equations
+        afford_states(grid.size, 3 * (e.coordinate_count + 2 * e.speed_count))
+        if requested is not None:  # a time right beside one of the grid is that one
+            near = grid[np.clip(np.searchsorted(grid, requested - step / 2), 0, grid.size - 1)]
+            requested = np.where(abs(near - requested) < NEAR * step, near, requested)
         self.grid = grid if requested is None else np.union1d(grid, requested)
         self.requested = grid if requested is None else requested
         self.kernel = kinematics_kernel(model)

@@ -8,9 +8,15 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
+from dalembert.budget import STEP, afford, numeral
 from dalembert.elements.planar.drivers import Driver
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, BudgetError
 from dalembert.model.model import Model
+
+OUTPUT = 400
+"""Bytes of an output at least, whatever the model."""
+HASTE = 1000.0
+"""Times that the steps of a run may grow, so that its first ones do not condemn it."""
 
 
 def checked_span(duration: float | None, t_span: tuple[float, float] | None) -> tuple[float, float]:
@@ -19,12 +25,15 @@ def checked_span(duration: float | None, t_span: tuple[float, float] | None) -> 
     Raises
     ------
     AnalysisError
-        Neither or both given, not finite, or the end not after the start.
+        Neither or both given, no numbers, not finite, or the end not after the start.
     """
     if (duration is None) == (t_span is None):
         raise AnalysisError("give either duration or t_span")
-    start, end = (0.0, float(duration)) if t_span is None else (float(t) for t in t_span)  # type: ignore[arg-type]
-    if not (math.isfinite(start) and math.isfinite(end)):
+    try:
+        start, end = (0.0, float(duration)) if t_span is None else map(float, t_span)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        raise AnalysisError(f"t_span is {t_span!r:.60}; give (start, end) in seconds") from None
+    if not math.isfinite(end - start):
         raise AnalysisError(f"the time span {start}…{end} s is not finite")
     if end <= start:
         what = (
@@ -45,11 +54,65 @@ def checked_step(step: float | None, start: float, end: float) -> float:
     return min(float(step), end - start)
 
 
+def step_count(start: float, end: float, step: float) -> int:
+    """Steps from start to end.
+
+    Raises
+    ------
+    AnalysisError
+        Steps that times do not resolve.
+    BudgetError
+        More than a task may take.
+    """
+    if start + step == start or end - step == end:
+        raise AnalysisError(
+            f"steps of {step:g} s are lost in the rounding of times from {start:g} to {end:g} s; "
+            "use longer ones, or times nearer to 0"
+        )
+    ratio = (end - start) / step
+    cure = "use a longer step or a shorter run"
+    afford(f"{ratio:.3g} steps of {step:g} s", memory=STEP * ratio, cure=cure)
+    return max(1, math.ceil(ratio - 1e-9))
+
+
+class Pace:
+    """What a run with error control takes, which shows only as it goes on.
+
+    Parameters
+    ----------
+    start, end : of the run [s]
+    each : bytes that a step takes
+    """
+
+    def __init__(self, start: float, end: float, each: float):
+        self.start, self.end, self.each = start, end, each
+        self.taken = 0
+        self.excess = ""
+
+    def exceeds(self, ends: np.ndarray) -> bool:
+        """Whether the steps, of which these are the last ends, lead to more than can be kept."""
+        self.taken += ends.size - 1
+        share = (ends[-1] - self.start) / (self.end - self.start)
+        expected = self.taken / share if share > 0 else math.inf
+        cure = "use looser tolerances or a shorter run"
+        pace = f"at the pace of the first {self.taken} steps the run of {expected:.3g}"
+        try:
+            afford(f"a run of {self.taken} steps", memory=self.each * self.taken, cure=cure)
+            afford(pace, memory=self.each * expected, cure=cure, doubt=HASTE)
+        except BudgetError as error:
+            self.excess = str(error)
+        return bool(self.excess)
+
+
+def afford_states(count: int, numbers: int) -> None:
+    """Refuse more outputs than can be kept, each with so many numbers."""
+    cure = "ask for fewer, e.g. outputs=1001"
+    afford(f"{count} outputs of {numbers} numbers", memory=8.0 * count * numbers, cure=cure)
+
+
 def uniform_grid(start: float, end: float, step: float) -> np.ndarray:
     """Times from start to end in steps of ``step``; the last one may be shorter."""
-    count = max(1, math.ceil((end - start) / step - 1e-9))
-    if count > 50_000_000:
-        raise AnalysisError(f"{count:.3g} steps are too many; use a longer step than {step:g} s")
+    count = step_count(start, end, step)
     times = start + step * np.arange(count + 1)
     times[-1] = end
     return times
@@ -85,11 +148,16 @@ def output_times(
         return None
     if isinstance(outputs, (int, np.integer)) and not isinstance(outputs, bool):
         if outputs < 1:
-            raise AnalysisError(f"outputs is {outputs}; ask for at least one")
+            raise AnalysisError(f"outputs is {numeral(outputs)}; ask for at least one")
+        what = f"outputs = {numeral(outputs)}"
+        afford(what, memory=OUTPUT * outputs, cure="ask for fewer outputs")
         return np.linspace(start, end, int(outputs)) if outputs > 1 else np.array([end])
-    times = np.asarray(outputs, dtype=float).ravel()
+    try:
+        times = np.asarray([] if isinstance(outputs, bool) else outputs, dtype=float).ravel()
+    except (TypeError, ValueError, OverflowError):
+        times = np.zeros(0)
     if not times.size or not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
-        raise AnalysisError("output times must be finite and increasing")
+        raise AnalysisError("outputs must be a count, or finite and increasing times")
     slack = 1e-12 * max(abs(start), abs(end))
     if times[0] < start - slack or times[-1] > end + slack:
         raise AnalysisError(

@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.elements.base import Constraint, ForceElement, rate_of
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.description import Description
-from dalembert.symbolic.expression import free_symbols, stack, t
+from dalembert.symbolic.expression import free_symbols, refuse_unusable, stack, t
 
 Formulas = list[tuple[str, ca.SX]]
 """Formulas with the entities they belong to."""
@@ -125,6 +125,7 @@ def _check_number(number: float, entity: str, meta: Mapping) -> None:
     unit = f" {meta['unit']}" if meta["unit"] else ""
     if not math.isfinite(number):
         raise ModelError(f"its value is {number}; give a finite number", entity)
+    refuse_unusable(number, entity)
     if number < meta["minimum"]:
         raise ModelError(
             f"is {number:g}{unit}, but it must not be "

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from dalembert.budget import afford, numeral
 from dalembert.errors import ModelError
+from dalembert.options import is_number
 from dalembert.structures.cells import CELLS
+
+CELL = 1000
+"""Bytes of a cell with its nodes and its element, at least."""
 
 Mesh = tuple[np.ndarray, np.ndarray]
 
@@ -106,7 +112,7 @@ def _of_kind(points: np.ndarray, cells: np.ndarray, kind: str) -> Mesh:
 def _grid(size: Sequence[float], counts: Sequence[int], d: int) -> tuple[np.ndarray, list]:
     """Points, x fastest, and the corners of all cells: around the lower face, then the upper."""
     n = _counts(counts, d)
-    if len(size) != d or not all(length > 0 for length in size):
+    if len(size) != d or not all(is_number(length) and length > 0 for length in size):
         raise ModelError(f"a mesh needs {d} positive lengths, got {size!r}")
     axes = [np.linspace(0.0, length, k + 1) for length, k in zip(size, n, strict=True)]
     grid = np.meshgrid(*axes, indexing="ij")
@@ -128,4 +134,7 @@ def _counts(counts: Sequence[int], d: int) -> list[int]:
     whole = all(isinstance(k, (int, np.integer)) and k > 0 for k in given)
     if len(given) != d or not whole:
         raise ModelError(f"a mesh needs {d} positive whole number(s) of cells, got {counts!r}")
+    cells = math.prod(int(k) for k in counts)
+    cure = "divide it into fewer cells"
+    afford(f"a mesh of {numeral(cells)} cells", memory=CELL * cells, cure=cure)
     return [int(k) for k in counts]

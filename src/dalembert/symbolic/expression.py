@@ -8,6 +8,7 @@ from collections.abc import Iterable
 import casadi as ca
 import numpy as np
 
+from dalembert.budget import LARGEST
 from dalembert.errors import ExpressionError
 
 
@@ -171,10 +172,29 @@ def as_expression(value, entity: str, unit: str = "", size: int = 1) -> Expressi
         raise ExpressionError(f"expected {size} component(s), got {sx.numel()}", entity)
     sx = ca.densify(ca.reshape(sx, size, 1))
     for i in range(size):
-        if sx[i].is_constant() and not math.isfinite(float(sx[i])):
-            raise ExpressionError(f"{float(sx[i])} is not a finite number", entity)
+        if sx[i].is_constant():
+            refuse_unusable(float(sx[i]), entity)
     name = value.name if isinstance(value, Expression) else ""
     return Expression(sx, name, unit)
+
+
+def refuse_unusable(number: float, entity: str) -> None:
+    """NaN, infinity, and numbers whose products or quotients overflow.
+
+    Raises
+    ------
+    ExpressionError
+        Names the entity and the number.
+    """
+    if not math.isfinite(number):
+        raise ExpressionError(f"{number} is not a finite number", entity)
+    if number and not 1 / LARGEST <= abs(number) <= LARGEST:
+        reach = f"{1 / LARGEST:g} to {LARGEST:g}"
+        raise ExpressionError(
+            f"{number:g} is no number to compute with, products or quotients overflow; numbers "
+            f"are 0 or {reach} in size: check its unit",
+            entity,
+        )
 
 
 t = Expression(ca.SX.sym("t"), "t", "s")

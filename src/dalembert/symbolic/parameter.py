@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.expression import Expression, refuse_unusable
 from dalembert.text import plain_text
 
 
@@ -71,6 +71,7 @@ def _finite(value, name: str, what: str) -> float:
         raise ModelError(f"{what} {value!r} is not a number", name) from None
     if isinstance(value, bool) or not math.isfinite(number):
         raise ModelError(f"{what} {value} is not a finite number", name)
+    refuse_unusable(number, name)
     return number
 
 

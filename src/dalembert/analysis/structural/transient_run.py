@@ -16,7 +16,14 @@ from dalembert.analysis.structural.rotation_charts import RotationCharts
 from dalembert.analysis.structural.transient_equation import EquationOfMotion
 from dalembert.analysis.structural.transient_start import TransientStart
 from dalembert.analysis.structural.transient_step import Moving, TransientStep
-from dalembert.analysis.timeline import checked_span, checked_step, output_times, uniform_grid
+from dalembert.analysis.timeline import (
+    afford_states,
+    checked_span,
+    checked_step,
+    output_times,
+    step_count,
+    uniform_grid,
+)
 from dalembert.integrators.steps import Steps
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.motion import StructuralMotion
@@ -148,8 +155,11 @@ class TransientRun:
         """March, and take the outputs."""
         a, begin = self.analysis, clock.perf_counter()
         start, end = checked_span(a.duration, None)
-        times = uniform_grid(start, end, checked_step(a.step, start, end))
+        step, n = checked_step(a.step, start, end), len(self.model.degrees)
+        afford_states(step_count(start, end, step), 4 * n)
+        times = uniform_grid(start, end, step)
         requested = output_times(a.outputs, start, end)
+        afford_states(times.size if requested is None else requested.size, 8 * n)
         model = self.model if a.nonlinear else self.model.linearized
         march = March(a, model, self.p)
         with progress_reporter(progress, f"integrating {model.name}") as report:
