@@ -101,16 +101,29 @@ class Linearized:
         return jacobian, tangency
 
     @cached_property
+    def sizes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Natural sizes of the state (N,) and of the equations (m,)."""
+        s = self.model.equations.scales
+        by_level = np.concatenate([s.rows, s.rows / s.time])
+        return np.concatenate([s.coordinates, s.speeds]), by_level
+
+    @cached_property
+    def alike(self) -> tuple[np.ndarray, np.ndarray]:
+        """``J`` and ``G`` of a state and equations measured by their natural sizes."""
+        (jacobian, tangency), (states, rows) = self.derivatives, self.sizes
+        return jacobian * states / states[:, None], tangency * states / rows[:, None]
+
+    @cached_property
     def basis(self) -> np.ndarray:
-        """``B`` (N, f): orthonormal directions along the constraints."""
-        tangency = self.derivatives[1]
+        """``B`` (N, f): directions along the constraints, orthonormal by natural sizes."""
+        tangency = self.alike[1]
         rank = tangency.shape[0]
         return np.linalg.svd(tangency)[2][rank:].T if rank else np.eye(self.x.size)
 
     @cached_property
     def matrix(self) -> np.ndarray:
         """``A = Bᵀ J B`` (f, f)."""
-        return self.basis.T @ self.derivatives[0] @ self.basis
+        return self.basis.T @ self.alike[0] @ self.basis
 
     @cached_property
     def _spectrum(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -119,7 +132,8 @@ class Linearized:
         if not self.matrix.size:
             return np.zeros(0, complex), *(np.zeros((self.x.size, 0), complex),) * 2
         values, left, right = eig(self.matrix, left=True)
-        return values, self.basis @ left, self.basis @ right
+        states = self.sizes[0][:, None]
+        return values, self.basis @ left / states, self.basis @ right * states
 
     @property
     def eigenvalues(self) -> np.ndarray:
@@ -129,8 +143,9 @@ class Linearized:
     def one_of_each_pair(self) -> np.ndarray:
         """Positions of one eigenvalue of each conjugate pair, by increasing size."""
         values = self.eigenvalues
-        order = np.lexsort((np.abs(values.imag), np.round(np.abs(values), 12)))
-        kept = [i for i in order if values[i].imag >= -1e-12 * (1 + abs(values[i]))]
+        unit = np.abs(values).max(initial=0.0) or 1.0
+        order = np.lexsort((np.abs(values.imag), np.round(np.abs(values) / unit, 12)))
+        kept = [i for i in order if values[i].imag >= -1e-12 * unit]
         return np.array(kept, dtype=int)
 
     def following(self, earlier: Linearized, positions: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from dalembert.model.inertia import Inertia
 from dalembert.options import options
 
 DISTRUST = 300.0
-"""Per square metre (or radian) of violation, ``m/α`` is at least this."""
+"""Per square of the violation by its natural size, ``m/α`` is at least this."""
 ENOUGH = 1e4
 """Factor below which the violation does not push ``α``."""
 
@@ -63,7 +63,7 @@ class AugmentedLagrangian(Formulation):
         each other that much, and a large ``α`` would take them at their word.
         """
         least = min(self.factor, ENOUGH)
-        violation = DISTRUST * self.factor * ca.sumsqr(e.constraints)
+        violation = DISTRUST * self.factor * ca.sumsqr(e.constraints / e.scales.rows)
         factor = least + (self.factor - least) / (1 + violation)
         augmented = AugmentedMass(e.inertia, e.jacobian, e.massless, factor)
         return AugmentedLagrangianSolver(augmented, self.iterations)

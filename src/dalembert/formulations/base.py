@@ -78,7 +78,11 @@ class Formulation:
 
     def saddle(self, e: Equations) -> SaddleSolver:
         """The solver of accelerations and multipliers."""
-        return self.solver(e.inertia, e.jacobian, e.massless)
+        return self.saddle_at(e, e.inertia, e.jacobian)
+
+    def saddle_at(self, e: Equations, inertia: Inertia, jacobian: ca.SX) -> SaddleSolver:
+        """The solver for ``M`` and ``C`` at another position."""
+        return self.solver(inertia, jacobian, e.massless)
 
     def constraint_acceleration(self, e: Equations, xi: ca.SX) -> ca.SX:
         """``ξ`` with what the formulation itself adds to it."""

@@ -5,21 +5,28 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from dalembert.formulations.base import Formulation, SaddleSolver
+from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
+from dalembert.model.scales import Scales
 from dalembert.symbolic.factor import QrFactor
 
 
 class KktSolver(SaddleSolver):
-    """Sparse Householder QR of the whole saddle matrix (5.7)."""
+    """Sparse Householder QR of the whole saddle matrix (5.7), by natural sizes if there are any."""
 
-    def __init__(self, inertia: Inertia, jacobian: ca.SX):
+    def __init__(self, inertia: Inertia, jacobian: ca.SX, scales: Scales | None = None):
         mass = inertia.matrix
         self.speed_count = mass.shape[0]
         m = jacobian.shape[0]
         matrix = ca.vertcat(ca.horzcat(mass, jacobian.T), ca.horzcat(jacobian, ca.SX(m, m)))
-        self.factor = QrFactor(matrix)
+        rows = columns = None
+        if scales is not None:  # of accelerations and multipliers, in units of natural time
+            rows = np.concatenate([scales.efforts, scales.rows / scales.time**2])
+            columns = np.concatenate([scales.speeds / scales.time, scales.multipliers])
+        self.factor = QrFactor(matrix, rows, columns)
 
     def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
         solution = self.factor.solve(ca.vertcat(r1, r2))
@@ -39,3 +46,6 @@ class Kkt(Formulation):
 
     def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> KktSolver:
         return KktSolver(inertia, jacobian)
+
+    def saddle_at(self, e: Equations, inertia: Inertia, jacobian: ca.SX) -> KktSolver:
+        return KktSolver(inertia, jacobian, e.scales)

@@ -146,7 +146,7 @@ class Projection(Stabilization):
 
         inertia, c = e.inertia.substitute(e.y, moved), there(e.jacobian)
         psi = there(e.velocity_constraints)
-        solver = formulation.solver(inertia, c, e.massless).corrector
+        solver = formulation.saddle_at(e, inertia, c).corrector
         step, sigma_value = solver.solve(ca.SX.zeros(e.speed_count), -psi)
         residual = ca.vertcat(
             inertia.times(v - e.v) + ca.mtimes(c.T, sigma), ca.substitute(psi, e.v, v)
@@ -172,7 +172,7 @@ class Projection(Stabilization):
             return None
         n = e.speed_count
         error = ca.SX.sym("error", 2 * n + 2)
-        solver = formulation.solver(e.inertia, e.jacobian, e.massless).corrector
+        solver = formulation.saddle_at(e, e.inertia, e.jacobian).corrector
 
         def along(part: ca.SX) -> ca.SX:
             return solver.solve(e.inertia.times(part), ca.SX.zeros(m))[0]
@@ -184,7 +184,7 @@ class Projection(Stabilization):
         """Stage for ``(δ, μ)`` and the corrected position as an expression of ``δ``."""
         n, m = e.speed_count, e.constraint_count
         delta, mu = ca.SX.sym("delta", n), ca.SX.sym("mu", m)
-        raw = formulation.solver(e.inertia, e.jacobian, e.massless)
+        raw = formulation.saddle_at(e, e.inertia, e.jacobian)
         solver = raw.corrector
         moved = e.y + ca.mtimes(e.lift, delta)
         violation = ca.substitute(e.constraints, e.y, moved)

@@ -101,8 +101,10 @@ class CorrectorEquations:
 
     @cached_property
     def node(self) -> NewtonNode:
+        sizes = self.problem.system.sizes
+        unknown = np.concatenate([sizes.states[self.kept], sizes.algebraic])
         return NewtonNode(
-            "corrector", self.unknown, self._given, self.residual, self._scale(), SETTINGS
+            "corrector", self.unknown, self._given, self.residual, self._scale(), SETTINGS, unknown
         )
 
     def _scale(self) -> ca.SX:
@@ -119,9 +121,12 @@ class CorrectorEquations:
         rounded += ca.mtimes(slopes, ca.fabs(self.unknown))
         scale = NEWTON * ca.mtimes(slopes, allowed) + ROUNDING * rounded + TINY
         depth = np.array([*[-1] * len(self.kept), *self.problem.system.depth])
+        natural = self.problem.system.sizes
+        sizes = np.concatenate([natural.states[self.kept], natural.rows])
         for level in np.unique(depth[depth >= 0]):  # equations of motion without mass have no terms
             rows = [int(i) for i in np.flatnonzero(depth == level)]
-            scale[rows] += SMALL_ROWS * ca.mmax(scale[rows])
+            alike = sizes[rows]
+            scale[rows] += SMALL_ROWS * alike * ca.mmax(scale[rows] / alike)
         return scale
 
     def solve(self, t, h, c, predicted, psi, p) -> tuple[ca.MX, ca.MX]:

@@ -119,6 +119,7 @@ class CollocationStep(GraphStep):
             ca.vertcat(*rows),
             ca.vertcat(*scales),
             settings.newton,
+            np.tile(e.unknown_sizes, len(self.nodes)),
             [states[-1], ca.horzcat(*rates)],
         )
         symbols = [ca.MX.sym(*n) for n in (("t", 1), ("h", 1), ("x", e.size), ("p", s.p.numel()))]

@@ -61,8 +61,9 @@ class NewmarkStep(GraphStep):
         new, memory, rows = self._equations()
         scale = e.residual_scale(settings.tolerance)(self.t + self.h, self.h, new, self.u, self.p)
         outputs = [ca.vertcat(new, memory)]
+        sizes = e.unknown_sizes
         self._newton = NewtonNode(
-            "newmark", self.u, self.given, rows, scale, settings.newton, outputs
+            "newmark", self.u, self.given, rows, scale, settings.newton, sizes, outputs
         )
         self._guess = constant("guess", [self.given], self._extrapolated())
         size = n + self.memory.numel()

@@ -125,9 +125,12 @@ def _linearised(step: CollocationStep) -> tuple[ca.Function, ca.Function, ca.Fun
     h, u = at[1], at[3]
     rows = rows / ca.vertcat(*(h**k for k in s.depth), *(1 for _ in e.coupled))
     disturbance, solution = ca.SX.sym("d", e.size), ca.SX.sym("w", e.count)
-    matrix = ca.Function("matrix", list(at), [ca.jacobian(rows, u)], {"cse": True})
+    sizes = e.unknown_sizes
+    rows = rows / (e.row_sizes / s.sizes.time ** np.array([*s.depth, *(0 for _ in e.coupled)]))
+    slopes = ca.mtimes(ca.jacobian(rows, u), ca.diag(ca.DM(sizes)))
+    matrix = ca.Function("matrix", list(at), [slopes], {"cse": True})
     moved = -ca.densify(ca.jtimes(rows, s.x, disturbance))
     rhs = ca.Function("rhs", [*at, disturbance], [moved], {"cse": True})
-    total = ca.jtimes(state, s.x, disturbance) + ca.jtimes(state, u, solution)
+    total = ca.jtimes(state, s.x, disturbance) + ca.jtimes(state, u, sizes * solution)
     inputs = [*at, disturbance, solution]
     return matrix, rhs, ca.Function("change", inputs, [ca.densify(total)], {"cse": True})

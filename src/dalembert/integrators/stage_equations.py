@@ -53,6 +53,19 @@ class StageEquations:
         """Unknowns of several stages apart; there may be none in each."""
         return [u[k * self.count : (k + 1) * self.count, :] for k in range(stages)]
 
+    @property
+    def unknown_sizes(self) -> np.ndarray:
+        """(count,) natural sizes of ``u``."""
+        sizes = self.system.sizes
+        scaled = sizes.algebraic / sizes.time ** np.array(self.system.lag)
+        return np.concatenate([scaled, sizes.rates[self.coupled]])
+
+    @property
+    def row_sizes(self) -> np.ndarray:
+        """(count,) natural sizes of the equations."""
+        sizes = self.system.sizes
+        return np.concatenate([sizes.rows, sizes.rates[self.coupled]])
+
     def residual_scale(self, tolerance: float) -> ca.Function:
         """``(t, h, x, u, p)`` → residuals that count as zero.
 
@@ -65,9 +78,7 @@ class StageEquations:
         still = ca.substitute(self._rows, self.u, ca.SX.zeros(self.count))
         by_state = ca.fabs(ca.jacobian(still, s.x))
         sizes = s.sizes
-        least = np.concatenate([sizes.algebraic, sizes.rates[self.coupled]]) * LEAST
-        least[: self.algebraic] /= sizes.time ** np.array(s.lag)
-        rows_alike = np.concatenate([sizes.rows, sizes.rates[self.coupled]])
+        least, rows_alike = LEAST * self.unknown_sizes, self.row_sizes
         terms = ca.densify(ca.mtimes(by_unknown, least + ca.fabs(self.u)) + ca.fabs(still))
         change = self.h * ca.mtimes(by_state, ca.fabs(self._rate))
         constraints = [int(i) for i in np.flatnonzero(level)]

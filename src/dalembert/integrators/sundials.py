@@ -169,9 +169,9 @@ class Ida(SundialsIntegrator):
         t, h, number = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("number")
         sizes = self.sizes(problem, system.x.numel())
         rate, algebraic = ca.substitute(
-            [system.rate, system.algebraic],
-            [system.t, system.x],
-            [t + h * number, sizes * system.x],
+            [system.rate, system.algebraic / system.sizes.rows],
+            [system.t, system.x, system.z],
+            [t + h * number, sizes * system.x, system.sizes.algebraic * system.z],
         )
         equations = {
             "t": number,
@@ -184,7 +184,14 @@ class Ida(SundialsIntegrator):
         # the line search of IDACalcIC fails where start values are right and its scale is coarse
         start = {"calc_ic": True, "first_time": SHORT}
         options = {**self._options, "suppress_algebraic": True, **start}
-        return lambda count: _flow("idas", equations, sizes, count, options, system.start.function)
+        begin = algebraic_start(system)
+        return lambda count: _flow("idas", equations, sizes, count, options, begin)
+
+
+def algebraic_start(system: SemiExplicit) -> ca.Function:
+    """``(t, x, p) → z`` by natural sizes."""
+    z = system.start.function(system.t, system.x, system.p) / system.sizes.algebraic
+    return ca.Function("start", [system.t, system.x, system.p], [z])
 
 
 def _flow(

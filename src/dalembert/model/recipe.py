@@ -92,10 +92,15 @@ class Recipe:
         held = zip(self.positions.indices, self.positions.formulas(self.guesses.pose), strict=True)
         pinned = stack(e.y[k] - target for k, target in held)
         residual = ca.vertcat(e.constraints[self.rows], self.position_conditions, pinned)
-        factor = QrFactor(ca.jacobian(residual, e.y))
+        s = self.scales
+        asked = np.full(self.position_conditions.numel(), s.length)
+        rows = np.concatenate(
+            [s.rows[self.rows], asked, s.coordinates[list(self.positions.indices)]]
+        )
+        factor = QrFactor(ca.jacobian(residual, e.y), rows, s.coordinates)
         position = Stage(e.y, residual, start, factor.solve, factor.solve_transposed)
         unknown, equations = self._speed_equations()
-        speed_factor = QrFactor(ca.jacobian(equations, unknown))
+        speed_factor = QrFactor(ca.jacobian(equations, unknown), *self._speed_sizes())
         at_zero = ca.substitute(equations, unknown, ca.SX.zeros(unknown.numel()))
         velocity = Stage(
             unknown,
@@ -119,6 +124,16 @@ class Recipe:
         sigma = ca.SX.sym("sigma", demanded.numel())
         balance = ca.mtimes(e.metric, e.v - stack(goal)) + ca.mtimes(c.T, sigma)
         return ca.vertcat(e.v, sigma), ca.vertcat(balance, demanded)
+
+    def _speed_sizes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Natural sizes of the same equations and unknowns."""
+        s = self.scales
+        asked = np.full(self.speed_conditions.numel(), s.length / s.time)
+        demanded = np.concatenate([s.rows[self.rows] / s.time, asked])
+        if not self.projected:
+            return np.concatenate([demanded, s.speeds[list(self.speeds.indices)]]), s.speeds
+        impulses = np.concatenate([s.speeds, s.energy * s.time / (demanded * s.time)])
+        return np.concatenate([s.efforts * s.time, demanded]), impulses
 
     def speeds_at(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
         """(n,) speeds at the start, by sparse factors."""

@@ -52,7 +52,7 @@ class Drawing:
                 corners.append(placed(points, pose))
         every = np.vstack(corners)
         low, high = every.min(axis=0), every.max(axis=0)
-        margin = 0.08 * max(*(high - low), 1e-6)
+        margin = 0.08 * (max(*(high - low)) or 1.0)
         self.ax.set(
             xlim=(low[0] - margin, high[0] + margin),
             ylim=(low[1] - margin, high[1] + margin),

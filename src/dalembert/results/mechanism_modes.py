@@ -79,7 +79,8 @@ class Modes(Numbered):
     @property
     def stable(self) -> bool:
         """No eigenvalue has a positive real part."""
-        return bool(np.all(self.eigenvalues.real <= 1e-9 * (1 + np.abs(self.eigenvalues))))
+        values = self.eigenvalues
+        return bool(np.all(values.real <= 1e-9 * np.abs(values).max(initial=0.0)))
 
     @staticmethod
     def formula(model: Model, measure: str | Expression) -> Expression:

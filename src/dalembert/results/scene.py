@@ -80,7 +80,7 @@ class _Scene:
         local = [np.linalg.norm(p) for points in self.points.values() for p in points]
         position = self.data["position"].values[self.keep[:1]].reshape(-1, 2)
         spread = np.ptp(position, axis=0).max() if position.size else 0.0
-        return float(max([spread, *local, 1e-3]))
+        return float(max([spread, *local])) or 1.0
 
     def outline(self, body: Body) -> None:
         shapes, points = self.shapes[body.name], self.points[body.name]

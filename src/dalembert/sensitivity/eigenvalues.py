@@ -75,7 +75,7 @@ class EigenvalueGradient:
 
     def _probes(self) -> Probes:
         """What to differentiate, from all eigenvalues that the response sees."""
-        jacobian, tangency = self.state.derivatives
+        (jacobian, tangency), (states, rows) = self.state.alike, self.state.sizes
         inverse = np.linalg.pinv(tangency)
         q, a, b = [], [], []
         for group, weight in self._groups():
@@ -86,8 +86,8 @@ class EigenvalueGradient:
                 q += [d, u]
                 a += [u, np.zeros_like(u)]
                 b += [-inverse.T @ (jacobian.T @ u), -inverse.T @ (jacobian @ d)]
-        n, m = jacobian.shape[0], tangency.shape[0]
-        return Probes(*(np.hstack([np.zeros((k, 0)), *c]) for k, c in ((n, q), (n, a), (m, b))))
+        units = (states, q), (1 / states, a), (1 / rows, b)
+        return Probes(*(np.hstack([np.zeros((u.size, 0)), *c]) * u[:, None] for u, c in units))
 
     def _refuse_bent(self, group: list[int], block: np.ndarray) -> None:
         """Defective eigenvalues part like roots: only measures linear in them have a gradient."""

@@ -22,6 +22,7 @@ class NewtonNode:
     residual : SX, ``g``
     zero : SX, positive, residuals that count as zero; expression of u and given, taken at the guess
     settings : iterations, and the tolerance that is within ``zero``
+    sizes : (n,) natural sizes of the unknowns, in which their equations are solved
     outputs : SX expressions of u and given that are wanted
     """
 
@@ -33,11 +34,14 @@ class NewtonNode:
         residual: ca.SX,
         zero: ca.SX,
         settings: NewtonSettings,
+        sizes: np.ndarray,
         outputs: list[ca.SX] | None = None,
     ):
+        self._sizes = ca.DM(sizes)
         self.settings = settings
         unit = ca.SX.sym("unit", unknown.numel())
         relative = residual / unit
+        alike = ca.substitute(relative, unknown, self._sizes * unknown)
         self._zero = constant("zero", [unknown, given], zero)
         wanted = [ca.densify(out) for out in (outputs or [])]
         seen: list[bool] = [False, *(True for _ in wanted)]
@@ -51,7 +55,7 @@ class NewtonNode:
         self._find = ca.rootfinder(
             name,
             "fast_newton",
-            ca.Function("residual", [unknown, ca.vertcat(given, unit)], [relative], {"cse": True}),
+            ca.Function("residual", [unknown, ca.vertcat(given, unit)], [alike], {"cse": True}),
             {
                 "abstol": 1.0,
                 "abstolStep": 0.0,
@@ -74,7 +78,7 @@ class NewtonNode:
     def _solved(self, guess: ca.MX, given: ca.MX) -> list[ca.MX]:
         """Solution, 0 or NaN, residual and outputs."""
         unit = self._zero(guess, given)
-        found = self._find(guess, ca.vertcat(given, unit))
+        found = self._sizes * self._find(guess / self._sizes, ca.vertcat(given, unit))
         worst, *wanted = self._finish.call([found, given, unit])
         refusal = ca.if_else(worst <= self.settings.slack, 0, np.nan)  # false for NaN as well
         return [found, refusal, worst * self.settings.tolerance, *wanted]

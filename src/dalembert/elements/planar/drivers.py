@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from dalembert.elements.base import Constraint, Coordinates, Vector, option, quantity
 from dalembert.elements.laws.base import as_law
@@ -21,6 +22,8 @@ from dalembert.elements.planar.joint import (
 )
 from dalembert.elements.planar.translational import SlidingJoint
 from dalembert.symbolic.expression import t
+
+LEAST = float(np.finfo(float).tiny)
 
 
 class Driver(Constraint):
@@ -58,7 +61,7 @@ class Driver(Constraint):
         wanted = list(self.law.conditions())
         if self.positive:
             start = ca.substitute(self.law.value(t.sx), t.sx, 0)
-            wanted.append((start - 1e-12, "its law asks for no distance at the start"))
+            wanted.append((start - LEAST, "its law asks for no distance at the start"))
         return wanted
 
     def checked_quantities(self):

@@ -37,7 +37,7 @@ class GearPair(PointJoint):
     def residual(self) -> ca.SX:
         bodies = list(self.ends())
         start = initial_value(self.between, bodies).sx
-        degenerate = start.is_constant() and float(ca.norm_2(start)) < 1e-12
+        degenerate = start.is_constant() and float(ca.norm_2(start)) == 0
         reference = ca.SX([1, 0]) if degenerate else start
         line = ca.atan2(cross(reference, self.between), ca.dot(reference, self.between))
         sense = -1 if self.internal else 1
