@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from dalembert.cli.console import wrong_input
 from dalembert.cli.deck import solved_deck
 from dalembert.cli.loading import is_deck, loaded
 from dalembert.errors import ExpressionError, UnsupportedError
 from dalembert.responses.base import Response
+from dalembert.results.result import Result
+
+Texts = list[str] | None
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class GradientTask:
     """
 
     name: str
-    run: Callable[[bool], Any]
+    run: Callable[[bool], Result]
     responses: list[Response]
     wrt: list[str]
     method: str
@@ -35,9 +37,9 @@ class GradientTask:
 
 def gradient_task(
     path: Path,
-    settings: list[str] | None,
-    responses: Sequence[str] | None,
-    wrt: Sequence[str] | None,
+    settings: Texts,
+    responses: Texts,
+    wrt: Texts,
     method: str | None,
 ) -> GradientTask:
     """The task of a model file or deck, with what the options replace.
@@ -54,7 +56,9 @@ def gradient_task(
     return make(path, settings, responses, wrt, method)
 
 
-def _of_file(path: Path, settings, responses, wrt, method) -> GradientTask:
+def _of_file(
+    path: Path, settings: Texts, responses: Texts, wrt: Texts, method: str | None
+) -> GradientTask:
     from dalembert.io.analyses import make_analysis
     from dalembert.io.tasks import make_gradient, make_responses
 
@@ -69,7 +73,7 @@ def _of_file(path: Path, settings, responses, wrt, method) -> GradientTask:
             found, parameters = make_gradient(file, built)
         chosen = _parameters(wrt, built.parameters) or parameters
 
-    def run(progress: bool) -> Any:
+    def run(progress: bool) -> Result:
         with file.located("analysis"):
             return analysis.run(built, progress=progress)
 
@@ -77,7 +81,9 @@ def _of_file(path: Path, settings, responses, wrt, method) -> GradientTask:
     return GradientTask(file.name, run, list(found.values()), chosen, how)
 
 
-def _of_deck(path: Path, settings, responses, wrt, method) -> GradientTask:
+def _of_deck(
+    path: Path, settings: Texts, responses: Texts, wrt: Texts, method: str | None
+) -> GradientTask:
     """Measures of the structure; its compliance where none are named."""
     from dalembert.responses.values import final
 

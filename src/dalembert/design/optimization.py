@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from dalembert.design.problem import DesignProblem
+from dalembert.design.problem import DesignProblem, Evaluation
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.options import options
 from dalembert.responses.base import Response, as_responses
@@ -77,7 +78,7 @@ class Optimum:
     failed_runs: int = 0
     violation: float = 0.0
 
-    def plot(self, ax=None):
+    def plot(self, ax: Any = None) -> Any:
         """Objective over the iterations; returns the axes."""
         import matplotlib.pyplot as plt
 
@@ -137,12 +138,23 @@ def optimize(
 class _Slsqp:
     """SLSQP on variables scaled to their bounds and an objective scaled to its start."""
 
-    def __init__(self, model, minimize, maximize, limits, vary, analysis, start, method):
+    def __init__(
+        self,
+        model: AnalysedModel,
+        minimize: Response | None,
+        maximize: Response | None,
+        limits: Sequence[Limit],
+        vary: Sequence[str] | None,
+        analysis: Analysis,
+        start: Mapping[str, float] | None,
+        method: Method,
+    ):
         self.model, self.limits = model, limits
         self.sign = 1.0 if minimize is not None else -1.0
         self.last = 0.0
         self.names = self._names(vary)
         objective = minimize if minimize is not None else maximize
+        assert objective is not None
         unique = {id(r): r for r in (objective, *(limit.response for limit in limits))}
         self.responses = as_responses(list(unique.values()))
         self.rows = [list(unique).index(id(limit.response)) for limit in limits]
@@ -192,7 +204,7 @@ class _Slsqp:
         if found is not None:
             self.best = found
             self.record(x, found)
-        return self.sign * self.best.gradient[0] * self.width / self.scale
+        return self.sign * self.best.slope(0) * self.width / self.scale
 
     def size(self, k: int, bound: float) -> float:
         """What one is for a limit: the bound, or the response at the start."""
@@ -208,7 +220,7 @@ class _Slsqp:
 
         def slope(z: np.ndarray) -> np.ndarray:
             found = self.problem.evaluate(self.unscale(z)) or self.best
-            return sense * found.gradient[row] * self.width / size
+            return sense * found.slope(row) * self.width / size
 
         limit = self.limits[k]
         kind = "eq" if limit.lower == limit.upper else "ineq"
@@ -224,7 +236,7 @@ class _Slsqp:
         return made
 
     # solving -------------------------------------------------------------------------
-    def solve(self, max_iterations: int, tolerance: float, progress) -> Optimum:
+    def solve(self, max_iterations: int, tolerance: float, progress: Any) -> Optimum:
         from scipy.optimize import minimize as scipy_minimize
 
         first = self.problem.evaluate(self.x0)
@@ -248,7 +260,7 @@ class _Slsqp:
         )
         return self.optimum(outcome)
 
-    def record(self, x: np.ndarray, found) -> None:
+    def record(self, x: np.ndarray, found: Evaluation) -> None:
         """Keep and tell a design, unless it is the last one."""
         reached = self.iterate(x, found)
         if reached.parameters == self.history[-1].parameters:
@@ -260,10 +272,10 @@ class _Slsqp:
         elif self.progress:
             print(f"iteration {number}: {reached.objective:.8g}")
 
-    def iterate(self, x: np.ndarray, found) -> Iterate:
+    def iterate(self, x: np.ndarray, found: Evaluation) -> Iterate:
         return Iterate(self.problem.parameters(x), float(found.values[0]), self.violation(found))
 
-    def violation(self, found) -> float:
+    def violation(self, found: Evaluation) -> float:
         worst = 0.0
         for k, limit in enumerate(self.limits):
             value = found.values[self.rows[k]]
@@ -273,7 +285,7 @@ class _Slsqp:
                 worst = max(worst, (value - limit.upper) / self.size(k, limit.upper))
         return float(worst)
 
-    def optimum(self, outcome) -> Optimum:
+    def optimum(self, outcome: Any) -> Optimum:
         x = self.unscale(outcome.x)
         found = self.problem.evaluate(x)
         success, message = bool(outcome.success), str(outcome.message)
@@ -301,7 +313,7 @@ class _Slsqp:
             fun=float(found.values[0]),
             success=success,
             message=message,
-            gradient=dict(zip(self.names, found.gradient[0], strict=True)),
+            gradient=dict(zip(self.names, found.slope(0), strict=True)),
             history=self.history,
             initial=self.first.motion,
             motion=found.motion,

@@ -23,6 +23,11 @@ class Evaluation:
     gradient: np.ndarray | None
     motion: Result
 
+    def slope(self, row: int) -> np.ndarray:
+        """(vary,) gradient of one response, of an evaluation that was asked for it."""
+        assert self.gradient is not None
+        return self.gradient[row]
+
 
 @dataclass
 class DesignProblem:

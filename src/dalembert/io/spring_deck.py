@@ -13,9 +13,11 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from dalembert.errors import FileError, ModelError
 from dalembert.readable import read_text
+from dalembert.structures.node import Node
 from dalembert.structures.springs import AxialSpring
 from dalembert.structures.structure import Structure
 from dalembert.text import visible
@@ -86,7 +88,7 @@ class Deck:
             for field, kind in zip(record.fields, kinds, strict=True)
         ]
 
-    def _converted(self, record: Record, what: str, field: str, kind: type):
+    def _converted(self, record: Record, what: str, field: str, kind: type) -> Any:
         try:
             if kind is float:
                 return float(re.sub("[dD]", "e", field))
@@ -157,10 +159,18 @@ def _parameters(deck: Deck, structure: Structure, counts: list[int]) -> dict:
     return found
 
 
-def _build(deck: Deck, structure: Structure, count: int, springs, forces, supports, given) -> None:
+def _build(
+    deck: Deck,
+    structure: Structure,
+    count: int,
+    springs: list,
+    forces: list,
+    supports: list,
+    given: Any,
+) -> None:
     nodes = [structure.node(f"n{k + 1}", float(k)) for k in range(count)]
 
-    def node(number: int, k: int):
+    def node(number: int, k: int) -> Node:
         if not 1 <= k <= count:
             raise deck.error(number, f"there is no node {k}; there are {count}")
         return nodes[k - 1]

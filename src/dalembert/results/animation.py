@@ -17,7 +17,7 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8
 class Drawing:
     """The mechanism in a pair of axes; ``show(k)`` moves it to instant ``k``."""
 
-    def __init__(self, motion: LabelledRecording, ax, keep: np.ndarray):
+    def __init__(self, motion: LabelledRecording, ax: Any, keep: np.ndarray):
         self.ax, self.scene = ax, motion_scene(motion, keep)
         self.parts: list[tuple[Any, str, np.ndarray]] = []
         for shape in self.scene["ground"]["shapes"]:
@@ -106,7 +106,9 @@ class Film(FuncAnimation):
         return self.to_jshtml()
 
 
-def animate(motion: LabelledRecording, *, fps: int = 30, speed: float = 1.0, ax=None) -> Film:
+def animate(
+    motion: LabelledRecording, *, fps: int = 30, speed: float = 1.0, ax: Any = None
+) -> Film:
     """Matplotlib animation in real time (times ``speed``); ``save`` writes it as a film."""
     span = motion.time[-1] - motion.time[0]
     frames = int(np.clip(fps * span / speed, 2, 600))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,9 @@ from dalembert.symbolic.expression import Expression
 if TYPE_CHECKING:
     import pandas as pd
 
+
+Names = Sequence[str] | None
+Groups = Sequence[Sequence[str]] | None
 
 FINAL = ("kinetic_energy", "potential_energy", "energy", "balance_error")
 LARGEST = ("position_violation", "velocity_violation")
@@ -36,7 +40,7 @@ class Motion(LabelledRecording):
         }
 
     # files and pictures ------------------------------------------------------------
-    def save(self, path: str | Path, plots=None, trace=None) -> Path:
+    def save(self, path: str | Path, plots: Groups = None, trace: Names = None) -> Path:
         """Write all results to a NetCDF file; ``load_results`` reads it back.
 
         ``plots`` and ``trace`` are kept for its report, as in ``report``.
@@ -57,19 +61,19 @@ class Motion(LabelledRecording):
 
         return save_csv(self.data, path)
 
-    def plot(self, *measures: str | Expression, ax=None):
+    def plot(self, *measures: str | Expression, ax: Any = None) -> Any:
         """Draw measures over time with Matplotlib; returns the axes."""
         from dalembert.results.plot import plot_measures
 
         return plot_measures(self, measures, ax)
 
-    def animate(self, **options):
+    def animate(self, **options: Any) -> Any:
         """Animation of the mechanism (Matplotlib); shown by notebooks."""
         from dalembert.results.animation import animate
 
         return animate(self, **options)
 
-    def report(self, path: str | Path, plots=None, trace=None) -> Path:
+    def report(self, path: str | Path, plots: Groups = None, trace: Names = None) -> Path:
         """Write the interactive report, one self-contained HTML file."""
         from dalembert.report.page import write_page
         from dalembert.results.payload import report_payload

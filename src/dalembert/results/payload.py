@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from dalembert.errors import AnalysisError
 from dalembert.results.labelled import DATA_ONLY, LabelledRecording
 from dalembert.results.scene import motion_scene
 from dalembert.symbolic.parameter import Parameter
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MAX_FRAMES = 4000
 
@@ -66,7 +69,7 @@ def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]
     data = motion.data
     found: list[dict[str, Any]] = []
 
-    def put(name: str, variable: str, group: str, **where) -> None:
+    def put(name: str, variable: str, group: str, **where: Any) -> None:
         if variable not in data:
             return
         column = data[variable].sel(**where) if where else data[variable]
@@ -138,7 +141,7 @@ def _asked(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, 
     }
 
 
-def _put_norm(found: list, data, joint, keep: np.ndarray) -> None:
+def _put_norm(found: list, data: xr.Dataset, joint: str, keep: np.ndarray) -> None:
     force = data["reaction_force"].sel(joint=joint).values[keep]
     if not np.all(np.isnan(force)):
         norm = np.linalg.norm(force, axis=1)

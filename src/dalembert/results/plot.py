@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.expression import Expression
 
 
-def plot_measures(motion: LabelledRecording, measures: Sequence[str | Expression], ax=None):
+def plot_measures(
+    motion: LabelledRecording, measures: Sequence[str | Expression], ax: Any = None
+) -> Any:
     """Measures over time in one pair of axes; units on the axis, events as lines."""
     import matplotlib.pyplot as plt
 

@@ -106,7 +106,7 @@ class _Scene:
     def bar(start: list, end: list) -> dict:
         return {"kind": "bar", "from": start, "to": end}
 
-    def shape_of_joint(self, joint) -> None:
+    def shape_of_joint(self, joint: Any) -> None:
         if isinstance(joint, GearPair):
             for point, radius in ((joint.point_i, joint.radius_i), (joint.point_j, joint.radius_j)):
                 self.disc(point, float(self.number(radius.sx)[0]))
@@ -181,10 +181,10 @@ class _Scene:
         }
 
     @staticmethod
-    def is_drawn(constraint) -> bool:
+    def is_drawn(constraint: Any) -> bool:
         return isinstance(constraint, Pair) and not isinstance(constraint, Driver | RigidLink)
 
-    def joint(self, joint) -> dict:
+    def joint(self, joint: Any) -> dict:
         kinds = {"revolute", "translational", "weld", "pin_in_slot", "gear"}
         point = (
             joint.point_j
@@ -235,7 +235,7 @@ class _Scene:
         return found
 
 
-def _named(sx: ca.SX):
+def _named(sx: ca.SX) -> Expression:
     return Expression(sx, "displacement", "m")
 
 

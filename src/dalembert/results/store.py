@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,12 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def save_motion(motion: LabelledRecording, path: str | Path, plots=None, trace=None) -> Path:
+def save_motion(
+    motion: LabelledRecording,
+    path: str | Path,
+    plots: Sequence[Sequence[str]] | None = None,
+    trace: Sequence[str] | None = None,
+) -> Path:
     """NetCDF with the dataset and, as the text ``report``, what its report is drawn from."""
     from dalembert.results.payload import report_payload
 

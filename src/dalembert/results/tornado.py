@@ -52,7 +52,9 @@ class Chart:
         return lines
 
 
-def tornado(gradient: xr.DataArray, kind: str = "relative", most: int = 15, axes: Any = None):
+def tornado(
+    gradient: xr.DataArray, kind: str = "relative", most: int = 15, axes: Any = None
+) -> Any:
     """Draw the influence of the parameters on every response, the largest on top.
 
     Parameters

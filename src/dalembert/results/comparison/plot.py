@@ -77,7 +77,7 @@ def plot_comparison(comparison: ComparisonData, kind: str, ax: Any = None) -> An
 
 
 def _together(
-    comparison: ComparisonData, table: pd.DataFrame, picture: Kind, looks, ax
+    comparison: ComparisonData, table: pd.DataFrame, picture: Kind, looks: Any, ax: Any
 ) -> np.ndarray:
     """All lines in one pair of axes per quantity."""
     import matplotlib.pyplot as plt
@@ -116,7 +116,7 @@ def _together(
 
 
 def _small_multiples(
-    comparison: ComparisonData, table: pd.DataFrame, picture: Kind, looks, _
+    comparison: ComparisonData, table: pd.DataFrame, picture: Kind, looks: Any, _: Any
 ) -> Any:
     """One panel per value of the second choice, the lines of the others in grey behind."""
     import matplotlib.pyplot as plt

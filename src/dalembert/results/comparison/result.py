@@ -30,7 +30,7 @@ class Comparison(ComparisonData):
         return summary(self)
 
     # files and pictures --------------------------------------------------------------
-    def plot(self, kind: str = "work-precision", ax=None):
+    def plot(self, kind: str = "work-precision", ax: Any = None) -> Any:
         """Draw with Matplotlib: ``"work-precision"``, ``"violations"`` or ``"energy"``.
 
         Returns the axes (two of them for violations, where ``ax`` is a pair).

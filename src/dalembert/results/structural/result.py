@@ -67,7 +67,7 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
         """Displacements and forces of one case."""
         return State(self.displacements[:, case], self.forces[:, case], self.parameters)
 
-    def __getitem__(self, measure: str | Expression):
+    def __getitem__(self, measure: str | Expression) -> float | np.ndarray:
         """Value of a measure; an array over the load cases where there are several."""
         found = self.values(measure)
         return float(found[0]) if found.size == 1 else found
