@@ -31,9 +31,9 @@ def check(model: Path, /, *, settings: Settings | None = None, as_json: AsJson =
     with wrong_input():
         _check_tasks(file, built)
     if as_json:
-        emit({"ok": True, "name": file.name, **teller.description(built)})
+        emit({"ok": True, "name": file.name, **teller.description})
     else:
-        teller.explain(built)
+        teller.explain()
     return DONE
 
 

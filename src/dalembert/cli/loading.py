@@ -5,10 +5,10 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from dalembert.cli.console import wrong_input
+from dalembert.cli.teller import Teller
 from dalembert.errors import FileError, ModelError
 
 if TYPE_CHECKING:
@@ -35,12 +35,14 @@ def loaded(path: Path, settings: list[str] | None) -> tuple[ModelFile, Any]:
         return file, file.model()
 
 
-def teller_of(model: Any) -> ModuleType:
+def teller_of(model: Any) -> Teller:
     """What the commands write and tell of a mechanism, or of a structure."""
-    from dalembert.cli import mechanisms, structures
+    from dalembert.cli.mechanisms import MechanismTeller
+    from dalembert.cli.structures import StructureTeller
     from dalembert.structures.model import StructuralModel
 
-    return structures if isinstance(model, StructuralModel) else mechanisms
+    kind = StructureTeller if isinstance(model, StructuralModel) else MechanismTeller
+    return kind(model)
 
 
 def is_deck(path: Path) -> bool:

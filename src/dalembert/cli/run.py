@@ -82,13 +82,13 @@ def run(
         result = task.run(built, progress=show)
     files = result.write(base, report, csv, **choices)
     code = _exit_code(result.status)
-    made = {"ok": code == DONE, "name": file.name, "model": teller.sentence(built)}
+    made = {"ok": code == DONE, "name": file.name, "model": teller.sentence}
     made |= result.summary()
     made["files"] = [str(f) for f in files]
     if as_json:
         emit(made)
     elif not quiet:
-        _print(made, teller.messages(built))
+        _print(made, teller.messages)
         teller.show(made)
         written(files)
     if code != DONE and quiet:

@@ -90,7 +90,7 @@ def at_bounds(f: Findings) -> list[str]:
 
 def changes_of_variant(f: Findings) -> list[str]:
     """Switches between sets of independent speeds, which the gradient takes as given."""
-    steps = getattr(getattr(f.motion, "record", None), "steps", None)
+    steps = getattr(f.motion.record, "steps", None)
     if steps is None:
         return []
     changes = np.flatnonzero(np.diff(steps.mode))
@@ -135,8 +135,8 @@ def near_singular(f: Findings) -> list[str]:
 
 def doubts_of_the_run(f: Findings) -> list[str]:
     """What the result itself warns about."""
-    notes = [f"the run: {text}" for text in getattr(f.motion, "warnings", [])]
-    if getattr(f.motion, "statistics", {}).get("stable") is False:
+    notes = [f"the run: {text}" for text in f.motion.warnings]
+    if f.motion.statistics.get("stable") is False:
         notes.append("the equilibrium is not stable: neighbouring ones may not be reached")
     return notes
 
