@@ -66,12 +66,13 @@ def outputs_of(
     count = steps.count
     if requested is None and at_event and count > 1 and steps.h[-1] < SHORT * steps.h[-2]:
         times, branches = outputs_of(steps, None)
-        keep = np.arange(times.size) != count - 1
+        keep = np.arange(times.size) != times.size - 2
         return times[keep], Branches(branches.index[keep], branches.length[keep])
     if requested is None or count == 0:
-        times = np.append(steps.t[:count], steps.end)
-        index = np.minimum(np.arange(count + 1), max(count - 1, 0))
-        length = np.append(np.zeros(count), steps.h[-1:] if count else 0.0)
+        begins = steps.lasting
+        times = np.append(steps.t[begins], steps.end)
+        index = np.append(begins, max(count - 1, 0))
+        length = np.append(np.zeros(begins.size), steps.h[-1:] if count else 0.0)
         return times, Branches(index, length)
     slack = steps.instant
     times = requested[requested <= steps.end + slack]

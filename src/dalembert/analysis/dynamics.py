@@ -199,7 +199,7 @@ class Dynamics(Analysis[Model, Motion]):
         record: DynamicsRecord = motion.record
         kernel, old = record.kernel, record.steps
         state = motion.model.assemble(p, float(old.t[0]))
-        x0, _ = kernel.initial(state, float(old.t[0]), p)
+        x0, _ = kernel.initial(state, float(old.t[0]), p, old.x[:, 0])
         steps = kernel.fixed.repeat(old, x0, p)
         if steps.interrupted:
             raise KeyboardInterrupt

@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.analysis.branches import Branches
 from dalembert.analysis.step_quadrature import StepQuadrature
+from dalembert.analysis.transition import Transition, crossed, distances
 from dalembert.analysis.variant import Variant
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation
@@ -52,8 +53,9 @@ class DynamicsKernel:
     """Compiled functions of one model under one choice of strategies.
 
     Made once by ``Dynamics.kernel`` and shared by runs, replays and gradients. Formulations that
-    lean on a choice of independent speeds have one ``Variant`` per choice met so far; a *mode* is
-    the index of one, and every step remembers the mode it was taken in.
+    lean on a choice of independent speeds have one ``Variant`` per choice met so far, and each
+    switch that was met has a ``Transition``; a *mode* is the index of one, and every step remembers
+    the mode it was taken in.
 
     Parameters
     ----------
@@ -65,7 +67,7 @@ class DynamicsKernel:
     ----------
     view : CoordinateView, the model in the coordinates that are integrated
     equations : Equations in these coordinates, the ones formulations see
-    variants : list of Variant, by mode
+    variants : list of Variant and Transition, by mode
     fixed : FixedMarch over given steps; repeats those of adaptive runs, too
     adaptive : AdaptiveMarch, or None for integrators of fixed steps
 
@@ -88,15 +90,19 @@ class DynamicsKernel:
         self.coordinates, self.integrator = coordinates, integrator
         self.backend = backend or VirtualMachine()
         self.view = coordinates.view(model, formulation.every_equation)
+        if integrator.adaptive:
+            self.view.hold_switches()
         self.equations = self.view.equations
         self.variants: list[Variant] = []
+        self._transitions: dict[tuple[int, int, bool], int] = {}
         self._mapped: dict[tuple[ca.Function, int], Kernel] = {}
         self.fixed = FixedMarch(
             lambda mode: self.variants[mode].step, stabilization.period, self.backend
         )
         self.adaptive: AdaptiveMarch | None = None
         if integrator.adaptive:
-            self.adaptive = AdaptiveMarch(self._attempt, self.backend, self.fixed)
+            crossed = self.crossed if self.equations.switches.count else None
+            self.adaptive = AdaptiveMarch(self._attempt, self.backend, self.fixed, crossed)
 
     def _attempt(self, mode: int) -> Attempt:
         found = self.variants[mode].attempt
@@ -126,6 +132,29 @@ class DynamicsKernel:
             return rows
         share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_share(whole, rows)])
         return rows if float(share(t, y, p)) <= TRUSTED else best_rows(whole, len(rows), t, y, p)
+
+    @cached_property
+    def distances(self) -> ca.Function:
+        """``(t, x, p)`` → distance to each switch, negative beyond it."""
+        return distances(self.equations)
+
+    @cached_property
+    def crossed(self) -> ca.Function:
+        """``(t, x, p)`` → how far a state lies beyond each switch, rounding left out."""
+        return crossed(self.equations)
+
+    def transition(self, mode: int, number: int, moving: bool) -> int:
+        """The mode in which a switch goes over between steps of a mode."""
+        key = (mode, number, moving)
+        if key not in self._transitions:
+            self.variants.append(Transition(self.variants[mode], number, moving))
+            self._transitions[key] = len(self.variants) - 1
+        return self._transitions[key]
+
+    def crossings(self, steps: Steps) -> list[tuple[int, Transition]]:
+        """Steps that are transitions at which forces change."""
+        found = [(int(k), self.variants[steps.mode[k]]) for k in np.flatnonzero(steps.h == 0)]
+        return [(k, v) for k, v in found if isinstance(v, Transition) and v.moving]
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray) -> Switch:
         """How many of these steps to keep, and the variant after them."""
@@ -162,19 +191,25 @@ class DynamicsKernel:
     # states -------------------------------------------------------------------------
     @cached_property
     def start(self) -> ImplicitFunction:
-        """``(t, y, v, p)`` of the bodies → state ``x = [q; u; work]`` without memory."""
+        """``(t, y, v, p)`` of the bodies → state ``x = [q; u; work; sides]`` without memory."""
         reduce, e = self.view.reduce, self.equations
         t, _, _, p = reduce.inputs
         q, u = reduce.outputs
         energy = self.stabilization.reference_energy(e)
-        stored = ca.substitute(energy, ca.vertcat(e.t, e.y, e.v, e.p), ca.vertcat(t, q, u, p))
-        return ImplicitFunction(
-            "start", reduce.inputs, [], [ca.vertcat(q, u, ca.SX(0), ca.densify(stored))]
-        )
+        sides = e.switches.actual
+        energy = ca.substitute(energy, e.switches.sides, sides)
+        seen = [ca.vertcat(ca.SX(0), ca.densify(energy), sides)]
+        (more,) = ca.substitute(seen, [ca.vertcat(e.t, e.y, e.v, e.p)], [ca.vertcat(t, q, u, p)])
+        return ImplicitFunction("start", reduce.inputs, [], [ca.vertcat(q, u, more)])
 
-    def initial(self, state: AssembledState, t: float, p: np.ndarray) -> tuple[np.ndarray, int]:
-        """State with memory at the start, and its variant."""
+    def initial(
+        self, state: AssembledState, t: float, p: np.ndarray, like: np.ndarray | None = None
+    ) -> tuple[np.ndarray, int]:
+        """State with memory at the start, and its variant; switches on the sides of ``like``."""
         x = self.start.function(t, state.y, state.v, p).full().ravel()
+        if like is not None:
+            sides = slice(x.size - self.equations.switches.count, x.size)
+            x[sides] = like[sides]
         mode = self.choose(t, x, p)
         begin = self.variants[mode].step.begin
         if begin is not None:

@@ -17,6 +17,7 @@ from dalembert.analysis.event_search import EventSearch
 from dalembert.analysis.events import as_events
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.step_accuracy import StepAccuracy
+from dalembert.analysis.switch_search import SwitchSearch
 from dalembert.analysis.timeline import (
     Pace,
     afford_states,
@@ -65,6 +66,7 @@ class DynamicsRun:
         self._refuse_lost_mass()
         self.kernel = analysis.kernel(model)
         self.events = EventSearch(self.kernel, as_events(analysis.events), self.p)
+        self.switches = SwitchSearch(self.kernel, self.p, self.start, self.end)
 
     def _afford(self) -> None:
         """Steps and outputs that are too many are refused; of adaptive steps the fewest count."""
@@ -164,7 +166,7 @@ class DynamicsRun:
         kept = 24.0 * self.model.equations.coordinate_count if every else 0.0
         self.pace = Pace(self.start, self.end, STEP + kept)
         memory = np.inf if every else self.analysis.memory
-        return Watch(report, self.ends, self.switch, memory, self.requested)
+        return Watch(report, self.ends, self.switch, self.switches.cross, memory, self.requested)
 
     def ends(self, ends: np.ndarray, states: np.ndarray) -> bool:
         """Whether a terminal event happens in these steps, or they lead to too many."""
@@ -177,6 +179,8 @@ class DynamicsRun:
     def status(self, steps: Steps, truth: DynamicsTruth, ended_by: list[EventRecord]) -> Status:
         """How the run ended; ``ended_by`` are the events up to a terminal one."""
         ending = Ending(self.kernel, steps, truth.s, self.p, self.following_length(steps), truth)
+        if self.switches.trouble and not ended_by:
+            return ending.chattering(self.switches.trouble)
         if self.pace.excess:
             return ending.given_up(self.pace.excess)
         return ending.status(ended_by[-1] if ended_by else None)

@@ -53,6 +53,10 @@ class Ending:
         """Ended for what it would take."""
         return self._ends(Outcome.NOT_CONVERGED, text)
 
+    def chattering(self, text: str) -> Status:
+        """Ended at a switch that no motion leaves."""
+        return self._ends(Outcome.CHATTERING, text)
+
     def status(self, ended_by: EventRecord | None) -> Status:
         """Outcome, message and residual."""
         steps, s = self.steps, self.s
@@ -149,7 +153,7 @@ def statistics(
     march = kernel.adaptive or kernel.fixed
     made["backend"] = kernel.backend.report(march.single(int(steps.mode[-1]) if steps.count else 0))
     made |= {
-        "steps": steps.count,
+        "steps": steps.lasting.size,
         "rejected steps": steps.rejected,
         "preparation time [s]": round(prepared, 6),
         "integration time [s]": round(elapsed, 6),
@@ -157,12 +161,15 @@ def statistics(
     made |= kernel.formulation.report
     if kernel.formulation.every_equation:  # whose multipliers are iterated or only nearly right
         made["largest |C v̇ − ξ|"] = _acceleration_residual(kernel, s, p)
-    if np.unique(steps.mode).size > 1:
-        made["changes of variant"] = int(np.sum(np.diff(steps.mode) != 0))
-    if steps.count:
-        made["time per step [µs]"] = round(1e6 * elapsed / steps.count, 2)
-        made["shortest step [s]"] = float(steps.h.min())
-        made["longest step [s]"] = float(steps.h.max())
+    modes, h = steps.mode[steps.lasting], steps.h[steps.lasting]
+    if np.unique(modes).size > 1:
+        made["changes of variant"] = int(np.sum(np.diff(modes) != 0))
+    if crossings := kernel.crossings(steps):
+        made["switches"] = len(crossings)
+    if h.size:
+        made["time per step [µs]"] = round(1e6 * elapsed / h.size, 2)
+        made["shortest step [s]"] = float(h.min())
+        made["longest step [s]"] = float(h.max())
     return made
 
 

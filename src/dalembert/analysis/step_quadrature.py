@@ -24,6 +24,10 @@ def lobatto(count: int) -> tuple[np.ndarray, np.ndarray]:
     return (1 + points) / 2, 1 / (count * (count - 1) * basis(points) ** 2)
 
 
+INSIDE = 1e-9
+"""Share of a step by which a point keeps away from a switch, where measures may jump."""
+
+
 @dataclass(frozen=True)
 class StepQuadrature:
     """Points and weights of all steps of a run, the ends of steps shared.
@@ -44,11 +48,18 @@ class StepQuadrature:
 
     @property
     def branches(self) -> Branches:
-        """Where the points lie: the start, then of each step those after its beginning."""
+        """Where the points lie: the start, then of each step those after its beginning.
+
+        Those of a transition, which has no length, are the beginning of the step after it.
+        """
         inside, h = self._rule[0][1:], self.steps.h
-        length = h[:, None] * inside
+        length, index = h[:, None] * inside, np.repeat(np.arange(h.size), inside.size)
         length[:, -1] = h
-        index = np.repeat(np.arange(h.size), inside.size)
+        switched = np.flatnonzero(h[:-1] == 0)
+        before = switched[switched > 0] - 1
+        length[before, -1] *= 1 - INSIDE
+        length[switched] = INSIDE * h[switched + 1, None]
+        index += np.isin(index, switched)
         return Branches(np.append(0, index), np.append(0.0, length))
 
     @property

@@ -6,13 +6,14 @@ from functools import cached_property
 
 import casadi as ca
 
-from dalembert.formulations.base import Formulation, state_rate, state_sizes
+from dalembert.formulations.base import Formulation, state_rate, state_sizes, state_symbols
 from dalembert.formulations.consistency import with_consistent_speeds
 from dalembert.formulations.redundancy import TRUSTED, largest_share
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.step import Step
 from dalembert.model.coordinates import CoordinateView
+from dalembert.model.equations import Equations
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
@@ -48,7 +49,7 @@ class Variant:
         e, formulation, stabilization = self.equations, self.formulation, self.stabilization
         rate = correction = tangential = None
         if formulation.gives_accelerations and not self.integrator.implicit:
-            rate = formulation.acceleration(e, self.xi, [state_rate(e)], "state_rate")
+            rate = self.rate
         if (corrected := stabilization.correction(e, formulation)) is not None:
             correction = with_consistent_speeds(e, formulation, corrected)
         if self.integrator.adaptive:
@@ -66,6 +67,12 @@ class Variant:
         )
 
     @cached_property
+    def rate(self) -> ImplicitFunction:
+        """``(t, x, p) → ẋ``."""
+        e = self.equations
+        return self.formulation.acceleration(e, self.xi, [state_rate(e)], "state_rate")
+
+    @cached_property
     def step(self) -> Step:
         self.integrator.check(self.problem)
         return self.integrator.step(self.problem)
@@ -77,18 +84,24 @@ class Variant:
     @once
     def measured(self, measure: Expression) -> ImplicitFunction:
         """``(t, x, p) → measure`` of the bodies, accelerations and multipliers included."""
-        return self._seen([self.view.lift(measure.sx)], "measured")
+        return self._seen(self.equations, [self.view.lift(measure.sx)], "measured")
 
     @cached_property
     def bodies(self) -> ca.Function:
-        """``(t, x, p) → y, v, v̇, λ`` of all bodies and equations."""
-        return self._seen(self.view.everything, "bodies").function
-
-    def _seen(self, expressions: list[ca.SX], name: str) -> ImplicitFunction:
-        """Expressions of the view, with the multipliers of equations not solved at zero."""
+        """``(t, x, p) → y, v, v̇, λ`` of all bodies and equations, on the sides formulas choose."""
         e = self.equations
+        if not e.switches.count:
+            return self._seen(e, self.view.everything, "bodies").function
+        choosing = self.view.choosing.with_rows(list(self.rows))
+        found = self._seen(choosing, self.view.everything, "bodies").function
+        x, count = state_symbols(e), found.numel_in(1)
+        return ca.Function("bodies", [e.t, x, e.p], found.call([e.t, x[:count], e.p]))
+
+    def _seen(self, e: Equations, expressions: list[ca.SX], name: str) -> ImplicitFunction:
+        """Expressions of the view, with the multipliers of equations not solved at zero."""
         outputs = [e.without_dropped(expression) for expression in expressions]
-        return self.formulation.acceleration(e, self.xi, outputs, name)
+        xi = self.stabilization.constraint_acceleration(e)
+        return self.formulation.acceleration(e, xi, outputs, name)
 
     @cached_property
     def conditioning(self) -> ca.Function | None:

@@ -191,8 +191,11 @@ def dynamic_equations(e: Equations) -> ca.SX:
 
 
 def state_symbols(e: Equations) -> ca.SX:
-    """State ``x = [y; v; w]``; ``w`` accumulates dissipated energy and energy input."""
-    return ca.vertcat(e.y, e.v, WORK)
+    """State ``x = [y; v; w; σ]``; ``w`` accumulates dissipated energy and energy input.
+
+    The sides ``σ`` of switches that are held change between steps only.
+    """
+    return ca.vertcat(e.y, e.v, WORK, e.switches.sides)
 
 
 WORK = ca.SX.sym("work", 2)
@@ -201,7 +204,8 @@ WORK = ca.SX.sym("work", 2)
 def state_sizes(e: Equations) -> np.ndarray:
     """Natural sizes of the state."""
     s = e.scales
-    return np.concatenate([s.coordinates, s.speeds, np.full(WORK.numel(), s.energy)])
+    work, sides = np.full(WORK.numel(), s.energy), np.ones(e.switches.count)
+    return np.concatenate([s.coordinates, s.speeds, work, sides])
 
 
 def sizes_of(e: Equations, forces: list[np.ndarray], levels: tuple[int, ...]) -> Sizes:
@@ -224,4 +228,4 @@ def sizes_of(e: Equations, forces: list[np.ndarray], levels: tuple[int, ...]) ->
 
 def state_rate(e: Equations) -> ca.SX:
     """``ẋ`` in terms of accelerations and multipliers."""
-    return ca.vertcat(e.pose_rate, e.a, e.powers)
+    return ca.vertcat(e.pose_rate, e.a, e.powers, ca.SX.zeros(e.switches.count))

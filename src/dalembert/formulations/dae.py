@@ -99,8 +99,8 @@ class Dae(Formulation):
         z, depth, lag = [e.a, e.multiplier], [0] * n, [0] * (n + m)
         if self.stabilized:
             mu = ca.SX.sym("mu", m)
-            rate = ca.vertcat(ca.substitute(e.pose_rate, e.v, e.v - self._shift(e, mu)), e.a)
-            rate = ca.vertcat(rate, e.powers)
+            shifted = ca.substitute(e.pose_rate, e.v, e.v - self._shift(e, mu))
+            rate = ca.vertcat(shifted, rate[shifted.numel() :])
             z, lag = [*z, mu], [*lag, *[1] * m]
         levels = {3: e.constraints, 2: e.velocity_constraints, 1: ca.mtimes(e.jacobian, e.a) - xi}
         chosen = (2, 3) if self.stabilized else (self.index,)

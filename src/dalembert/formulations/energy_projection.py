@@ -56,7 +56,7 @@ class EnergyProjection(Projection):
         excess = kinetic + potential - (WORK[1] - WORK[0])
         applies = ca.fabs(excess) < APPLICABLE * kinetic
         share = ca.if_else(applies, excess / ca.if_else(applies, kinetic, 1), 0)
-        outputs = [ca.vertcat(y, ca.sqrt(1 - share) * v, WORK)]
+        outputs = [ca.vertcat(y, ca.sqrt(1 - share) * v, WORK, e.switches.sides)]
         if found is None:
             return ImplicitFunction("energy", [e.t, state_symbols(e), e.p], [], outputs)
         return ImplicitFunction("energy", found.inputs, found.stages, outputs)

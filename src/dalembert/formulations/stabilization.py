@@ -162,7 +162,7 @@ class Projection(Stabilization):
             "projection",
             [e.t, state_symbols(e), e.p],
             [position, velocity],
-            [ca.vertcat(moved, v, WORK)],
+            [ca.vertcat(moved, v, WORK, e.switches.sides)],
         )
 
     def tangential(self, e: Equations, formulation: Formulation) -> ca.Function | None:
@@ -171,7 +171,7 @@ class Projection(Stabilization):
         if m == 0 or e.coordinate_count != e.speed_count:
             return None
         n = e.speed_count
-        error = ca.SX.sym("error", 2 * n + 2)
+        error = ca.SX.sym("error", state_symbols(e).numel())
         solver = formulation.saddle_at(e, e.inertia, e.jacobian).corrector
 
         def along(part: ca.SX) -> ca.SX:

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.errors import SolverFailure
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.march import FixedMarch
-from dalembert.integrators.steps import Steps, Watch
+from dalembert.integrators.steps import Crossing, Steps, Watch
 from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.kernel import Kernel
 
@@ -27,6 +27,8 @@ class AdaptiveMarch:
     attempt_of : mode → Attempt
     backend : what evaluates the attempts
     fixed : repeats the steps taken, where not all states are kept
+    crossed : ``(t, x, p)`` → how far the state lies beyond each switch, or None; attempts from a
+        state beyond one are not made
     """
 
     def __init__(
@@ -34,8 +36,9 @@ class AdaptiveMarch:
         attempt_of: Callable[[int], Attempt],
         backend: Backend | None = None,
         fixed: FixedMarch | None = None,
+        crossed: ca.Function | None = None,
     ):
-        self.attempt_of, self.fixed = attempt_of, fixed
+        self.attempt_of, self.fixed, self.crossed = attempt_of, fixed, crossed
         self.backend = backend or VirtualMachine()
         self._singles: dict[int, ca.Function] = {}
         self._chunks: dict[ca.Function, Kernel] = {}
@@ -56,7 +59,7 @@ class AdaptiveMarch:
     def single(self, mode: int) -> ca.Function:
         """``(state, fixed) → (state, record)`` of one attempt."""
         if mode not in self._singles:
-            self._singles[mode] = _idle_at_the_end(self.attempt_of(mode).function)
+            self._singles[mode] = _idle_at_the_end(self.attempt_of(mode), self.crossed)
         return self._singles[mode]
 
     def run(
@@ -88,14 +91,26 @@ class AdaptiveMarch:
                 taken = (record[3] > 0.5) & (record[1] > 0)
                 rejected += int(np.sum((record[3] < 0.5) & (record[1] > 0)))
                 t, h, columns = _finite(record[0, taken], record[1, taken], out[head:, taken])
-                parts.append((t, h, np.full(t.size, mode)))
-                ends = np.append(t, t[-1:] + h[-1:])
+                modes, begin = np.full(t.size, mode), state[0]
+                if out.shape[1]:
+                    state = out[:, -1]
+                ends = np.append(t, t[-1:] + h[-1:] if t.size else begin)
+                crossing = None
+                if out.shape[1] == made and not message and self.crossed is not None:
+                    crossing = watch.cross(ends, np.column_stack([last, columns]), following)
+                if crossing is not None:
+                    t, h, columns, modes = _replaced(crossing, t, h, columns, modes)
+                    ends = np.append(t, t[-1] + h[-1])
+                    state = np.r_[ends[-1], crossing.following, memory, columns[:, -1]]
+                    message = crossing.reason
+                parts.append((t, h, modes))
                 recorder.add(ends, columns)
                 mode = following
                 if message or not out.shape[1]:
                     continue
-                state = out[:, -1]
                 message = _trouble(state, end - start)
+                if not message and crossing is None and not np.any(record[1]):
+                    message = "the side of a switch cannot be told"
                 if message:
                     continue
                 watch.progress((state[0] - start) / (end - start))
@@ -139,13 +154,33 @@ class AdaptiveMarch:
         return out[:, :stop], record[:, :stop], following, reason
 
 
-def _idle_at_the_end(attempt: ca.Function) -> ca.Function:
-    """The attempt before the end, nothing from there on, so that the rest of a chunk is free."""
-    state, fixed = ca.MX.sym("s", attempt.numel_in(0)), ca.MX.sym("f", attempt.numel_in(1))
+def _idle_at_the_end(attempt: Attempt, crossed: ca.Function | None) -> ca.Function:
+    """The attempt before the end, nothing from there on, so that the rest of a chunk is free.
+
+    Beyond a switch there is nothing either, for the step across has to be cut first.
+    """
+    function = attempt.function
+    state, fixed = ca.MX.sym("s", function.numel_in(0)), ca.MX.sym("f", function.numel_in(1))
     idle = ca.Function("idle", [state, fixed], [state, ca.vertcat(state[0], 0, 0, 0)])
-    branch = ca.Function.if_else("attempt_or_idle", attempt, idle)
-    outputs = branch(state[0] < fixed[0], state, fixed)
+    branch = ca.Function.if_else("attempt_or_idle", function, idle)
+    goes_on = state[0] < fixed[0]
+    if crossed is not None:
+        head = 2 + len(attempt.memory)
+        x = state[head : head + crossed.numel_in(1)]
+        goes_on = ca.logic_and(goes_on, ca.mmax(crossed(state[0], x, fixed[2:])) <= 0)
+    outputs = branch(goes_on, state, fixed)
     return ca.Function("attempt", [state, fixed], list(outputs))
+
+
+def _replaced(crossing: Crossing, t, h, columns, modes):
+    """Steps up to a crossing, and those put in place of the one across."""
+    kept = crossing.kept
+    return (
+        np.append(t[:kept], crossing.t),
+        np.append(h[:kept], crossing.h),
+        np.column_stack([columns[:, :kept], crossing.x]),
+        np.append(modes[:kept], crossing.mode),
+    )
 
 
 def _trouble(state: np.ndarray, span: float) -> str:

@@ -36,6 +36,11 @@ class Steps:
         return self.h.size
 
     @property
+    def lasting(self) -> np.ndarray:
+        """Numbers of the steps that have a length; transitions at switches have none."""
+        return np.flatnonzero(self.h)
+
+    @property
     def end(self) -> float:
         return float(self.t[-1] + self.h[-1]) if self.count else float(self.t[0])
 
@@ -94,6 +99,27 @@ class Switch(NamedTuple):
     reason: str = ""
 
 
+class Crossing(NamedTuple):
+    """A switch that the last step of a chunk went across, and what is put in place of that step.
+
+    ``kept`` steps stay as they are; the columns ``x`` at the ends of steps from ``t`` of lengths
+    ``h`` in these modes follow. The march goes on with steps of length ``following``; with a
+    ``reason`` it ends there.
+    """
+
+    kept: int
+    t: np.ndarray
+    h: np.ndarray
+    x: np.ndarray
+    mode: np.ndarray
+    following: float
+    reason: str = ""
+
+
+def _never_cross(times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
+    return None
+
+
 def _never_switch(times: np.ndarray, states: np.ndarray, mode: int) -> Switch:
     return Switch(times.size - 1, mode)
 
@@ -107,6 +133,7 @@ class Watch:
     progress : told the fraction done
     stop : asked whether to end the march
     switch : ``(times, states, mode)`` → Switch
+    cross : ``(times, states, mode)`` → Crossing, or None
     memory : bytes of states that are kept before they are thinned to checkpoints
     outputs : (K,) times around which states are kept in any case [s]
     """
@@ -114,6 +141,7 @@ class Watch:
     progress: Callable[[float], None] = lambda fraction: None
     stop: Callable[[np.ndarray, np.ndarray], bool] = lambda times, states: False
     switch: Callable[[np.ndarray, np.ndarray, int], Switch] = _never_switch
+    cross: Callable[[np.ndarray, np.ndarray, int], Crossing | None] = _never_cross
     memory: float = np.inf
     outputs: np.ndarray | None = None
 

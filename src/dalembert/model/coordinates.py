@@ -19,12 +19,14 @@ class CoordinateView:
     ----------
     model : Model
     whole : Equations in these coordinates, redundant ones too
+    choosing : the same with switches that formulas choose, where those of ``whole`` are held
     rows : those of its constraint equations that are solved at the start
     names : names of the coordinates
     """
 
     model: Model
     whole: Equations
+    choosing: Equations
     rows: tuple[int, ...]
     names: list[str]
 
@@ -37,6 +39,10 @@ class CoordinateView:
     def with_rows(self, rows: tuple[int, ...]) -> Equations:
         """With these constraint equations."""
         return self.whole.with_rows(list(rows))
+
+    def hold_switches(self) -> None:
+        """Give the sides of switches to the state, for integrators that locate them."""
+        self.choosing, self.whole = self.whole, self.whole.held()
 
     def lift(self, expression: ca.SX) -> ca.SX:
         """A measure of the bodies (of t, y, v, v̇, λ, p) in the symbols of ``whole``."""

@@ -17,6 +17,7 @@ from scipy import sparse
 
 from dalembert.model.inertia import Inertia
 from dalembert.model.scales import Scales
+from dalembert.symbolic.switches import Switches, hold
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,8 @@ class Equations:
     massless : speeds whose mass is zero at the nominal parameters
     dropped : SX symbols of multipliers of equations left out as redundant
     scales : natural sizes of coordinates, rows and the rest; units where nothing is known
+    switches : of forces and constraints, held on sides that belong to the state; none where
+        formulas follow the branches they choose
     """
 
     t: ca.SX
@@ -54,11 +57,27 @@ class Equations:
     massless: tuple[int, ...] = ()
     dropped: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
     scales: Scales = field(default=None)  # type: ignore[assignment]
+    switches: Switches = field(default_factory=Switches)
 
     def __post_init__(self) -> None:
         if self.scales is None:
             known = Scales.units(self.coordinate_count, self.constraint_count)
             object.__setattr__(self, "scales", known)
+
+    def held(self) -> Equations:
+        """The same system with every switch held on its side."""
+        parts = [self.bias, self.force, self.constraints, self.potential, self.powers]
+        held, switches = hold(parts, ca.vertcat(self.t, self.y, self.v))
+        bias, force, constraints, potential, powers = held
+        return replace(
+            self,
+            bias=bias,
+            force=force,
+            constraints=constraints,
+            potential=potential,
+            powers=powers,
+            switches=switches,
+        )
 
     def with_rows(self, rows: list[int]) -> Equations:
         """The same system with some of its constraint equations only; other multipliers are 0."""

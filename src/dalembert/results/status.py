@@ -14,6 +14,7 @@ class Outcome(StrEnum):
     INTERRUPTED = "interrupted"
     LOCKED = "locked: no position satisfies the drivers"
     SINGULAR = "singular position"
+    CHATTERING = "chattering"
     DIVERGED = "diverged"
     NOT_CONVERGED = "not converged"
     VIOLATED = "violates the model's equations"

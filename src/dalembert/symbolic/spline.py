@@ -68,7 +68,10 @@ class CubicSpline:
         def pick(column):  # piecewise constant: the column's entry of the interval of x
             if column.is_constant() and float(ca.mmax(ca.fabs(column - column[0]))) == 0.0:
                 return column[0]
-            return ca.pw_const(x, ca.DM(inner), column)
+            jumps = (
+                (column[k + 1] - column[k]) * _reached(x, knot) for k, knot in enumerate(inner)
+            )
+            return sum(jumps, column[0])
 
         left, right = pick(ca.SX(ca.DM(self.knots[:-1]))), pick(ca.SX(ca.DM(self.knots[1:])))
         h = right - left
@@ -86,7 +89,13 @@ class CubicSpline:
             return inside
         before = v0 + slope0 * (x - left)
         after = v1 + slope1 * (x - right)
-        return ca.if_else(x < first, before, ca.if_else(x > last, after, inside))
+        within = ca.if_else(_reached(x, last), after, inside)
+        return ca.if_else(_reached(x, first), within, before)
+
+
+def _reached(x: ca.SX, knot: float) -> ca.SX:
+    """1 from the knot on, else 0; no comparison, for at knots the spline is smooth."""
+    return (1 + ca.copysign(1, x - knot)) / 2
 
 
 def _curvature_matrix(h: np.ndarray, periodic: bool) -> np.ndarray:

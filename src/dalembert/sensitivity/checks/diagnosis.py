@@ -93,7 +93,8 @@ def changes_of_variant(f: Findings) -> list[str]:
     steps = getattr(f.motion.record, "steps", None)
     if steps is None:
         return []
-    changes = np.flatnonzero(np.diff(steps.mode))
+    lasting = steps.lasting
+    changes = lasting[np.flatnonzero(np.diff(steps.mode[lasting]))]
     if not changes.size:
         return []
     return [

@@ -45,7 +45,19 @@ class SecondMarch(DirectionalMarch):
             )
 
     def product(self) -> np.ndarray:
-        """(np,) by one march forwards and one backwards."""
+        """(np,) by one march forwards and one backwards.
+
+        Raises
+        ------
+        UnsupportedError
+            The run went over switches, whose transitions are right to first order.
+        """
+        if crossings := self.kernel.crossings(self.steps):
+            raise UnsupportedError(
+                f"second derivatives through switches of forces are not available, and this run "
+                f"went over {len(crossings)}, first at t = {self.steps.t[crossings[0][0]]:.6g} s; "
+                "smooth the forces, or take differences of gradients"
+            )
         changes = self.changes()
         pairs, p_bar = self._seen(self.sampled(changes))
         injected, more = self._inject(pairs, changes)

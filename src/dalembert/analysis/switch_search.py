@@ -1,0 +1,165 @@
+"""Switches of forces and laws, located in the steps of an adaptive run, which starts anew there.
+
+Steps are taken with all switches held on their sides. Where the end of a step lies beyond a switch,
+the switch is located inside, the step cut there, and the switch goes over to its other side. One
+whose sides make no difference, such as that of a damper out of contact, goes over at the end.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.events import locate
+from dalembert.analysis.switch_owners import owner_of
+from dalembert.formulations.base import state_symbols
+from dalembert.integrators.steps import Crossing
+from dalembert.symbolic.kernel import Kernel
+
+ROUNDING = 4 * float(np.finfo(float).eps)
+NOW = 1e-13
+"""Time, relative to the run, that counts as none."""
+RESTART = 1e-4
+"""First step, relative to the run, of methods that lose their memory at a switch."""
+HALVINGS = 50
+"""Of a step that begins at a switch, in search of its first part."""
+MANY, SHORTLY = 100, 1e-7
+"""Crossings in a time, relative to the run, that are recognised as chattering."""
+
+
+CURE = "smooth it, for friction by tanh(speed/transition) or JointFriction"
+
+
+class Passage:
+    """What is put in place of a step: part of it, then transitions, one column each."""
+
+    def __init__(self, time: float, x: np.ndarray):
+        self.time, self.x = time, x
+        self.entries: list[tuple[float, float, np.ndarray, int]] = []
+
+    def add(self, length: float, x: np.ndarray, mode: int) -> None:
+        self.entries.append((self.time, length, x, mode))
+        self.time, self.x = self.time + length, x
+
+    def crossing(self, kept: int, following: float, reason: str) -> Crossing:
+        t, h, columns, modes = zip(*self.entries, strict=True)
+        x = np.column_stack(columns)
+        return Crossing(kept, np.array(t), np.array(h), x, np.array(modes), following, reason)
+
+
+class SwitchSearch:
+    """Looks for crossed switches in one run.
+
+    Parameters
+    ----------
+    kernel : DynamicsKernel of the run
+    p : (np,) parameters
+    start, end : of the run [s]
+    """
+
+    def __init__(self, kernel: DynamicsKernel, p: np.ndarray, start: float, end: float):
+        self.kernel, self.p, self.start, self.span = kernel, p, start, end - start
+        self.count = kernel.equations.switches.count
+        self.size = state_symbols(kernel.equations).numel()
+        self.crossings: list[tuple[float, int]] = []
+        self.trouble = ""
+        self._kernels: dict[ca.Function, Kernel] = {}
+
+    def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
+        """What is put in place of the last step, where it went across a switch."""
+        end, arrived, kept = float(times[-1]), states[:, -1], times.size - 1
+        beyond = self._beyond(end, arrived)
+        if not beyond:
+            return None
+        acting = [k for k in beyond if self._acts(mode, k, end, arrived)]
+        if not (acting and kept):
+            passage = Passage(end, arrived)
+            self._turn(passage, mode, beyond, moving=False)
+            following = end - float(times[-2]) if kept else RESTART * self.span
+            return passage.crossing(kept, following, self._chattering(mode, passage, beyond))
+        begin, x = float(times[-2]), states[:, -2]
+        found = {k: self._locate(k, mode, begin, x, end - begin) for k in acting}
+        first = min(found.values())
+        together = [k for k in acting if found[k] <= first + ROUNDING * abs(begin)]
+        passage = Passage(begin, x)
+        if first > 0:
+            passage.add(first, self._state(mode, begin, first, x), mode)
+        idle = [k for k in self._beyond(passage.time, passage.x) if k not in acting]
+        self._turn(passage, mode, idle, moving=False)
+        self._turn(passage, mode, together, moving=passage.time > self.start)
+        following = end - begin
+        if self.kernel.variants[mode].step.begin is not None:
+            following = min(following, RESTART * self.span)
+        reason = self._chattering(mode, passage, together)
+        return passage.crossing(kept - 1, following, reason)
+
+    # the motion ---------------------------------------------------------------------------
+    def _call(self, function: ca.Function, *arguments) -> np.ndarray:
+        if function not in self._kernels:
+            self._kernels[function] = Kernel(function)
+        return self._kernels[function](*arguments)[0].ravel()
+
+    def _state(self, mode: int, t: float, h: float, x: np.ndarray) -> np.ndarray:
+        return self._call(self.kernel.variants[mode].step.function, t, h, x, self.p)
+
+    def _beyond(self, t: float, x: np.ndarray) -> list[int]:
+        """Switches beyond which a state lies."""
+        margins = self._call(self.kernel.crossed, t, x[: self.size], self.p)
+        return [int(k) for k in np.flatnonzero(margins > 0)]
+
+    def _acts(self, mode: int, k: int, t: float, x: np.ndarray) -> bool:
+        """Whether the sides of a switch differ in what the state does."""
+        state, other = x[: self.size], x[: self.size].copy()
+        place = self.size - self.count + k
+        other[place] = 1 - other[place]
+        rate = self.kernel.variants[mode].rate.function
+        before, after = (self._call(rate, t, s, self.p) for s in (state, other))
+        return not np.array_equal(before, after, equal_nan=True)
+
+    def _locate(self, k: int, mode: int, t: float, x: np.ndarray, longest: float) -> float:
+        """Time from the beginning of a step across a switch until just beyond it."""
+
+        def distance(length: float) -> float:
+            state = self._state(mode, t, length, x) if length else x
+            where = (t + length, state[: self.size], self.p)
+            return float(self._call(self.kernel.distances, *where)[k])
+
+        inside = 0.0
+        if distance(0.0) <= 0:  # from the switch itself, into its side first or out at once
+            tried = (longest * 2.0**-k for k in range(1, HALVINGS))
+            inside = next((length for length in tried if distance(length) > 0), 0.0)
+            if not inside:
+                return 0.0
+        length, more = locate(distance, inside, longest), ROUNDING * max(longest, abs(t))
+        while length < longest and distance(length) > 0:
+            length, more = min(length + more, longest), 2 * more
+        return length
+
+    # going over ---------------------------------------------------------------------------
+    def _turn(self, passage: Passage, mode: int, switches: list[int], moving: bool) -> None:
+        """Let switches go over to their other sides, here and now."""
+        for k in switches:
+            made = self.kernel.transition(mode, k, moving)
+            passage.add(0.0, self._state(made, passage.time, 0.0, passage.x), made)
+            self.crossings.append((passage.time, k))
+
+    def _chattering(self, mode: int, passage: Passage, switches: list[int]) -> str:
+        """Why no motion goes on from switches just crossed, or nothing."""
+        passed = passage.time - np.array([t for t, _ in self.crossings])
+        now = [
+            k for (_, k), ago in zip(self.crossings, passed, strict=True) if ago <= NOW * self.span
+        ]
+        stuck = [k for k in switches if now.count(k) > 1]
+        often = int(np.sum(passed <= SHORTLY * self.span))
+        if not stuck and often <= MANY:
+            return ""
+        place = (passage.time, passage.x[: self.size], self.p)
+        where = owner_of(self.kernel, mode, (stuck or switches)[0], *place)
+        self.trouble = f"{where} switches back and forth at t = {passage.time:.9g} s: " + (
+            "on both sides it drives the motion back across, so that none goes on; "
+            if stuck
+            else f"{often} times within {SHORTLY * self.span:.2g} s; "
+        )
+        self.trouble += CURE
+        return self.trouble

@@ -1,0 +1,145 @@
+"""Switches of formulas, comparisons, ``abs``, ``sign``, ``min`` and ``max``, held on one side.
+
+A formula that is held follows, for each switch, the branch of a given *side*, whatever the sign of
+the switching function: it is smooth, also a little beyond the switch. So a step across it can be
+taken, the switch located in the step, and the step cut there. Powers and roots of numbers that turn
+negative only beyond a switch, as in ``where(x > 0, x**1.5, 0)``, go on as odd functions there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+COMPARISONS = (ca.OP_LT, ca.OP_LE)
+SIGNED = (ca.OP_FABS, ca.OP_SIGN)
+CHOOSING = (ca.OP_FMIN, ca.OP_FMAX)
+POWERS = (ca.OP_POW, ca.OP_CONSTPOW, ca.OP_SQRT)
+
+
+def _none() -> ca.SX:
+    return ca.SX(0, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Switches:
+    """Switches found in formulas.
+
+    Attributes
+    ----------
+    functions : SX (s,), switching functions ``g``
+    sides : SX symbols (s,), 1 where the branch of ``g > 0`` is followed, 0 where that of ``g < 0``
+    actual : SX (s,), the sides that the signs of ``g`` choose
+    """
+
+    functions: ca.SX = field(default_factory=_none)
+    sides: ca.SX = field(default_factory=_none)
+    actual: ca.SX = field(default_factory=_none)
+
+    @property
+    def count(self) -> int:
+        return self.sides.numel()
+
+
+def hold(expressions: list[ca.SX], moving: ca.SX) -> tuple[list[ca.SX], Switches]:
+    """The expressions with every switch held on its side, and the switches.
+
+    Parameters
+    ----------
+    moving : symbols that change during a run; a comparison of others only is no switch
+    """
+    symbols = ca.vertcat(*ca.symvar(ca.veccat(*expressions, moving)))
+    function = ca.Function("held", [symbols], expressions, {"cse": True})
+    operations = [function.instruction_id(k) for k in range(function.n_instructions())]
+    if not {*COMPARISONS, *SIGNED, *CHOOSING} & {*operations}:
+        return expressions, Switches()
+    return _Replay(function, moving).run(operations, expressions)
+
+
+class _Replay:
+    """The instructions of a function, done again with switches that are held.
+
+    Every value has a label, equal for equal values, so that equal comparisons are one switch.
+    """
+
+    def __init__(self, function: ca.Function, moving: ca.SX):
+        self.function, (self.symbols,) = function, function.sx_in()
+        names = {symbol.element_hash() for symbol in ca.vertsplit(moving)}
+        self.moving = [s.element_hash() in names for s in ca.vertsplit(self.symbols)]
+        self.functions: list[ca.SX] = []
+        self.sides: list[ca.SX] = []
+        self.known: dict[tuple, ca.SX] = {}
+        self.beyond = ca.SX.sym("beyond")
+
+    def run(self, operations: list[int], expressions: list[ca.SX]) -> tuple[list[ca.SX], Switches]:
+        function, held = self.function, [ca.SX(e) for e in expressions]
+        at: dict[int, tuple[ca.SX, object, bool]] = {}  # value, label, whether it moves
+        for k, operation in enumerate(operations):
+            given, made = function.instruction_input(k), function.instruction_output(k)
+            if operation == ca.OP_OUTPUT:
+                held[made[0]].nz[made[1]] = at[given[0]][0]
+            elif operation == ca.OP_INPUT:
+                at[made[0]] = self.symbols[given[1]], k, self.moving[given[1]]
+            elif operation == ca.OP_CONST:
+                number = function.instruction_constant(k)
+                at[made[0]] = ca.SX(number), ("constant", number), False
+            else:
+                values, labels, moving = zip(*(at[i] for i in given), strict=True)
+                value = self._done(operation, values, labels, any(moving))
+                at[made[0]] = value, k, any(moving)
+        if not self.functions:
+            return expressions, Switches()
+        return self._finished(held)
+
+    def _finished(self, held: list[ca.SX]) -> tuple[list[ca.SX], Switches]:
+        sides, g = ca.vertcat(*self.sides), ca.vertcat(*self.functions)
+        beyond = ca.mmax((sides > 0.5) != (g > 0))
+        *held, g = ca.substitute([*held, g], [self.beyond], [beyond])
+        actual = g > 0
+        for k in range(len(self.sides)):  # a switch may depend on the sides of those before it
+            actual = ca.substitute(actual, sides[k], actual[k])
+        return held, Switches(g, sides, ca.densify(actual))
+
+    def _done(self, operation: int, values: tuple, labels: tuple, moving: bool) -> ca.SX:
+        if not moving:
+            return _plain(operation, values)
+        if operation in SIGNED:
+            (x,), (label,) = values, labels
+            side = self._side(ca.SX(0), x, ("constant", 0.0), label)
+            return ca.if_else(side, x, -x) if operation == ca.OP_FABS else ca.if_else(side, 1, -1)
+        if operation in COMPARISONS:
+            return self._side(*values, *labels)
+        if operation in CHOOSING:
+            a, b = values if operation == ca.OP_FMIN else values[::-1]
+            side = self._side(*values, *labels)
+            return ca.if_else(side, a, b)
+        if operation in POWERS:
+            return self._extended(operation, values)
+        return _plain(operation, values)
+
+    def _side(self, a: ca.SX, b: ca.SX, label_a: object, label_b: object) -> ca.SX:
+        """Whether ``a < b``, by the side of their switch."""
+        if (label_b, label_a) in self.known:
+            return ca.logic_not(self.known[label_b, label_a])
+        if (label_a, label_b) not in self.known:
+            side = ca.SX.sym(f"side{len(self.sides)}")
+            self.known[label_a, label_b] = side > 0.5  # a state is 1 to rounding only
+            self.sides.append(side)
+            self.functions.append(b - a)
+        return self.known[label_a, label_b]
+
+    def _extended(self, operation: int, values: tuple) -> ca.SX:
+        """A power that goes on oddly where its base is negative beyond a switch only."""
+        base, *exponent = values
+        if exponent and exponent[0].is_constant() and float(exponent[0]).is_integer():
+            return _plain(operation, values)
+        # a factor: in a sum of branches, derivatives of a power left out would be 0·NaN
+        sense = 1 - 2 * ca.logic_and(self.beyond, base < 0)
+        return sense * _plain(operation, (sense * base, *exponent))
+
+
+def _plain(operation: int, values: tuple) -> ca.SX:
+    if len(values) == 1:
+        return ca.SX.unary(operation, values[0])
+    return ca.SX.binary(operation, *values)
