@@ -12,8 +12,9 @@ from dalembert.design.problem import DesignProblem, Evaluation
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.options import options
 from dalembert.responses.base import Response, as_responses
-from dalembert.results.result import AnalysedModel, Analysis, Result
+from dalembert.results.result import Analysis, Result
 from dalembert.sensitivity.methods import Method
+from dalembert.symbolic.parametric_model import ParametricModel
 
 
 @options
@@ -96,7 +97,7 @@ class Optimum:
 
 
 def optimize(
-    model: AnalysedModel,
+    model: ParametricModel,
     minimize: Response | None = None,
     *,
     maximize: Response | None = None,
@@ -140,7 +141,7 @@ class _Slsqp:
 
     def __init__(
         self,
-        model: AnalysedModel,
+        model: ParametricModel,
         minimize: Response | None,
         maximize: Response | None,
         limits: Sequence[Limit],

@@ -9,10 +9,11 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate
-from dalembert.results.result import AnalysedModel, Analysis, Result
+from dalembert.results.result import Analysis, Result
 from dalembert.results.status import Outcome
 from dalembert.sensitivity.gradient import gradient_values
 from dalembert.sensitivity.methods import Method
+from dalembert.symbolic.parametric_model import ParametricModel
 
 
 @dataclass
@@ -41,7 +42,7 @@ class DesignProblem:
     method : of ``sensitivity``
     """
 
-    model: AnalysedModel
+    model: ParametricModel
     analysis: Analysis
     responses: Sequence[Response]
     vary: Sequence[str]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 
@@ -21,7 +20,7 @@ from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.names import Names
 from dalembert.symbolic.once import once
-from dalembert.symbolic.parameter import parameter_vector
+from dalembert.symbolic.parametric_model import ParametricModel
 
 SYSTEM_MEASURES = {
     "time": "s",
@@ -32,7 +31,7 @@ SYSTEM_MEASURES = {
 }
 
 
-class Model:
+class Model(ParametricModel):
     """A mechanism, checked, assembled and frozen; made by ``System.build``.
 
     Attributes
@@ -101,8 +100,11 @@ class Model:
         """
         return self.closure.assemble(p, time)
 
+    def check_values(self, p: np.ndarray) -> None:
+        self._value_checks(p)
+
     @cached_property
-    def _check_values(self) -> ValueChecks:
+    def _value_checks(self) -> ValueChecks:
         return ValueChecks(self.parts)
 
     def mass_matrix(self, p: np.ndarray) -> np.ndarray:
@@ -110,41 +112,10 @@ class Model:
         return self.all_equations.mass_at(p).toarray()
 
     # access ------------------------------------------------------------------------
-    def values(self, parameters: Mapping[str, float] | np.ndarray | None = None) -> np.ndarray:
-        """Parameter vector with some values replaced, or the whole vector as it is given.
-
-        Raises
-        ------
-        ModelError
-            Unknown parameter or a value that is not finite.
-        """
-        if isinstance(parameters, np.ndarray):
-            return parameters
-        p = parameter_vector(self.parameters, parameters, self.name)
-        if parameters:
-            self._check_values(p)
-        return p
-
-    def __getitem__(self, name: str) -> Expression:
-        """A measure or parameter by name, e.g. ``model["crank.end.x"]``.
-
-        Raises
-        ------
-        UnknownNameError
-            A ``KeyError`` that tells the nearest names.
-        """
-        return self.names.named(name)
-
     @once
     def expression(self, measure: str | Expression) -> Expression:
-        """A measure by name, a formula of measures, parameters and ``t``, or an expression.
-
-        Raises
-        ------
-        ExpressionError
-            A formula outside the grammar; ``UnknownNameError`` where a name is unknown.
-        """
-        found = self.names.expression(measure)
+        """See ``ParametricModel``; the ground is at rest in what comes out."""
+        found = super().expression(measure)
         return self._grounded(found) if isinstance(measure, Expression) else found
 
     @once

@@ -14,23 +14,6 @@ import numpy as np
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.status import Status
 from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.parameter import Parameter
-
-
-class AnalysedModel(Protocol):
-    """A mechanism or a structure, as far as everything about its parameters goes."""
-
-    name: str
-    parameters: Mapping[str, Parameter]
-    nominal: np.ndarray
-
-    def values(self, parameters: Any = None) -> np.ndarray:
-        """(np,) values of the parameters, some replaced."""
-        ...
-
-    def expression(self, measure: str | Expression) -> Expression:
-        """A measure by name, a formula or an expression."""
-        ...
 
 
 class Result(Protocol):

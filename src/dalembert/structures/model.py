@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cached_property
 
 import casadi as ca
@@ -20,11 +19,11 @@ from dalembert.structures.named_measures import StructuralMeasures
 from dalembert.structures.numbering import Numbering
 from dalembert.symbolic.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.names import Names
-from dalembert.symbolic.parameter import parameter_vector
 from dalembert.symbolic.parametric_array import ArrayEntries
+from dalembert.symbolic.parametric_model import ParametricModel
 
 
-class StructuralModel:
+class StructuralModel(ParametricModel):
     """A structure, checked and frozen; made by ``Structure.build``.
 
     Attributes
@@ -111,21 +110,6 @@ class StructuralModel:
             raise ModelError(f"depends on {', '.join(sorted(foreign))}, no parameters here", entity)
 
     # parameters -----------------------------------------------------------------------------
-    def values(self, parameters: Mapping[str, float] | np.ndarray | None = None) -> np.ndarray:
-        """Parameter vector with some values replaced, or the whole vector as it is given.
-
-        Raises
-        ------
-        ModelError
-            Unknown parameter, or a value that makes a quantity leave its limits.
-        """
-        if isinstance(parameters, np.ndarray):
-            return parameters
-        p = parameter_vector(self.parameters, parameters, self.name)
-        if parameters:
-            self.check_values(p)
-        return p
-
     def check_values(self, p: np.ndarray) -> None:
         """Quantities of elements must be finite and within their limits, their shapes possible.
 
@@ -138,26 +122,6 @@ class StructuralModel:
             _check_block(block, p)
 
     # access ---------------------------------------------------------------------------------
-    def __getitem__(self, name: str) -> Expression:
-        """A measure or parameter by name, e.g. ``model["n2.uy"]``, ``model["bar.stress"]``.
-
-        Raises
-        ------
-        UnknownNameError
-            A ``KeyError`` that tells the nearest names.
-        """
-        return self.names.named(name)
-
-    def expression(self, measure: str | Expression) -> Expression:
-        """A measure by name, a formula of measures, parameters and ``t``, or an expression.
-
-        Raises
-        ------
-        ExpressionError
-            A formula outside the grammar; ``UnknownNameError`` where a name is unknown.
-        """
-        return self.names.expression(measure)
-
     @cached_property
     def names(self) -> Names:
         """Names of measures and parameters, as formulas use them."""

@@ -1,0 +1,77 @@
+"""What analyses need of a mechanism and of a structure alike: parameters, and measures by name."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+
+import numpy as np
+
+from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.names import Names
+from dalembert.symbolic.parameter import Parameter, parameter_vector
+
+
+class ParametricModel(ABC):
+    """A frozen model with parameters.
+
+    Attributes
+    ----------
+    name : of the model
+    parameters : name → Parameter
+    nominal : (np,) their values
+    """
+
+    name: str
+    parameters: dict[str, Parameter]
+    nominal: np.ndarray
+
+    @property
+    @abstractmethod
+    def names(self) -> Names:
+        """Names of measures and parameters, as formulas use them."""
+
+    @abstractmethod
+    def check_values(self, p: np.ndarray) -> None:
+        """Refuse values with which elements cannot be.
+
+        Raises
+        ------
+        ModelError
+            Names the element, the quantity and its value.
+        """
+
+    def values(self, parameters: Mapping[str, float] | np.ndarray | None = None) -> np.ndarray:
+        """Parameter vector with some values replaced, or the whole vector as it is given.
+
+        Raises
+        ------
+        ModelError
+            Unknown parameter, or a value that is not finite or that ``check_values`` refuses.
+        """
+        if isinstance(parameters, np.ndarray):
+            return parameters
+        p = parameter_vector(self.parameters, parameters, self.name)
+        if parameters:
+            self.check_values(p)
+        return p
+
+    def __getitem__(self, name: str) -> Expression:
+        """A measure or parameter by name: ``model["crank.end.x"]``, ``model["bar.stress"]``.
+
+        Raises
+        ------
+        UnknownNameError
+            A ``KeyError`` that tells the nearest names.
+        """
+        return self.names.named(name)
+
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, a formula of measures, parameters and ``t``, or an expression.
+
+        Raises
+        ------
+        ExpressionError
+            A formula outside the grammar; ``UnknownNameError`` where a name is unknown.
+        """
+        return self.names.expression(measure)
