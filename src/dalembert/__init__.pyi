@@ -128,6 +128,7 @@ from dalembert.responses.integrals import (
 from dalembert.responses.values import At as At, Final as Final, at as at, final as final
 from dalembert.results.comparison.result import Comparison as Comparison
 from dalembert.results.motion import Motion as Motion
+from dalembert.results.open_mechanism import assembly_report as assembly_report
 from dalembert.results.status import Outcome as Outcome, Status as Status
 from dalembert.results.store import load_results as load_results
 from dalembert.results.tornado import tornado as tornado

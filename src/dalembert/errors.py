@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from copy import copy
+from typing import Any, Self
+
 
 class DalembertError(Exception):
     """Base of all errors raised on purpose."""
@@ -50,9 +53,22 @@ class AnalysisError(DalembertError):
         self.residual = residual
         super().__init__(message)
 
+    def retold(self, message: str) -> Self:
+        """The same error in other words."""
+        made = copy(self)
+        made.args = (message,)
+        return made
+
 
 class AssemblyError(AnalysisError):
-    """The mechanism cannot be assembled from the given guesses and lengths."""
+    """The mechanism cannot be assembled from the given guesses and lengths.
+
+    ``position`` is the best position found, for ``assembly_report``; None where there is none.
+    """
+
+    def __init__(self, message: str, residual: float | None = None, position: Any = None):
+        self.position = position
+        super().__init__(message, residual)
 
 
 class SolverFailure(AnalysisError):

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 def check(model: Path, /, *, settings: Settings | None = None, as_json: AsJson = False) -> int:
     """Explain a model: its freedom, parts, parameters, and what is doubtful about it.
 
-    Nothing is simulated. A mechanism is assembled, so that wrong lengths show here.
+    Nothing is simulated. A mechanism is assembled, so that wrong lengths show here; where it
+    cannot be, a page draws why (.assembly.html).
 
     Parameters
     ----------
@@ -26,7 +27,7 @@ def check(model: Path, /, *, settings: Settings | None = None, as_json: AsJson =
     as_json
         Print one JSON document instead of text.
     """
-    file, built = loaded(model, settings)
+    file, built = loaded(model, settings, Path())
     teller = teller_of(built)
     with wrong_input():
         _check_tasks(file, built)

@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dalembert.cli.console import wrong_input
 from dalembert.cli.teller import Teller
-from dalembert.errors import FileError, ModelError
+from dalembert.errors import AssemblyError, FileError, ModelError
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
 
 
-def loaded(path: Path, settings: list[str] | None) -> tuple[ModelFile, Any]:
+def loaded(
+    path: Path, settings: list[str] | None, pages: Path | None = None
+) -> tuple[ModelFile, Any]:
     """The file, with the values of ``--set``, and its assembled model.
+
+    Parameters
+    ----------
+    pages : folder for the drawing of a mechanism that cannot be assembled, if wanted
 
     Raises
     ------
@@ -32,7 +39,22 @@ def loaded(path: Path, settings: list[str] | None) -> tuple[ModelFile, Any]:
                 "'dalembert sensitivity' read; this command takes a model file, .toml or .json"
             )
         file = load_model_file(path).with_parameters(pairs(settings))
-        return file, file.model()
+        with failure_drawn(path, pages):
+            return file, file.model()
+
+
+@contextmanager
+def failure_drawn(path: Path, pages: Path | None) -> Iterator[None]:
+    """Where a mechanism cannot be assembled, a page shows why; its path joins the message."""
+    try:
+        yield
+    except AssemblyError as error:
+        if pages is None or error.position is None:
+            raise
+        from dalembert.results.open_mechanism import assembly_report
+
+        page = assembly_report(error, output_folder(pages) / f"{path.stem}.assembly.html")
+        raise error.retold(f"{error}; drawn in {page}") from None
 
 
 def teller_of(model: Any) -> Teller:

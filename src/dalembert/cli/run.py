@@ -23,7 +23,14 @@ from dalembert.cli.console import (
     wrong_input,
 )
 from dalembert.cli.deck import run_deck
-from dalembert.cli.loading import is_deck, loaded, output_folder, refuse_replacing, teller_of
+from dalembert.cli.loading import (
+    failure_drawn,
+    is_deck,
+    loaded,
+    output_folder,
+    refuse_replacing,
+    teller_of,
+)
 from dalembert.errors import UnsupportedError
 from dalembert.results.status import Outcome, Status
 
@@ -69,7 +76,8 @@ def run(
             if analysis is not None:
                 raise UnsupportedError(f"--analysis {analysis}: a deck is solved by linear statics")
         return run_deck(model, output, settings, report, csv, quiet, as_json)
-    file, built = loaded(model, settings)
+    pages = (output or Path()) if report else None
+    file, built = loaded(model, settings, pages)
     teller = teller_of(built)
     with wrong_input():
         task = make_analysis(file, built, analysis)
@@ -78,7 +86,7 @@ def run(
     with wrong_input():
         refuse_replacing(model, [base.with_name(base.name + kind) for kind in (".nc", ".csv")])
     show = not quiet and not as_json and sys.stderr.isatty()
-    with file.located("analysis"):
+    with failure_drawn(model, pages), file.located("analysis"):
         result = task.run(built, progress=show)
     files = result.write(base, report, csv, **choices)
     code = _exit_code(result.status)

@@ -183,6 +183,10 @@ class Constraint(Element):
         """Unit of each equation: ``m`` or ``rad``."""
         return ["m"] * self.equations.numel()
 
+    def compared(self) -> tuple[ca.SX, ca.SX] | None:
+        """The length or angle that its equation measures, and what it asks for; None if none."""
+        return None
+
     def own_coordinates(self) -> list[Coordinates]:
         """Coordinates this constraint brings along (the parameter of a curve)."""
         return []

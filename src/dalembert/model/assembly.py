@@ -19,13 +19,14 @@ from dalembert.model.equations import Equations
 from dalembert.model.guesses import Guesses
 from dalembert.model.scales import Scales
 from dalembert.symbolic import newton
+from dalembert.symbolic.expression import stack
 
-CLOSED = newton.NewtonSettings(tolerance=1e-14, max_iterations=200, slack=1e3, halvings=60)
+CLOSED = newton.NewtonSettings(tolerance=1e-14, max_iterations=200, slack=1e3, halvings=30)
 """Violations, relative to their scales, that are aimed at; slack times as much is accepted."""
 MISSING_WEIGHT = 1e-2
 LEAST_DAMPING = 1e-15
-STATIONARY = 1e-6
-"""Slope of the violation, relative to it and to the size of the equations, that counts as none."""
+PATIENCE, PROGRESS = 12, 0.95
+"""The search is given up where so many steps leave more than this share of the violation."""
 SEARCH_SAMPLES = 361
 LARGEST_TURN = 1.0
 """Longest step of an angle [rad]; positions, in which most equations are linear, have none."""
@@ -76,7 +77,7 @@ class Assembler:
         searches: list[tuple[int, list[int], tuple[float, float]]],
     ):
         self.guesses, self.scales, self.searches = guesses, scales, searches
-        e = equations
+        self.equations = e = equations
         self.equation_count = e.constraint_count
         self.start = ca.Function("start", [e.p], [start])
         residual = ca.vertcat(e.constraints, initial)
@@ -84,21 +85,30 @@ class Assembler:
         self.row_count = residual.numel()
         turns = np.array([unit != "m" for unit in guesses.units], dtype=bool)
         self.longest = np.where(turns, LARGEST_TURN * scales.coordinates, np.inf)
-        self._position = ca.Function("position", [e.t, e.y, e.p], [residual, jacobian])
+        by_row = jacobian.T  # whose columns casadi keeps together
+        self._columns, self._ends = (
+            np.array(x, dtype=np.int32) for x in (by_row.row(), by_row.colind())
+        )
+        entries = stack([ca.vec(by_row.nz[:])])
+        self.position = ca.Function("position", [e.t, e.y, e.p], [residual, entries])
 
     def closeness(self, t: float, y: np.ndarray, p: np.ndarray) -> Closeness:
         """Violations at a position, of the constraints first, then of initial conditions."""
-        value, jacobian = self._position(t, y, p)
-        by_row = sparse.csr_array(jacobian.sparse())
-        size, s = abs(by_row), self.scales
-        asked = size[self.equation_count :].multiply(s.coordinates[None]).sum(axis=1)
-        scale = np.concatenate([s.rows, np.where(asked > 0, asked, 1.0)])
-        return Closeness(value.full().ravel(), scale, ROUNDING * (size @ abs(y)), jacobian=by_row)
+        value, entries = (found.full().ravel() for found in self.position(t, y, p))
+        m, s, columns = self.row_count, self.scales, self._columns
+        row, size = np.repeat(np.arange(m), np.diff(self._ends)), np.abs(entries)
+        asked = np.bincount(row, size * s.coordinates[columns], m)[self.equation_count :]
+        return Closeness(
+            value,
+            np.concatenate([s.rows, np.where(asked > 0, asked, 1.0)]),
+            ROUNDING * np.bincount(row, size * np.abs(y)[columns], m),
+            jacobian=sparse.csr_array((entries, columns, self._ends), (m, y.size)),
+        )
 
     def scaled_jacobian(self, t: float, y: np.ndarray, p: np.ndarray) -> sparse.csr_array:
         """Jacobian of all equations by coordinates in natural units."""
-        columns = sparse.diags_array(self.scales.coordinates)
-        return sparse.csr_array(self.closeness(t, y, p).jacobian @ columns)
+        jacobian = self.closeness(t, y, p).jacobian
+        return scaled(jacobian, np.ones(jacobian.shape[0]), self.scales.coordinates)
 
     def project(self, t: float, p: np.ndarray, attempts: int = 12) -> newton.Solution[np.ndarray]:
         """Nearest assembled configuration to the guesses, from several starts if need be."""
@@ -123,12 +133,16 @@ class Assembler:
             table = np.tile(y[:, None], samples.size)
             table[index] = samples
             times, parameters = np.full(samples.size, t), np.tile(p[:, None], samples.size)
-            residual = self._position.map(samples.size)(times, table, parameters)[0].full()
+            residual = self.position.map(samples.size)(times, table, parameters)[0].full()
             y = table[:, np.argmin(np.linalg.norm(residual[rows], axis=0))]
         return y
 
     def close(
-        self, t: float, y: np.ndarray, p: np.ndarray, rows: list[int] | None = None
+        self,
+        t: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        rows: list[int] | None = None,
     ) -> newton.Solution[np.ndarray]:
         """Nearby root of all equations, or of some rows."""
         return newton.solve(_Nearest(self, t, p, rows), y, CLOSED)
@@ -147,6 +161,7 @@ class _Nearest(newton.Equations[np.ndarray]):
         given = np.where(assembler.guesses.missing, MISSING_WEIGHT, 1.0)
         self.weight = given / assembler.scales.coordinates
         self.damping = 5e-3
+        self.violations: list[float] = []
 
     def residual(self, x: np.ndarray) -> Closeness:
         found = self.assembler.closeness(self.t, x, self.p)
@@ -158,21 +173,28 @@ class _Nearest(newton.Equations[np.ndarray]):
     def steps(self, x: np.ndarray, residual: newton.Residual) -> Iterator[np.ndarray]:
         assert isinstance(residual, Closeness)
         value = residual.value / residual.scale
-        rows = sparse.diags_array(1 / residual.scale)
-        scaled = rows @ residual.jacobian @ sparse.diags_array(1 / self.weight)
-        normal = scaled @ scaled.T
+        made = scaled(residual.jacobian, 1 / residual.scale, 1 / self.weight)
+        normal = made @ made.T
+        unit = sparse.eye_array(value.size, format="csr")
         level = normal.trace() / max(value.size, 1)
         violation = float(np.linalg.norm(value))
-        if np.linalg.norm(scaled.T @ value) <= STATIONARY * np.sqrt(level) * violation:
-            raise np.linalg.LinAlgError("no motion makes the violation smaller")
+        self.violations.append(violation)
+        if violation > PROGRESS * ([np.inf] * PATIENCE + self.violations)[-PATIENCE]:
+            raise np.linalg.LinAlgError("no motion makes the violation much smaller")
         self.damping /= 5
         while True:
             damping = level * max(self.damping * violation, LEAST_DAMPING)
-            solve = factorised(normal + damping * sparse.eye_array(value.size))
-            step = -(scaled.T @ solve(value)) / self.weight
+            solve = factorised(normal + damping * unit)
+            step = -(made.T @ solve(value)) / self.weight
             size = np.max(np.abs(step) / self.assembler.longest, initial=1.0)
             yield step / size
             self.damping *= 4
+
+
+def scaled(matrix: sparse.csr_array, rows: np.ndarray, columns: np.ndarray) -> sparse.csr_array:
+    """A matrix with its rows and columns multiplied by numbers."""
+    entries = matrix.data * np.repeat(rows, np.diff(matrix.indptr)) * columns[matrix.indices]
+    return sparse.csr_array((entries, matrix.indices, matrix.indptr), matrix.shape)
 
 
 def factorised(matrix: sparse.sparray) -> Callable[[np.ndarray], np.ndarray]:

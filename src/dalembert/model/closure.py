@@ -160,12 +160,12 @@ class Closure:
             chosen = free_columns(jacobian[[*self.rows, *conditions]], priority)
             self.recipe = replace(self.recipe, positions=Held.of(chosen, given, y))
             wanted = [k for k in chosen if given[k] is not None]
-            try:
-                return self._follow(p, y, p, 0.0)
-            except AssemblyError:
-                if not wanted:
-                    raise
-                lost.add(wanted[0])
+            found, reached = self._approach(p, y, p, 0.0)
+            if reached == 1.0:
+                return found
+            if not wanted:
+                raise self._failure(0.0, found, p)
+            lost.add(wanted[0])
 
     def _hold_speeds(self, strict: bool) -> None:
         """Hold given speeds; project them where they contradict each other."""
@@ -230,7 +230,19 @@ class Closure:
         return Pinned(self._assembler, self.recipe, self.guesses.values(p)[0], time, p)
 
     def _follow(self, p0: np.ndarray, y0: np.ndarray, p1: np.ndarray, time: float) -> np.ndarray:
-        """Newton from the nominal assembly; in smaller steps of time and parameters if need be."""
+        """The assembled position on the branch of another one."""
+        y, reached = self._approach(p0, y0, p1, time)
+        if reached < 1.0:
+            raise self._failure(reached * time, y, p0 + reached * (p1 - p0))
+        return y
+
+    def _approach(
+        self, p0: np.ndarray, y0: np.ndarray, p1: np.ndarray, time: float
+    ) -> tuple[np.ndarray, float]:
+        """Newton from one position; in smaller steps of time and parameters if need be.
+
+        Returns the position, and the share of the way at which it is, or at which none was found.
+        """
         reached, y, step = 0.0, y0, 1.0
         shortest = SHORTEST / (1.0 + abs(time) / self.scales.time)
         while reached < 1.0:
@@ -242,5 +254,5 @@ class Closure:
                 continue
             step /= 2
             if step < shortest:
-                raise self._failure(target * time, found.x, p)
-        return y
+                return found.x, min(target, np.nextafter(1.0, 0.0))
+        return y, 1.0

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from scipy import sparse
 
-from dalembert.model.assembly import ROUNDING, Assembler, Closeness, factorised
+from dalembert.model.assembly import ROUNDING, Assembler, Closeness, factorised, scaled
 from dalembert.model.equations import Equations
 from dalembert.model.guesses import Guesses
 from dalembert.model.scales import Scales
@@ -200,6 +200,5 @@ class Pinned(newton.Equations[np.ndarray]):
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
         assert isinstance(residual, Closeness)
         columns = self.assembler.scales.coordinates
-        scaled = sparse.diags_array(1 / residual.scale) @ residual.jacobian
-        solve = factorised(scaled @ sparse.diags_array(columns))
+        solve = factorised(scaled(residual.jacobian, 1 / residual.scale, columns))
         return -columns * solve(residual.value / residual.scale)

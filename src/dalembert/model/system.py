@@ -69,7 +69,10 @@ class System(Description):
         Unlike the guesses given to bodies, assembly never moves it.
         """
         self.initial_conditions.append(
-            (as_expression(measure, "initial condition"), as_expression(value, "initial value"))
+            (
+                as_expression(measure, "initial condition", getattr(measure, "unit", "")),
+                as_expression(value, "initial value"),
+            )
         )
 
     def _claim(self, name: str) -> None:

@@ -46,7 +46,11 @@ class Driver(Constraint):
 
     def residual(self) -> ca.SX:
         self.law = as_law(self.law, f"{self.name}.law")
-        return self.coordinate() - self.law.value(t.sx)
+        coordinate, value = self.compared()
+        return coordinate - value
+
+    def compared(self) -> tuple[ca.SX, ca.SX]:
+        return self.coordinate(), self.law.value(t.sx)
 
     def measures(self, rate) -> dict[str, tuple[ca.SX, str]]:
         unit = self.units()[0]

@@ -25,8 +25,11 @@ class RigidLink(TreeJoint):
     kind = "rigid_link"
 
     def residual(self) -> ca.SX:
-        d = self.between
-        return ca.sqrt(ca.sumsqr(d)) - self.length.sx
+        distance, length = self.compared()
+        return distance - length
+
+    def compared(self) -> tuple[ca.SX, ca.SX]:
+        return ca.sqrt(ca.sumsqr(self.between)), self.length.sx
 
     def joint_coordinates(self) -> dict[str, tuple[ca.SX, str]]:
         return {"direction": (ca.atan2(self.between[1], self.between[0]), "rad")}

@@ -36,6 +36,12 @@ class Motion {
     this.points = list(scene.points).filter((p) => this.has(p.body)).map((p, index) => ({
       name: String(p.name ?? ""), body: this.find(p.body), point: xy(p.point), index, traced: false,
     }));
+    // Of a mechanism that does not close: where its parts were given, and what stays open.
+    this.ghosts = list(scene.ghosts).map((ghost) => {
+      const a = +ghost.angle || 0, [x, y] = xy([ghost.x, ghost.y]);
+      return { pose: { x, y, a, c: Math.cos(a), s: Math.sin(a) }, shapes: readShapes(ghost.shapes) };
+    });
+    this.gaps = list(scene.gaps).map((gap) => ({ from: xy(gap.from), to: xy(gap.to), text: String(gap.text ?? "") }));
     this.asked = Array.isArray(payload.trace) ? payload.trace.map(String) : null;
     this.series = list(payload.series).map((s) => ({
       name: String(s.name ?? ""), unit: unitOf(s), group: String(s.group || "other"), values: floats(s.values, this.n),
@@ -121,6 +127,8 @@ class Motion {
         if (pose) for (const p of points) grow(toWorld(pose, p));
       }
     }
+    for (const { pose, shapes } of this.ghosts) for (const p of shapes.flatMap(outline)) grow(toWorld(pose, p));
+    for (const gap of this.gaps) { grow(gap.from); grow(gap.to); }
     if (!(box.x0 <= box.x1)) return { x0: -0.5, x1: 0.5, y0: -0.5, y1: 0.5 };
     const size = Math.max(box.x1 - box.x0, box.y1 - box.y0) || 1;
     const least = 0.1 * size;

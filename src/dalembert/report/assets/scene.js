@@ -281,6 +281,7 @@ class Scene {
       const p = joint.grounded && joint.kind === "revolute" && this.placeOf(joint.body, joint.point);
       if (p) groundPivot(ctx, p, this.half, colours);
     }
+    this.drawGhosts();
     this.drawBodies();
     this.drawTraces();
     for (const bundle of this.bundles) this.drawLink(bundle);
@@ -291,6 +292,7 @@ class Scene {
       jointMark(ctx, joint, p, this.half, colours);
     }
     this.drawPoints();
+    this.drawGaps();
     if (this.show.forces) this.drawForces();
     if (this.show.labels) this.drawLabels();
     this.drawScale();
@@ -419,6 +421,29 @@ class Scene {
     for (const body of this.motion.bodies) {
       const pose = this.poses.get(body);
       if (pose && !body.shapes.length) centreMark(this.ctx, this.screen([pose.x, pose.y]), this.half, this.looks[body.index].edge, Theme.surface);
+    }
+  }
+
+  // Bodies where they were given, behind those where they came to.
+  drawGhosts() {
+    this.ctx.globalAlpha = 0.25;
+    const look = { edge: Theme.muted, fill: Theme.surface, width: 1.5 };
+    for (const { pose, shapes } of this.motion.ghosts) for (const shape of shapes) this.drawShape(shape, pose, look);
+    this.ctx.globalAlpha = 1;
+  }
+
+  // Two points that should meet, and how far they are apart.
+  drawGaps() {
+    const { ctx } = this;
+    for (const gap of this.motion.gaps) {
+      const [p, q] = [this.screen(gap.from), this.screen(gap.to)];
+      trace(ctx, [p, q]);
+      stroke(ctx, Theme.error, 2.4, [6, 4]);
+      for (const end of [p, q]) { circle(ctx, end, this.half + 4); stroke(ctx, Theme.error, 2); }
+      ctx.font = `600 13px ${Theme.font}`;
+      const wide = ctx.measureText(gap.text).width / 2 + 8;
+      const x = clamp((p[0] + q[0]) / 2, wide, this.w - wide);
+      label(ctx, gap.text, [x, Math.max(p[1], q[1]) + this.half + 20], Theme.error, Theme.surface);
     }
   }
 

@@ -93,7 +93,7 @@ const Theme = {
   read() {
     const style = getComputedStyle(document.documentElement);
     this.name = document.documentElement.dataset.theme === "dark" ? "dark" : "light";
-    for (const key of ["bg", "surface", "ink", "muted", "line", "grid", "accent", "force", "moment"]) {
+    for (const key of ["bg", "surface", "ink", "muted", "line", "grid", "accent", "force", "moment", "error"]) {
       this[key] = style.getPropertyValue(`--${key}`).trim();
     }
     this.font = style.getPropertyValue("--font").trim() || "sans-serif";

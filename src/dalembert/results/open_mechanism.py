@@ -1,0 +1,107 @@
+"""The page of a mechanism that cannot be assembled: where it was given, where it gets, the gap."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import xarray as xr
+
+from dalembert.errors import AssemblyError
+from dalembert.model.absolute import at_ground
+from dalembert.model.assembly_failure import OpenPosition
+from dalembert.report.page import write_page
+from dalembert.results.payload import parameter_rows
+from dalembert.results.scene import motion_scene
+from dalembert.symbolic.expression import Expression, stack, t
+
+GUESS, BEST = np.array([0]), np.array([1])
+
+
+def assembly_report(error: AssemblyError, path: str | Path) -> Path:
+    """Write a page that draws why a mechanism cannot be assembled; returns its path.
+
+    Parameters
+    ----------
+    error : as raised by ``build()``
+    path : of the HTML file
+
+    Raises
+    ------
+    FileError
+        It cannot be written.
+    """
+    return write_page(open_payload(error), path)
+
+
+def open_payload(error: AssemblyError) -> dict[str, Any]:
+    """What the page shows, as plain data."""
+    found: OpenPosition = error.position
+    drawn: Any = _Drawn(found)
+    scene = motion_scene(drawn, BEST)
+    guess = motion_scene(drawn, GUESS)["bodies"]
+    scene["ghosts"] = [
+        {"shapes": b["shapes"], **{key: b[key][0] for key in ("x", "y", "angle")}} for b in guess
+    ]
+    if found.ends is not None:
+        start, end = found.ends.tolist()
+        scene["gaps"] = [{"from": start, "to": end, "text": found.gap}]
+    parameters = found.parts.parameters
+    return {
+        "format": 1,
+        "title": found.parts.name,
+        "subtitle": "cannot be assembled: the best position, and faint where it was given",
+        "time": [found.time],
+        "scene": scene,
+        "series": [],
+        "events": [],
+        "diagnosis": {
+            "summary": "cannot be assembled",
+            "items": [
+                {"label": "stays open", "value": found.joint},
+                {"label": "gap", "value": found.gap},
+                {"label": "loop", "value": "–".join(found.loop) or "none"},
+            ],
+            "messages": [{"level": "error", "text": str(error)}],
+        },
+        "statistics": [],
+        "parameters": parameter_rows(parameters, found.parameters),
+    }
+
+
+class _Drawn:
+    """Two instants, the guess and the best position, as the drawing of a motion sees them."""
+
+    def __init__(self, found: OpenPosition):
+        self.found, d = found, found.parts
+        self.parameters = found.parameters
+        self._p = stack(p.sx for p in d.parameters.values())
+        self._y = stack(group.pose for group in d.coordinates)
+        self.model = SimpleNamespace(
+            parts=d,
+            bodies=d.bodies,
+            constraints=d.constraints,
+            forces=d.forces,
+            equations=SimpleNamespace(p=self._p),
+        )
+        places = [self.values(body.position) for body in d.bodies]
+        angles = [self.values(body.angle) for body in d.bodies]
+        self.data = xr.Dataset(
+            {
+                "position": (("time", "body", "axis"), np.stack(places, axis=1)),
+                "angle": (("time", "body"), np.stack(angles, axis=1)),
+            },
+            {"body": [body.name for body in d.bodies]},
+        )
+
+    def values(self, measure: Expression) -> np.ndarray:
+        """(2,) or (2, size) values of a measure of positions."""
+        sx = ca.densify(at_ground(self.found.parts.ground, measure.sx))
+        number = ca.Function("measure", [t.sx, self._y, self._p], [sx])
+        poses = (self.found.guess, self.found.y)
+        rows = [number(self.found.time, y, self.parameters).full().ravel() for y in poses]
+        table = np.array(rows)
+        return table[:, 0] if table.shape[1] == 1 else table
