@@ -14,6 +14,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.symbolic.compiled import (
     c_source,
     find_compiler,
+    hindrance,
     is_whole,
     kept_path,
     load,
@@ -69,7 +70,7 @@ class Compiled(Backend):
     """C, compiled once and kept on disk.
 
     Functions that CasADi cannot write as C, those with SUNDIALS inside, stay on the virtual
-    machine, and so do those evaluated for a few columns only.
+    machine, so do those too large to be faster as C, and those evaluated for a few columns only.
 
     Raises
     ------
@@ -81,13 +82,16 @@ class Compiled(Backend):
 
     def __init__(self) -> None:
         self._answers: dict[ca.Function, ca.Function] = {}
+        self._hindered: dict[ca.Function, str] = {}
 
     def repeated(self, function: ca.Function, times: int) -> ca.Function:
         if function not in self._answers:
             text = c_source(function)
-            self._answers[function] = (
-                function if text is None else load(function, text, needed_compiler())
-            )
+            self._hindered[function] = hindrance(text)
+            if text is None or self._hindered[function]:
+                self._answers[function] = function
+            else:
+                self._answers[function] = load(function, text, needed_compiler())
         return self._answers[function]
 
     def mapped(self, function: ca.Function, columns: int) -> ca.Function:
@@ -95,9 +99,9 @@ class Compiled(Backend):
         return self.repeated(function, columns) if known else function
 
     def report(self, function: ca.Function) -> str:
-        if self.repeated(function, 0) is function:
-            return "VM (CasADi cannot write this integrator as C)"
-        return "C"
+        self.repeated(function, 0)
+        why = self._hindered[function]
+        return f"VM ({why})" if why else "C"
 
 
 class Automatic(Backend):
@@ -135,7 +139,7 @@ class Automatic(Backend):
     def _answer(self, function: ca.Function, only_kept: bool = False) -> None:
         """Decide for good; ``only_kept`` leaves it open where no library is in the cache."""
         text, compiler = self._texts[function], find_compiler()
-        if text is None or compiler is None:
+        if text is None or hindrance(text) or compiler is None:
             self._answers[function] = function
         elif not only_kept or is_whole(kept_path(text, compiler)):
             try:

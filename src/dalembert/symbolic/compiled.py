@@ -29,8 +29,10 @@ from dalembert.errors import FileError, UnsupportedError
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = ("-fPIC", "-shared", "-ffp-contract=off", "-w")
 """Sums of products are rounded as the virtual machine rounds them, so that both agree."""
-LARGE = 8_000_000
-"""Characters of C from which optimising takes minutes and is left out."""
+OPTIMISED = "-O1"
+LARGE = 5_000_000
+"""Characters of C from which the virtual machine is faster, whose instructions are shorter: code
+that does not fit the caches of the processor is read from memory in every step."""
 KEPT = 1 << 30
 """Bytes of libraries kept; those unused for longest go first."""
 
@@ -42,9 +44,6 @@ class Compiler:
     command: tuple[str, ...]
     version: str
 
-    def flags(self, text: str) -> tuple[str, ...]:
-        return ("-O1" if len(text) < LARGE else "-O0", *FLAGS)
-
     def compile(self, text: str, target: Path) -> None:
         """Make a shared library.
 
@@ -53,7 +52,7 @@ class Compiler:
         UnsupportedError
             The compiler refuses; with its own words.
         """
-        command = [*self.command, *self.flags(text), "-x", "c", "-", "-o", str(target), "-lm"]
+        command = [*self.command, OPTIMISED, *FLAGS, "-x", "c", "-", "-o", str(target), "-lm"]
         done = subprocess.run(command, input=text, capture_output=True, text=True)
         if done.returncode:
             said = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[0]
@@ -114,6 +113,13 @@ def c_source(function: ca.Function) -> str | None:
     return None if "\n  #error" in text else text
 
 
+def hindrance(text: str | None) -> str:
+    """Why a function stays on the virtual machine; nothing where C pays."""
+    if text is None:
+        return "CasADi cannot write this integrator as C"
+    return f"{len(text) / 1e6:.1f} MB of C would be slower" if len(text) > LARGE else ""
+
+
 # cache ------------------------------------------------------------------------------
 def cache_folder() -> Path:
     """Where compiled functions are kept."""
@@ -139,7 +145,7 @@ def clear_cache() -> int:
 
 def kept_path(text: str, compiler: Compiler) -> Path:
     """Where the library of this text belongs."""
-    made_by = (compiler.version, *compiler.command, *compiler.flags(text), ca.CasadiMeta.version())
+    made_by = (compiler.version, *compiler.command, OPTIMISED, *FLAGS, ca.CasadiMeta.version())
     key = "\n".join([*made_by, sys.platform, platform.machine(), text])
     return cache_folder() / f"{hashlib.sha256(key.encode()).hexdigest()[:40]}{SUFFIX}"
 
