@@ -11,9 +11,11 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.newton import Equations, NewtonSettings, Residual, solve
 from dalembert.text import plain_text
 
 T = TypeVar("T")
+AGAIN = NewtonSettings(tolerance=1e-15, slack=1e6, max_iterations=20)
 
 
 @options
@@ -145,10 +147,23 @@ def locate_again(
     AnalysisError
         There is none.
     """
-    found = near
-    for _ in range(20):
-        change = value(found) / (rate(found) or np.nan)
-        found -= change
-        if abs(change) <= 1e-9 * span:  # the next change would be round-off
-            return found
-    raise AnalysisError(f"event {name!r} does not happen again near where it happened before")
+    found = solve(_Crossing(value, rate, span), np.array([near]), AGAIN)
+    if not found.accepted:
+        raise AnalysisError(f"event {name!r} does not happen again near where it happened before")
+    return float(found.x[0])
+
+
+class _Crossing(Equations[np.ndarray]):
+    """A measure of time that is to vanish, compared with how far it goes in a span of time."""
+
+    def __init__(
+        self, value: Callable[[float], float], rate: Callable[[float], float], span: float
+    ):
+        self.value, self.rate, self.span = value, rate, span
+
+    def residual(self, x: np.ndarray) -> Residual:
+        time = float(x[0])
+        return Residual(np.array([self.value(time)]), abs(self.rate(time)) * self.span)
+
+    def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
+        return -residual.value / (self.rate(float(x[0])) or np.nan)

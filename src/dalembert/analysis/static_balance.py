@@ -175,18 +175,27 @@ class StaticBalance(Equations[np.ndarray]):
         return found.x if found.accepted else None
 
 
+@dataclass(frozen=True)
+class Openness(Residual):
+    """Violations of the constraints, and their Jacobian ``C``."""
+
+    jacobian: np.ndarray = field(kw_only=True)
+
+
 class _Nearest(Equations[np.ndarray]):
     """The constraints at an instant, with the shortest steps to them."""
 
     def __init__(self, balance: StaticBalance):
         self.balance = balance
 
-    def residual(self, x: np.ndarray) -> Residual:
-        return Residual(self.balance.evaluate(x, self.balance.idle)[3], self.balance.sizes.rows)
+    def residual(self, x: np.ndarray) -> Openness:
+        _, c, _, phi = self.balance.evaluate(x, self.balance.idle)
+        return Openness(phi, self.balance.sizes.rows, jacobian=c)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
+        assert isinstance(residual, Openness)
         unit, row = self.balance.sizes.coordinates, self.balance.sizes.rows
-        alike = self.balance.evaluate(x, self.balance.idle)[1] * unit / row[:, None]
+        alike = residual.jacobian * unit / row[:, None]
         return -unit * np.linalg.lstsq(alike, residual.value / row, rcond=None)[0]
 
 
