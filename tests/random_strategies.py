@@ -85,10 +85,11 @@ def faults(m: Mechanism, motion) -> list[str]:
     projected = isinstance(a.stabilization, da.Projection)
     soft = isinstance(a.formulation, da.Penalty)
     fed_back = isinstance(a.stabilization, da.Baumgarte)
+    redundant = bool(motion.model.diagnosis.redundancies) and not projected
     exactness = (
         EXACT if projected else NEARLY,
         EXACT if projected else NEARLY,
-        NEARLY if soft or fed_back else 1e2 * EXACT,
+        NEARLY if soft or fed_back or redundant else 1e2 * EXACT,
         EXACT,
     )
     s = motion.trajectory

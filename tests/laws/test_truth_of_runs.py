@@ -46,7 +46,8 @@ def test_a_true_motion_leaves_nothing_open(motion):
     found = ModelResiduals(motion.model, motion.trajectory, motion.parameters)
     assert max(found.of_level(level).share for level in Level) < 1e-12
     assert found.of_motion.share < 1e-12
-    assert EnergyBalance(motion.model, motion.trajectory, motion.parameters).worst[0] < 1e-6
+    trajectory, natural = motion.trajectory, motion.model.scales.energy
+    assert EnergyBalance(found.energies, trajectory.work, trajectory.t, natural).worst[0] < 1e-6
 
 
 def test_each_level_notices_its_own_number(motion):
@@ -114,3 +115,36 @@ def test_drift_is_told_and_beyond_a_tenth_refused():
     assert told.status.success and any("nothing holds it" in text for text in told.warnings)
     lost = da.solve_dynamics(model, 3.0, step=0.05, **choices)
     assert lost.status.outcome is Outcome.VIOLATED and "Projection()" in lost.status.message
+
+
+# steps too long -----------------------------------------------------------------------------
+
+
+def rocking(**held) -> da.Model:
+    """A pinned bar on a spring or a stop: it swings about its pin with ``k l²/J``."""
+    system = da.System("rocking")
+    bar = system.add(planar.Bar("bar", length=2.0, mass=3.0, angular_velocity=0.1))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), bar.start))
+    if "spring" in held:
+        peg, stiffness = system.ground.point(2.0, 1.0), held["spring"]
+        system.add(planar.Spring("rod", peg, bar.end, stiffness=stiffness, free_length=1.0))
+    if "stop" in held:
+        system.add(planar.Stop("floor", bar.end.y, lower=-1.0, stiffness=held["stop"]))
+    return system.build()
+
+
+@pytest.mark.parametrize(("name", "held"), [("rod", {"spring": 1e4}), ("floor", {"stop": 1e4})])
+def test_the_longest_step_for_a_spring_or_a_stop_is_told(name, held):
+    """RK4 is stable up to ``h ω = 2√2``; methods that are always stable get no warning."""
+    model, omega = rocking(**held), np.sqrt(1e4 * 2.0**2 / (3.0 * 2.0**2 / 3))
+    longest = 2 * np.sqrt(2) / omega
+    for share, told in ((1.02, True), (0.98, False)):
+        warnings = da.solve_dynamics(model, 5.0, step=share * longest).warnings
+        found = [text for text in warnings if text.startswith(f"{name} alone swings at")]
+        assert bool(found) == told, warnings
+        if found:
+            below = float(found[0].split("use steps below ")[1].split(" s")[0])
+            assert below == pytest.approx(longest, rel=5e-3)
+    for integrator in (da.Radau(fixed=True), da.DormandPrince()):
+        motion = da.solve_dynamics(model, 0.2, step=2 * longest, integrator=integrator)
+        assert not any("swings" in text for text in motion.warnings)

@@ -17,6 +17,7 @@ from dalembert.analysis.event_search import EventSearch
 from dalembert.analysis.events import as_events
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.step_accuracy import StepAccuracy
+from dalembert.analysis.stiffness import too_long_for
 from dalembert.analysis.switch_search import SwitchSearch
 from dalembert.analysis.timeline import (
     Pace,
@@ -90,6 +91,9 @@ class DynamicsRun:
 
     def initial_state(self) -> tuple[np.ndarray, int]:
         state = self.model.assemble(self.p, self.start)
+        length = self.end - self.start
+        integrator = self.analysis.integrator
+        self.forewarned = too_long_for(self.model, state, self.p, integrator, self.step, length)
         if self.analysis.strict and state.projected_speeds:
             raise AssemblyError(
                 "initial speeds are inconsistent with the joints: "
@@ -108,6 +112,7 @@ class DynamicsRun:
         freedom = self.model.diagnosis.free
         found = doubts(a.formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
         fed_back = a.stabilization.feedback or a.formulation.feedback
+        found += self.forewarned
         if motion.status.success:
             found += truth.doubts
         if motion.status.success and not (a.integrator.controls_error or fed_back):

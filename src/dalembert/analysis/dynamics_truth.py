@@ -69,19 +69,18 @@ class DynamicsTruth:
 
     @cached_property
     def energy(self) -> EnergyBalance:
-        return EnergyBalance(self.kernel.model, self._from_start(), self.p)
-
-    def _from_start(self) -> Trajectory:
-        """The trajectory, with the start in front where it is no output."""
-        s, steps = self.s, self.steps
-        if s.t[0] == steps.t[0]:
-            return s
-        mode, t = steps.mode[:1] if steps.count else np.array([0]), steps.t[:1]
-        first = self.kernel.mapped(lambda v: v.bodies, mode, t, steps.x[:, :1], self.p)
-        columns = [*first, np.zeros((2, 1))]
-        later = (s.y, s.v, s.a, s.multiplier, s.work)
-        joined = (np.hstack(pair) for pair in zip(columns, later, strict=True))
-        return Trajectory(np.append(t, s.t), *joined)
+        """With the start in front, where it is no output."""
+        s, steps, model = self.s, self.steps, self.kernel.model
+        energies, work, t = self.residuals.energies, s.work, s.t
+        if t[0] != steps.t[0]:
+            mode, first = steps.mode[:1] if steps.count else np.array([0]), steps.t[:1]
+            found = self.kernel.mapped(lambda v: v.bodies, mode, first, steps.x[:, :1], self.p)
+            y, v, a, multiplier = found
+            start = Trajectory(first, y, v, a, multiplier, np.zeros((2, 1)))
+            before = ModelResiduals(model, start, self.p).energies
+            energies, work = np.hstack([before, energies]), np.hstack([start.work, work])
+            t = np.append(first, t)
+        return EnergyBalance(energies, work, t, model.scales.energy)
 
     @property
     def objection(self) -> tuple[Outcome, str] | None:

@@ -19,7 +19,7 @@ from dalembert.results.recording import Trajectory
 from dalembert.symbolic.kernel import Kernel
 from dalembert.symbolic.once import once
 
-LOOKED = 100
+LOOKED = 50
 """Outputs, evenly spread, at which all equations are looked at; positions are at every one."""
 
 
@@ -55,18 +55,25 @@ class ModelResiduals:
         self.m = model.all_equations.constraint_count
         count = trajectory.t.size
         looked = np.linspace(0, count - 1, min(count, LOOKED)).astype(int)
-        if self.m and np.all(np.isfinite(self.violations)):
-            looked = np.append(looked, np.argmax(self.violations))
-        self.looked = np.unique(looked)
+        worst = np.argmax(np.nan_to_num(self.violations, nan=np.inf))
+        self.looked = np.unique([*looked, worst])
 
     @cached_property
+    def _everywhere(self) -> np.ndarray:
+        """(3, K) violation, kinetic and potential energy at every output."""
+        s = self.s
+        mapped = _everywhere(self.model, s.t.size)
+        return mapped(s.t, s.y, s.v, np.tile(self.p[:, None], s.t.size))[0]
+
+    @property
     def violations(self) -> np.ndarray:
         """(K,) largest residual of a position constraint; angles times the natural length [m]."""
-        t = self.s.t
-        if not (self.m and t.size):
-            return np.zeros(t.size)
-        mapped = _violations(self.model, t.size)
-        return mapped(t, self.s.y, np.tile(self.p[:, None], t.size))[0].ravel()
+        return self._everywhere[0]
+
+    @property
+    def energies(self) -> np.ndarray:
+        """(2, K) kinetic and potential energy [J]."""
+        return self._everywhere[1:]
 
     @cached_property
     def _table(self) -> tuple[np.ndarray, np.ndarray]:
@@ -107,11 +114,13 @@ class ModelResiduals:
 
 
 @once
-def _violations(model: Model, count: int) -> Kernel:
-    """``(t, y, p) → |Φ|`` for so many columns."""
+def _everywhere(model: Model, count: int) -> Kernel:
+    """``(t, y, v, p) → [|Φ|; T; V]`` for so many columns."""
     e = model.all_equations
     lengths = e.constraints * (e.scales.length / e.scales.rows)
-    function = ca.Function("violation", [e.t, e.y, e.p], [ca.norm_inf(lengths)])
+    violation = ca.norm_inf(lengths) if lengths.numel() else ca.SX(0)
+    wanted = ca.densify(ca.vertcat(violation, e.kinetic_energy, e.potential))
+    function = ca.Function("everywhere", [e.t, e.y, e.v, e.p], [wanted], {"cse": True})
     return Kernel(function.map(count))
 
 

@@ -204,6 +204,10 @@ class ForceElement(Element):
         """Pairs (coordinate ``s``, generalised force ``Q``) with virtual work ``Q δs``."""
         raise NotImplementedError
 
+    def touching(self, rate: Rate, energy: float) -> list[tuple[ca.SX, ca.SX]]:
+        """``works``, of what is one-sided as if it touched and stored that energy [J]."""
+        return self.works(rate)
+
     def coordinate(self) -> ca.SX:
         """The coordinate it acts along, where that is a single one."""
         raise NotImplementedError

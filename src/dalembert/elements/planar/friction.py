@@ -128,6 +128,12 @@ class Stop(ForceElement):
     def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
         return [(self.coordinate.sx, self.force(rate))]
 
+    def touching(self, rate: Rate, energy: float) -> list[tuple[ca.SX, ca.SX]]:
+        s, k, e = self.coordinate.sx, self.stiffness.sx, self.exponent.sx
+        depth = ((e + 1) * energy / k) ** (1 / (e + 1))
+        elastic, viscous = e * k * depth ** (e - 1), self.damping.sx * k * depth**e
+        return [(s, -elastic * s - viscous * rate(s))]
+
     def potential(self) -> ca.SX:
         e = self.exponent.sx + 1
         total = ca.SX(0)
