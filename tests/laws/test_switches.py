@@ -131,6 +131,35 @@ def test_repeated_runs_go_over_switches_again(method):
     assert abs(difference - gradient) < 1e-6 * abs(gradient)
 
 
+def notes(name: str, response, **options) -> str:
+    motion = da.solve_dynamics(model(name), END, **options)
+    return "; ".join(da.sensitivity(motion, [response]).attrs["notes"])
+
+
+def test_notes_of_gradients_over_switches():
+    """Told: switches that fixed steps went over, integrals of measures that jump; else nothing."""
+    adaptive = {"integrator": da.DormandPrince()}
+    assert "went over switches" in notes("jump", da.final("b.x"), step=0.01)
+    assert "jumps at" in notes("jump", da.integral("b.ax"), **adaptive)
+    for response in (da.final("b.x"), da.integral("b.vx")):
+        told = notes("jump", response, **adaptive)
+        assert "switch" not in told and "independent speeds" not in told
+
+
+def test_integrals_of_what_is_continuous_over_switches():
+    """The integral of a speed is the way, and so are their derivatives."""
+    for method in INTEGRATORS:
+        motion = run("jump", method)
+        both = da.sensitivity(motion, [da.integral("b.vx"), da.final("b.x")]).values.ravel()
+        assert abs(da.evaluate(motion, da.integral("b.vx")) - motion["b.x"].values[-1]) < 1e-8
+        assert abs(both[0] - both[1]) < 1e-6 * abs(both[1]), method
+
+
+def test_second_derivatives_over_switches_are_refused():
+    with pytest.raises(da.UnsupportedError, match="second derivatives through switches"):
+        da.hessian_product(run("jump", "Dormand-Prince"), da.final("b.x"), {"p": 1.0})
+
+
 def test_friction_that_sticks_is_told():
     """Dry friction by a sign stops the particle, and from both sides holds it there."""
     for method in INTEGRATORS:

@@ -66,6 +66,17 @@ class Transition(Variant):
         delay = ca.if_else(grazed, 0, -g / ca.if_else(grazed, 1, change))
         return ca.Function("delay", [e.t, x, e.p, rate], [delay])
 
+    @cached_property
+    def pace(self) -> ca.Function:
+        """``(t, x, p)`` → speed at which the switch is crossed, in natural units."""
+        e, x = self.variant.equations, state_symbols(self.variant.equations)
+        g, sizes = e.switches.functions[self.number], state_sizes(e)
+        rate = self.variant.rate.function(e.t, x, e.p)
+        change = ca.jtimes(g, ca.vertcat(e.t, x), ca.vertcat(1, rate))
+        slopes = ca.fabs(ca.jacobian(g, ca.vertcat(e.t, x)))
+        largest = ca.mtimes(slopes, ca.vertcat(e.scales.time, sizes))
+        return ca.Function("pace", [e.t, x, e.p], [change * e.scales.time / largest])
+
     @property
     def attempt(self) -> Attempt | None:
         return self.variant.attempt

@@ -15,6 +15,7 @@ from dalembert.results.recording import Recording
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.kinks import ties
 from dalembert.sensitivity.checks.scales import parameter_scales
+from dalembert.sensitivity.checks.switches import over_switches
 from dalembert.symbolic.once import once
 
 NEGLIGIBLE = 1e-10
@@ -148,11 +149,17 @@ def one_sided(f: Findings) -> list[str]:
     return [note for note in found if note]
 
 
+def switches_of_forces(f: Findings) -> list[str]:
+    """What moving instants of switches add, and where that is not known."""
+    return over_switches(f.motion, f.responses)
+
+
 NOTES: tuple[Callable[[Findings], list[str]], ...] = (
     one_sided,
     without_influence,
     at_bounds,
     changes_of_variant,
+    switches_of_forces,
     near_singular,
     doubts_of_the_run,
 )
