@@ -240,7 +240,8 @@ def test_mesh_files_with_groups(tmp_path: Path, schema) -> None:
     text = text.replace("modulus = 70e9", 'modulus = { soft = 1e9, hard = "thickness*7e12" }')
     text = text.replace('nodes = "plate"\nwhere = { x = 0 }', 'nodes = "plate.left"')
     _, model = loaded(tmp_path, text, schema)
-    moduli = model.blocks[0].data(model.nominal)[-4:]
+    block = model.blocks[0]
+    moduli = block.data(model.nominal)[block.kind.row("modulus")]
     assert {1e9, 7e10} <= set(moduli.ravel())
     assert len(model.supports) == 6
 
@@ -267,12 +268,14 @@ def test_loads_on_elements(tmp_path: Path, schema) -> None:
     text = HEAD + (
         '[[gravity]]\nacceleration = [0, "-5*k"]\ncase = "weight"\n'
         '[[line_loads]]\nelements = ["left"]\nqy = -3\ncase = "snow"\n'
+        '[[temperatures]]\nelements = ["left"]\ntemperature = "20*k"\ncase = "summer"\n'
     )
     _, model = loaded(tmp_path, text, schema)
     result = da.solve_statics(model)
     lift = result["a.fy"] + result["c.fy"]
     assert lift[result.case("weight")] == pytest.approx(10 * result["mass"][0])
     assert lift[result.case("snow")] == pytest.approx(3 * np.sqrt(2))
+    assert "summer" in result.cases
 
 
 def test_tractions(tmp_path: Path, schema) -> None:
@@ -294,6 +297,7 @@ def test_tractions(tmp_path: Path, schema) -> None:
         ),
         ('[[tractions]]\nelements = "plate"\nnodes = "n"\ntx = 1', "tractions[0]: n is one node"),
         ('[[line_loads]]\nelements = "plate"\nqy = 1', "carries no line load"),
+        ('[[temperatures]]\nelements = "plate"\ntemperature_gradient = 1', "feels no temperature"),
         ("[[gravity]]\nacceleration = [1]", "gravity[0]"),
     ],
 )
@@ -511,7 +515,8 @@ def test_a_mechanism_fails_with_its_nodes(tmp_path: Path, capsys) -> None:
 
 
 def test_a_path_that_is_lost_is_a_failure(tmp_path: Path, capsys) -> None:
-    text = HEAD + '[analysis]\ntype = "NonlinearStatics"\nmax_iterations = 1\n'
+    text = HEAD + '[[loads]]\nnodes = "b"\nfx = 1e8\n'
+    text += '[analysis]\ntype = "NonlinearStatics"\nmax_iterations = 1\n'
     assert main(["run", str(written(tmp_path, text)), "--output", str(tmp_path), "-q"]) == 1
     assert "no equilibrium beyond" in capsys.readouterr().err
 

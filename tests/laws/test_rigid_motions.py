@@ -33,6 +33,7 @@ NUMBERS = {
     "shear_modulus": 4e6,
     "stiffness": 1e6,
     "density": 3.0,
+    "temperature": 0.0,
     "inertia_x": 0.3,
     "inertia_y": 0.5,
     "inertia_z": 0.4,

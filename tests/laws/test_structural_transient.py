@@ -31,6 +31,7 @@ NUMBERS = {
     "shear_modulus": 1.3,
     "poisson": 0.3,
     "thickness": 0.4,
+    "expansion": 0.05,
 }
 """Quantities of elements that cannot be 0.3."""
 

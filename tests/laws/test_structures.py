@@ -102,6 +102,7 @@ def cell(cls, **options):
         for k, place in enumerate(places)
     ]
     given = {"modulus": 3.0, "poisson": 0.3, "density": 2.0, "thickness": 0.5}
+    given |= {"expansion": 0.02, "temperature": 0.0}
     numbers = {f.name: structure.parameter(f.name, given[f.name]) for f in cls.quantity_fields()}
     structure.add(cls("cell", nodes, **numbers, **options))
     return structure, nodes

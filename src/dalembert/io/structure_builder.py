@@ -20,6 +20,7 @@ from dalembert.io.structure_tables import (
     DISPLACEMENTS,
     FORCES,
     LINE_FORCES,
+    TEMPERATURES,
     TRACTIONS,
     VELOCITIES,
     NodeChoice,
@@ -159,6 +160,11 @@ class StructureBuilder:
                 options = self.directed(table, LINE_FORCES, "line_loads", k)
                 parts = [self.part(n, "line_loads", k, "elements") for n in table.elements]
                 self.structure.line_load(parts, case=table.case, **options)
+        for k, table in enumerate(self.document.temperatures):
+            with self.located("temperatures", k):
+                options = self.directed(table, TEMPERATURES, "temperatures", k)
+                parts = [self.part(n, "temperatures", k, "elements") for n in table.elements]
+                self.structure.heat(parts, case=table.case, **options)
         for k, table in enumerate(self.document.tractions):
             with self.located("tractions", k):
                 options = self.directed(table, TRACTIONS, "tractions", k)

@@ -16,6 +16,7 @@ from dalembert.io.structure_tables import (
     LoadTable,
     Place,
     SupportTable,
+    TemperatureTable,
     TractionTable,
     element_table,
     mesh_table,
@@ -44,6 +45,7 @@ class StructureDocument(ModelDocument):
     loads: list[LoadTable] = Field(default_factory=list)  # type: ignore[valid-type]
     gravity: list[Acceleration] = Field(default_factory=list)
     line_loads: list[LineLoadTable] = Field(default_factory=list)  # type: ignore[valid-type]
+    temperatures: list[TemperatureTable] = Field(default_factory=list)  # type: ignore[valid-type]
     tractions: list[TractionTable] = Field(default_factory=list)  # type: ignore[valid-type]
     initial: list[InitialTable] = Field(default_factory=list)  # type: ignore[valid-type]
     analysis: _ANALYSIS = None  # type: ignore[valid-type]

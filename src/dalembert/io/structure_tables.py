@@ -109,6 +109,9 @@ VELOCITIES = {d.replace("u", "v", 1): f"velocity along {d[1]} [m/s]" for d in TR
     f"v{d}": f"angular velocity about {d[1]} [rad/s]" for d in TURNS
 }
 LINE_FORCES = {f"q{x}": f"force per length along {x} [N/m]" for x in "xyz"}
+TEMPERATURES = {"temperature": "change [K]"} | {
+    f"temperature_gradient{end}": "rise across a beam [K/m]" for end in ("", "_y", "_z")
+}
 TRACTIONS = {f"t{x}": f"traction along {x} [Pa]" for x in "xyz"} | {
     "pressure": "against the material [Pa]"
 }
@@ -125,6 +128,13 @@ LoadTable = _with_directions(
 )
 LineLoadTable = _with_directions(
     "LineLoad", "Forces per length on bars and beams.", LINE_FORCES, ElementChoice, case=CASE
+)
+TemperatureTable = _with_directions(
+    "Temperature",
+    "Changes of temperature of elements, beside their own.",
+    TEMPERATURES,
+    ElementChoice,
+    case=CASE,
 )
 TractionTable = _with_directions(
     "Traction",

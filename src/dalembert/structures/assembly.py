@@ -64,27 +64,29 @@ class Assembly:
         """Tangent stiffness of the whole structure, ``K`` (8.7) where it is linear."""
         return self.matrix(b.kind.tangents(b.gather(u), b.data(p)) for b in self.blocks)
 
-    def internal_forces(self, u: np.ndarray, p: np.ndarray) -> np.ndarray:
+    def internal_forces(self, u: np.ndarray, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) forces that hold the displaced elements."""
         total = np.zeros(self.size)
         for b in self.blocks:
-            total += b.scatter(b.kind.forces(b.gather(u), b.data(p)), self.size)
+            total += b.scatter(b.kind.forces(b.gather(u), b.data(p, time)), self.size)
         return total
 
-    def push(self, u: np.ndarray, p: np.ndarray, dp: np.ndarray) -> np.ndarray:
+    def push(self, u: np.ndarray, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) change of the internal forces with the parameters, displacements held."""
         total = np.zeros(self.size)
         for b in self.blocks:
-            change = b.kind.push(b.gather(u), b.data(p), b.push_data(p, dp))
+            change = b.kind.push(b.gather(u), b.data(p, time), b.push_data(p, dp, time))
             total += b.scatter(change, self.size)
         return total
 
-    def pull(self, u: np.ndarray, p: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    def pull(
+        self, u: np.ndarray, p: np.ndarray, weights: np.ndarray, time: float = 0.0
+    ) -> np.ndarray:
         """Weights of the parameters from weights (n,) of the internal forces."""
         total = np.zeros(p.size)
         for b in self.blocks:
-            data = b.kind.pull(b.gather(u), b.data(p), b.gather(weights))
-            total += b.pull_data(p, data)
+            data = b.kind.pull(b.gather(u), b.data(p, time), b.gather(weights))
+            total += b.pull_data(p, data, time)
         return total
 
     def turn(

@@ -91,6 +91,15 @@ class StructuralElement(Element):
         return ca.SX(0)
 
     @classmethod
+    def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        """What a change of temperature adds to the strain energy [J]: its stress on the strain.
+
+        Linear in the displacements' strains, so that a part of the change has that part of the
+        forces.
+        """
+        return ca.SX(0)
+
+    @classmethod
     def carried(
         cls, u: list[ca.SX], v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
     ) -> list[ca.SX]:

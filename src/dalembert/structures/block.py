@@ -35,10 +35,16 @@ class ElementBlock:
         self._kept: tuple[np.ndarray, np.ndarray] | None = None
         self.count = degrees.shape[1]
 
-    def data(self, p: np.ndarray) -> np.ndarray:
+    @property
+    def depends_on_time(self) -> bool:
+        """Whether any number does."""
+        return self._data.depends_on_time
+
+    def data(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(m, ne) numbers at parameter values ``p``, read-only; the last ones are kept."""
-        if self._kept is None or not np.array_equal(self._kept[0], p):
-            self._kept = p.copy(), self._shaped(self._data.values(p))
+        key = np.append(p, time if self.depends_on_time else 0.0)
+        if self._kept is None or not np.array_equal(self._kept[0], key):
+            self._kept = key, self._shaped(self._data.values(p, time))
             self._kept[1].flags.writeable = False
         return self._kept[1]
 
@@ -48,13 +54,13 @@ class ElementBlock:
         places = self.data(p)[: n * d].reshape(n, d, self.count)
         return np.linalg.norm(places - places[0], axis=1).max(axis=0)
 
-    def push_data(self, p: np.ndarray, dp: np.ndarray) -> np.ndarray:
+    def push_data(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(m, ne) their change."""
-        return self._shaped(self._data.push(p, dp))
+        return self._shaped(self._data.push(p, dp, time))
 
-    def pull_data(self, p: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    def pull_data(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Weights of the parameters from weights (m, ne)."""
-        return self._data.pull(p, weights.ravel(order="F"))
+        return self._data.pull(p, weights.ravel(order="F"), time)
 
     def turn_data(self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray) -> np.ndarray:
         """Change of what ``pull_data`` gives with the parameters."""

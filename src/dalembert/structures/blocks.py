@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from dalembert.structures.kind import ElementKind
 from dalembert.structures.node import Node
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.spans import Spans
+from dalembert.structures.thermal_load import CHANGES
 from dalembert.symbolic.expression import Expression, free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries
 
@@ -91,18 +92,43 @@ class BlockMaker:
         """One for each kind of element."""
         return [self.block(parts, degrees) for parts in self._groups.values()]
 
-    def block(self, parts: list[Part], degrees: Numbering) -> ElementBlock:
-        """Elements of one kind."""
+    def heated(
+        self, number: int, degrees: Numbering, changes: dict[str, dict[str, Any]]
+    ) -> ElementBlock | None:
+        """What temperature adds to a block, by its number; None where there is no change.
+
+        Parameters
+        ----------
+        changes : name of an element or set → quantity → change beside its own
+        """
+        parts = list(self._groups.values())[number]
+        own = [part.quantities.get(name) for part in parts for name in CHANGES]
+        given = [changes.get(part.name, {}) for part in parts]
+        if not any(given) and all(value is None or _zero(value) for value in own):
+            return None
+        return self.block(parts, degrees, changes)
+
+    def block(
+        self,
+        parts: list[Part],
+        degrees: Numbering,
+        changes: dict[str, dict[str, Any]] | None = None,
+    ) -> ElementBlock:
+        """Elements of one kind; or what changes of temperature add to them."""
         cls, options = parts[0].cls, parts[0].options
         nodes, names = np.concatenate([part.nodes for part in parts]), Spans()
-        kind = ElementKind(cls, self.structure.dimension, nodes.shape[1], options, self.linear)
+        thermal, space = changes is not None, self.structure.dimension
+        linear = self.linear and not thermal
+        kind = ElementKind(cls, space, nodes.shape[1], options, linear, thermal)
         for part in parts:
             names.add(part.name, part.count)
         table = degrees.table[nodes][:, :, : kind.per_node].reshape(nodes.shape[0], -1)
-        data = self._data(kind, parts, nodes).array(self.p)
+        data = self._data(kind, parts, nodes, changes or {}).array(self.p)
         return ElementBlock(kind, names, nodes.T, table.T.copy(), data)
 
-    def _data(self, kind: ElementKind, parts: Iterable[Part], nodes: np.ndarray) -> ArrayEntries:
+    def _data(
+        self, kind: ElementKind, parts: Iterable[Part], nodes: np.ndarray, changes: dict
+    ) -> ArrayEntries:
         """Coordinates of the nodes, then quantities, element by element."""
         d, count = self.structure.dimension, nodes.shape[0]
         found = ArrayEntries(kind.data_count * count)
@@ -117,11 +143,21 @@ class BlockMaker:
                 size = field.metadata["size"]
                 places = starts[begin:end, None] + row + np.arange(size)
                 self._add(found, places, part.quantities[field.name], f"{part.name}.{field.name}")
+                more = changes.get(part.name, {}).get(field.name)
+                if more is not None:
+                    self._add(found, places, more, f"heat {part.name}.{field.name}", {"t"})
                 row += size
             begin = end
         return found
 
-    def _add(self, into: ArrayEntries, places: np.ndarray, value: Any, entity: str) -> None:
+    def _add(
+        self,
+        into: ArrayEntries,
+        places: np.ndarray,
+        value: Any,
+        entity: str,
+        known: Set[str] = frozenset(),
+    ) -> None:
         """A quantity: one for all elements, or an array with one for each."""
         before = len(into.formulas)
         for k in range(places.shape[1]):
@@ -129,9 +165,17 @@ class BlockMaker:
                 into.add(places[:, k], value[k])
             else:
                 into.add(places[:, k], value.reshape(places.shape)[:, k])
-        self._check(into.formulas[before:], entity)
+        self._check(into.formulas[before:], entity, known)
 
-    def _check(self, formulas: list[ca.SX], entity: str) -> None:
-        foreign = {name for formula in formulas for name in free_symbols(formula)} - self._known
+    def _check(self, formulas: list[ca.SX], entity: str, known: Set[str] = frozenset()) -> None:
+        foreign = {name for formula in formulas for name in free_symbols(formula)}
+        foreign -= self._known | known
         if foreign:
             raise ModelError(f"depends on {', '.join(sorted(foreign))}, no parameters here", entity)
+
+
+def _zero(value: Any) -> bool:
+    """Whether a quantity is zero everywhere."""
+    if isinstance(value, Expression):
+        return bool(value.sx.is_zero())
+    return value.dtype.kind == "f" and not value.any()

@@ -31,12 +31,16 @@ class Continuum(StructuralElement):
     modulus : Young's modulus [Pa]
     poisson : Poisson's ratio [-]
     density : [kg/m³]
+    expansion : coefficient of thermal expansion ``α`` [1/K]
+    temperature : change ``ΔT`` against the state without stress, under every load [K]
     """
 
     connectivity: tuple[Node, ...]
     modulus: Scalar = quantity("Pa", "Young's modulus", above=0.0, keyword=True)
     poisson: Scalar = quantity("", "Poisson's ratio", default=0.3, above=-1.0, keyword=True)
     density: Scalar = quantity("kg/m^3", "density", default=0.0, minimum=0.0, keyword=True)
+    expansion: Scalar = quantity("1/K", "thermal expansion", default=0.0, keyword=True)
+    temperature: Scalar = quantity("K", "change of temperature", default=0.0, keyword=True)
 
     contractible: ClassVar[bool] = True
     cell: ClassVar[ReferenceCell]
@@ -117,6 +121,24 @@ class Continuum(StructuralElement):
         return volume * cls.energy_density(ca.mtimes(ca.horzcat(*u), slopes), q)
 
     @classmethod
+    def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict) -> ca.SX:
+        slopes, volume = cls.slopes(x, q)
+        strain = cls.strain(ca.mtimes(ca.horzcat(*u), slopes))
+        growth = cls.free_directions(q) * q["expansion"] * q["temperature"]
+        return volume * cls.thermal_stress(q) * (growth / 2 - ca.trace(strain))
+
+    @classmethod
+    def free_directions(cls, q: dict) -> int:
+        """Directions in which free material would grow against its stress."""
+        return 3
+
+    @classmethod
+    def thermal_stress(cls, q: dict) -> ca.SX:
+        """Pressure that keeps the heated material from growing [Pa]."""
+        first, second = cls.lame(q)
+        return (3 * first + 2 * second) * q["expansion"] * q["temperature"]
+
+    @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict) -> ca.SX:
         shapes = cls.cell.shape_functions(q["at"][:-1])
         velocity = ca.mtimes(ca.horzcat(*v), shapes)
@@ -130,7 +152,8 @@ class Continuum(StructuralElement):
         strain = cls.strain(ca.mtimes(ca.horzcat(*u), cls.slopes(x, q)[0]))
         first, second = cls.lame(q)
         d = strain.shape[0]
-        stress = first * ca.trace(strain) * ca.SX.eye(d) + 2 * second * strain
+        mean = first * ca.trace(strain) - cls.thermal_stress(q)
+        stress = mean * ca.SX.eye(d) + 2 * second * strain
         found: Named = {}
         for letter, tensor, unit in (("s", stress, "Pa"), ("e", strain, "")):
             for i, j in _components(d):

@@ -14,7 +14,15 @@ from dalembert.structures.elements import Elements
 from dalembert.structures.node import ROTATIONS, TRANSLATIONS, Node
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.spans import Spans
-from dalembert.structures.spread_loads import LineLoad, Spread, Weight, lines, tractions
+from dalembert.structures.spread_loads import (
+    LineLoad,
+    Spread,
+    Weight,
+    elements_of,
+    heating,
+    lines,
+    tractions,
+)
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.parameter import Parameter
 from dalembert.text import plain_text
@@ -52,6 +60,7 @@ class StructureDescription:
         self.fixed: list[str] = []
         self.loads: dict[str, list[Load]] = {}
         self.spread: dict[str, list[Spread]] = {}
+        self.temperatures: dict[str, dict[str, dict[str, Any]]] = {}
         self.initials: dict[str, list[Load]] = {"displacement": [], "velocity": []}
 
     def parameter(
@@ -159,6 +168,29 @@ class StructureDescription:
                 raise ModelError(f"there is no direction {axis} in {d} dimension(s)", "line_load")
         force = self._vector("line_load", given[:d], "N/m")
         self.spread.setdefault(case, []).append(LineLoad(lines(parts), force))
+
+    def heat(self, parts, case: str = "", **changes) -> None:
+        """Change the temperature of elements in a load case, beside their own change.
+
+        Parameters
+        ----------
+        parts : an element, a set of elements, or several of them
+        **changes : ``temperature`` [K]; of frames ``temperature_gradient`` [K/m], in space
+            ``temperature_gradient_y`` and ``_z``; for all, or an array with one for each of a set
+
+        Raises
+        ------
+        ModelError
+            Elements that do not feel this, or whose change is given twice.
+        """
+        known = self.temperatures.setdefault(case, {})
+        for part in elements_of(parts, "heat"):
+            if self.elements.get(part.name) is not part:
+                raise ModelError("is no element of this structure", part.name)
+            for name, value in heating(part, changes).items():
+                if name in known.setdefault(part.name, {}):
+                    raise ModelError(f"is given twice in load case {case!r}", f"{part.name}.{name}")
+                known[part.name][name] = value
 
     def traction(self, elements: Elements, nodes: Nodes, case: str = "", **values) -> None:
         """Load edges or faces of cells by a traction ``tx, ty, tz`` or a ``pressure`` [Pa].

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.structures.base import Rows, StructuralElement
-from dalembert.structures.graphs import ElementGraphs
+from dalembert.structures.graphs import ElementGraphs, ThermalGraphs
 from dalembert.symbolic.kernel import Kernel
 
 Columns = tuple[np.ndarray, ...]
@@ -26,6 +26,7 @@ class Evaluation:
     node_count : nodes of one element
     options : switches that the elements have in common
     linear : for small displacements
+    thermal : what a change of temperature adds, instead of the element itself
     """
 
     def __init__(
@@ -35,9 +36,12 @@ class Evaluation:
         node_count: int,
         options: dict[str, Any],
         linear: bool,
+        thermal: bool = False,
     ):
         self.cls, self.dimension, self.node_count = cls, dimension, node_count
-        self.graphs = ElementGraphs(cls, dimension, node_count, options, linear)
+        graphs = ThermalGraphs if thermal else ElementGraphs
+        self.graphs = graphs(cls, dimension, node_count, options, linear)
+        self.contractible = cls.contractible and not thermal
         self.displacement_count = self.graphs.u.numel()
         self._functions: dict[str, ca.Function] = {}
         self._kernels: dict[tuple[str, int], Kernel] = {}

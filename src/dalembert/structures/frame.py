@@ -34,12 +34,18 @@ class Frame(Line):
     second_moment : second moment of area ``I`` [m⁴]
     modulus : Young's modulus [Pa]
     density : [kg/m³]
+    expansion : coefficient of thermal expansion ``α`` [1/K]
+    temperature : change ``ΔT`` against the state without stress, under every load [K]
+    temperature_gradient : its rise along the own y axis, to the left of the beam [K/m]
     """
 
     area: Scalar = quantity("m^2", "cross-section", above=0.0, keyword=True)
     second_moment: Scalar = quantity("m^4", "second moment of area", above=0.0, keyword=True)
     modulus: Scalar = quantity("Pa", "Young's modulus", above=0.0, keyword=True)
     density: Scalar = quantity("kg/m^3", "density", default=0.0, minimum=0.0, keyword=True)
+    expansion: Scalar = quantity("1/K", "thermal expansion", default=0.0, keyword=True)
+    temperature: Scalar = quantity("K", "change of temperature", default=0.0, keyword=True)
+    temperature_gradient: Scalar = quantity("K/m", "rise along y", default=0.0, keyword=True)
     turns: ClassVar[bool] = True
     dimensions: ClassVar[tuple[int, ...]] = (2,)
 
@@ -85,6 +91,20 @@ class Frame(Line):
 
         return against_chord(u[0][2]), against_chord(u[1][2])
 
+    @classmethod
+    def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        first, second = cls.end_turns(u, x)
+        longer = cls.elongation(u, x) + cls.bending(x, q).bow(first, second)
+        strain, curvature = q["expansion"] * q["temperature"], cls.thermal_curvature(q)
+        axial = q["modulus"] * q["area"] * strain * (strain * cls.length(x) / 2 - longer)
+        turned = curvature * cls.length(x) / 2 - (second - first)
+        return axial + q["modulus"] * q["second_moment"] * curvature * turned
+
+    @classmethod
+    def thermal_curvature(cls, q: dict[str, ca.SX]) -> ca.SX:
+        """Curvature that the temperature gives a free beam [1/m]."""
+        return -q["expansion"] * q["temperature_gradient"]
+
     @staticmethod
     def chord_turn(u: list[ca.SX], x: list[ca.SX]) -> tuple[ca.SX, ca.SX]:
         """Cosine and sine of the angle by which the chord turned, times both its lengths."""
@@ -116,14 +136,16 @@ class Frame(Line):
     def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         beam, turns, length = cls.bending(x, q), cls.end_turns(u, x), cls.length(x)
         moment_i, moment_j = beam.moments(*turns)
-        longer = cls.elongation(u, x) + beam.bow(*turns)
-        axial = q["modulus"] * q["area"] * longer / length
+        shear = (moment_i + moment_j) / length
+        eased = beam.rigidity * cls.thermal_curvature(q)
+        strain = (cls.elongation(u, x) + beam.bow(*turns)) / length
+        axial = q["modulus"] * q["area"] * (strain - q["expansion"] * q["temperature"])
         return {
             "force": (axial, "N"),
             "stress": (axial / q["area"], "Pa"),
-            "shear": ((moment_i + moment_j) / length, "N"),
-            "moment_i": (moment_i, "N m"),
-            "moment_j": (moment_j, "N m"),
+            "shear": (shear, "N"),
+            "moment_i": (moment_i + eased, "N m"),
+            "moment_j": (moment_j - eased, "N m"),
         }
 
 

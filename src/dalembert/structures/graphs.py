@@ -53,6 +53,12 @@ class ElementGraphs(InertiaGraphs):
         """Strain energy."""
         return self._expanded(self.exact, 2) if self.linear else self.exact
 
+    @property
+    def whole_energy(self) -> ca.SX:
+        """Strain energy with what a change of temperature does to it."""
+        thermal = ca.SX(self.cls.thermal(self._u, self._x, self._q))
+        return self.energy + (self._expanded(thermal, 1) if self.linear else thermal)
+
     @cached_property
     def measures(self) -> Named:
         """Named quantities of the class: name → (expression, unit)."""
@@ -172,7 +178,7 @@ class ElementGraphs(InertiaGraphs):
 
     # measures and checks
     def _value(self, name: str) -> ca.SX:
-        totals = {"energy": self.energy, "mass": self.mass}
+        totals = {"energy": self.whole_energy, "mass": self.mass}
         return totals[name] if name in totals else self.measures[name][0]
 
     def _measure(self, name: str):
@@ -196,3 +202,11 @@ class ElementGraphs(InertiaGraphs):
 
     def _checks(self):
         return [self.data], [ca.vertcat(*(value for value, _ in self.checks))]
+
+
+class ThermalGraphs(ElementGraphs):
+    """What a change of temperature adds to the energy of one element, with the same numbers."""
+
+    @cached_property
+    def exact(self) -> ca.SX:
+        return ca.SX(self.cls.thermal(self._u, self._x, self._q))

@@ -129,12 +129,12 @@ class KindInertia(Evaluation):
         """
         scaled = data
         if "density" in self.quantities:
-            row, scaled = self._row("density"), data.copy()
+            row, scaled = self.row("density"), data.copy()
             scaled[row, data[row] == 0] = 1.0
         found = [self._kinetic("diagonal", d)[0] for d in (data, scaled)]
         return found[0], found[1], scaled
 
-    def _row(self, quantity: str) -> int:
+    def row(self, quantity: str) -> int:
         """Row of a quantity in the data."""
         sizes = {f.name: f.metadata["size"] for f in self.cls.quantity_fields()}
         after = list(sizes)[list(sizes).index(quantity) :]

@@ -24,6 +24,7 @@ class ElementKind(KindInertia):
     node_count : nodes of one element
     options : switches that the elements have in common
     linear : for small displacements: energies up to the second, measures to the first order
+    thermal : what a change of temperature adds, instead of the element itself
     """
 
     def __init__(
@@ -33,8 +34,9 @@ class ElementKind(KindInertia):
         node_count: int,
         options: dict[str, Any] | None = None,
         linear: bool = False,
+        thermal: bool = False,
     ):
-        super().__init__(cls, dimension, node_count, options or {}, linear)
+        super().__init__(cls, dimension, node_count, options or {}, linear, thermal)
         self.linear = linear
         self.quantities = [field.name for field in cls.quantity_fields()]
         self.data_count = self.graphs.data.numel()
@@ -47,7 +49,7 @@ class ElementKind(KindInertia):
 
     def tangents(self, u: np.ndarray, data: np.ndarray) -> np.ndarray:
         """(k, k, ne) tangent stiffnesses."""
-        if self.cls.contractible:
+        if self.contractible:
             return self._contracted("moduli", u, data)
         return self._matrices("tangent", self.cls.samples, u, data)
 
@@ -79,7 +81,7 @@ class ElementKind(KindInertia):
 
     def geometric(self, u0: np.ndarray, data: np.ndarray) -> np.ndarray:
         """(k, k, ne) derivative of the exact tangent at rest along displacements ``u0``."""
-        if self.cls.contractible:
+        if self.contractible:
             return self._contracted("geometric_moduli", u0, data)
         return self._matrices("geometric", self.cls.samples, u0, data)
 
@@ -101,7 +103,11 @@ class ElementKind(KindInertia):
     def measures(self) -> dict[str, tuple[Any, str]]:
         """Name → (expression, unit), the energy among them."""
         graphs = self.graphs
-        return {**graphs.measures, "energy": (graphs.energy, "J"), "mass": (graphs.mass, "kg")}
+        return {
+            **graphs.measures,
+            "energy": (graphs.whole_energy, "J"),
+            "mass": (graphs.mass, "kg"),
+        }
 
     def unit(self, name: str) -> str | None:
         """Unit of a measure, one at a station such as a node too; None if there is none."""

@@ -1,4 +1,4 @@
-"""The external forces of one load case: on nodes, and spread over elements."""
+"""One load case: external forces on nodes and spread over elements, and temperatures."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.structures.assembly import Assembly
 from dalembert.structures.block import ElementBlock
+from dalembert.structures.thermal_load import ThermalLoad
 from dalembert.symbolic.parametric_array import ParametricArray
 
 
@@ -43,14 +44,17 @@ class LoadCase:
     nodal : forces given at nodes
     spread : blocks of dead loads, whose energy is the negative work of the load
     weights : forces on masses
+    thermal : what changes of temperature do
     """
 
     def __init__(
         self,
         nodal: ParametricArray,
-        spread: Sequence[ElementBlock] = (),
-        weights: Sequence[MassForce] = (),
+        spread: Sequence[ElementBlock],
+        weights: Sequence[MassForce],
+        thermal: ThermalLoad,
     ):
+        self.thermal = thermal
         self.nodal, self.spread, self.weights = nodal, list(spread), list(weights)
         self.size = nodal.constants.size
         self.depends_on_time = nodal.depends_on_time or any(

@@ -14,6 +14,7 @@ from dalembert.structures.elements import Elements
 from dalembert.structures.load_case import LoadCase, MassForce
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.spread_loads import LineLoad, Spread, Weight
+from dalembert.structures.thermal_load import ThermalLoad
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parametric_array import ArrayEntries
 from dalembert.text import plain_text
@@ -44,17 +45,27 @@ class LoadCaseMaker:
             A force on a prescribed displacement, or where nothing moves.
         """
         s = self.structure
-        names = dict.fromkeys(plain_text(n, "load case") for n in (*s.loads, *s.spread)) or [""]
-        return {n: self._case(s.loads.get(n, []), s.spread.get(n, [])) for n in names}
+        given = (*s.loads, *s.spread, *s.temperatures)
+        names = dict.fromkeys(plain_text(n, "load case") for n in given) or [""]
+        return {n: self._case(s.loads.get(n, []), s.spread.get(n, []), n) for n in names}
 
-    def _case(self, loads: list[Load], spread: list[Spread]) -> LoadCase:
+    def _case(self, loads: list[Load], spread: list[Spread], name: str) -> LoadCase:
         entries = ArrayEntries(len(self.degrees))
         for load in loads:
             entries.add(self._places(load), load.value)
         parts = [Part.of(s, self.structure.numbers) for s in spread if isinstance(s, Elements)]
         blocks = [self.maker.block([part], self.degrees) for part in parts]
         forces = [self._mass_force(s) for s in spread if isinstance(s, (Weight, LineLoad))]
-        return LoadCase(entries.array(self.maker.p), blocks, forces)
+        return LoadCase(entries.array(self.maker.p), blocks, forces, self._thermal(name))
+
+    def _thermal(self, case: str) -> ThermalLoad:
+        changes, size = self.structure.temperatures.get(case, {}), len(self.degrees)
+        heated = {
+            block: hot
+            for k, block in enumerate(self.assembly.blocks)
+            if (hot := self.maker.heated(k, self.degrees, changes)) is not None
+        }
+        return ThermalLoad(heated, size, self.assembly.prescribed, self.maker.linear)
 
     def _places(self, load: Load) -> np.ndarray:
         places = self.degrees.of_nodes(load.nodes, load.direction)

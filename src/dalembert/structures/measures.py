@@ -11,16 +11,51 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.structures.block import ElementBlock
+from dalembert.structures.thermal_load import ThermalLoad
 
 
 @dataclass
 class State:
-    """Displacements (n,), external forces (n,) with reactions, parameters, share of the load."""
+    """Displacements (n,), external forces (n,) with reactions, parameters, share of the load.
+
+    Temperatures are those of a load case, with its share, at an instant.
+    """
 
     u: np.ndarray
     forces: np.ndarray
     p: np.ndarray
     load_factor: float = 1.0
+    thermal: ThermalLoad | None = None
+    time: float = 0.0
+
+    def data(self, b: ElementBlock) -> np.ndarray:
+        """(m, ne) numbers of elements, with their temperatures here."""
+        if self.thermal is None:
+            return b.data(self.p)
+        return self.thermal.data(b, self.p, self.load_factor, self.time)
+
+    def push_data(self, b: ElementBlock, change: State) -> np.ndarray:
+        """(m, ne) their change."""
+        if self.thermal is None:
+            return b.push_data(self.p, change.p)
+        hot = self.thermal.source(b).push_data(self.p, change.p, self.time)
+        return self.thermal.shared(b, hot, self.load_factor)
+
+    def pull_data(self, b: ElementBlock, weights: np.ndarray, into: Weights) -> None:
+        """Add what weights (m, ne) of them weigh the parameters and the share of the load."""
+        if self.thermal is None or b not in self.thermal.heated:
+            into.p += b.pull_data(self.p, weights)
+            return
+        hot, rows = self.thermal.source(b), self.thermal.rows(b)
+        whole = hot.data(self.p, self.time)
+        into.load_factor += float((weights[rows] * whole[rows]).sum())
+        shared = self.thermal.shared(b, weights, self.load_factor)
+        into.p += hot.pull_data(self.p, shared, self.time)
+
+    def turn_data(self, b: ElementBlock, weights: np.ndarray, change: State) -> np.ndarray:
+        """Change of the parameters in ``pull_data`` with the parameters."""
+        source = b if self.thermal is None else self.thermal.source(b)
+        return source.turn_data(self.p, weights, change.p)
 
 
 @dataclass
@@ -126,7 +161,7 @@ class ElementMeasure(Measure):
     def field(self, s: State) -> np.ndarray:
         """(k,) the quantity of each element."""
         b, k = self.block, self.rows
-        return b.kind.measure(self.name, b.gather(s.u)[:, k], b.data(s.p)[:, k]).ravel()
+        return b.kind.measure(self.name, b.gather(s.u)[:, k], s.data(b)[:, k]).ravel()
 
     def value(self, s: State) -> float:
         found = self.field(s)
@@ -162,22 +197,22 @@ class ElementMeasure(Measure):
         felt = np.flatnonzero(slopes)  # of a largest value just one
         k = self.rows[felt]
         u_bar, data_bar = b.kind.pull_measure(
-            self.name, b.gather(s.u)[:, k], b.data(s.p)[:, k], weight * slopes[None, felt]
+            self.name, b.gather(s.u)[:, k], s.data(b)[:, k], weight * slopes[None, felt]
         )
         np.add.at(into.u, b.degrees[:, k], u_bar)
-        into.p += b.pull_data(s.p, self._spread(data_bar, k))
+        s.pull_data(b, self._spread(data_bar, k), into)
 
     def turn(self, s: State, change: State, weight: float, into: Weights) -> None:
         b, k = self.block, self.rows
-        at = self.name, b.gather(s.u)[:, k], b.data(s.p)[:, k]
-        du, ddata = b.gather(change.u)[:, k], b.push_data(s.p, change.p)[:, k]
+        at = self.name, b.gather(s.u)[:, k], s.data(b)[:, k]
+        du, ddata = b.gather(change.u)[:, k], s.push_data(b, change)[:, k]
         by_u, by_data = b.kind.pull_measure(*at, np.ones((1, k.size)))
         moved = (by_u * du).sum(axis=0) + (by_data * ddata).sum(axis=0)
         slopes, turned = weight * self.slopes(s), weight * self.slopes_change(s, moved)
         u_bar, data_bar = b.kind.turn_measure(*at, slopes[None, :], du, ddata)
         np.add.at(into.u, b.degrees[:, k], u_bar + turned * by_u)
-        into.p += b.pull_data(s.p, self._spread(data_bar + turned * by_data, k))
-        into.p += b.turn_data(s.p, self._spread(slopes * by_data, k), change.p)
+        s.pull_data(b, self._spread(data_bar + turned * by_data, k), into)
+        into.p += s.turn_data(b, self._spread(slopes * by_data, k), change)
 
     def _spread(self, chosen: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """(m, ne) numbers of all elements from those of some."""
@@ -196,16 +231,16 @@ class Total(Measure):
 
     def value(self, s: State) -> float:
         return float(
-            sum(b.kind.measure(self.name, b.gather(s.u), b.data(s.p)).sum() for b in self.blocks)
+            sum(b.kind.measure(self.name, b.gather(s.u), s.data(b)).sum() for b in self.blocks)
         )
 
     def pull(self, s: State, weight: float, into: Weights) -> None:
         for b in self.blocks:
             u_bar, data_bar = b.kind.pull_measure(
-                self.name, b.gather(s.u), b.data(s.p), np.full((1, b.count), weight)
+                self.name, b.gather(s.u), s.data(b), np.full((1, b.count), weight)
             )
             into.u += b.scatter(u_bar, into.u.size)
-            into.p += b.pull_data(s.p, data_bar)
+            s.pull_data(b, data_bar, into)
 
     def turn(self, s: State, change: State, weight: float, into: Weights) -> None:
         for b in self.blocks:

@@ -22,6 +22,8 @@ class PlaneElement(Continuum):
     modulus : Young's modulus [Pa]
     poisson : Poisson's ratio [-]
     density : [kg/m³]
+    expansion : coefficient of thermal expansion ``α`` [1/K]
+    temperature : change ``ΔT`` against the state without stress, under every load [K]
     plane_strain : no strain across the plane, instead of no stress
     """
 
@@ -42,13 +44,24 @@ class PlaneElement(Continuum):
         return e * nu / (1 - nu**2), e / (2 * (1 + nu))
 
     @classmethod
+    def thermal_stress(cls, q: dict) -> ca.SX:
+        if q["plane_strain"]:
+            return super().thermal_stress(q)
+        return q["modulus"] / (1 - q["poisson"]) * q["expansion"] * q["temperature"]
+
+    @classmethod
+    def free_directions(cls, q: dict) -> int:
+        return 3 if q["plane_strain"] else 2
+
+    @classmethod
     def compressibility(cls, q: dict) -> ca.SX:
         return super().compressibility(q) if q["plane_strain"] else 1 - q["poisson"]
 
     @classmethod
     def across_stress(cls, measured: dict[str, ca.SX], q: dict) -> ca.SX:
         in_plane = q["poisson"] * (measured["sxx"] + measured["syy"])
-        return in_plane if q["plane_strain"] else ca.SX(0)
+        eased = q["modulus"] * q["expansion"] * q["temperature"]
+        return in_plane - eased if q["plane_strain"] else ca.SX(0)
 
 
 @dataclass(eq=False)

@@ -53,11 +53,13 @@ class Material:
     modulus : Young's modulus [Pa]
     poisson : Poisson's ratio [-]
     density : [kg/m³]
+    expansion : coefficient of thermal expansion [1/K]
     """
 
     modulus: Number
     poisson: Number = 0.3
     density: Number = 0.0
+    expansion: Number = 0.0
 
     @property
     def shear_modulus(self) -> Number:

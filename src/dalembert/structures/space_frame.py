@@ -40,6 +40,9 @@ class SpaceFrame(Line):
     modulus : Young's modulus [Pa]
     shear_modulus : ``G`` [Pa]
     density : [kg/m³]
+    expansion : coefficient of thermal expansion ``α`` [1/K]
+    temperature : change ``ΔT`` against the state without stress, under every load [K]
+    temperature_gradient_y, temperature_gradient_z : its rise along its own y and z axes [K/m]
     orientation : (3,) direction in the plane of its own x and y axes; zero stands for the z axis,
         and for the y axis where the beam is vertical
     """
@@ -51,6 +54,10 @@ class SpaceFrame(Line):
     modulus: Scalar = quantity("Pa", "Young's modulus", above=0.0, keyword=True)
     shear_modulus: Scalar = quantity("Pa", "shear modulus", above=0.0, keyword=True)
     density: Scalar = quantity("kg/m^3", "density", default=0.0, minimum=0.0, keyword=True)
+    expansion: Scalar = quantity("1/K", "thermal expansion", default=0.0, keyword=True)
+    temperature: Scalar = quantity("K", "change of temperature", default=0.0, keyword=True)
+    temperature_gradient_y: Scalar = quantity("K/m", "rise along y", default=0.0, keyword=True)
+    temperature_gradient_z: Scalar = quantity("K/m", "rise along z", default=0.0, keyword=True)
     orientation: Vector = quantity(
         "", "direction towards its y axis", default=(0.0, 0.0, 0.0), size=3, keyword=True
     )
@@ -142,6 +149,26 @@ class SpaceFrame(Line):
         return cls.elongation(u, x) + bow
 
     @classmethod
+    def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        length, (first, second) = cls.length(x), cls.end_rotations(u, x, q)
+        strain = q["expansion"] * q["temperature"]
+        longer = cls.lengthening(u, x, q, first, second)
+        total = q["modulus"] * q["area"] * strain * (strain * length / 2 - longer)
+        beams, curvatures = cls.bending(x, q), cls.thermal_curvatures(q)
+        for k, (beam, curvature) in enumerate(zip(beams, curvatures, strict=True)):
+            turn = second[k + 1] - first[k + 1]
+            total += beam.rigidity * curvature * (curvature * length / 2 - turn)
+        return total
+
+    @classmethod
+    def thermal_curvatures(cls, q: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
+        """Curvatures about y and z that the temperature gives a free beam [1/m]."""
+        return (
+            q["expansion"] * q["temperature_gradient_z"],
+            -q["expansion"] * q["temperature_gradient_y"],
+        )
+
+    @classmethod
     def carried(
         cls, u: list[ca.SX], v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
     ) -> list[ca.SX]:
@@ -173,21 +200,24 @@ class SpaceFrame(Line):
     def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         """Section forces in its own axes; moments ``_i``, ``_j`` are those on its ends."""
         length, (first, second) = cls.length(x), cls.end_rotations(u, x, q)
-        axial = q["modulus"] * q["area"] * cls.lengthening(u, x, q, first, second) / length
+        strain = cls.lengthening(u, x, q, first, second) / length
+        axial = q["modulus"] * q["area"] * (strain - q["expansion"] * q["temperature"])
         torque = q["shear_modulus"] * q["torsion_constant"] * (second[0] - first[0]) / length
         about_y, about_z = cls.bending(x, q)
         y_i, y_j = about_y.moments(first[1], second[1])
         z_i, z_j = about_z.moments(first[2], second[2])
+        curved_y, curved_z = cls.thermal_curvatures(q)
+        eased_y, eased_z = about_y.rigidity * curved_y, about_z.rigidity * curved_z
         return {
             "force": (axial, "N"),
             "stress": (axial / q["area"], "Pa"),
             "torque": (torque, "N m"),
             "shear_y": ((z_i + z_j) / length, "N"),
             "shear_z": (-(y_i + y_j) / length, "N"),
-            "moment_y_i": (y_i, "N m"),
-            "moment_y_j": (y_j, "N m"),
-            "moment_z_i": (z_i, "N m"),
-            "moment_z_j": (z_j, "N m"),
+            "moment_y_i": (y_i + eased_y, "N m"),
+            "moment_y_j": (y_j - eased_y, "N m"),
+            "moment_z_i": (z_i + eased_z, "N m"),
+            "moment_z_j": (z_j - eased_z, "N m"),
         }
 
     @classmethod

@@ -15,8 +15,9 @@ from dalembert.structures.elements import Elements
 from dalembert.structures.lines import Line
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.reference_cells import REFERENCE_CELLS
+from dalembert.structures.thermal_load import CHANGES
 from dalembert.structures.tractions import TRACTIONS
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.expression import Expression, as_expression
 
 Part = StructuralElement | Elements
 
@@ -39,8 +40,8 @@ class LineLoad:
 Spread = Weight | LineLoad | Elements
 
 
-def lines(parts: Any) -> tuple[Part, ...]:
-    """One line element, a set of them, or several, as a tuple.
+def elements_of(parts: Any, load: str) -> tuple[Part, ...]:
+    """One element, a set of them, or several, as a tuple.
 
     Raises
     ------
@@ -50,13 +51,57 @@ def lines(parts: Any) -> tuple[Part, ...]:
     found = (parts,) if isinstance(parts, (StructuralElement, Elements)) else parts
     known = isinstance(found, (list, tuple)) and found
     if not known or not all(isinstance(part, (StructuralElement, Elements)) for part in found):
-        raise ModelError(f"needs elements or sets of elements; got {parts!r}", "line_load")
+        raise ModelError(f"needs elements or sets of elements; got {parts!r}", load)
+    return tuple(found)
+
+
+def _fields(part: Part) -> dict[str, Any]:
+    """Quantities of the class of elements, with what is known of them."""
+    cls = part.cls if isinstance(part, Elements) else type(part)
+    return {f.name: f.metadata for f in cls.quantity_fields()}
+
+
+def lines(parts: Any) -> tuple[Part, ...]:
+    """Line elements that have mass, or sets of them.
+
+    Raises
+    ------
+    ModelError
+        Other elements.
+    """
+    found = elements_of(parts, "line_load")
     for part in found:
         cls = part.cls if isinstance(part, Elements) else type(part)
-        fields = {f.name for f in cls.quantity_fields()}
-        if not issubclass(cls, Line) or not {"area", "density"} <= fields:
+        if not issubclass(cls, Line) or not {"area", "density"} <= set(_fields(part)):
             raise ModelError("carries no line load; take trusses or frames", part.name)
-    return tuple(found)
+    return found
+
+
+def heating(part: Part, changes: dict[str, Any]) -> dict[str, Any]:
+    """Changes of temperature of an element or set, by quantity: formulas, or one for each.
+
+    Raises
+    ------
+    ModelError
+        The elements do not feel one of them.
+    """
+    fields = _fields(part)
+    felt = [name for name in CHANGES if name in fields]
+    wrong = sorted(set(changes) - set(felt))
+    if wrong or not changes:
+        raise ModelError(
+            f"feels no {', '.join(wrong) or 'change'}; it feels {', '.join(felt) or 'none'}",
+            part.name,
+        )
+    found: dict[str, Any] = {}
+    for name, value in changes.items():
+        entity, unit = f"heat {part.name}.{name}", fields[name]["unit"]
+        if isinstance(part, Elements) and np.shape(value) == (len(part),):
+            each = [as_expression(v, entity, unit) for v in value]
+            found[name] = np.fromiter(each, dtype=object, count=len(each))
+        else:
+            found[name] = as_expression(value, entity, unit)
+    return found
 
 
 def tractions(name: str, elements: Elements, nodes: Nodes, numbers: dict[str, Any]) -> Elements:

@@ -23,16 +23,26 @@ class Truss(Line):
     area : cross-section [m²]
     modulus : Young's modulus [Pa]
     density : [kg/m³]
+    expansion : coefficient of thermal expansion ``α`` [1/K]
+    temperature : change ``ΔT`` against the state without stress, under every load [K]
     """
 
     area: Scalar = quantity("m^2", "cross-section", above=0.0, keyword=True)
     modulus: Scalar = quantity("Pa", "Young's modulus", above=0.0, keyword=True)
     density: Scalar = quantity("kg/m^3", "density", default=0.0, minimum=0.0, keyword=True)
+    expansion: Scalar = quantity("1/K", "thermal expansion", default=0.0, keyword=True)
+    temperature: Scalar = quantity("K", "change of temperature", default=0.0, keyword=True)
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         stiffness = q["modulus"] * q["area"] / cls.length(x)
         return stiffness * cls.elongation(u, x) ** 2 / 2
+
+    @classmethod
+    def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        force = q["modulus"] * q["area"] * q["expansion"] * q["temperature"]
+        free = q["expansion"] * q["temperature"] * cls.length(x)
+        return force * (free / 2 - cls.elongation(u, x))
 
     @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
@@ -42,7 +52,7 @@ class Truss(Line):
     @classmethod
     def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         strain = cls.elongation(u, x) / cls.length(x)
-        stress = q["modulus"] * strain
+        stress = q["modulus"] * (strain - q["expansion"] * q["temperature"])
         return {
             "strain": (strain, ""),
             "stress": (stress, "Pa"),

@@ -94,7 +94,7 @@ class LoadPath:
     def __init__(self, analysis: NonlinearStatics, model: StructuralModel, p: np.ndarray, case):
         self.analysis, self.model, self.p, self.case = analysis, model, p, case
         self.assembly = model.assembly
-        self.applied = model.loads[case].values(p)
+        self.applied, self.thermal = model.loads[case].values(p), model.loads[case].thermal
         self.held = model.prescribed.values(p)
         self.balance, self.u = Balance(model, p), np.zeros(len(model.degrees))
         self.reached, self.iterations, self.residual = 0.0, 0, 0.0
@@ -136,17 +136,26 @@ class LoadPath:
         self.residual = solution.residual
         return solution.x
 
+    def internal(self, u: np.ndarray, share: float) -> tuple[np.ndarray, Any]:
+        """(n,) forces that hold the displaced elements, heated by a share, and their stiffness."""
+        forces = self.assembly.internal_forces(u, self.p)
+        stiffness = self.assembly.stiffness(u, self.p)
+        if self.thermal:
+            forces += share * self.thermal.forces(u, self.p)
+            stiffness = stiffness + share * self.thermal.stiffness(u, self.p)
+        return forces, stiffness
+
     def forces(self) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
         found = self.reached * self.applied
-        internal = self.assembly.internal_forces(self.u, self.p)
+        internal, _ = self.internal(self.u, self.reached)
         held = self.assembly.prescribed
         found[held] = (internal - found)[held]
         return found
 
     def record(self) -> StaticsRecord:
         """Tangent stiffness at the end, for gradients; no factors where the path was lost."""
-        matrix, free = self.assembly.stiffness(self.u, self.p), self.assembly.free
+        matrix, free = self.internal(self.u, self.reached)[1], self.assembly.free
         whole = self.reached >= 1.0
         return StaticsRecord(
             factorised(self.model, matrix[free][:, free]) if whole else None, matrix
@@ -157,12 +166,11 @@ class Equilibrium(Equations[np.ndarray]):
     """``s P − ∂W/∂u = 0`` of the free displacements under a share ``s`` of the load."""
 
     def __init__(self, path: LoadPath, share: float):
-        self.path, self.applied = path, share * path.applied
+        self.path, self.share, self.applied = path, share, share * path.applied
 
     def residual(self, x: np.ndarray) -> Balanced:
         path = self.path
-        internal = path.assembly.internal_forces(x, path.p)
-        stiffness = path.assembly.stiffness(x, path.p)
+        internal, stiffness = path.internal(x, self.share)
         made_of, free = abs(stiffness) @ np.abs(x), path.assembly.free
         return path.balance.residual([self.applied, -internal], made_of, free, stiffness)
 

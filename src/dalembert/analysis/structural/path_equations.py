@@ -35,7 +35,7 @@ class PathEquations:
         self.model, self.p, self.assembly = model, p, model.assembly
         self.free, self.held = self.assembly.free, self.assembly.prescribed
         self.size = int(self.free.size)
-        self.applied = model.loads[case].values(p)
+        self.applied, self.thermal = model.loads[case].values(p), model.loads[case].thermal
         self.given, self.balance = model.prescribed.values(p), Balance(model, p)
         stiffness, load, _ = self.matrix(np.zeros(self.size + 1))
         factor = factorised(model, stiffness)
@@ -63,25 +63,37 @@ class PathEquations:
     def forces(self, point: np.ndarray) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
         found = point[-1] * self.applied
-        internal = self.assembly.internal_forces(self.displaced(point), self.p)
+        internal = self.internal(point)
         found[self.held] = (internal - found)[self.held]
         return found
 
+    def internal(self, point: np.ndarray) -> np.ndarray:
+        """(n,) forces that hold the displaced elements, heated by their share."""
+        u = self.displaced(point)
+        found = self.assembly.internal_forces(u, self.p)
+        return found + point[-1] * self.thermal.forces(u, self.p) if self.thermal else found
+
+    def stiffness(self, point: np.ndarray) -> Any:
+        """(n, n) their derivative."""
+        u = self.displaced(point)
+        found = self.assembly.stiffness(u, self.p)
+        return found + point[-1] * self.thermal.stiffness(u, self.p) if self.thermal else found
+
     def residual(self, point: np.ndarray) -> Balanced:
         """Force left over on the free displacements."""
-        u = self.displaced(point)
-        internal = self.assembly.internal_forces(u, self.p)
-        stiffness = self.assembly.stiffness(u, self.p)
+        u, internal, stiffness = self.displaced(point), self.internal(point), self.stiffness(point)
         terms = [point[-1] * self.applied, -internal]
         return self.balance.residual(terms, abs(stiffness) @ np.abs(u), self.free, stiffness)
 
     def matrix(self, point: np.ndarray, known: Any = None) -> tuple[Any, np.ndarray, Any]:
         """``K_ff``, ``q`` and the whole stiffness, which may be known."""
         if known is None:
-            known = self.assembly.stiffness(self.displaced(point), self.p)
-        whole = known.tocsr()
+            known = self.stiffness(point)
+        whole, growing = known.tocsr(), self.applied
+        if self.thermal:
+            growing = growing - self.thermal.forces(self.displaced(point), self.p)
         rows = whole[self.free]
-        load = self.applied[self.free] - rows[:, self.held] @ self.given
+        load = growing[self.free] - rows[:, self.held] @ self.given
         return rows[:, self.free].tocsc(), load, whole
 
     def factor(self, point: np.ndarray, plane: Plane, known: Any = None) -> linalg.SuperLU:

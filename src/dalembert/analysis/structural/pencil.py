@@ -34,6 +34,13 @@ class Loaded:
     result: StructuralResult | None = None
 
     @property
+    def heated(self) -> Assembly | None:
+        """Elements with their changes of temperature; None where there is none."""
+        if self.result is None or not self.model.loads[self.result.cases[0]].thermal:
+            return None
+        return self.model.loads[self.result.cases[0]].thermal.assembly
+
+    @property
     def u(self) -> np.ndarray:
         """(n,) displacements."""
         if self.result is None:
@@ -110,35 +117,54 @@ class Tangent(Term):
     """The tangent stiffness ``∂²W/∂u²`` at the displacements of the state."""
 
     def matrix(self) -> sparse.csc_matrix:
-        return self.state.model.assembly.stiffness(self.state.u, self.state.p)
+        s = self.state
+        found = s.model.assembly.stiffness(s.u, s.p)
+        return found if s.heated is None else found + s.heated.stiffness(s.u, s.p)
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
         s = self.state
-        return s.model.assembly.push_stiffness(b, s.u, s.p, du, dp)
+        found = s.model.assembly.push_stiffness(b, s.u, s.p, du, dp)
+        return found if s.heated is None else found + s.heated.push_stiffness(b, s.u, s.p, du, dp)
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self.state.model.assembly.pull_stiffness(a, b, self.state.u, self.state.p)
+        s = self.state
+        found = s.model.assembly.pull_stiffness(a, b, s.u, s.p)
+        if s.heated is None:
+            return found
+        hot = s.heated.pull_stiffness(a, b, s.u, s.p)
+        return found[0] + hot[0], found[1] + hot[1]
 
 
 @dataclass(frozen=True, eq=False)
 class Geometric(Term):
     """``f K_g``: the geometric stiffness ``K_g = ∂³W/∂u³ (0) · u`` times a number.
 
-    It is what the displacements ``u`` add to the stiffness at rest, to the first order.
+    It is what the displacements ``u`` add to the stiffness at rest, to the first order; what the
+    stress of hindered expansion adds is among it.
     """
 
     factor: float = 1.0
 
     def matrix(self) -> sparse.csc_matrix:
-        return self.factor * self.state.model.assembly.geometric(self.state.u, self.state.p)
+        s = self.state
+        found = s.model.assembly.geometric(s.u, s.p)
+        if s.heated is not None:
+            found = found + s.heated.stiffness(np.zeros_like(s.u), s.p)
+        return self.factor * found
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        s = self.state
-        return self.factor * s.model.assembly.push_stiffness(b, s.u, s.p, du, dp, geometric=True)
+        s, rest = self.state, np.zeros_like(b)
+        found = s.model.assembly.push_stiffness(b, s.u, s.p, du, dp, geometric=True)
+        if s.heated is not None:
+            found += s.heated.push_stiffness(b, rest, s.p, rest, dp)
+        return self.factor * found
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        s = self.state
-        return s.model.assembly.pull_stiffness(self.factor * a, b, s.u, s.p, geometric=True)
+        s, a = self.state, self.factor * a
+        u_bar, p_bar = s.model.assembly.pull_stiffness(a, b, s.u, s.p, geometric=True)
+        if s.heated is not None:
+            p_bar = p_bar + s.heated.pull_stiffness(a, b, np.zeros_like(b), s.p)[1]
+        return u_bar, p_bar
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,12 +62,12 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         u = np.zeros((size, len(model.loads)))
         forces = np.zeros_like(u)
         for k, load in enumerate(model.loads.values()):
-            applied = load.values(p)
+            applied, begin = load.values(p), start + load.thermal.forces(rest, p)
             u[held, k] = model.prescribed.values(p)
             if factor is not None:
-                open_by = applied - start - stiffness @ u[:, k]
+                open_by = applied - begin - stiffness @ u[:, k]
                 u[free, k] = factor.solve(open_by[free])
-            internal = start + stiffness @ u[:, k]
+            internal = begin + stiffness @ u[:, k]
             forces[:, k] = applied
             forces[held, k] = (internal - applied)[held]
         residual = self._residual(model, p, u, forces)
@@ -82,8 +82,9 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
     def _residual(model: StructuralModel, p, u: np.ndarray, forces: np.ndarray) -> float:
         """Largest force left over on free displacements, relative to the largest of all."""
         free, left = model.assembly.free, []
-        for k in range(u.shape[1]):
-            rest = model.assembly.internal_forces(u[:, k], p) - forces[:, k]
+        for k, load in enumerate(model.loads.values()):
+            rest = model.assembly.internal_forces(u[:, k], p) + load.thermal.forces(u[:, k], p)
+            rest -= forces[:, k]
             left.append(np.abs(rest[free]).max(initial=0.0))
         return float(max(left, default=0.0) / max(np.abs(forces).max(initial=0.0), 1e-300))
 

@@ -14,7 +14,7 @@ import scipy.sparse as sparse
 import scipy.sparse.linalg as linalg
 
 from dalembert.elements.base import Scalar
-from dalembert.errors import ModelError, SingularityError
+from dalembert.errors import ModelError, SingularityError, UnsupportedError
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.expression import as_expression, free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
@@ -105,6 +105,15 @@ class EquationOfMotion:
         self.assembly, self.linear = model.assembly, model.linear
         self.free, self.held = self.assembly.free, self.assembly.prescribed
         self.load_case, self.damping = model.loads[case], damping.coefficients(model)
+        thermal = self.load_case.thermal
+        if thermal.depends_on_time and not self.linear:
+            raise UnsupportedError(
+                f"temperatures of load case {case!r} depend on time, which nonlinear transients do "
+                "not take; take nonlinear=False, or constant ones"
+            )
+        nothing = self.assembly.split(lambda _: False)[1]
+        self.expansion = thermal.expansion if thermal and self.linear else None
+        self.heated = nothing if self.linear else thermal.assembly
         self.alpha, self.beta = (float(c) for c in self.damping.values(p))
         rest = np.zeros(self.assembly.size)
         self.mass = self.assembly.mass(p, lumped)
@@ -143,27 +152,36 @@ class EquationOfMotion:
 
     @cached_property
     def _constant_load(self) -> np.ndarray | None:
-        case = self.load_case
-        return None if case.depends_on_time else case.values(self.p)
+        changing = self.load_case.depends_on_time
+        changing |= self.expansion is not None and self.expansion.depends_on_time
+        return None if changing else self._loads(0.0)
+
+    def _loads(self, time: float) -> np.ndarray:
+        found = self.load_case.values(self.p, time)
+        return found if self.expansion is None else found + self.expansion.values(self.p, time)
 
     def loads(self, time: float) -> np.ndarray:
-        """(n,) applied forces."""
+        """(n,) applied forces, and those of hindered expansion."""
         constant = self._constant_load
-        return self.load_case.values(self.p, time) if constant is None else constant
+        return self._loads(time) if constant is None else constant
 
     def support_motion(self, time: float) -> Motions:
         """(held,) prescribed displacements with their velocities and accelerations."""
         return Motions(*(array.values(self.p, time) for array in self.supports))
 
     def tangent(self, u: np.ndarray) -> sparse.csc_matrix:
-        """``∂²W/∂u²``."""
-        return self.stiffness if self.linear else self.assembly.stiffness(u, self.p)
+        """``∂²W/∂u²``, of heated elements too."""
+        if self.linear:
+            return self.stiffness
+        found = self.assembly.stiffness(u, self.p)
+        return found + self.heated.stiffness(u, self.p) if self.heated.blocks else found
 
     def internal_forces(self, u: np.ndarray) -> np.ndarray:
         """(n,) ``∂W/∂u``."""
         if self.linear:
             return self._at_rest + self.stiffness @ u
-        return self.assembly.internal_forces(u, self.p)
+        found = self.assembly.internal_forces(u, self.p)
+        return found + self.heated.internal_forces(u, self.p)
 
     def parts(self, motion: Motions) -> list[np.ndarray]:
         """Forces (n,) that the motion needs: of inertia with its damping, of springs, of strain."""
@@ -189,8 +207,8 @@ class EquationOfMotion:
 
     def external_forces(self, motion: Motions, time: float) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
-        found = self.loads(time).copy()
-        found[self.held] = (self.forces(motion) - found)[self.held]
+        found, loads = self.load_case.values(self.p, time), self.loads(time)
+        found[self.held] = (self.forces(motion) - loads)[self.held]
         return found
 
     def slopes(self, motion: Motions, stiffness: sparse.csc_matrix | None = None) -> Slopes:

@@ -147,8 +147,14 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
     def state(self, k: int) -> ModeState:
         """A shape as displacements; nothing acts on it."""
         u = self.shapes[:, k]
+        cold = next(iter(self.model.loads.values())).thermal
         return ModeState(
-            u, np.zeros_like(u), self.parameters, eigenvalue=float(self.eigenvalues[k])
+            u,
+            np.zeros_like(u),
+            self.parameters,
+            load_factor=0.0,
+            thermal=cold,
+            eigenvalue=float(self.eigenvalues[k]),
         )
 
     def no_weights(self) -> ModeWeights:

@@ -91,7 +91,7 @@ def element_field(drawing: StructuralDrawing, state: State, name: str) -> Field:
         if has is None:
             continue
         unit, known = has, True
-        measured = block.kind.measure(quantity, block.gather(state.u), block.data(state.p)).ravel()
+        measured = block.kind.measure(quantity, block.gather(state.u), state.data(block)).ravel()
         values[start + np.asarray(rows)] = measured[np.asarray(rows)]
     if not known:
         names = [*field_names(model), *_all_names(model)]

@@ -80,6 +80,8 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
             a=self.accelerations[:, k],
             mass=self.mass,
             lumped=self.analysis.lumped,
+            thermal=self.model.loads[self.analysis.case_of(self.model)].thermal,
+            time=float(self.time[k]),
         )
 
     def no_weights(self) -> MovingWeights:

@@ -90,7 +90,7 @@ def _fields(
             unit = block.kind.measures[name][1]
             for row, case in enumerate(keep):
                 s = result.state(int(case))
-                measured = block.kind.measure(name, block.gather(s.u), block.data(s.p))
+                measured = block.kind.measure(name, block.gather(s.u), s.data(block))
                 values[row, start : start + block.count] = measured.ravel()
         if np.isfinite(values).any():
             found.append({"name": name, "unit": unit, "values": list(values)})

@@ -56,6 +56,10 @@ class SecondStatics(StaticsTangent):
         multiplier = self.multiplier(case, u_bar, np.zeros(1))
         u_bar = u_bar - stiffness @ multiplier
         softer, p_bar = self.assembly.turn(u, p, reactions - multiplier, change.u, d)
+        hot, there = loads.thermal, loads.thermal.place(u)
+        moved_there = np.zeros_like(u) if hot.linear else change.u
+        stiffer, more_p = hot.assembly.turn(there, p, reactions - multiplier, moved_there, d)
+        softer, p_bar = softer + (0.0 if hot.linear else 1.0) * stiffer, p_bar + more_p
         reactions, more = self._split(moved.forces)
         u_turn = moved.u + stiffness @ reactions + softer
         turned = self.multiplier(case, u_turn, np.zeros(1))
@@ -64,6 +68,7 @@ class SecondStatics(StaticsTangent):
             moved.p
             + p_bar
             + self.assembly.pull(u, p, reactions - turned)
+            + hot.pull(u, p, reactions - turned)
             + loads.turn(p, applied + multiplier, d)
             + loads.pull(p, more + turned)
             + held.turn(p, u_bar[self.held], d)

@@ -55,19 +55,23 @@ class StaticsTangent:
         reactions[self.held], applied[self.free] = forces[self.held], forces[self.free]
         applied -= reactions  # what acts on a support itself, its reaction does not see
         u_bar = seen_u + stiffness @ reactions
+        u, hot = self.result.displacements[:, case], loads.thermal
         factor_bar = np.array([one.load_factor for one in seen]) + applied.T @ loads.values(self.p)
         factor_bar += u_bar[self.held].T @ self.model.prescribed.values(self.p)
+        if hot:
+            factor_bar += reactions.T @ hot.forces(u, self.p)
         multiplier = self.multiplier(case, u_bar, factor_bar)
         u_bar = u_bar - stiffness @ multiplier  # free entries vanish: equilibrium takes care
-        internal = Pulls(self.assembly, self.p, len(seen))
-        u = self.result.displacements[:, [case]]
-        internal.forces(u, (reactions - multiplier)[:, None, :])
+        internal, heated = (Pulls(a, self.p, len(seen)) for a in (self.assembly, hot.assembly))
+        held_by = (reactions - multiplier)[:, None, :]
+        internal.forces(u[:, None], held_by)
+        heated.forces(hot.place(u)[:, None], share * held_by)
         prescribed = self.model.prescribed
         given = [
             loads.pull(self.p, one) + prescribed.pull(self.p, held)
             for one, held in zip((applied + multiplier).T, u_bar[self.held].T, strict=True)
         ]
-        return p_bar + internal.total + share * np.stack(given, axis=1)
+        return p_bar + internal.total + heated.total + share * np.stack(given, axis=1)
 
     def pushed(self, case: int, dp: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         """Changes of displacements, forces and load factor by ``D_i P − D_i K U``."""
@@ -76,10 +80,14 @@ class StaticsTangent:
         held = np.zeros_like(u)
         held[self.held] = share * self.model.prescribed.push(self.p, dp)
         applied = share * loads.push(self.p, dp)
-        internal = self.assembly.push(u, self.p, dp)
+        internal, hot = self.assembly.push(u, self.p, dp), loads.thermal
+        if hot:
+            internal += share * hot.push(u, self.p, dp)
         moved, dfactor = self.moved(case, applied - internal - stiffness @ held)
         du = held + moved
         forces = applied + (dfactor * loads.values(self.p) if dfactor else 0.0)
+        if dfactor and hot:
+            internal += dfactor * hot.forces(u, self.p)
         forces[self.held] = (internal + stiffness @ du - forces)[self.held]
         return du, forces, dfactor
 

@@ -142,6 +142,9 @@ class TransientAdjoint(TransientPass):
         self.parameters.own(seen.p)
         self.parameters.equations(motion, reactions - multiplier)
         self.parameters.loads(applied, time)
+        loading = multiplier.copy()
+        loading[held] = -reactions[held]
+        self.parameters.expansion(loading, time)
 
     def _balanced(self, slopes: Slopes, time: float, bar: Moving, multiplier) -> Moving:
         """Take multipliers of the equations of motion to supports and the motion."""
@@ -169,6 +172,7 @@ class TransientAdjoint(TransientPass):
         multiplier = self.solved(start.static_factor(motion.u), e.free, bar.u)
         self.parameters.equilibrium(motion.u, -multiplier)
         self.parameters.loads(multiplier, self.time(0))
+        self.parameters.expansion(multiplier, self.time(0))
         rest = np.zeros((e.held.size, self.rows))
         held = Motions(-(e.tangent(motion.u) @ multiplier)[e.held], rest, rest)
         self.parameters.supports(held, self.time(0))
@@ -225,6 +229,7 @@ class TransientDirect(TransientPass):
         e = self.equation
         ahead, held = step.rule.predicted(change), self.changes.supports(time)
         slopes, own = e.slopes(motion), self.changes.equations(motion)
+        own = own - self.changes.expansion(time)
         loads = self.changes.loads(time)
         a = np.zeros_like(ahead.u)
         rest = loads - own - slopes.along(step.placed(ahead, held, a.copy()).motion)
@@ -244,10 +249,11 @@ class TransientDirect(TransientPass):
         u[e.held] = held.u
         if start.static:
             rest = loads - self.changes.equilibrium(motion.u) - e.tangent(motion.u) @ u
+            rest = rest + self.changes.expansion(time)
             u += self.solved(start.static_factor(motion.u), e.free, rest)
         v, a = self.changes.each(start.initial.velocities), np.zeros_like(u)
         v[e.held], a[e.held] = held.v, held.a
-        own = self.changes.equations(motion)
+        own = self.changes.equations(motion) - self.changes.expansion(time)
         rest = loads - own - slopes.along(Motions(u, v, a))
         a += self.solved(start.mass_factor(slopes), e.massive, rest, "N")
         begin = Moving(u, v, a, a)

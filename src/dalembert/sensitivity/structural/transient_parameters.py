@@ -77,6 +77,8 @@ class ParameterWeights:
         self._inertia, self._springs = Products(e.steady, rows), Products(self._linear, rows)
         self._at_rest = np.zeros((e.assembly.size, rows))
         self._loads = TimedPull(e.load_case, e.p)
+        self._expansion = None if e.expansion is None else TimedPull(e.expansion, e.p)
+        self._heated = Pulls(e.heated, e.p, rows)
         self._supports = [TimedPull(array, e.p) for array in e.supports]
         self._damping = np.zeros((2, rows))
         self._own = np.zeros((e.p.size, rows))
@@ -97,10 +99,16 @@ class ParameterWeights:
     def equilibrium(self, u: np.ndarray, multiplier: np.ndarray) -> None:
         """Add ``ηᵀ ∂f/∂p`` at displacements (n,) with multipliers (n, rows)."""
         self._exact.forces(u[:, None], multiplier[:, None, :])
+        self._heated.forces(u[:, None], multiplier[:, None, :])
 
     def loads(self, weights: np.ndarray, time: float) -> None:
         """Add weights (n, rows) of the applied forces."""
         self._loads.add(weights, time)
+
+    def expansion(self, weights: np.ndarray, time: float) -> None:
+        """Add weights (n, rows) of the forces of hindered expansion."""
+        if self._expansion is not None:
+            self._expansion.add(weights, time)
 
     def supports(self, weights: Motions, time: float) -> None:
         """Add weights (held, rows) of prescribed displacements, velocities, accelerations."""
@@ -118,7 +126,10 @@ class ParameterWeights:
             rest = np.zeros((e.assembly.size, 1))
             self._small.forces(rest, self._at_rest[:, None, :])
         sums: tuple[Pulls | TimedPull, ...]
-        sums = self._exact, self._small, self._steady, self._turning, self._loads, *self._supports
+        sums = self._exact, self._small, self._steady, self._turning, self._heated
+        sums = *sums, self._loads, *self._supports
+        if self._expansion is not None:
+            sums = *sums, self._expansion
         found = self._own + sum(pull.total for pull in sums)
         damping = [e.damping.pull(e.p, w) for w in self._damping.T]
         return found + np.stack(damping, axis=1)
@@ -138,6 +149,7 @@ class ParameterWeights:
             self._at_rest += eta.sum(axis=1)
         else:
             self._exact.forces(u, eta)
+            self._heated.forces(u, eta)
             if e.beta:
                 self._springs.add(e.beta * v, eta)
         for k, damped in enumerate((e.momentum(u, v), e.stiffness @ v)):
@@ -157,6 +169,7 @@ class ParameterChanges:
         e = self.equation = equation
         self.directions = directions
         self._exact = Pushes(e.assembly, e.p, directions)
+        self._heated = Pushes(e.heated, e.p, directions)
         small = Pushes(e.model.linearized.assembly, e.p, directions)
         steady, self._turning = (Pushes(part, e.p, directions) for part in (e.steady, e.turning))
         self._mass = steady.matrices(lambda k, x, d, dd: k.push_mass(x, d, dd, e.lumped))
@@ -180,7 +193,7 @@ class ParameterChanges:
         strained = m.u + e.beta * m.v if e.linear else e.beta * m.v
         if e.linear or e.beta:
             found = found + (self._stiffness @ strained).reshape(count, -1).T
-        found = found + (self._at_rest if e.linear else self._exact.forces(m.u))
+        found = found + (self._at_rest if e.linear else self.equilibrium(m.u))
         if self._damping.any():
             found = found + np.outer(e.momentum(m.u, m.v), self._damping[0])
             found = found + np.outer(e.stiffness @ m.v, self._damping[1])
@@ -188,11 +201,16 @@ class ParameterChanges:
 
     def equilibrium(self, u: np.ndarray) -> np.ndarray:
         """(n, c) changes of the internal forces at displacements (n,)."""
-        return self._exact.forces(u)
+        return self._exact.forces(u) + self._heated.forces(u)
 
     def loads(self, time: float) -> np.ndarray:
         """(n, c) changes of the applied forces."""
         return self._timed(self.equation.load_case, time)
+
+    def expansion(self, time: float) -> np.ndarray | float:
+        """(n, c) changes of the forces of hindered expansion."""
+        e = self.equation
+        return 0.0 if e.expansion is None else self._timed(e.expansion, time)
 
     def supports(self, time: float) -> Motions:
         """(held, c) changes of prescribed displacements, velocities and accelerations."""
