@@ -38,7 +38,8 @@ from dalembert.analysis.structural.transient import (
     solve_transient as solve_transient,
 )
 from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleigh
-from dalembert.design.optimization import Limit as Limit, Optimum as Optimum, optimize as optimize
+from dalembert.design.optimization import optimize as optimize
+from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
 from dalembert.elements import laws as laws, planar as planar
 from dalembert.elements.curves import (
     FormulaCurve as FormulaCurve,

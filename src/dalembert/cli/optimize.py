@@ -20,7 +20,7 @@ from dalembert.cli.console import (
 from dalembert.cli.loading import loaded, output_folder
 
 if TYPE_CHECKING:
-    from dalembert.design.optimization import Optimum
+    from dalembert.design.optimum import Optimum
 
 
 def optimize(

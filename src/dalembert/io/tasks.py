@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.analysis.comparison.compare import Comparing
 from dalembert.analysis.comparison.observation import observe
-from dalembert.design.optimization import Limit
+from dalembert.design.optimum import Limit
 from dalembert.errors import ModelError
 from dalembert.io.analyses import given_options, make_analysis, make_strategy
 from dalembert.io.measures import measure_reader
