@@ -15,16 +15,14 @@ from dalembert.model.equations import Equations
 from dalembert.symbolic.null_space import PartitionBasis
 
 MASSLESS = 1e-6
-"""Weight of a speed without mass, of the mean weight: it is never independent where others can."""
+"""Mass of a speed without mass, by its natural size: it is never independent where others can."""
 BEST = 1.01
 
 
 def speed_weights(e: Equations) -> ca.SX:
     """``√m_kk`` (n,)."""
-    mass = ca.densify(ca.diag(e.mass))
-    present = [mass[k] for k in range(e.speed_count) if k not in e.massless]
-    mean = sum(present, ca.SX(0)) / len(present) if present else ca.SX(1)
-    mass[list(e.massless)] = MASSLESS * mean
+    mass, missing, natural = ca.densify(ca.diag(e.mass)), list(e.massless), e.scales
+    mass[missing] = MASSLESS * natural.mass * (natural.length / natural.coordinates[missing]) ** 2
     return ca.sqrt(mass)
 
 
