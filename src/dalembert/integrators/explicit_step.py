@@ -44,10 +44,6 @@ class ExplicitStep(Step):
         self.corrects = correction is not None
         self.used = [i for i in range(tableau.stages) if tableau.b[i] != 0]
 
-    def _symbols(self, kind: Any = ca.SX) -> list[Any]:
-        sizes = {"t": 1, "h": 1, "x": self.size, "p": self.parameter_count}
-        return [kind.sym(name, size) for name, size in sizes.items()]
-
     def stages(self, t, h, x, p, count: int | None = None) -> tuple[list[Any], list[Any]]:
         """Stage states ``X_i`` and slopes ``k_i``."""
         return self._staged(self.rhs.function, t, h, x, p, count)
@@ -84,7 +80,7 @@ class ExplicitStep(Step):
 
     @cached_property
     def function(self) -> ca.Function:
-        t, h, x, p = self._symbols()
+        t, h, x, p = self._symbols(ca.SX)
         _, slopes = self.stages(t, h, x, p, self.needed)
         new = self.correct(t + h, self.advance(h, x, slopes), p)
         return ca.Function("step", [t, h, x, p], [new], {"cse": True})
@@ -105,7 +101,7 @@ class ExplicitStep(Step):
     @cached_property
     def _linear(self) -> tuple[list[ca.MX], TriangularMap]:
         """Symbols ``t, h, x, q`` and the tangent of the step there."""
-        t, h, x, _ = self._symbols(ca.MX)
+        t, h, x, _ = self._symbols()
         q = ca.MX.sym("q", self.prelude.value_count)
         chain = LinearChain(self.size + self.prelude.rate_count)
         start, fixed = list(range(self.size)), list(range(self.size, chain.count))
@@ -138,17 +134,12 @@ class ExplicitStep(Step):
         dq = ca.MX.sym("dq", self.prelude.rate_count, count)
         return ca.Function("step_tangent", [*point, dx, dq], [linear.tangent([dx, dq])])
 
-    def tangents(self, count: int) -> ca.Function:
-        t, h, x, p = self._symbols(ca.MX)
-        dx = ca.MX.sym("dx", self.size, count)
-        dp = ca.MX.sym("dp", self.parameter_count, count)
-        rates = self.prelude.tangent.map(count)(ca.repmat(p, 1, count), dp)
-        found = self.prepared_tangents(count)(t, h, x, self.prelude.values(p), dx, rates)
-        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [found])
-
     @cached_property
     def prepared_adjoint(self) -> ca.Function:
-        """``(t, h, x, q, x̄⁺) → (x̄, q̄)``."""
+        """``(t, h, x, q, x̄⁺) → (x̄, q̄)`` by substitution in one sparse matrix of all stages.
+
+        On the virtual machine 1.5 to 1.9 times a step, where stages one by one cost 1.8 to 3.3.
+        """
         point, linear = self._linear
         weight = ca.MX.sym("w", self.size)
         found = linear.adjoint(weight)
@@ -157,18 +148,9 @@ class ExplicitStep(Step):
         )
 
     @cached_property
-    def adjoint(self) -> ca.Function:
-        """``(t, h, x, p, x̄⁺) → (x̄, p̄)``."""
-        t, h, x, p = self._symbols(ca.MX)
-        weight = ca.MX.sym("w", self.size)
-        x_bar, q_bar = self.prepared_adjoint(t, h, x, self.prelude.values(p), weight)
-        out = [x_bar, self.prelude.adjoint(p, q_bar)]
-        return ca.Function("step_adjoint", [t, h, x, p, weight], out)
-
-    @cached_property
     def compiled_adjoint(self) -> ca.Function:
-        """Adjoints of the stages one by one: compiled, they cost less than sparse substitution."""
-        t, h, x, _ = self._symbols(ca.MX)
+        """The same, stage by stage: as C 1.1 to 1.2 times a step, by substitution 1.3 to 1.9."""
+        t, h, x, _ = self._symbols()
         q, weight = ca.MX.sym("q", self.prelude.value_count), ca.MX.sym("w", self.size)
         n, before = self.size, self.rhs.prepared[0]
         seen, rhs = q[: before.value_count], self.rhs.prepared_function

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import casadi as ca
 
@@ -37,38 +38,57 @@ class Step:
         """``(t, h, x, p) → x⁺``."""
         raise NotImplementedError
 
-    def tangents(self, count: int) -> ca.Function:
-        """``(t, h, x, p, dx, dp) → dx⁺`` for ``count`` directions at once, in columns."""
-        raise NotImplementedError
-
-    @cached_property
-    def tangent(self) -> ca.Function:
-        """``(t, h, x, p, dx, dp) → dx⁺``."""
-        return self.tangents(1)
-
-    @property
-    def adjoint(self) -> ca.Function:
-        """``(t, h, x, p, x̄⁺) → (x̄, p̄)``."""
-        raise NotImplementedError
-
     @cached_property
     def prelude(self) -> Prelude:
-        """What the derivatives need of the parameters alone, ``q`` and ``q̇``."""
+        """What the derivatives need of the parameters alone, ``q`` and ``q̇``: once for a march."""
         return Prelude.identity(self.parameter_count)
 
     def prepared_tangents(self, count: int) -> ca.Function:
-        """``(t, h, x, q, dx, dq) → dx⁺`` for ``count`` directions at once, in columns."""
-        return self.tangents(count)
+        """``(t, h, x, q, dx, dq) → dx⁺`` for ``count`` directions at once, in columns.
+
+        Direct gradients march with it.
+        """
+        raise NotImplementedError
 
     @property
     def prepared_adjoint(self) -> ca.Function:
-        """``(t, h, x, q, x̄⁺) → (x̄, q̄)``."""
-        return self.adjoint
+        """``(t, h, x, q, x̄⁺) → (x̄, q̄)``: adjoint gradients march with it."""
+        raise NotImplementedError
 
     @property
     def compiled_adjoint(self) -> ca.Function:
-        """The same in the form that is fastest as C."""
+        """The same in the form that is fastest as C; marches of a backend that compiles take it."""
         return self.prepared_adjoint
+
+    def tangents(self, count: int) -> ca.Function:
+        """``(t, h, x, p, dx, dp) → dx⁺`` for ``count`` directions at once, in columns.
+
+        For parts of steps, and marches in which only some steps are corrected.
+        """
+        t, h, x, p = self._symbols()
+        dx = ca.MX.sym("dx", self.size, count)
+        dp = ca.MX.sym("dp", self.parameter_count, count)
+        rates = self.prelude.tangent.map(count)(ca.repmat(p, 1, count), dp)
+        found = self.prepared_tangents(count)(t, h, x, self.prelude.values(p), dx, rates)
+        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [found])
+
+    @cached_property
+    def tangent(self) -> ca.Function:
+        """``(t, h, x, p, dx, dp) → dx⁺``: second derivatives march with it."""
+        return self.tangents(1)
+
+    @cached_property
+    def adjoint(self) -> ca.Function:
+        """``(t, h, x, p, x̄⁺) → (x̄, p̄)``, where ``tangents`` is, and for second derivatives."""
+        t, h, x, p = self._symbols()
+        weight = ca.MX.sym("w", self.size)
+        x_bar, q_bar = self.prepared_adjoint(t, h, x, self.prelude.values(p), weight)
+        out = [x_bar, self.prelude.adjoint(p, q_bar)]
+        return ca.Function("step_adjoint", [t, h, x, p, weight], out)
+
+    def _symbols(self, kind: Any = ca.MX) -> list[Any]:
+        sizes = {"t": 1, "h": 1, "x": self.size, "p": self.parameter_count}
+        return [kind.sym(name, size) for name, size in sizes.items()]
 
     @property
     def plain(self) -> Step:
@@ -119,14 +139,6 @@ class DifferentiatedStep(Step):
     theorem, so derivatives are exact as far as the equations are solved.
     """
 
-    def _symbols(self) -> list[ca.MX]:
-        return [
-            ca.MX.sym("t"),
-            ca.MX.sym("h"),
-            ca.MX.sym("x", self.size),
-            ca.MX.sym("p", self.parameter_count),
-        ]
-
     @property
     def parts(self) -> tuple[ca.Function, ImplicitFunction | None]:
         """The step without what follows it, and that: it differentiates itself."""
@@ -143,7 +155,7 @@ class DifferentiatedStep(Step):
             return [t, h], both, new, None
         return [t, h], both, new, following.at(t + h, new[: self.state_size], p)
 
-    def tangents(self, count: int) -> ca.Function:
+    def prepared_tangents(self, count: int) -> ca.Function:
         times, both, new, following = self._traced()
         dx = ca.MX.sym("dx", self.size, count)
         dp = ca.MX.sym("dp", self.parameter_count, count)
@@ -157,7 +169,7 @@ class DifferentiatedStep(Step):
         return self._split("step_tangent", inner, [dx, dp])
 
     @cached_property
-    def adjoint(self) -> ca.Function:
+    def prepared_adjoint(self) -> ca.Function:
         times, both, new, following = self._traced()
         weight, n = ca.MX.sym("w", self.size), self.state_size
         if following is None:
