@@ -43,6 +43,8 @@ FORCES = {
     "instant": lambda t, x, v, p: where(t > 0.7 * p, -3, 1),
     "two at once": lambda t, x, v, p: where(x > 0.3 * p, -1, 0) - where(2 * x < 0.6 * p, 0, v),
     "nested": lambda t, x, v, p: where(abs(x) > 0.3 * p, -2 * x, where(v > 0.5, -1, 0.5)),
+    "across and back": lambda t, x, v, p: where(t > 0.7 * p, where(t < 0.9 * p, -5, 0), 0),
+    "from the switch": lambda t, x, v, p: where(x > 0, -3 * p, 1),
     "stop": lambda t, x, v, p: stop(t, x, v, 2e3 * p),
 }
 """Forces on a particle of 1 kg that starts from 0 with 1 m/s; p is 1."""
@@ -129,6 +131,27 @@ def test_repeated_runs_go_over_switches_again(method):
     ends = [motion.analysis.replay(motion, np.array([1 + s * step])) for s in (1, -1)]
     difference = np.subtract(*(end["b.x"].values[-1] for end in ends)) / (2 * step)
     assert abs(difference - gradient) < 1e-6 * abs(gradient)
+
+
+def test_periodic_rises():
+    """All switches of a law at once, where its time begins anew."""
+    system = da.System("driven", gravity=(0.0, -9.81))
+    crank = system.add(planar.Bar("crank", length=0.3, mass=1.0, angle=0.0))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
+    times = {"duration": 0.2, "begin": 0.1, "dwell": 0.1, "fall": 0.3, "period": 0.8}
+    law = da.HarmonicRise(height=0.5, **times)
+    system.add(planar.RotationalDriver("drive", system.ground, crank, law))
+    rod = system.add(planar.Bar("rod", length=0.5, mass=1.0, angle=-1.0))
+    system.add(planar.Revolute("A", crank.end, rod.start))
+    driven = system.build()
+    wanted = da.solve_dynamics(driven, END, step=2e-4)["rod.angle"].values[-1]
+    ends = []
+    for method in ("Dormand-Prince", "Radau, index 3", "BDF"):
+        integrator, formulation = INTEGRATORS[method]
+        options = {"integrator": integrator(rtol=1e-9, atol=1e-11), "formulation": formulation}
+        ends.append(da.solve_dynamics(driven, END, **options)["rod.angle"].values[-1])
+    assert np.ptp(ends) < 1e-7
+    assert abs(ends[0] - wanted) < 1e-5  # fixed steps lose their order at jumps of acceleration
 
 
 def notes(name: str, response, **options) -> str:

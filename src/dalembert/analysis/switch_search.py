@@ -14,6 +14,7 @@ from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.events import locate
 from dalembert.analysis.switch_owners import owner_of
 from dalembert.formulations.base import state_symbols
+from dalembert.integrators.adaptive import ATTEMPTS
 from dalembert.integrators.steps import Crossing
 from dalembert.symbolic.kernel import Kernel
 
@@ -24,6 +25,10 @@ RESTART = 1e-4
 """First step, relative to the run, of methods that lose their memory at a switch."""
 HALVINGS = 50
 """Of a step that begins at a switch, in search of its first part."""
+PARTS = np.arange(1, 8) / 8
+"""Of a step, where it is looked for a switch that it goes across and back."""
+JUMPED = 1e4
+"""Distance behind a located switch, in those that count as none, to which it has jumped."""
 MANY, SHORTLY = 100, 1e-7
 """Crossings in a time, relative to the run, that are recognised as chattering."""
 
@@ -67,7 +72,14 @@ class SwitchSearch:
         self._kernels: dict[ca.Function, Kernel] = {}
 
     def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
-        """What is put in place of the last step, where it went across a switch."""
+        """What is put in place of the first step that went across a switch, to stay or and back."""
+        length = times[-1] - times[-2] if times.size > 1 else RESTART * self.span
+        if inside := self._inside(times, states, mode):
+            k, part = inside
+            length = times[k + 1] - times[k]
+            there = self._state(mode, times[k], part, states[:, k])
+            times = np.append(times[: k + 1], times[k] + part)
+            states = np.column_stack([states[:, : k + 1], there])
         end, arrived, kept = float(times[-1]), states[:, -1], times.size - 1
         beyond = self._beyond(end, arrived)
         if not beyond:
@@ -76,8 +88,7 @@ class SwitchSearch:
         if not (acting and kept):
             passage = Passage(end, arrived)
             self._turn(passage, mode, beyond, moving=False)
-            following = end - float(times[-2]) if kept else RESTART * self.span
-            return passage.crossing(kept, following, self._chattering(mode, passage, beyond))
+            return passage.crossing(kept, length, self._chattering(mode, passage, beyond))
         begin, x = float(times[-2]), states[:, -2]
         found = {k: self._locate(k, mode, begin, x, end - begin) for k in acting}
         first = min(found.values())
@@ -87,12 +98,37 @@ class SwitchSearch:
             passage.add(first, self._state(mode, begin, first, x), mode)
         idle = [k for k in self._beyond(passage.time, passage.x) if k not in acting]
         self._turn(passage, mode, idle, moving=False)
-        self._turn(passage, mode, together, moving=passage.time > self.start)
-        following = end - begin
+        for k in together:  # at the start, and where g jumps over zero, no instant moves
+            moving = passage.time > self.start and self._on_surface(k, passage)
+            self._turn(passage, mode, [k], moving)
         if self.kernel.variants[mode].step.begin is not None:
-            following = min(following, RESTART * self.span)
-        reason = self._chattering(mode, passage, together)
-        return passage.crossing(kept - 1, following, reason)
+            length = min(length, RESTART * self.span)
+        return passage.crossing(kept - 1, length, self._chattering(mode, passage, together))
+
+    def _inside(self, times: np.ndarray, states: np.ndarray, mode: int) -> tuple[int, float] | None:
+        """First step and part of it that ends beyond a switch that acts, by cubics of the steps."""
+        count, size = times.size - 1, self.size
+        if not count:
+            return None
+        whole = np.minimum(np.arange(ATTEMPTS + 1), count)  # always as many, for one function
+        t, x = times[whole], states[:size, whole]
+        p, rate = self.p[:, None], self.kernel.variants[mode].rate.function
+        (slope,) = self.kernel.over(rate, t.size)(t, x, np.tile(p, t.size))
+        h = np.diff(t)[:, None]
+        ends = [a[:, :, None] for a in (x[:, :-1], x[:, 1:], slope[:, :-1], slope[:, 1:])]
+        c = PARTS
+        between = (1 + 2 * c) * (1 - c) ** 2 * ends[0] + c**2 * (3 - 2 * c) * ends[1]
+        between += h * (c * (1 - c) ** 2 * ends[2] - c**2 * (1 - c) * ends[3])
+        at = (t[:-1, None] + h * c).ravel()
+        looked = self.kernel.over(self.kernel.crossed, at.size)
+        (beyond,) = looked(at, between.reshape(size, -1), np.tile(p, at.size))
+        for place in np.flatnonzero((beyond[:, : count * c.size] > 0).any(axis=0)):
+            k, part = divmod(int(place), c.size)
+            length = float(h[k, 0] * c[part])
+            there = self._state(mode, times[k], length, states[:, k])
+            if any(self._acts(mode, j, at[place], there) for j in self._beyond(at[place], there)):
+                return k, length
+        return None
 
     # the motion ---------------------------------------------------------------------------
     def _call(self, function: ca.Function, *arguments) -> np.ndarray:
@@ -107,6 +143,13 @@ class SwitchSearch:
         """Switches beyond which a state lies."""
         margins = self._call(self.kernel.crossed, t, x[: self.size], self.p)
         return [int(k) for k in np.flatnonzero(margins > 0)]
+
+    def _on_surface(self, k: int, passage: Passage) -> bool:
+        """Whether a switching function is zero there, and has not jumped over it."""
+        where = (passage.time, passage.x[: self.size], self.p)
+        distance = self._call(self.kernel.distances, *where)[k]
+        near = -distance - self._call(self.kernel.crossed, *where)[k]
+        return bool(abs(distance) <= JUMPED * near)
 
     def _acts(self, mode: int, k: int, t: float, x: np.ndarray) -> bool:
         """Whether the sides of a switch differ in what the state does."""

@@ -93,7 +93,9 @@ class Pace:
         """Whether the steps, of which these are the last ends, lead to more than can be kept."""
         self.taken += ends.size - 1
         share = (ends[-1] - self.start) / (self.end - self.start)
-        expected = self.taken / share if share > 0 else math.inf
+        if not share > 0:  # a switch at the start takes no time
+            return False
+        expected = self.taken / share
         cure = "use looser tolerances or a shorter run"
         pace = f"at the pace of the first {self.taken} steps the run of {expected:.3g}"
         try:
