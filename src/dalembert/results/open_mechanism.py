@@ -8,7 +8,6 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-import xarray as xr
 
 from dalembert.errors import AssemblyError
 from dalembert.model.absolute import at_ground
@@ -76,6 +75,8 @@ class _Drawn:
     """Two instants, the guess and the best position, as the drawing of a motion sees them."""
 
     def __init__(self, found: OpenPosition):
+        import xarray as xr
+
         self.found, d = found, found.parts
         self.parameters = found.parameters
         self._p = stack(p.sx for p in d.parameters.values())
