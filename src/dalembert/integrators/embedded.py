@@ -46,5 +46,6 @@ def _error_ratio(problem: Problem, step: ExplicitStep, rtol, atol, where, slopes
     error = scaled(tableau.b_error)
     if tableau.b_error_low is None:
         return largest(error)
-    mean, low = (ca.sumsqr(e) / problem.controlled for e in (error, scaled(tableau.b_error_low)))
+    count = max(problem.controlled, 1)  # nothing has no mean
+    mean, low = (ca.sumsqr(e) / count for e in (error, scaled(tableau.b_error_low)))
     return mean / ca.sqrt(mean + 0.01 * low + 1e-300)

@@ -66,9 +66,11 @@ class Equations:
 
     def held(self) -> Equations:
         """The same system with every switch held on its side."""
+        moving = ca.vertcat(self.t, self.y, self.v)
         parts = [self.bias, self.force, self.constraints, self.potential, self.powers]
-        held, switches = hold(parts, ca.vertcat(self.t, self.y, self.v))
-        bias, force, constraints, potential, powers = held
+        (bias, force, constraints, potential, powers), switches = hold(parts, moving)
+        if not hold([self.constraints], moving)[1].count:  # roots in them know of no side
+            constraints = self.constraints
         return replace(
             self,
             bias=bias,
