@@ -86,24 +86,32 @@ class Assembler:
         turns = np.array([unit != "m" for unit in guesses.units], dtype=bool)
         self.longest = np.where(turns, LARGEST_TURN * scales.coordinates, np.inf)
         by_row = jacobian.T  # whose columns casadi keeps together
-        self._columns, self._ends = (
+        self.entry_columns, self._ends = (
             np.array(x, dtype=np.int32) for x in (by_row.row(), by_row.colind())
         )
+        self.entry_rows = np.repeat(np.arange(self.row_count), np.diff(self._ends))
         entries = stack([ca.vec(by_row.nz[:])])
         self.position = ca.Function("position", [e.t, e.y, e.p], [residual, entries])
 
+    def violations(
+        self, t: float, y: np.ndarray, p: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Violations with their scale and rounding, and the entries of their Jacobian by rows."""
+        value, entries = (found.full().ravel() for found in self.position(t, y, p))
+        row, column, size = self.entry_rows, self.entry_columns, np.abs(entries)
+        scale, m = self.scales.rows, self.row_count
+        if m > scale.size:
+            asked = np.bincount(row, size * self.scales.coordinates[column], m)[scale.size :]
+            scale = np.concatenate([scale, np.where(asked > 0, asked, 1.0)])
+        rounding = ROUNDING * np.bincount(row, size * np.abs(y)[column], m)
+        return value, scale, rounding, entries
+
     def closeness(self, t: float, y: np.ndarray, p: np.ndarray) -> Closeness:
         """Violations at a position, of the constraints first, then of initial conditions."""
-        value, entries = (found.full().ravel() for found in self.position(t, y, p))
-        m, s, columns = self.row_count, self.scales, self._columns
-        row, size = np.repeat(np.arange(m), np.diff(self._ends)), np.abs(entries)
-        asked = np.bincount(row, size * s.coordinates[columns], m)[self.equation_count :]
-        return Closeness(
-            value,
-            np.concatenate([s.rows, np.where(asked > 0, asked, 1.0)]),
-            ROUNDING * np.bincount(row, size * np.abs(y)[columns], m),
-            jacobian=sparse.csr_array((entries, columns, self._ends), (m, y.size)),
-        )
+        value, scale, rounding, entries = self.violations(t, y, p)
+        shape = self.row_count, y.size
+        jacobian = sparse.csr_array((entries, self.entry_columns, self._ends), shape)
+        return Closeness(value, scale, rounding, jacobian=jacobian)
 
     def scaled_jacobian(self, t: float, y: np.ndarray, p: np.ndarray) -> sparse.csr_array:
         """Jacobian of all equations by coordinates in natural units."""

@@ -159,6 +159,7 @@ class Closure:
             priority = self.guesses.priority(given)
             chosen = free_columns(jacobian[[*self.rows, *conditions]], priority)
             self.recipe = replace(self.recipe, positions=Held.of(chosen, given, y))
+            self._pinned = Pinned(self._assembler, self.recipe)
             wanted = [k for k in chosen if given[k] is not None]
             found, reached = self._approach(p, y, p, 0.0)
             if reached == 1.0:
@@ -205,7 +206,7 @@ class Closure:
         anchor_p, anchor_y = self._anchor
         y = self._follow(anchor_p, anchor_y, p, time)
         v = self.recipe.speeds_at(time, y, p)
-        residual = np.abs(self._pinned(time, p).residual(y).value).max(initial=0.0)
+        residual = np.abs(self._pinned.at(time, p).residual(y).value).max(initial=0.0)
         guess_y, guess_v = self.guesses.values(p)
         projected = self.recipe.projected
         return AssembledState(
@@ -226,9 +227,6 @@ class Closure:
         """``(t, y_start, p) → (y0, v0)`` as an implicit function of the parameters."""
         return self.recipe.initial_state
 
-    def _pinned(self, time: float, p: np.ndarray) -> Pinned:
-        return Pinned(self._assembler, self.recipe, self.guesses.values(p)[0], time, p)
-
     def _follow(self, p0: np.ndarray, y0: np.ndarray, p1: np.ndarray, time: float) -> np.ndarray:
         """The assembled position on the branch of another one."""
         y, reached = self._approach(p0, y0, p1, time)
@@ -248,7 +246,7 @@ class Closure:
         while reached < 1.0:
             target = min(1.0, reached + step)
             p = p0 + target * (p1 - p0)
-            found = newton.solve(self._pinned(target * time, p), y, FOLLOWED)
+            found = newton.solve(self._pinned.at(target * time, p), y, FOLLOWED)
             if found.accepted:
                 reached, y, step = target, found.x, 2 * step
                 continue

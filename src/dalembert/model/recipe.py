@@ -8,6 +8,7 @@ a square system and so a differentiable function of the parameters.
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -15,7 +16,7 @@ import casadi as ca
 import numpy as np
 from scipy import sparse
 
-from dalembert.model.assembly import ROUNDING, Assembler, Closeness, factorised, scaled
+from dalembert.model.assembly import ROUNDING, Assembler, factorised
 from dalembert.model.equations import Equations
 from dalembert.model.guesses import Guesses
 from dalembert.model.scales import Scales
@@ -137,25 +138,28 @@ class Recipe:
 
     def speeds_at(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
         """(n,) speeds at the start, by sparse factors."""
-        matrix, right = self._linear_speeds(t, y, p)
-        by_row = sparse.csr_array(matrix.sparse())
+        pattern, function = self._linear_speeds
+        entries, right = (found.full().ravel() for found in function(t, y, p))
         n, scales = self.equations.speed_count, self.scales
-        columns = np.ones(by_row.shape[1])
+        columns = np.full(right.size, scales.energy * scales.time)  # of σ, with natural equations
         columns[:n] = scales.speeds
-        columns[n:] = scales.energy * scales.time  # of σ, for equations in natural units
-        scaled = by_row @ sparse.diags_array(columns)
-        rows = 1 / np.ravel(abs(scaled).max(axis=1).toarray())
-        found = factorised(sparse.diags_array(rows) @ scaled)(rows * right.full().ravel())
-        return (columns * found)[:n]
+        entries = entries * columns[pattern.columns]
+        size = np.bincount(pattern.rows, np.abs(entries), right.size)
+        rows = 1 / np.where(size > 0, size, 1.0)
+        solve = factorised(pattern.matrix(entries * rows[pattern.rows]))
+        return (columns * solve(rows * right))[:n]
 
     @cached_property
-    def _linear_speeds(self) -> ca.Function:
-        """``(t, y, p)`` → matrix and right-hand side of the speeds at the start."""
+    def _linear_speeds(self) -> tuple[Pattern, ca.Function]:
+        """``(t, y, p)`` → entries of the matrix and right-hand side of the speeds at the start."""
         e = self.equations
         unknown, equations = self._speed_equations()
         at_zero = ca.substitute(equations, unknown, ca.SX.zeros(unknown.numel()))
-        outputs = [ca.jacobian(equations, unknown), -at_zero]
-        return ca.Function("linear_speeds", [e.t, e.y, e.p], outputs)
+        matrix = ca.jacobian(equations, unknown)
+        places = (np.array(matrix.row()), np.array(matrix.sparsity().get_col()))
+        pattern = Pattern(*places, unknown.numel())
+        outputs = [stack([ca.vec(matrix.nz[:])]), -at_zero]
+        return pattern, ca.Function("linear_speeds", [e.t, e.y, e.p], outputs)
 
     def scaled_speed_jacobian(self, t: float, y: np.ndarray, p: np.ndarray) -> sparse.csr_array:
         """``∂Ψ/∂v`` of the demanded speeds, by speeds in natural units."""
@@ -166,39 +170,90 @@ class Recipe:
         return sparse.csr_array(found) @ sparse.diags_array(self.scales.speeds)
 
 
+class Pattern:
+    """Where the entries of a square matrix stand, given in any order.
+
+    Parameters
+    ----------
+    rows, columns : of the entries
+    size : of the matrix
+    """
+
+    def __init__(self, rows: np.ndarray, columns: np.ndarray, size: int):
+        self.rows, self.columns = rows.astype(np.int32), columns.astype(np.int32)
+        self._order = np.lexsort((self.rows, self.columns))
+        ends = np.cumsum(np.bincount(self.columns, minlength=size)[:size])
+        self._ends = np.concatenate([[0], ends]).astype(np.int32)
+        self._shape = int(self.rows.max(initial=-1)) + 1, size
+
+    def matrix(self, entries: np.ndarray) -> sparse.csc_array:
+        """The matrix with these entries."""
+        ordered = entries[self._order], self.rows[self._order], self._ends
+        return sparse.csc_array(ordered, self._shape)
+
+
+@dataclass(frozen=True)
+class _Square(newton.Residual):
+    """Residuals of a square system; ``entries`` are those of its Jacobian."""
+
+    scale: np.ndarray
+    entries: np.ndarray = field(kw_only=True)
+
+
 class Pinned(newton.Equations[np.ndarray]):
     """The square system of an assembled position: independent equations, and what is held.
 
     Parameters
     ----------
     assembler, recipe : what is solved
-    guess : (n,) guesses of all coordinates for these parameter values
-    t, p : instant and parameter values
     """
 
     longest: np.ndarray
+    t: float
+    p: np.ndarray
+    targets: np.ndarray
 
-    def __init__(
-        self, assembler: Assembler, recipe: Recipe, guess: np.ndarray, t: float, p: np.ndarray
-    ):
-        self.assembler, self.t, self.p = assembler, t, p
-        self.held = list(recipe.positions.indices)
-        self.targets = recipe.positions.targets(guess)
-        self.rows = [*recipe.rows, *range(assembler.equation_count, assembler.row_count)]
+    def __init__(self, assembler: Assembler, recipe: Recipe):
+        self.assembler, self.recipe = assembler, recipe
         self.longest = assembler.longest
+        self.held = np.array(recipe.positions.indices, dtype=int)
+        beyond = range(assembler.equation_count, assembler.row_count)
+        self.rows = np.array([*recipe.rows, *beyond], dtype=int)
+        place = np.full(assembler.row_count, -1)
+        place[self.rows] = np.arange(self.rows.size)
+        self._kept = np.flatnonzero(place[assembler.entry_rows] >= 0)
+        self._pattern = Pattern(
+            np.concatenate(
+                [
+                    place[assembler.entry_rows[self._kept]],
+                    self.rows.size + np.arange(self.held.size),
+                ]
+            ),
+            np.concatenate([assembler.entry_columns[self._kept], self.held]),
+            assembler.longest.size,
+        )
+        self._units = np.ones(self.held.size)
+        self._sizes = assembler.scales.coordinates[self.held]
 
-    def residual(self, x: np.ndarray) -> Closeness:
-        free = self.assembler.closeness(self.t, x, self.p).some(self.rows)
-        units = sparse.csr_array(sparse.eye_array(x.size))[self.held]
-        return Closeness(
-            np.concatenate([free.value, x[self.held] - self.targets]),
-            np.concatenate([free.scale, self.assembler.scales.coordinates[self.held]]),
-            np.concatenate([free.rounding, ROUNDING * np.abs(self.targets)]),
-            jacobian=sparse.vstack([free.jacobian, units], format="csr"),
+    def at(self, t: float, p: np.ndarray) -> Pinned:
+        """The same at an instant, for parameter values."""
+        made = copy(self)
+        made.t, made.p = t, p
+        made.targets = self.recipe.positions.targets(self.recipe.guesses.values(p)[0])
+        return made
+
+    def residual(self, x: np.ndarray) -> _Square:
+        value, scale, rounding, entries = self.assembler.violations(self.t, x, self.p)
+        rows = self.rows
+        return _Square(
+            np.concatenate([value[rows], x[self.held] - self.targets]),
+            np.concatenate([scale[rows], self._sizes]),
+            np.concatenate([rounding[rows], ROUNDING * np.abs(self.targets)]),
+            entries=np.concatenate([entries[self._kept], self._units]),
         )
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
-        assert isinstance(residual, Closeness)
-        columns = self.assembler.scales.coordinates
-        solve = factorised(scaled(residual.jacobian, 1 / residual.scale, columns))
-        return -columns * solve(residual.value / residual.scale)
+        assert isinstance(residual, _Square)
+        columns, at = self.assembler.scales.coordinates, self._pattern
+        scaled = residual.entries / residual.scale[at.rows] * columns[at.columns]
+        return -columns * factorised(at.matrix(scaled))(residual.value / residual.scale)

@@ -40,12 +40,12 @@ class SpanningTree:
     chords: tuple[Edge, ...]
 
     @cached_property
-    def paths(self) -> dict[str, tuple[str, ...]]:
-        """Edges from the root of its component to a node."""
-        found: dict[str, tuple[str, ...]] = {}
+    def _arrivals(self) -> dict[str, tuple[int, Visit]]:
+        """How far from its root a node is, and how it is reached."""
+        found: dict[str, tuple[int, Visit]] = {}
         for visit in self.visits:
-            parent, edge = visit.parent, visit.edge
-            found[visit.node] = () if parent is None or edge is None else (*found[parent], edge)
+            depth = 0 if visit.parent is None else found[visit.parent][0] + 1
+            found[visit.node] = depth, visit
         return found
 
     @property
@@ -54,10 +54,23 @@ class SpanningTree:
 
     def loop(self, chord: Edge) -> tuple[str, ...]:
         """Edges of the loop that an edge outside the tree closes, once round."""
-        one, other = self.paths[chord.i], self.paths[chord.j]
-        shared = set(one) & set(other)
-        back = [edge for edge in reversed(other) if edge not in shared]
-        return (*(edge for edge in one if edge not in shared), chord.name, *back)
+        one, other = chord.i, chord.j
+        forth: list[str] = []
+        back: list[str] = []
+        while one != other:
+            (depth, here), (other_depth, there) = self._arrivals[one], self._arrivals[other]
+            if depth >= other_depth:
+                one = _step(here, forth)
+            else:
+                other = _step(there, back)
+        return (*reversed(forth), chord.name, *back)
+
+
+def _step(visit: Visit, passed: list[str]) -> str:
+    """The parent of a node; the edge to it is noted."""
+    assert visit.parent is not None and visit.edge is not None
+    passed.append(visit.edge)
+    return visit.parent
 
 
 def spanning_tree(nodes: list[str], edges: list[Edge]) -> SpanningTree:
