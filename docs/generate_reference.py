@@ -48,6 +48,8 @@ HOLDS = {
     "body": "name of a body",
     "joint": "name of a joint",
     "rows": "list",
+    "terms": "list of laws, numbers or formulas",
+    "factors": "list of laws, numbers or formulas",
     "count or times": "count or list of times",
     "interval": "two numbers",
     "points": "table",

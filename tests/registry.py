@@ -24,6 +24,8 @@ from dalembert.elements.laws import (
     Polynomial,
     Polynomial345Rise,
     Polynomial4567Rise,
+    Product,
+    Sum,
     Table,
 )
 
@@ -276,6 +278,28 @@ LAWS: dict[str, LawCase] = {
     "Table": LawCase(
         Table,
         lambda q: Table(TIMES, VALUES),
+        lambda p, s: cubic(s, TIMES, VALUES, "natural"),
+        breaks=tuple(TIMES[1:-1]),
+    ),
+    "Sum": LawCase(
+        Sum,
+        lambda q: Table(TIMES, VALUES) + Harmonic(q.number("amp", 0.4), q.number("w", 3.0)) + t,
+        lambda p, s: cubic(s, TIMES, VALUES, "natural") + p.amp * np.sin(p.w * s) + s,
+        breaks=tuple(TIMES[1:-1]),
+    ),
+    "Product": LawCase(
+        Product,
+        lambda q: (
+            Polynomial(q.number("s0", 0.3)) * Harmonic(q.number("amp", 1.0), q.number("w", 2.0))
+        ),
+        lambda p, s: p.s0 * p.amp * np.sin(p.w * s),
+    ),
+    "Table of formulas": LawCase(
+        Table,
+        lambda q: Table(
+            [x * q.number(f"stretch{k}", 1.0) for k, x in enumerate(TIMES)],
+            [y * q.number(f"lift{k}", 1.0) for k, y in enumerate(VALUES)],
+        ),
         lambda p, s: cubic(s, TIMES, VALUES, "natural"),
         breaks=tuple(TIMES[1:-1]),
     ),

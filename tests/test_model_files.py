@@ -84,7 +84,9 @@ LAW_TABLES = {
     "CycloidalRise": "height = 1, duration = 2, fall = 1",
     "Polynomial345Rise": "height = 1, duration = 2, fall = 1, period = 4",
     "Polynomial4567Rise": "height = 1, duration = 2",
-    "Table": "times = [0, 1, 2], values = [0, 1, 0], periodic = true",
+    "Table": 'times = [0, "k/2", 2], values = [0, "k/2", 0], periodic = true',
+    "Sum": 'laws = [{ type = "Harmonic", amplitude = 1, frequency = 2 }, "k*t", 0.5]',
+    "Product": 'laws = ["k", { type = "Polynomial", velocity = 1 }]',
 }
 CURVE_TABLES = {
     "SplineCurve": 'points = [["k/10", 0], [0, 0.1], [-0.1, 0]], closed = true',
@@ -262,7 +264,7 @@ def test_rows_from_a_file_beside_the_model(tmp_path):
         'curve = { type = "SplineCurve", file = "law.csv", closed = false }\n'
     )
     system = load(written(tmp_path, text))
-    assert system.elements["new"].law.spline.knots.tolist() == [0, 1, 2]
+    assert system.elements["new"].law.spline.knots == [0, 1, 2]
     assert len(system.elements["cam"].curve.points) == 3
 
 

@@ -12,6 +12,11 @@ from hypothesis import given, strategies as st
 from registry import LAWS, Builder, Observer
 from scipy.interpolate import CubicSpline as SciPySpline
 
+import dalembert as da
+from dalembert import SplineCurve, planar, t
+from dalembert.elements.laws import Harmonic, Polynomial, Product, Sum, Table
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.spline import CubicSpline
 
 TIMES = np.linspace(-0.73, 3.1, 211)
@@ -46,7 +51,8 @@ def _apart(times, breaks) -> np.ndarray:
 @pytest.mark.parametrize("name", LAWS)
 def test_values_are_the_formulas(name):
     """f(t) against its twin."""
-    times = TIMES if name != "Table" else TIMES[(TIMES >= -0.5) & (TIMES <= 2.6)]
+    inside = (TIMES >= -0.5) & (TIMES <= 2.6)  # where the twin of a table ends
+    times = TIMES[inside] if name in ("Table", "Table of formulas", "Sum") else TIMES
     numbers = compiled(name)[1]
     expected = [LAWS[name].twin(numbers, s) for s in times]
     np.testing.assert_allclose(derivatives(name, times)[0], expected, atol=1e-13)
@@ -112,3 +118,96 @@ def test_cubic_spline_is_scipys(gaps, periodic, seed):
     found = function(places[None, :]).full()
     for order in range(3):
         np.testing.assert_allclose(found[order], theirs(places, order), atol=1e-9)
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+@pytest.mark.parametrize("rows", [3, 4, 7])
+def test_splines_are_differentiable_by_their_knots_and_values(rows, periodic):
+    """Against differences of SciPy's splines."""
+    rng = np.random.default_rng(rows)
+    knots, values = np.cumsum(rng.uniform(0.5, 1.5, rows)), rng.standard_normal(rows)
+    ends = "periodic" if periodic else "natural"
+    k, v, x = ca.SX.sym("k", rows), ca.SX.sym("v", rows), ca.SX.sym("x")
+    closed = [*(v[i] for i in range(rows - 1)), v[0] if periodic else v[rows - 1]]
+    spline = CubicSpline(
+        [Expression(k[i]) for i in range(rows)], list(map(Expression, closed)), periodic, "spline"
+    )
+    slopes = ca.Function("slopes", [x, k, v], [ca.jacobian(spline(x), ca.vertcat(k, v))])
+
+    def theirs(numbers):
+        table = numbers[rows:].copy()
+        if periodic:
+            table[-1] = table[0]
+        return SciPySpline(numbers[:rows], table, bc_type=ends)
+
+    given, h = np.concatenate([knots, values]), 1e-5
+    for place in np.linspace(knots[0] + 0.1, knots[-1] - 0.1, 7):
+        found = slopes(place, knots, values).full().ravel()
+        wanted = [
+            (theirs(given + h * e)(place) - theirs(given - h * e)(place)) / (2 * h)
+            for e in np.eye(2 * rows)
+        ]
+        np.testing.assert_allclose(found, wanted, atol=1e-8)
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_large_tables_are_looked_up(periodic):
+    """Two hundred thousand rows are one node of the graph, and the same spline, ends included."""
+    knots = np.linspace(0.0, 2 * np.pi, 200_001)
+    x = ca.SX.sym("x")
+    s = Table(knots, np.sin(knots), periodic=periodic).value(x)
+    assert ca.n_nodes(s) < 100
+    first = ca.jacobian(s, x)
+    function = ca.Function("s", [x], [ca.vertcat(s, first, ca.jacobian(first, x))])
+    inside = np.array([0.0, 0.3, 3.0, 6.2])
+    found = function(inside[None, :]).full()
+    np.testing.assert_allclose(found[:2], [np.sin(inside), np.cos(inside)], atol=1e-9)
+    beyond = function(np.array([[2 * np.pi + 0.5, -0.5]])).full()[0]
+    wanted = np.sin([0.5, -0.5]) if periodic else [0.5, -0.5]
+    np.testing.assert_allclose(beyond, wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Table([0, 1, np.nan], [0, 1, 0]), r"abscissa in row 3: nan"),
+        (lambda: Table([0, 1, 2], [0, np.inf, 0]), r"value in row 2: inf"),
+        (lambda: Table([0, 1, 2], [0, 1e300, 0]), r"value in row 2: 1e\+300"),
+        (lambda: Table([0, 1, 2], [0, "1", 0]), r"value in row 2.*'1'"),
+        (lambda: Table([0, 1, 2], [0, True, 0]), r"value in row 2.*True"),
+        (lambda: Table([0, 1, 1], [0, 1, 0]), r"row 3 \(1.0\) does not follow row 2"),
+        (lambda: Table(3, [0, 1, 0]), "times must be a list, got 3"),
+        (lambda: Table([0, 1, 2], "abc"), "value in row 1"),
+        (lambda: Table([0, 1, 2], [0, 1, 0], periodic=1), "periodic is 1"),
+        (lambda: Table([0, 1, 2], [0, 1, 1], periodic=True), "misses by 1"),
+        (lambda: Harmonic(np.nan, 1.0), "amplitude: nan"),
+        (lambda: Harmonic("1", 1.0), "amplitude.*'1'"),
+        (lambda: SplineCurve(5), "points must be a list"),
+        (lambda: Sum([]), "at least one"),
+        (lambda: Product(3), "must be a list"),
+        (lambda: Polynomial(velocity=1.0) + np.nan, r"Sum.laws\[1\]: nan"),
+        (lambda: Polynomial(velocity=1.0) * "2", r"Product.laws\[1\].*'2'"),
+    ],
+)
+def test_wrong_numbers_in_laws_are_typed_errors(make, words):
+    with pytest.raises(ModelError, match=words):
+        make()
+
+
+def test_rows_that_do_not_increase_with_some_parameters():
+    system = da.System("crank")
+    late = system.parameter("late", 3.0)
+    bar = system.add(planar.Bar("bar", length=1.0, mass=1.0))
+    system.add(planar.Revolute("pin", system.ground.point(0, 0), bar.start))
+    law = Table([0.0, 2.0, late], [0.0, 1.0, 0.0])
+    system.add(planar.RotationalDriver("motor", system.ground, bar, law))
+    model = system.build()
+    with pytest.raises(ModelError, match="motor: abscissae must increase, but row 3"):
+        da.solve_kinematics(model, 1.0, parameters={"late": 1.0})
+
+
+def test_laws_add_and_multiply_with_formulas_and_numbers():
+    law, k, x = Polynomial(velocity=2.0), da.System("k").parameter("k", 3.0), ca.SX.sym("x")
+    made = k * law - 1 + t * law - (-law) + np.float64(2.0) * law
+    function = ca.Function("f", [x, k.sx], [made.value(x)])
+    assert float(function(0.5, 3.0)) == pytest.approx(3 * 1 - 1 + 0.5 + 1 + 2)

@@ -54,6 +54,8 @@ class SplineCurve(Curve):
     closed: bool = option("the curve closes on itself", default=True)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.points, (Sequence, np.ndarray)):
+            raise ModelError(f"points must be a list, got {self.points!r:.60}", "SplineCurve")
         points = [
             as_expression(p, f"SplineCurve point {k + 1}", "m", 2)
             for k, p in enumerate(cast(Sequence, self.points))
@@ -75,7 +77,8 @@ class SplineCurve(Curve):
         knots = np.concatenate([[0.0], np.cumsum(chords)])
         self._range = (0.0, float(knots[-1]))
         self._x, self._y = (
-            CubicSpline(knots, [c[k] for c in columns], self.closed, "SplineCurve") for k in (0, 1)
+            CubicSpline(list(knots), [c[k] for c in columns], self.closed, "SplineCurve")
+            for k in (0, 1)
         )
 
     def position(self, parameter: ca.SX) -> ca.SX:

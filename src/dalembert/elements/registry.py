@@ -7,7 +7,7 @@ schema, the laws tested over all elements and the reference pages are all made f
 from __future__ import annotations
 
 from dalembert.elements.curves import Curve, FormulaCurve, SplineCurve
-from dalembert.elements.laws.base import Formula, Law
+from dalembert.elements.laws.base import Formula, Law, Product, Sum
 from dalembert.elements.laws.harmonic import Harmonic
 from dalembert.elements.laws.polynomial import Polynomial
 from dalembert.elements.laws.rise import (
@@ -82,6 +82,8 @@ LAWS: dict[str, type[Law]] = {
     "Polynomial345Rise": Polynomial345Rise,
     "Polynomial4567Rise": Polynomial4567Rise,
     "Table": Table,
+    "Sum": Sum,
+    "Product": Product,
 }
 
 CURVES: dict[str, type[Curve]] = {

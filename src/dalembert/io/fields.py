@@ -38,7 +38,7 @@ BY_ANNOTATION = {
     "int | Sequence[float]": "count or times",
     "int | Sequence[float] | np.ndarray": "count or times",
 }
-ALWAYS_NEEDED = {"law", "curve", "measure", "event"}
+ALWAYS_NEEDED = {"law", "terms", "factors", "curve", "measure", "event"}
 
 
 def kind_of(field: dataclasses.Field) -> str:

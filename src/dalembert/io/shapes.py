@@ -50,8 +50,12 @@ class Shapes:
                 continue
             given = getattr(table, field.name)
             with self.located(*where, field.name):
-                formula = kind_of(field) == "quantity"
-                made[field.name] = self.formulas.read(given, scope, local) if formula else given
+                kind = kind_of(field)
+                if kind == "quantity":
+                    given = self.formulas.read(given, scope, local)
+                elif kind in ("terms", "factors"):
+                    given = [self.law(x, (*where, field.name, k)) for k, x in enumerate(given)]
+                made[field.name] = given
         with self.located(*where):
             return made_of(cls, **made)
 

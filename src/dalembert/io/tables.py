@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, Field, create_model
 
+from dalembert.elements.laws import Product, Sum
 from dalembert.elements.registry import CURVES, LAWS
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.fields import FROM_FILE, connected, is_needed, kind_of, written
@@ -100,13 +101,21 @@ def value_type(kind: str, size: int = 1) -> Any:
         "vector": lambda: list_of(Entry, size),
         "interval": lambda: list_of(Number, 2, "start, end"),
         "points": lambda: dict[str, Vector],  # type: ignore[valid-type]
-        "law": lambda: one_of({n: table_of(n, c) for n, c in LAWS.items()}, plain=Entry),
+        "law": lambda: _law(),
+        "terms": lambda: list[_law(Sum)],  # type: ignore[misc]
+        "factors": lambda: list[_law(Sum, Product)],  # type: ignore[misc]
         "curve": lambda: one_of({n: table_of(n, c) for n, c in CURVES.items()}),
         "damping": lambda: RayleighTable,
         "names": lambda: list[Text],  # type: ignore[valid-type]
         "events": lambda: dict[str, table_or(EventTable, Entry)],  # type: ignore[misc]
     }
     return made[kind]()
+
+
+def _law(*without: type) -> Any:
+    """A law but these, or a number or formula in t: sums hold products, products neither."""
+    tables = {n: table_of(n, c) for n, c in LAWS.items() if c not in without}
+    return one_of(tables, plain=Entry)
 
 
 def table_of(name: str, cls: Any, optional_type: bool = False) -> type[BaseModel]:

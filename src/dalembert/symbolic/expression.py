@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -133,8 +134,11 @@ class Expression:
         return f"<{label}{str(self.sx)[:80]}{' ' + self.unit if self.unit else ''}>"
 
 
-def _binary(a, b, operate) -> Expression:
-    return Expression(operate(as_sx(a), as_sx(b)))
+def _binary(a, b, operate) -> Any:
+    try:
+        return Expression(operate(as_sx(a), as_sx(b)))
+    except TypeError:  # what is no formula, such as a law, may know how
+        return NotImplemented
 
 
 def as_sx(value) -> ca.SX:

@@ -1,116 +1,208 @@
-"""Cubic splines written out in the expression graph: C², periodic or natural."""
+"""Cubic splines in the expression graph: C², periodic or natural."""
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike
 
-from dalembert.errors import ModelError
-from dalembert.symbolic.expression import as_sx
+from dalembert.errors import ExpressionError, ModelError
+from dalembert.symbolic.expression import as_expression
+
+LARGE = 300
+"""Rows beyond which a table of constants is looked up instead of written out."""
+
+Scalar = Any  # a float where it is known, else a casadi.SX
 
 
 class CubicSpline:
-    """Interpolating cubic spline with fixed knots; the values may be formulas.
+    """Interpolating cubic spline; knots and values may be formulas.
 
-    Second derivatives ``m`` at the knots depend linearly on the values, ``m = T v`` with a
-    constant matrix, so the spline is differentiable with respect to its values too.
+    Second derivatives at the knots solve a tridiagonal system, which stands in the graph where it
+    has formulas: the spline is differentiable by its knots and values.
 
     Parameters
     ----------
-    knots : (n,) increasing floats
+    knots : n increasing numbers or formulas
     values : n numbers or formulas
     periodic : the last value equals the first and the spline repeats
     entity : name used in messages
+
+    Raises
+    ------
+    ModelError
+        Fewer than three rows, numbers that are none, knots that do not increase, a periodic spline
+        that does not close.
     """
 
-    def __init__(self, knots: ArrayLike, values: list, periodic: bool, entity: str):
-        self.knots = np.asarray(knots, dtype=float)
-        n = self.knots.size
-        if n < 3:
-            raise ModelError(f"a spline needs at least 3 rows, got {n}", entity)
-        if not np.all(np.isfinite(self.knots)):
-            raise ModelError("the abscissae contain NaN or infinity", entity)
-        steps = np.diff(self.knots)
-        if np.any(steps <= 0):
-            k = int(np.argmax(steps <= 0))
-            raise ModelError(
-                f"abscissae must increase, but row {k + 2} ({self.knots[k + 1]}) "
-                f"does not follow row {k + 1} ({self.knots[k]})",
-                entity,
-            )
-        self.values = ca.vertcat(*(as_sx(v) for v in values))
-        for k in range(n):
-            if self.values[k].is_constant() and not np.isfinite(float(self.values[k])):
-                raise ModelError(f"value in row {k + 1} is not finite", entity)
-        self.periodic = periodic
+    def __init__(self, knots: Sequence, values: Sequence, periodic: bool, entity: str):
+        self.periodic, self.entity = periodic, entity
+        self.knots = _scalars(knots, entity, "abscissa")
+        self.values = _scalars(values, entity, "value")
+        if len(self.knots) != len(self.values):
+            text = f"{len(self.knots)} abscissae but {len(self.values)} values"
+            raise ModelError(text, entity)
+        if len(self.knots) < 3:
+            raise ModelError(f"a spline needs at least 3 rows, got {len(self.knots)}", entity)
+        self.steps = [b - a for a, b in zip(self.knots, self.knots[1:], strict=False)]
+        for k, step in enumerate(self.steps):
+            if isinstance(step, float) and not step > 0:
+                raise ModelError(
+                    f"abscissae must increase, but row {k + 2} ({self.knots[k + 1]}) "
+                    f"does not follow row {k + 1} ({self.knots[k]})",
+                    entity,
+                )
         if periodic:
-            self._check_closed(entity)
-        self.curvatures = ca.mtimes(ca.DM(_curvature_matrix(steps, periodic)), self.values)
+            self._check_closed()
+        constant = all(isinstance(x, float) for x in (*self.knots, *self.values))
+        if constant and len(self.knots) > LARGE:
+            self._inside, slopes = self._looked_up()
+        else:
+            curvatures = _curvatures(self.steps, self.values, periodic)
+            self._inside, slopes = self._written_out(curvatures)
+        self._slopes = slopes
 
-    def _check_closed(self, entity: str) -> None:
-        gap = self.values[-1] - self.values[0]
-        scale = 1.0
-        if self.values.is_constant():
-            scale = max(1.0, float(ca.mmax(ca.fabs(self.values))))
-        if gap.is_constant() and abs(float(gap)) > 1e-9 * scale:
-            raise ModelError(
-                f"a periodic spline must end where it begins; it misses by {float(gap)}",
-                entity,
-            )
+    def conditions(self) -> list[tuple[ca.SX, str]]:
+        """(formula that must not be negative, what is wrong if it is) of knots by formulas."""
+        text = "abscissae must increase, but row {} does not follow row {} with these parameters"
+        return [
+            (step - 1e-12 * ca.fabs(self.knots[k + 1]) - 1e-100, text.format(k + 2, k + 1))
+            for k, step in enumerate(self.steps)
+            if not isinstance(step, float)
+        ]
 
     def __call__(self, x: ca.SX) -> ca.SX:
         first, last = self.knots[0], self.knots[-1]
         if self.periodic:
-            x = x - (last - first) * ca.floor((x - first) / (last - first))
-        inner = list(self.knots[1:-1])
+            return self._inside(x - (last - first) * ca.floor((x - first) / (last - first)))
+        begun, over = _reached(x, first), _reached(x, last)
+        before = self.values[0] + self._slopes[0] * (x - first)
+        after = self.values[-1] + self._slopes[1] * (x - last)
+        inside = self._inside(ca.if_else(begun, ca.if_else(over, last, x), first))
+        return ca.if_else(begun, ca.if_else(over, after, inside), before)
 
-        def pick(column):  # piecewise constant: the column's entry of the interval of x
-            if column.is_constant() and float(ca.mmax(ca.fabs(column - column[0]))) == 0.0:
-                return column[0]
-            jumps = (
-                (column[k + 1] - column[k]) * _reached(x, knot) for k, knot in enumerate(inner)
+    def _check_closed(self) -> None:
+        gap = self.values[-1] - self.values[0]
+        scale = max([1.0, *(abs(v) for v in self.values if isinstance(v, float))])
+        if isinstance(gap, float) and abs(gap) > 1e-9 * scale:
+            raise ModelError(
+                f"a periodic spline must end where it begins; it misses by {gap}", self.entity
             )
-            return sum(jumps, column[0])
 
-        left, right = pick(ca.SX(ca.DM(self.knots[:-1]))), pick(ca.SX(ca.DM(self.knots[1:])))
-        h = right - left
-        v0, v1 = pick(self.values[:-1]), pick(self.values[1:])
-        m0, m1 = pick(self.curvatures[:-1]), pick(self.curvatures[1:])
-        a, b = right - x, x - left
-        slope0 = (v1 - v0) / h - h * (2 * m0 + m1) / 6
-        slope1 = (v1 - v0) / h + h * (m0 + 2 * m1) / 6
-        inside = (
-            (m0 * a**3 + m1 * b**3) / (6 * h)
-            + (v0 / h - m0 * h / 6) * a
-            + (v1 / h - m1 * h / 6) * b
-        )
+    def _written_out(self, m: list[Scalar]):
+        """The spline between its ends as a sum over its pieces, and its slopes there."""
+        h, v = self.steps, self.values
+
+        def slope(k: int, left: float, right: float) -> Scalar:
+            return (v[k + 1] - v[k]) / h[k] + h[k] * (left * m[k] + right * m[k + 1]) / 6
+
+        def inside(x: ca.SX) -> ca.SX:
+            reached = [_reached(x, knot) for knot in self.knots[1:-1]]
+
+            def pick(rows: list[Scalar]) -> ca.SX:  # the one of the piece in which x lies
+                if all(isinstance(r, float) and r == rows[0] for r in rows):
+                    return ca.SX(rows[0])
+                jumps = [b - a for a, b in itertools.pairwise(rows)]
+                return ca.SX(rows[0]) + sum(j * r for j, r in zip(jumps, reached, strict=True))
+
+            left, right = pick(self.knots[:-1]), pick(self.knots[1:])
+            v0, v1, m0, m1 = pick(v[:-1]), pick(v[1:]), pick(m[:-1]), pick(m[1:])
+            width, a, b = right - left, right - x, x - left
+            return (
+                (m0 * a**3 + m1 * b**3) / (6 * width)
+                + (v0 / width - m0 * width / 6) * a
+                + (v1 / width - m1 * width / 6) * b
+            )
+
+        return inside, (slope(0, -2, -1), slope(len(h) - 1, 1, 2))
+
+    def _looked_up(self):
+        """The same by bisection in a function of its own: the graph has one node, not all rows."""
+        from scipy.interpolate import make_interp_spline
+
+        values = np.array(self.values)
         if self.periodic:
-            return inside
-        before = v0 + slope0 * (x - left)
-        after = v1 + slope1 * (x - right)
-        within = ca.if_else(_reached(x, last), after, inside)
-        return ca.if_else(_reached(x, first), within, before)
+            values[-1] = values[0]
+        ends = "periodic" if self.periodic else "natural"
+        found = make_interp_spline(self.knots, values, k=3, bc_type=ends)
+        options = {"never_inline": True}
+        table = ca.Function.bspline("table", [list(found.t)], list(found.c), [3], 1, options)
+        slopes = found.derivative()([self.knots[0], self.knots[-1]])
+        return table, (float(slopes[0]), float(slopes[1]))
 
 
-def _reached(x: ca.SX, knot: float) -> ca.SX:
+def _reached(x: ca.SX, knot: Scalar) -> ca.SX:
     """1 from the knot on, else 0; no comparison, for at knots the spline is smooth."""
     return (1 + ca.copysign(1, x - knot)) / 2
 
 
-def _curvature_matrix(h: np.ndarray, periodic: bool) -> np.ndarray:
-    """``T`` with ``m = T v``: continuity of the slope, natural or periodic ends."""
-    n = h.size + 1
-    a, b = np.zeros((n, n)), np.zeros((n, n))
-    for k in range(1, n - 1):
-        a[k, k - 1 : k + 2] = h[k - 1] / 6, (h[k - 1] + h[k]) / 3, h[k] / 6
-        b[k, k - 1 : k + 2] = 1 / h[k - 1], -1 / h[k - 1] - 1 / h[k], 1 / h[k]
-    if periodic:
-        a[0, [0, 1, n - 2]] += (h[-1] + h[0]) / 3, h[0] / 6, h[-1] / 6
-        b[0, 1] += 1 / h[0]
-        b[0, 0] -= 1 / h[0] + 1 / h[-1]
-        b[0, n - 2] += 1 / h[-1]
-        a[n - 1, [0, n - 1]] = -1, 1
-    else:
-        a[0, 0] = a[n - 1, n - 1] = 1
-    return np.linalg.solve(a, b)
+def _scalars(given: Sequence, entity: str, what: str) -> list[Scalar]:
+    """Floats, and formulas where there are some."""
+    try:
+        listed = list(given)
+    except TypeError:
+        raise ModelError(f"expected a list of numbers, got {given!r:.60}", entity) from None
+    found: list[Scalar] = []
+    for k, value in enumerate(listed):
+        if isinstance(value, float) and 1e-100 < abs(value) < 1e100:
+            found.append(float(value))
+            continue
+        try:
+            sx = as_expression(value, entity).sx
+        except ExpressionError as error:
+            raise type(error)(f"{what} in row {k + 1}: {error.message}", entity) from None
+        found.append(float(sx) if sx.is_constant() else sx)
+    return found
+
+
+def _curvatures(h: list[Scalar], v: list[Scalar], periodic: bool) -> list[Scalar]:
+    """Second derivatives at the knots: continuity of the slope, natural or periodic ends."""
+    rise = [(b - a) / step for a, b, step in zip(v, v[1:], h, strict=False)]
+    n = len(h)
+    if not periodic:
+        rows = range(1, n)
+        inner = _tridiagonal(
+            [h[k - 1] / 6 for k in rows],
+            [(h[k - 1] + h[k]) / 3 for k in rows],
+            [h[k] / 6 for k in rows],
+            [rise[k] - rise[k - 1] for k in rows],
+        )
+        return [0.0, *inner, 0.0]
+    lower = [h[k - 1] / 6 for k in range(n)]  # of row 0: its last column
+    diagonal = [(h[k - 1] + h[k]) / 3 for k in range(n)]
+    upper = [h[k] / 6 for k in range(n)]  # of the last row: its first column
+    change = [rise[k] - rise[k - 1] for k in range(n)]
+    found = _cyclic(lower, diagonal, upper, change)
+    return [*found, found[0]]
+
+
+def _tridiagonal(a: list[Scalar], b: list[Scalar], c: list[Scalar], d: list[Scalar]) -> list:
+    """``a_k x_{k−1} + b_k x_k + c_k x_{k+1} = d_k`` by elimination without pivots (Thomas)."""
+    n, pivot, right = len(b), list(b), list(d)
+    for k in range(1, n):
+        factor = a[k] / pivot[k - 1]
+        pivot[k] = b[k] - factor * c[k - 1]
+        right[k] = d[k] - factor * right[k - 1]
+    x = list(right)
+    for k in reversed(range(n)):
+        x[k] = (right[k] - (c[k] * x[k + 1] if k + 1 < n else 0.0)) / pivot[k]
+    return x
+
+
+def _cyclic(a: list[Scalar], b: list[Scalar], c: list[Scalar], d: list[Scalar]) -> list:
+    """The same with ``a_0`` in the last column and ``c_{n−1}`` in the first (Sherman–Morrison)."""
+    n = len(b)
+    if n == 2:
+        off0, off1 = a[0] + c[0], a[1] + c[1]
+        size = b[0] * b[1] - off0 * off1
+        return [(d[0] * b[1] - off0 * d[1]) / size, (b[0] * d[1] - off1 * d[0]) / size]
+    turned = list(b)
+    turned[0] = 2 * b[0]
+    turned[-1] = b[-1] + a[0] * c[-1] / b[0]
+    y = _tridiagonal(a, turned, c, d)
+    z = _tridiagonal(a, turned, c, [-b[0], *([0.0] * (n - 2)), c[-1]])
+    share = (y[0] - a[0] / b[0] * y[-1]) / (1 + z[0] - a[0] / b[0] * z[-1])
+    return [p - share * q for p, q in zip(y, z, strict=True)]

@@ -1,6 +1,6 @@
 """Motion laws ``f(t)`` for drivers."""
 
-from dalembert.elements.laws.base import Formula, Law
+from dalembert.elements.laws.base import Formula, Law, Product, Sum
 from dalembert.elements.laws.harmonic import Harmonic
 from dalembert.elements.laws.polynomial import Polynomial
 from dalembert.elements.laws.rise import (
@@ -20,5 +20,7 @@ __all__ = [
     "Polynomial",
     "Polynomial345Rise",
     "Polynomial4567Rise",
+    "Product",
+    "Sum",
     "Table",
 ]

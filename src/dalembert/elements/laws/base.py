@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
+import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.base import Scalar, option, quantity
+from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, t
 
 
@@ -32,6 +36,29 @@ class Law:
         """(expression of parameters that must not be negative, what is wrong if it is)."""
         return []
 
+    def __add__(self, other: Any) -> Law:
+        return Sum((self, other))
+
+    def __radd__(self, other) -> Law:
+        return Sum((other, self))
+
+    def __sub__(self, other) -> Law:
+        return self + -1.0 * other
+
+    def __rsub__(self, other) -> Law:
+        return other + -self
+
+    def __mul__(self, other) -> Law:
+        return Product((self, other))
+
+    def __rmul__(self, other) -> Law:
+        return Product((other, self))
+
+    def __neg__(self) -> Law:
+        return -1.0 * self
+
+    __array_ufunc__ = None  # NumPy numbers defer to these
+
     def checked_quantities(self, owner: str) -> list[tuple[str, Expression, Mapping]]:
         return [
             (f"{owner}.{field.name}", getattr(self, field.name), field.metadata)
@@ -49,6 +76,49 @@ class Formula(Law):
 
     def value(self, time: ca.SX) -> ca.SX:
         return ca.substitute(self.formula.sx, t.sx, time)
+
+
+@dataclass(eq=False)
+class Combination(Law):
+    """Several laws made into one; how, by the subclass."""
+
+    laws: tuple[Law, ...]
+    operate: ClassVar
+
+    def __post_init__(self) -> None:
+        name = type(self).__name__
+        if not isinstance(self.laws, (list, tuple)) or not self.laws:
+            raise ModelError(f"laws must be a list of at least one, got {self.laws!r:.60}", name)
+        self.laws = tuple(as_law(law, f"{name}.laws[{k}]") for k, law in enumerate(self.laws))
+
+    def value(self, time: ca.SX) -> ca.SX:
+        return functools.reduce(self.operate, [law.value(time) for law in self.laws])
+
+    def conditions(self) -> list[tuple[ca.SX, str]]:
+        return [condition for law in self.laws for condition in law.conditions()]
+
+    def checked_quantities(self, owner: str) -> list[tuple[str, Expression, Mapping]]:
+        return [
+            quantity
+            for k, law in enumerate(self.laws)
+            for quantity in law.checked_quantities(f"{owner}.laws[{k}]")
+        ]
+
+
+@dataclass(eq=False)
+class Sum(Combination):
+    """``f = f₁ + f₂ + …``; in Python also ``law + law``."""
+
+    laws: tuple[Law, ...] = option("laws, numbers or formulas in t", kind="terms")
+    operate = staticmethod(operator.add)
+
+
+@dataclass(eq=False)
+class Product(Combination):
+    """``f = f₁ · f₂ · …``; in Python also ``law * law``, ``2 * law``."""
+
+    laws: tuple[Law, ...] = option("laws, numbers or formulas in t", kind="factors")
+    operate = staticmethod(operator.mul)
 
 
 def as_law(value, entity: str) -> Law:

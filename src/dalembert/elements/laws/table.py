@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import casadi as ca
 import numpy as np
@@ -10,7 +12,11 @@ import numpy as np
 from dalembert.elements.base import option
 from dalembert.elements.laws.base import Law
 from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.spline import CubicSpline
+
+FREE = {"unit": "", "minimum": -np.inf, "above": -np.inf}
+"""What a row must be: any number."""
 
 
 @dataclass(eq=False)
@@ -19,8 +25,8 @@ class Table(Law):
 
     Parameters
     ----------
-    times : sequence of float, increasing [s]
-    values : sequence of float
+    times : sequence of numbers or formulas, increasing [s]
+    values : sequence of numbers or formulas
     periodic : bool
         The table repeats (first and last value must agree). Otherwise the spline is natural
         and continues along its end slopes.
@@ -28,19 +34,37 @@ class Table(Law):
     Raises
     ------
     ModelError
-        Fewer than three rows, times not increasing, numbers not finite.
+        Fewer than three rows, times not increasing, numbers that are none.
     """
 
-    times: object = option("times [s], increasing")
-    values: object = option("values, one per time")
+    times: object = option("times [s], increasing; numbers or formulas")
+    values: object = option("values, one per time; numbers or formulas")
     periodic: bool = option("the table repeats", default=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        times, values = (np.asarray(a, dtype=float).ravel() for a in (self.times, self.values))
-        if times.size != values.size:
-            raise ModelError(f"{times.size} times but {values.size} values", "Table")
-        self.spline = CubicSpline(times, list(values), bool(self.periodic), "Table")
+        if not isinstance(self.periodic, bool):
+            raise ModelError(f"periodic is {self.periodic!r}; it must be true or false", "Table")
+        for name in ("times", "values"):
+            if not isinstance(getattr(self, name), (Sequence, np.ndarray)):
+                given = getattr(self, name)
+                raise ModelError(f"{name} must be a list, got {given!r:.60}", "Table")
+        times, values = cast(Sequence, self.times), cast(Sequence, self.values)
+        if len(times) != len(values):
+            raise ModelError(f"{len(times)} times but {len(values)} values", "Table")
+        self.spline = CubicSpline(times, values, self.periodic, "Table")
 
     def value(self, time: ca.SX) -> ca.SX:
         return self.spline(time)
+
+    def conditions(self) -> list[tuple[ca.SX, str]]:
+        return self.spline.conditions()
+
+    def checked_quantities(self, owner: str) -> list[tuple[str, Expression, Mapping]]:
+        rows = {"times": self.spline.knots, "values": self.spline.values}
+        return [
+            (f"{owner}.{name}[{k}]", Expression(x), FREE)
+            for name, listed in rows.items()
+            for k, x in enumerate(listed)
+            if not isinstance(x, float)
+        ]
