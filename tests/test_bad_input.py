@@ -426,31 +426,31 @@ CHOICES: dict[str, tuple[str, list[str]]] = {
     ),
     "Dae explicit": (
         'formulation = "Dae"',
-        ["analysis: RK4", "explicit", "Radau()", "RangeSpace()"],
+        ["analysis.integrator: RK4", "explicit", "Radau()", "RangeSpace()"],
     ),
     "Dae with Baumgarte": (
         'formulation = "Dae"\nstabilization = "Baumgarte"\nintegrator = "Radau"',
-        ["analysis: Dae(index=3)", "Projection()"],
+        ["analysis.integrator: Dae(index=3)", "Projection()"],
     ),
     "Dae with Ida": (
         'formulation = "Dae"\nintegrator = "Ida"',
-        ["analysis: Ida", "index 3", "Dae(index=1)"],
+        ["analysis.integrator: Ida", "index 3", "Dae(index=1)"],
     ),
     "Dae with Cvodes": (
         'formulation = "Dae"\nintegrator = "Cvodes"',
-        ["analysis: Cvodes", "Radau()"],
+        ["analysis.integrator: Cvodes", "Radau()"],
     ),
     "iterated and implicit": (
         'formulation = "AugmentedLagrangian"\nintegrator = "Radau"',
-        ["analysis: AugmentedLagrangian", "RK4()"],
+        ["analysis.integrator: AugmentedLagrangian", "RK4()"],
     ),
     "partition with Baumgarte": (
         'formulation = "VelocityPartitioning"\nstabilization = "Baumgarte"',
-        ["analysis: VelocityPartitioning", "Projection()"],
+        ["analysis.integrator: VelocityPartitioning", "Projection()"],
     ),
     "energy with driver": (
         'stabilization = "EnergyProjection"',
-        ["analysis: EnergyProjection", "driver", "Projection()"],
+        ["analysis.integrator: EnergyProjection", "driver", "Projection()"],
     ),
 }
 
