@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from absurd_numbers import PARTS
+from absurd_numbers import PARTS, beam, driven
 
 import dalembert as da
 from dalembert import planar, structures
@@ -83,3 +83,28 @@ def test_the_budget_can_be_raised(monkeypatch):
     monkeypatch.setenv(VARIABLE, "much")
     with pytest.raises(BudgetError, match=r"DALEMBERT_BUDGET is 'much'"):
         afford("nothing", cure="take less")
+
+
+@pytest.mark.parametrize(
+    ("model", "analysis"),
+    [
+        (pendulum, da.Dynamics(1.0, step=1e-4)),
+        (driven, da.Kinematics(1.0, step=1e-4)),
+        (beam, da.Transient(1.0, step=1e-3)),
+        (beam, da.NonlinearStatics(steps=20)),
+        (beam, da.ArcLength(first=0.01)),
+    ],
+    ids=lambda given: type(given).__name__,
+)
+def test_work_is_shown_and_interrupted_work_is_kept(model, analysis):
+    told = []
+
+    def progress(fraction: float) -> None:
+        told.append(fraction)
+        if len(told) == 3:
+            raise KeyboardInterrupt
+
+    result = analysis.run(model(), progress=progress)
+    assert result.status.outcome is da.Outcome.INTERRUPTED
+    assert 0 < told[0] < told[1] < told[2] < 1
+    assert result.status.time > 0

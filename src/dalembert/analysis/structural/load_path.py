@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.path_equations import Crossing, PathEquations
 from dalembert.errors import AnalysisError, SingularityError
@@ -85,7 +86,13 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
             known = ", ".join(repr(c) for c in model.loads)
             raise AnalysisError(f"no load case {self.case!r}; known: {known}")
         walk = Walk(self, PathEquations(model, p, self.case))
-        status = walk.follow()
+        try:
+            with progress_reporter(progress, f"following the load of {model.name}") as report:
+                status = walk.follow(report)
+        except KeyboardInterrupt:
+            if not walk.points:
+                raise
+            status = walk.status(Outcome.INTERRUPTED, "stopped at")
         return walk.result(status)
 
     def replay(self, result: LoadPathResult, p: np.ndarray) -> LoadPathResult:
@@ -129,7 +136,7 @@ class Walk:
         self.limits: list[int] = []
         self.worst, self.iterations, self.effort = 0.0, 0, 0
 
-    def follow(self) -> Status:
+    def follow(self, report: Callable[[float], None]) -> Status:
         """Points until the end of the path."""
         tools, equations = self.analysis, self.equations
         direction = equations.start()
@@ -140,21 +147,22 @@ class Walk:
             if found is None or found[1] @ equations.metric(direction) < SHARPEST:
                 length /= 2
                 if length < SHORTEST * first:
-                    return self._status(Outcome.NOT_CONVERGED, "no equilibrium found beyond")
+                    return self.status(Outcome.NOT_CONVERGED, "no equilibrium found beyond")
                 continue
             point, after, plane = found
             if direction[-1] * after[-1] < 0:
                 self._keep_limit(direction, length)
             if (point[-1] - tools.until) * (self.points[-1][-1] - tools.until) <= 0:
                 self.cross(self.level(tools.until), self.points[-1])
-                return self._status(Outcome.COMPLETED, "load path to")
+                return self.status(Outcome.COMPLETED, "load path to")
             self._keep(point, plane)
+            report(len(self.points) / tools.max_points)
             if tools.stop is not None and tools.stop(self._last()):
-                return self._status(Outcome.COMPLETED, "load path stopped at")
+                return self.status(Outcome.COMPLETED, "load path stopped at")
             direction = after
             growth = np.clip(np.sqrt(QUICK / max(self.effort, 1)), 0.5, 2.0)
             length = min(length * growth, tools.longest * first)
-        return self._status(Outcome.COMPLETED, f"{tools.max_points} points, up to")
+        return self.status(Outcome.COMPLETED, f"{tools.max_points} points, up to")
 
     def _step(self, direction: np.ndarray, length: float):
         """Point, direction and plane at some length along the path; None where Newton fails."""
@@ -224,7 +232,7 @@ class Walk:
         self.points.append(point)
         self.planes.append(plane)
 
-    def _status(self, outcome: Outcome, text: str) -> Status:
+    def status(self, outcome: Outcome, text: str) -> Status:
         factor = float(self.points[-1][-1])
         return Status(outcome, f"{text} load factor {factor:.6g}", factor, self.worst)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.structural.balance import Balance, Balanced
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.statics import StaticsRecord, factorised
@@ -65,11 +66,21 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
         """
         p = model.values(parameters)
         paths = [LoadPath(self, model, p, case) for case in model.loads]
-        u = np.stack([path.follow() for path in paths], axis=1)
+        interrupted = False
+        try:
+            with progress_reporter(progress, f"loading {model.name}") as report:
+                for k, path in enumerate(paths):
+                    path.follow(lambda share, k=k: report((k + share) / len(paths)))
+        except KeyboardInterrupt:
+            interrupted = True
+        u = np.stack([path.u for path in paths], axis=1)
         forces = np.stack([path.forces() for path in paths], axis=1)
         worst = min(paths, key=lambda path: path.reached)
         residual = max(path.residual for path in paths)
-        if worst.reached < 1.0:
+        if interrupted:
+            text = f"load case {worst.case!r}: stopped at {worst.reached:.4g} of the load"
+            status = Status(Outcome.INTERRUPTED, text, worst.reached, residual)
+        elif worst.reached < 1.0:
             text = (
                 f"load case {worst.case!r}: no equilibrium beyond {worst.reached:.4g} of the load "
                 "(a limit point?); lower the load or take more steps"
@@ -99,19 +110,19 @@ class LoadPath:
         self.balance, self.u = Balance(model, p), np.zeros(len(model.degrees))
         self.reached, self.iterations, self.residual = 0.0, 0, 0.0
 
-    def follow(self) -> np.ndarray:
-        """Displacements (n,) at the full load, or where the path was lost."""
+    def follow(self, report: Callable[[float], None]) -> None:
+        """Displacements up to the full load, or to where the path is lost."""
         step = 1.0 / self.analysis.steps
         while self.reached < 1.0:
             target = min(1.0, self.reached + step)
             found = self._newton(target)
             if found is not None:
                 self.u, self.reached = found, target
+                report(target)
                 continue
             step /= 2
             if step < SHORTEST:
                 break
-        return self.u
 
     def _newton(self, share: float) -> np.ndarray | None:
         """Equilibrium under a share of the load, None where Newton's method fails.
