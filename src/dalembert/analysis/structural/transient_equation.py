@@ -185,7 +185,9 @@ class EquationOfMotion:
 
     def parts(self, motion: Motions) -> list[np.ndarray]:
         """Forces (n,) that the motion needs: of inertia with its damping, of springs, of strain."""
-        found = [self._inertia @ self._driven(motion), self._damper @ motion.v]
+        found = [self._inertia @ self._driven(motion)]
+        if self.beta:
+            found.append(self._damper @ motion.v)
         if self.turns:
             moved = motion._replace(a=self._driven(motion))
             found.append(self.turning.inertia_forces(moved, self.p, self.lumped))
@@ -207,7 +209,8 @@ class EquationOfMotion:
 
     def external_forces(self, motion: Motions, time: float) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
-        found, loads = self.load_case.values(self.p, time), self.loads(time)
+        loads = self.loads(time)
+        found = loads.copy() if self.expansion is None else self.load_case.values(self.p, time)
         found[self.held] = (self.forces(motion) - loads)[self.held]
         return found
 
