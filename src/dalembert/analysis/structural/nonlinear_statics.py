@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -70,7 +70,8 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
         try:
             with progress_reporter(progress, f"loading {model.name}") as report:
                 for k, path in enumerate(paths):
-                    path.follow(lambda share, k=k: report((k + share) / len(paths)))
+                    for share in path.follow():
+                        report((k + share) / len(paths))
         except KeyboardInterrupt:
             interrupted = True
         u = np.stack([path.u for path in paths], axis=1)
@@ -110,15 +111,15 @@ class LoadPath:
         self.balance, self.u = Balance(model, p), np.zeros(len(model.degrees))
         self.reached, self.iterations, self.residual = 0.0, 0, 0.0
 
-    def follow(self, report: Callable[[float], None]) -> None:
-        """Displacements up to the full load, or to where the path is lost."""
+    def follow(self) -> Iterator[float]:
+        """Shares of the load with an equilibrium, up to the whole or to where the path is lost."""
         step = 1.0 / self.analysis.steps
         while self.reached < 1.0:
             target = min(1.0, self.reached + step)
             found = self._newton(target)
             if found is not None:
                 self.u, self.reached = found, target
-                report(target)
+                yield target
                 continue
             step /= 2
             if step < SHORTEST:

@@ -83,7 +83,8 @@ class TransientStart:
         u = np.zeros(e.assembly.size)
         if not e.linear:
             path = LoadPath(NonlinearStatics(), e.model, e.p, self.case)
-            u = path.follow()
+            for _ in path.follow():
+                u = path.u
             if path.reached < 1.0:
                 raise AnalysisError(
                     f"there is no static equilibrium beyond {path.reached:.4g} of the load at the "
