@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from dalembert.budget import LARGEST
 from dalembert.cli.console import (
     DONE,
     FAILED,
@@ -26,7 +27,6 @@ from dalembert.cli.loading import loaded, output_folder
 if TYPE_CHECKING:
     from dalembert.results.comparison.result import Comparison
 
-LONG = 1e300
 Numbers = Annotated[str, Parameter(allow_leading_hyphen=True)]
 SHOWN = 8
 """Reasons that are told on the terminal."""
@@ -110,7 +110,7 @@ def compare(
     if duration is not None:
         given |= {"duration": duration, "t_span": None, "outputs": 201}
     with wrong_input():
-        Comparing(**({"duration": LONG} | given))  # so that the file is not blamed for an option
+        Comparing(**({"duration": LARGEST} | given))  # so that the file is not blamed for an option
         task = Comparing(**(make_comparison(file, built, given) | given))
         observe(built, task.measure)
     folder = output_folder(output)
