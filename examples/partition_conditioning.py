@@ -54,10 +54,11 @@ def watched(motion) -> np.ndarray:
     """What the run watched at every step, with the speed that was independent then."""
     record = motion.record
     steps, n = record.steps, motion.trajectory.y.shape[0]
-    functions = [variant.conditioning[0] for variant in record.kernel.variants]
+    variants = record.kernel.variants
     return np.array(
         [
-            float(functions[mode](t, x[:n], motion.parameters))
+            float(variants[mode].conditioning(t, x[:n], motion.parameters)[1])
+            * variants[mode].formulation.limit
             for mode, t, x in zip(steps.mode, steps.t, steps.x.T, strict=False)
         ]
     )

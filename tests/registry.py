@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from twins import cross, cubic, direction, left, length, turn
+from twins import cross, cubic, direction, left, length, natural_cubic, turn
 
 import dalembert as da
 from dalembert import FormulaCurve, SplineCurve, cos, planar, sin, t, u
@@ -300,7 +300,11 @@ LAWS: dict[str, LawCase] = {
             [x * q.number(f"stretch{k}", 1.0) for k, x in enumerate(TIMES)],
             [y * q.number(f"lift{k}", 1.0) for k, y in enumerate(VALUES)],
         ),
-        lambda p, s: cubic(s, TIMES, VALUES, "natural"),
+        lambda p, s: natural_cubic(
+            s,
+            [x * getattr(p, f"stretch{k}") for k, x in enumerate(TIMES)],
+            [y * getattr(p, f"lift{k}") for k, y in enumerate(VALUES)],
+        ),
         breaks=tuple(TIMES[1:-1]),
     ),
     "Table periodic": LawCase(

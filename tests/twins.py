@@ -70,6 +70,23 @@ def cubic(x, knots, values, end: str, derivative: bool = False):
     return np.polyval(np.polyder(polynomial) if derivative else polynomial, x - knots[k])
 
 
+def natural_cubic(x, knots, values):
+    """Natural cubic spline by its second derivatives at the knots; all may be complex."""
+    knots, values = np.asarray(knots), np.asarray(values)
+    h, last = np.diff(knots), len(knots) - 1
+    slopes = np.diff(values) / h
+    matrix, rhs = np.eye(last + 1, dtype=complex), np.zeros(last + 1, dtype=complex)
+    for k in range(1, last):
+        matrix[k, k - 1 : k + 2] = h[k - 1], 2 * (h[k - 1] + h[k]), h[k]
+        rhs[k] = 6 * (slopes[k] - slopes[k - 1])
+    curved = np.linalg.solve(matrix, rhs)
+    k = int(np.clip(np.searchsorted(np.real(knots), np.real(x), side="right") - 1, 0, last - 1))
+    a, b = (knots[k + 1] - x) / h[k], (x - knots[k]) / h[k]
+    bent = (a**3 - a) * curved[k] + (b**3 - b) * curved[k + 1]
+    found = a * values[k] + b * values[k + 1] + bent * h[k] ** 2 / 6
+    return found if np.imag(found) else np.real(found)
+
+
 def complex_step(function: Callable, x: np.ndarray, step: float = 1e-30) -> np.ndarray:
     """Jacobian of a function of a vector, exact to round-off."""
     columns = []

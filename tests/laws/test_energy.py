@@ -8,6 +8,7 @@ import pytest
 from registry import CASES, model_of
 
 import dalembert as da
+from dalembert import planar
 
 
 def balance_error(name: str, step: float, **options) -> float:
@@ -35,3 +36,27 @@ def test_nothing_is_put_in_where_nothing_drives(name):
         v, multiplier = (3 * rng.standard_normal(x.numel()) for x in (e.v, e.multiplier))
         found = float(power(0.2, start.y, v, multiplier, model_of(name).nominal))
         assert found == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("tie", ["spring", "damper", "both", "pin"])
+def test_ends_that_a_formula_of_time_moves_put_energy_in(tie):
+    """What moves the end of a spring or a joint does work; outputs may begin after the start."""
+    system = da.System("shaken", gravity=(0.0, -9.81))
+    bar = planar.Bar("bar", length=0.8, mass=2.0, angle=-0.9, angular_velocity=1.0)
+    bar = system.add(bar)
+    moved = system.ground.point(0.2 * da.sin(5 * da.t), 0.1 * da.cos(3 * da.t))
+    if tie == "pin":
+        system.add(planar.Revolute("O", moved, bar.start))
+    else:
+        system.add(planar.Revolute("O", system.ground.point(0, 0), bar.start))
+        stiffness, damping = {"spring": (90.0, 0.0), "damper": (0.0, 4.0), "both": (90.0, 4.0)}[tie]
+        ends = system.ground.point(1.0 + 0.2 * da.sin(5 * da.t), 0.1 * da.cos(3 * da.t)), bar.end
+        spring = planar.Spring("s", *ends, stiffness=stiffness, damping=damping, free_length=0.3)
+        system.add(spring)
+    motion = da.solve_dynamics(
+        system.build(), 1.0, integrator=da.DormandPrince(1e-11, 1e-12), outputs=[0.5, 0.75, 1.0]
+    )
+    assert motion.status.success
+    moved_energy = np.ptp(motion.data.input_energy.values)
+    assert moved_energy > 0.1
+    assert np.abs(motion.data.balance_error).max() < 1e-8 * moved_energy

@@ -79,3 +79,20 @@ def test_damping_ratio_and_growth():
         for value in modes.eigenvalues:
             assert np.abs(roots - value).min() == pytest.approx(0.0, abs=1e-10)
         assert modes.stable is not standing
+
+
+@pytest.mark.parametrize("stiffness", [1e2, 1e4, 1e6, 1e8])
+def test_soft_beside_stiff(stiffness):
+    """A pendulum on a cart that a spring holds comes to hang below it, however stiff the spring."""
+    system = da.System("trolley", gravity=(0.0, -9.81))
+    cart = system.add(planar.Body("cart", mass=1.0, inertia=1.0, position=(0.1, 0.0)))
+    bar = system.add(planar.Bar("bar", length=1.0, mass=0.5, angle=-0.4))
+    system.add(planar.Translational("rail", system.ground.point(0, 0), cart.center, axis=(1, 0)))
+    system.add(planar.Revolute("pin", cart.center, bar.start))
+    anchor = system.ground.point(-1, 0)
+    system.add(planar.Spring("s", anchor, cart.center, stiffness=stiffness, free_length=1.0))
+    rest = da.solve_equilibrium(system.build())
+    assert rest.status.success
+    assert rest.statistics["stable"]
+    assert float(rest["cart.x"][0]) == pytest.approx(0.0, abs=1e-9)
+    assert float(rest["bar.angle"][0]) == pytest.approx(-np.pi / 2, abs=1e-7)

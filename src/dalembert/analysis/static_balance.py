@@ -17,7 +17,7 @@ from dalembert.symbolic.once import once
 
 LONGEST = 0.5
 """Longest step, in characteristic lengths and radians."""
-CURVED = 1e-6
+CURVED = 1e-12
 """Stiffness, relative to the largest, from which on a direction counts as stable."""
 BENT = 1e-3
 """Deflection, in natural sizes, whose elastic force is a force that counts."""
@@ -99,6 +99,8 @@ class Forces(Residual):
     @property
     def stable(self) -> bool:
         """Every free direction resists."""
+        if not np.all(np.isfinite(self.stiffness)):
+            return False
         values = np.linalg.eigvalsh(symmetric(self.stiffness))
         return bool(np.all(values > CURVED * np.abs(values).max(initial=0.0)))
 
@@ -158,11 +160,13 @@ class StaticBalance(Equations[np.ndarray]):
         return residual.free @ (vectors @ ((vectors.T @ residual.value) / curvature))
 
     def nearer(self, here: Residual, there: Residual, zero: np.ndarray) -> bool:
-        """By the residuals; where not all directions resist, by the work done on the way."""
+        """By the work done on the way; where all directions resist, by the residuals as well.
+
+        Residuals alone would not do: a step along a soft direction bends a stiff one by a little.
+        """
         assert isinstance(here, Forces) and isinstance(there, Forces)
-        if here.stable:
-            return super().nearer(here, there, zero)
-        return bool((here.force + there.force) @ (there.y - here.y) > 0)
+        falls = (here.force + there.force) @ (there.y - here.y) > 0
+        return bool(falls or (here.stable and super().nearer(here, there, zero)))
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         """The assembled position near ``x + step``, not a number where there is none."""

@@ -34,7 +34,7 @@ def absolute_equations(d: Description) -> Equations:
     constraints = fixed(stack(c.equations for c in d.constraints))
     multiplier = stack(c.multiplier for c in d.constraints)
     coordinates, efforts, losses = [], [], ca.SX(0)
-    potential, released = ca.SX(0), ca.SX(0)  # released: power that is not from storage
+    potential, released = ca.SX(0), ca.SX(0)  # released: power on bodies that is not from storage
     for element in d.forces:
         owners = element.parts() or groups
 
@@ -50,7 +50,8 @@ def absolute_equations(d: Description) -> Equations:
         if stored is not None:
             potential += stored
         if not isinstance(element, Gravity):  # whose work is its potential's, exactly
-            released += sum((q * rate(s) for s, q in works), ca.SX(0))
+            for s, q in works:  # ends that formulas of time move are given power from outside
+                released += q * (rate(s) - ca.jacobian(s, t.sx))
             released += 0 if stored is None else rate(stored)
     effort, losses = fixed(stack(efforts)), fixed(losses)
     potential = fixed(potential)

@@ -79,7 +79,7 @@ class Assembler:
         self.guesses, self.scales, self.searches = guesses, scales, searches
         self.equations = e = equations
         self.equation_count = e.constraint_count
-        self.start = ca.Function("start", [e.p], [start])
+        self.start = ca.Function("start", [e.t, e.p], [start])
         residual = ca.vertcat(e.constraints, initial)
         jacobian = ca.vertcat(e.jacobian, ca.mtimes(ca.jacobian(initial, e.y), e.lift))
         self.row_count = residual.numel()
@@ -120,7 +120,7 @@ class Assembler:
 
     def project(self, t: float, p: np.ndarray, attempts: int = 12) -> newton.Solution[np.ndarray]:
         """Nearest assembled configuration to the guesses, from several starts if need be."""
-        guess, missing = self.start(p).full().ravel(), self.guesses.missing
+        guess, missing = self.start(t, p).full().ravel(), self.guesses.missing
         metres = np.array([unit == "m" for unit in self.guesses.units], dtype=bool)
         rng = np.random.default_rng(0)
         found: list[newton.Solution[np.ndarray]] = []

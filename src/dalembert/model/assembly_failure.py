@@ -141,7 +141,10 @@ class _Failure:
         return {name: float(relative[one.rows].max()) for name, one in self.demands.items()}
 
     def position(self, y: np.ndarray, demand: _Demand, loop: tuple[str, ...]) -> OpenPosition:
-        guess, ends = self.assembler.start(self.p).full().ravel(), self.ends(y, demand.joint)
+        guess, ends = (
+            self.assembler.start(self.t, self.p).full().ravel(),
+            self.ends(y, demand.joint),
+        )
         gap, text = self.told_of(y, demand, ends)
         return OpenPosition(self.d, self.p, self.t, guess, y, demand.name, ends, gap, text, loop)
 

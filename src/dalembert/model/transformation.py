@@ -99,9 +99,9 @@ class Transformation:
         )
 
     def _scales(self, e: Equations) -> Scales:
-        """Sizes of new coordinates are not known."""
-        same = self.y.shape == e.y.shape and ca.is_equal(self.y, e.y)
-        return e.scales if same else replace(e.scales, coordinates=np.ones(self.y.numel()))
+        """Sizes of new coordinates, or of fewer speeds, are not known."""
+        same = self.y.shape == e.y.shape and ca.is_equal(self.y, e.y) and self.v.shape == e.v.shape
+        return e.scales if same else replace(e.scales, coordinates=np.ones(self.v.numel()))
 
 
 def consistent_speeds(mass: ca.SX, basis: ca.SX, speeds: ca.SX) -> ca.SX:

@@ -215,12 +215,13 @@ def _add_energies(data: dict, motion: Recording) -> None:
     kinetic, potential = data["kinetic_energy"][1], data["potential_energy"][1]
     dissipated, given = motion.trajectory.work
     total = kinetic + potential
-    balance = total - (total[0] if total.size else 0.0) + dissipated - given
+    balance = total + dissipated - given
+    balance = balance - balance[:1]  # none at the first output, wherever it is
     for name, values, text in (
         ("energy", total, "kinetic plus potential energy"),
         ("dissipated_energy", dissipated, "energy dissipated since the start"),
         ("input_energy", given, "work of drivers and applied forces since the start"),
-        ("balance_error", balance, "energy − initial energy + dissipated − input"),
+        ("balance_error", balance, "energy + dissipated − input, since the first output"),
     ):
         data[name] = ("time", values, {"units": "J", "long_name": text})
 
