@@ -22,6 +22,7 @@ from dalembert.structures.attached import GroundSpring
 from dalembert.structures.cells import CELLS
 from dalembert.structures.registry import ELEMENTS, cell_of
 from dalembert.structures.rotations import spin_map
+from dalembert.structures.thermal_load import CHANGES
 
 NUMBERS = {
     "area": 0.02,
@@ -33,7 +34,6 @@ NUMBERS = {
     "shear_modulus": 4e6,
     "stiffness": 1e6,
     "density": 3.0,
-    "temperature": 0.0,
     "inertia_x": 0.3,
     "inertia_y": 0.5,
     "inertia_z": 0.4,
@@ -48,14 +48,14 @@ SPIN = np.array([1.1, -0.7, 1.6])
 
 
 @functools.cache
-def body(name: str, d: int, flying: bool = False) -> da.Structure:
-    """One element with masses at its nodes, at rest or thrown and spinning."""
-    cls = ELEMENTS[name]
+def body(name: str, d: int, flying: bool = False, heat: float = 0.0) -> da.Structure:
+    """One element with masses at its nodes, at rest or thrown and spinning, cold or heated."""
+    cls, given = ELEMENTS[name], NUMBERS | dict.fromkeys(CHANGES, heat)  # what is heated bends
     s = da.Structure(f"{name} in {d}-D")
     points = places_of(CELLS[cell_of(cls)])[:, :d]
     nodes = s.add_nodes("n", points)
     numbers = {
-        f.name: NUMBERS.get(f.name, 0.3) for f in cls.quantity_fields() if f.metadata["size"] == 1
+        f.name: given.get(f.name, 0.3) for f in cls.quantity_fields() if f.metadata["size"] == 1
     }
     s.add_elements("e", cls, nodes, [range(len(points))], **numbers)
     rest = np.random.default_rng(3).uniform(0.5, 1.5, len(points))
@@ -80,6 +80,10 @@ def turned(points: np.ndarray, d: int) -> np.ndarray:
     whole[:, :d] = points
     spin = {1: np.zeros(3), 2: SPIN * [0, 0, 1], 3: SPIN}[d]
     return np.cross(spin, whole)[:, :d]
+
+
+def heatable(name: str) -> bool:
+    return not {f.name for f in ELEMENTS[name].quantity_fields()}.isdisjoint(CHANGES)
 
 
 class RigidBody:
@@ -218,6 +222,20 @@ def test_free_flight_is_that_of_a_rigid_body(name, d):
         assert changed[:3].max() <= (step**2 if e.turns else 1e-11) * scale
         assert changed[3:].max() <= step**2 * scale
     assert errors[1] < 1e-11 or (errors[1] < 2e-3 and errors[0] / errors[1] > 3.4)
+
+
+@pytest.mark.parametrize(("name", "d"), [k for k in KINDS if heatable(k[0])])
+def test_heat_neither_moves_nor_turns_a_body(name, d):
+    """Wherever a body is and however it is strained, forces of its heat are in balance."""
+    model = body(name, d, heat=0.3).build()
+    mass = model.assembly.mass(model.nominal).toarray()
+    rigid, axes, still = RigidBody(model, mass), axes_of(d), np.zeros(3)
+    u = rigid.motion(Rotation.from_rotvec(axes @ [1.3, 0.9, -1.7]), still, still, still).u
+    u = u + np.random.default_rng(5).uniform(-0.05, 0.05, u.size)
+    forces = model.loads[""].thermal.assembly.internal_forces(u, model.nominal)
+    assert np.abs(forces).max() > 1.0
+    left = rigid.resultant(Motions(u, 0 * u, 0 * u), forces)
+    np.testing.assert_allclose(left, 0.0, atol=1e-12 * np.abs(forces).max())
 
 
 def flight(rigid: RigidBody, axes: np.ndarray, end: float) -> Rotation:
