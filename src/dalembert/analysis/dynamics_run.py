@@ -35,10 +35,12 @@ from dalembert.integrators.steps import Steps, Switch, Watch
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord
-from dalembert.results.status import Status
+from dalembert.results.status import Outcome, Status
 
 SHORTEST = 1e-12
 """Step length, relative to the time, at which an adaptive run is asked why it ended."""
+REFUSED = (Outcome.VIOLATED, Outcome.UNBALANCED)
+"""Runs to the end that are no motion of the model: which steps would do is told there too."""
 
 
 class DynamicsRun:
@@ -115,7 +117,8 @@ class DynamicsRun:
         found += self.forewarned
         if motion.status.success:
             found += truth.doubts
-        if motion.status.success and not (a.integrator.controls_error or fed_back):
+        whole = motion.status.success or motion.status.outcome in REFUSED
+        if whole and not (a.integrator.controls_error or fed_back):
             found += StepAccuracy(self.kernel, motion.record.steps, self.p).doubts
         return found
 

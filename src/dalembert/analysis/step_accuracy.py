@@ -60,10 +60,11 @@ class StepAccuracy:
                 ends.append(self._ends(2 ** (halvings + 1)))
         except SolverFailure:
             return []
+        of_motion = f"{share:.0%} of it" if share < 10 else f"{share:.2g} times as much"
         h = float(np.median(self.steps.h[self.chosen]))
         text = (
             f"steps of {h:.3g} s are long for this motion: their errors add up to about "
-            f"{share:.0%} of it; steps of {h / 2**halvings:.2g} s or an integrator with error "
+            f"{of_motion}; steps of {h / 2**halvings:.2g} s or an integrator with error "
             "control do better"
         )
         return [text]
