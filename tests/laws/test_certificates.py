@@ -126,10 +126,13 @@ def test_every_engine_is_certified():
     assert all(any(issubclass(a, kind) for a in analyses) for kind in ENGINES)
 
 
-@pytest.mark.parametrize("name", ["statics", "kinematics", "explicit", "implicit"])
+@pytest.mark.parametrize("name", ["statics", "kinematics", "explicit", "implicit", "sundials"])
 @pytest.mark.parametrize("side", ["adjoint", "direct", "both"])
 def test_wrong_gradients_do_not(name, side, monkeypatch):
-    """One derivative of three is off by a ten-thousandth."""
+    """One derivative of three is off by a ten-thousandth.
+
+    Of runs that are uneven by their tolerance, Taylor remainders that short are not told from it.
+    """
     make, responses = RESULTS[name]
     result = make()
     engine = next(ENGINES[c] for c in type(result.analysis).__mro__ if c in ENGINES)
@@ -146,7 +149,7 @@ def test_wrong_gradients_do_not(name, side, monkeypatch):
     verdicts = certificate.data["verdict"].values
     assert (verdicts[:, 0] == "contradicted").any()
     assert not (verdicts[:, 1:] == "contradicted").any()
-    if side != "direct":  # the Taylor test looks at the adjoint
+    if side != "direct" and name != "sundials":  # the Taylor test looks at the adjoint
         tests = certificate.data["taylor_slope"].values
         assert np.nanmin(tests) == pytest.approx(1.0, abs=0.1)
     assert "contradicted" in repr(certificate)

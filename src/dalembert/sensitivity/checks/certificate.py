@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 STEPS = (1e-2, 1e-3, 1e-4, 1e-5)
-"""Relative steps of the differences."""
+LONG_STEPS = (4e-2, 2e-2, 1e-2, 1e-3)
+"""Relative steps of the differences, and those where a tolerance makes the values uneven."""
 AGREE = 1e-9
 """Largest difference of direct and adjoint derivatives, relative to the largest influence."""
 CONFIRM = 1e-6
@@ -32,6 +33,8 @@ LOOSE = 1e-5
 """Differences that are less certain than this confirm nothing, of runs with exact derivatives."""
 BARELY = 1e-9
 """Influence, relative to the response, of which a run shows no digits."""
+SPREAD = 10.0
+"""By so many tolerances errors of runs beside each other differ, where a tolerance bounds them."""
 SLOPE = 0.1
 """How far below 2 a slope may lie."""
 
@@ -114,9 +117,11 @@ def certify(
     size = np.abs(values(motion.parameters))[:, None]
     largest = np.where(largest > BARELY * size, largest, np.where(size > 0, size, 1.0))
     shares = scales / largest
-    steps, differences, uncertainty = _differences(values, columns)
+    unsteady = SPREAD * motion.analysis.gradient_error * np.maximum(size, largest)
+    noise = np.maximum(EPS * size, unsteady)
+    steps, differences, uncertainty = _differences(values, columns, noise)
     agreement, rng = _agreement(motion), rng or np.random.default_rng(0)
-    taylor = taylor_test(values, columns, adjoint, agreement, rng)
+    taylor = taylor_test(values, columns, adjoint, agreement, noise, rng)
     cells: dict[str, Any] = {
         "direct": direct,
         "adjoint": adjoint,
@@ -146,26 +151,28 @@ def _agreement(motion: Result) -> float:
     return max(AGREE, 1e3 * motion.analysis.gradient_error)
 
 
-def _differences(values: Replays, columns: list[int]) -> tuple[np.ndarray, ...]:
-    """(responses, columns) steps, quotients and uncertainties, each where two steps agree best."""
+def _differences(values: Replays, columns: list[int], noise: np.ndarray) -> tuple[np.ndarray, ...]:
+    """(responses, columns) steps, quotients and uncertainties, each where two steps agree best.
+
+    By the ``noise`` (responses, 1) of the values two steps may agree by chance.
+    """
     size = values(values.parameters).size
-    shape = (len(STEPS), size, len(columns))
-    found, lengths = np.full(shape, np.nan), np.full(shape, np.nan)
+    steps = LONG_STEPS if values.motion.analysis.gradient_error else STEPS
+    shape = (len(steps), size, len(columns))
+    found, lengths, rough = (np.full(shape, np.nan) for _ in range(3))
     for j, column in enumerate(columns):
-        for k, relative in enumerate(STEPS):
+        for k, relative in enumerate(steps):
             try:
                 quotient = place(values.motion, column, "richardson", relative)
                 found[k, :, j] = quotient.evaluate(values.parameters, values)
             except AnalysisError:
                 continue  # another step may fit
             lengths[k, :, j] = quotient.step
-    apart = np.abs(np.diff(found, axis=0))
-    best = np.argmin(np.where(np.isfinite(apart), apart, np.inf), axis=0)
+            rough[k, :, j] = noise[:, 0] * quotient.amplification
+    uncertain = np.maximum(np.abs(np.diff(found, axis=0)), rough[:-1])
+    best = np.argmin(np.where(np.isfinite(uncertain), uncertain, np.inf), axis=0)
     rows, cols = np.indices(best.shape)
-    centre = np.abs(values(values.parameters))[:, None]
-    round_off = EPS * centre / lengths[best, rows, cols]
-    uncertainty = np.maximum(apart[best, rows, cols], round_off)
-    return lengths[best, rows, cols], found[best, rows, cols], uncertainty
+    return tuple(each[best, rows, cols] for each in (lengths, found, uncertain))
 
 
 def _verdicts(cells: dict[str, np.ndarray], influence: np.ndarray, agreement: float) -> np.ndarray:

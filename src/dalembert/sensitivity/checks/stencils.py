@@ -77,6 +77,11 @@ class Quotient:
     stencil: Stencil
     note: str = ""
 
+    @property
+    def amplification(self) -> float:
+        """By how much noise of the values is larger in the quotient, at most."""
+        return float(np.abs(self.stencil.weights).sum() / abs(self.step))
+
     def evaluate(self, p: np.ndarray, values: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The quotient of everything that ``values`` gives."""
         places = [moved(p, self.column, offset * self.step) for offset in self.stencil.offsets]

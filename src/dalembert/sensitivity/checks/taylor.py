@@ -9,7 +9,7 @@ import numpy as np
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.sensitivity.checks.replays import Replays
 from dalembert.sensitivity.checks.scales import parameter_scales
-from dalembert.sensitivity.checks.stencils import EPS, beyond_bounds
+from dalembert.sensitivity.checks.stencils import beyond_bounds
 
 LONGEST, HALVINGS = 2.0**-4, 18
 """Longest step, relative to the scales of the parameters, and how often it is halved."""
@@ -59,6 +59,7 @@ def taylor_test(
     columns: list[int],
     gradient: np.ndarray,
     tolerance: float,
+    noise: np.ndarray,
     rng: np.random.Generator,
 ) -> TaylorTest:
     """Remainders along a random direction that stays within bounds and limits.
@@ -68,6 +69,7 @@ def taylor_test(
     values : responses at other parameters
     gradient : (responses, columns)
     tolerance : error of the gradient that is accepted, relative to its largest influence
+    noise : (responses, 1) of the values, where it is known beforehand
     rng : makes the direction
     """
     p, size = values.parameters, len(gradient)
@@ -81,8 +83,8 @@ def taylor_test(
         if found is not None:
             remainders[:, k] = np.abs(found - centre - h * slope)
     largest = np.abs(gradient * direction[columns]).max(axis=1)
-    noise = _round_off(values, direction, centre)[:, None] + tolerance * np.outer(largest, steps)
-    return TaylorTest(steps, remainders, noise)
+    noise = np.maximum(noise, _round_off(values, direction, centre)[:, None])
+    return TaylorTest(steps, remainders, noise + tolerance * np.outer(largest, steps))
 
 
 def _tried(values: Replays, p: np.ndarray) -> np.ndarray | None:
@@ -116,7 +118,7 @@ def _direction(values: Replays, columns: list[int], rng: np.random.Generator) ->
 
 def _round_off(values: Replays, direction: np.ndarray, centre: np.ndarray) -> np.ndarray:
     """Round-off of the responses, by differences that no smooth function shows."""
-    noise, p = EPS * np.abs(centre), values.parameters
+    noise, p = np.zeros_like(centre), values.parameters
     for h in SHORT:
         found = [_tried(values, p + k * h * direction) for k in (1, 2, 3)]
         ahead = [row for row in found if row is not None]
