@@ -11,6 +11,7 @@ import dalembert as da
 from dalembert import structures
 from dalembert.structures.kind import ElementKind
 from dalembert.structures.rotations import rotation_matrix, rotation_vector
+from dalembert.structures.thermal_load import CHANGES
 
 SECTION = {
     "area": 2.0,
@@ -20,13 +21,14 @@ SECTION = {
     "modulus": 7.0,
     "shear_modulus": 3.0,
 }
+COLD = dict.fromkeys(("expansion", *CHANGES), 0.0)
 SHEAR = {"shear_area_y": 1.5, "shear_area_z": 1.2}
 
 
 def of_kind(cls, ends, orientation, **section):
     """Kind and data (m, 1) of one element."""
     kind = ElementKind(cls, 3, 2)
-    given = {"density": 0.0, "orientation": orientation, **section}
+    given = {**COLD, "density": 0.0, "orientation": orientation, **section}
     numbers = [np.atleast_1d(given[name]) for name in kind.quantities]
     return kind, np.concatenate([np.ravel(ends), *numbers])[:, None]
 
@@ -234,7 +236,7 @@ def test_plane_and_space_frames_agree():
     section = {"density": 3.0, "modulus": 7.0, "area": 2.0}
     plane = ElementKind(structures.TimoshenkoFrame, 2, 2)
     ends = np.array([[0.1, 0.2, 0.0], [1.0, 1.5, 0.0]])
-    more = {"second_moment": 0.5, "shear_modulus": 3.0, "shear_area": 1.5}
+    more = {**COLD, "second_moment": 0.5, "shear_modulus": 3.0, "shear_area": 1.5}
     flat = np.array([*ends[:, :2].ravel(), *[(section | more)[n] for n in plane.quantities]])
     own_y = np.array([-1.3, 0.9, 0.0])
     spatial = {**SECTION, **SHEAR, **section}
@@ -254,7 +256,7 @@ def test_plane_and_space_frames_agree():
 def test_consistent_mass_of_the_textbooks():
     """Archer's matrix m/420 (156, 22 L, 54, −13 L; …) for an Euler–Bernoulli beam."""
     kind, length = ElementKind(structures.Frame, 2, 2), 1.7
-    numbers = {"area": 0.4, "second_moment": 0.1, "modulus": 2.0, "density": 3.0}
+    numbers = {**COLD, "area": 0.4, "second_moment": 0.1, "modulus": 2.0, "density": 3.0}
     data = np.array([0, 0, length, 0, *[numbers[n] for n in kind.quantities]])[:, None]
     mass, h = 0.4 * 3.0 * length, length
     bending = [
