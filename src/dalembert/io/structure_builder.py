@@ -67,7 +67,7 @@ class StructureBuilder:
         for name, table in self.document.meshes.items():
             self.mesh(name, table)
         self.on_nodes("supports", self.structure.support, DISPLACEMENTS)
-        self.on_nodes("loads", self.structure.load, FORCES, "case")
+        self.on_nodes("loads", self.structure.load, FORCES, "case", "fixed_axes")
         self.spread_loads()
         self.on_nodes("initial", self.structure.initial, DISPLACEMENTS | VELOCITIES)
         return self.structure

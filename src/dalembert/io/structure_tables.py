@@ -9,7 +9,16 @@ from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, create_mo
 from dalembert.io.choices import Record
 from dalembert.io.fields import is_needed, kind_of, written
 from dalembert.io.tables import about_field, summary_of, value_type
-from dalembert.io.values import Entry, Integer, Number, Text, list_of, number_or_formula, shown
+from dalembert.io.values import (
+    Entry,
+    Flag,
+    Integer,
+    Number,
+    Text,
+    list_of,
+    number_or_formula,
+    shown,
+)
 from dalembert.structures.base import StructuralElement
 from dalembert.structures.node import ROTATIONS, TRANSLATIONS
 
@@ -125,6 +134,10 @@ LoadTable = _with_directions(
     "Forces and moments on each of some nodes.",
     FORCES,
     case=CASE,
+    fixed_axes=(
+        Flag,
+        Field(default=False, description="moments in space act about fixed axes (nonlinear)"),
+    ),
 )
 LineLoadTable = _with_directions(
     "LineLoad", "Forces per length on bars and beams.", LINE_FORCES, ElementChoice, case=CASE

@@ -92,7 +92,7 @@ class Assembly:
     def turn(
         self, u: np.ndarray, p: np.ndarray, weights: np.ndarray, du: np.ndarray, dp: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Changes of ``K w`` (n,) and of what ``pull`` gives, along ``(du, dp)``."""
+        """Changes of ``Kᵀ w`` (n,) and of what ``pull`` gives, along ``(du, dp)``."""
         stiffness, p_bar = np.zeros(self.size), np.zeros(p.size)
         for b in self.blocks:
             own, turned = b.turn(b.gather(u), p, b.gather(weights), b.gather(du), dp)

@@ -83,6 +83,17 @@ class StructuralElement(Element):
         raise NotImplementedError
 
     @classmethod
+    def virtual_work(
+        cls, u: list[ca.SX], w: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
+    ) -> ca.SX:
+        """Virtual work [J] on the displacements ``w`` that ``energy`` does not tell.
+
+        That of internal forces, linear in ``w``; what acts from outside counts negative. Their
+        stiffness need not be symmetric.
+        """
+        return ca.SX(0)
+
+    @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         """Kinetic energy [J] of the element in its initial place.
 

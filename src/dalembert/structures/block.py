@@ -69,7 +69,7 @@ class ElementBlock:
     def turn(
         self, u: np.ndarray, p: np.ndarray, weights: np.ndarray, du: np.ndarray, dp: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Changes of ``K w`` (k, ne), and of the weights of the parameters in ``wᵀ`` forces."""
+        """Changes of ``Kᵀ w`` (k, ne), and of the weights of the parameters in ``wᵀ`` forces."""
         data, change = self.data(p), self.push_data(p, dp)
         own, turned = self.kind.turn(u, data, weights, du, change)
         bar = self.kind.pull(u, data, weights)

@@ -32,6 +32,7 @@ class Part:
     nodes : (ne, nodes of an element)
     count : of a set, None of a single element
     quantities : field → formula for all, or array with one for each
+    timed : whether they may depend on time
     """
 
     name: str
@@ -40,6 +41,7 @@ class Part:
     nodes: np.ndarray
     count: int | None
     quantities: dict[str, Any]
+    timed: bool = False
 
     @classmethod
     def of(cls, given: StructuralElement | Elements, numbers: Spans) -> Part:
@@ -142,10 +144,11 @@ class BlockMaker:
             for field in part.cls.quantity_fields():
                 size = field.metadata["size"]
                 places = starts[begin:end, None] + row + np.arange(size)
-                self._add(found, places, part.quantities[field.name], f"{part.name}.{field.name}")
+                known, entity = {"t"} if part.timed else set(), f"{part.name}.{field.name}"
+                self._add(found, places, part.quantities[field.name], entity, known)
                 more = changes.get(part.name, {}).get(field.name)
                 if more is not None:
-                    self._add(found, places, more, f"heat {part.name}.{field.name}", {"t"})
+                    self._add(found, places, more, f"heat {entity}", {"t"})
                 row += size
             begin = end
         return found

@@ -30,12 +30,25 @@ from dalembert.text import plain_text
 
 @dataclass(frozen=True)
 class Load:
-    """Forces, or an initial motion, in one direction at some nodes: for all, or for each."""
+    """Forces, or an initial motion, in one direction at some nodes: for all, or for each.
+
+    Attributes
+    ----------
+    fixed_axes : whether it is a moment about a fixed axis of space
+    """
 
     nodes: np.ndarray
     direction: str
     value: Any
     entity: str
+    fixed_axes: bool = False
+
+    @property
+    def each(self) -> Any:
+        """A formula for all nodes, or an array with one for each."""
+        if not isinstance(self.value, list):
+            return self.value
+        return np.fromiter(self.value, dtype=object, count=len(self.value))
 
 
 class StructureDescription:
@@ -213,12 +226,21 @@ class StructureDescription:
         made = tractions(name, elements, nodes, values)
         self.spread.setdefault(case, []).append(made)
 
-    def load(self, node: Node | Nodes, case: str = "", **forces) -> None:
+    def load(self, node: Node | Nodes, case: str = "", fixed_axes: bool = False, **forces) -> None:
         """Add forces and moments at nodes, e.g. ``fx=10, fy=-3`` [N], ``mz=2`` [N m].
 
         Loads at one node add up. For many nodes a value acts at each of them, or an array has one
-        for each. ``case`` names a load case.
+        for each.
+
+        Parameters
+        ----------
+        case : name of the load case
+        fixed_axes : moments in space act about fixed axes, ``Mᵀ δθ`` with the spin ``δθ`` of the
+            node, instead of on the components of its rotation vector; for small rotations and in
+            the plane both are the same
         """
+        if not isinstance(fixed_axes, bool):
+            raise ModelError(f"fixed_axes is {fixed_axes!r}; give True or False", node.name)
         known = {d.replace("u", "f").replace("r", "m"): d for d in self._directions(node)}
         if not forces:
             raise ModelError(f"gets no load; give one of {', '.join(known)}", node.name)
@@ -230,7 +252,9 @@ class StructureDescription:
                 value = as_expression(value, entity, "N")
             else:
                 value = [as_expression(v, entity, "N") for v in self._each(node, value)]
-            self.loads.setdefault(case, []).append(Load(self._numbers(node), motion, value, entity))
+            fixed = fixed_axes and motion in ROTATIONS[3] and self.dimension == 3
+            made = Load(self._numbers(node), motion, value, entity, fixed)
+            self.loads.setdefault(case, []).append(made)
 
     def initial(self, node: Node | Nodes, **motion) -> None:
         """Give displacements or velocities at the beginning of a motion, e.g. ``ux=0.01, vy=2``.

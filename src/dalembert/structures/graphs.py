@@ -90,13 +90,23 @@ class ElementGraphs(InertiaGraphs):
 
     @property
     def _forces(self) -> ca.SX:
-        return ca.gradient(self.energy, self.u)
+        (w,) = self._symbols("w")
+        return ca.gradient(self.energy, self.u) + ca.gradient(self._beside_energy(w), w)
+
+    def _work(self, w: ca.SX) -> ca.SX:
+        """Virtual work of the internal forces on displacements ``w``."""
+        return ca.jtimes(self.energy, self.u, w) + self._beside_energy(w)
+
+    def _beside_energy(self, w: ca.SX) -> ca.SX:
+        parts = ca.vertsplit(w, self._u[0].numel())
+        own = ca.SX(self.cls.virtual_work(self._u, parts, self._x, self._q))
+        return self._expanded(own, 1) if self.linear else own
 
     def _force(self):
         return [self.u, self.data], [self._forces]
 
     def _tangent(self):
-        return [self.u, self.data], [ca.vec(ca.jacobian(self._forces, self.u))]
+        return [self.u, self.data], [ca.vec(ca.jacobian(self._forces, self.u).T)]
 
     def _push(self):
         (change,) = self._symbols("change")
@@ -104,13 +114,12 @@ class ElementGraphs(InertiaGraphs):
 
     def _pull(self):
         (w,) = self._symbols("w")
-        work = ca.jtimes(self.energy, self.u, w)
-        return [self.u, self.data, w], [ca.gradient(work, self.data)]
+        return [self.u, self.data, w], [ca.gradient(self._work(w), self.data)]
 
     def _turn(self):
-        """Changes of ``K w`` and of ``pull`` with displacements and data."""
+        """Changes of ``Kᵀ w`` and of ``pull`` with displacements and data."""
         (w,) = self._symbols("w")
-        return self._turned(ca.jtimes(self.energy, self.u, w), w)
+        return self._turned(self._work(w), w)
 
     def _turned(self, value: ca.SX, weights: ca.SX):
         """Change of the slopes of a weighted value."""
@@ -128,7 +137,7 @@ class ElementGraphs(InertiaGraphs):
 
     def _pull_tangent(self):
         a, b = self._symbols("a", "b")
-        value = ca.jtimes(ca.jtimes(self.energy, self.u, b), self.u, a)
+        value = ca.jtimes(self._work(a), self.u, b)
         return [self.u, self.data, a, b], [ca.gradient(value, s) for s in (self.u, self.data)]
 
     def _geometric(self):
@@ -206,6 +215,9 @@ class ElementGraphs(InertiaGraphs):
 
 class ThermalGraphs(ElementGraphs):
     """What a change of temperature adds to the energy of one element, with the same numbers."""
+
+    def _beside_energy(self, w: ca.SX) -> ca.SX:
+        return ca.SX(0)
 
     @cached_property
     def exact(self) -> ca.SX:

@@ -62,7 +62,7 @@ class ElementKind(KindInertia):
         return self._energy("pull", u, data, weights)[0]
 
     def turn(self, u, data, weights, du, change) -> tuple[np.ndarray, np.ndarray]:
-        """Changes of ``K w`` (k, ne) and of ``pull`` (m, ne) with displacements and data."""
+        """Changes of ``Kᵀ w`` (k, ne) and of ``pull`` (m, ne) with displacements and data."""
         found = self._energy("turn", u, data, weights, du, change)
         return found[0], found[1]
 

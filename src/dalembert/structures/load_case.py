@@ -44,7 +44,9 @@ class LoadCase:
     nodal : forces given at nodes
     spread : blocks of dead loads, whose energy is the negative work of the load
     weights : forces on masses
-    thermal : what changes of temperature do
+    thermal : what changes of temperature do, and other forces that depend on displacements
+    fixed_axes : whether moments about fixed axes are among the loads, whose tangent at large
+        displacements is not symmetric
     """
 
     def __init__(
@@ -53,13 +55,28 @@ class LoadCase:
         spread: Sequence[ElementBlock],
         weights: Sequence[MassForce],
         thermal: ThermalLoad,
+        fixed_axes: bool = False,
     ):
-        self.thermal = thermal
+        self.thermal, self.fixed_axes = thermal, fixed_axes
         self.nodal, self.spread, self.weights = nodal, list(spread), list(weights)
         self.size = nodal.constants.size
         self.depends_on_time = nodal.depends_on_time or any(
             w.field.depends_on_time for w in weights
         )
+
+    def refuse_fixed_axes(self, what: str, cure: str) -> None:
+        """Say that an analysis does not take moments about fixed axes.
+
+        Raises
+        ------
+        UnsupportedError
+            There are some.
+        """
+        if self.fixed_axes:
+            raise UnsupportedError(
+                f"{what} does not take moments about fixed axes, whose stiffness is not "
+                f"symmetric; {cure}"
+            )
 
     def values(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) forces."""

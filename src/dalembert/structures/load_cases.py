@@ -11,6 +11,7 @@ from dalembert.structures.assembly import Assembly
 from dalembert.structures.blocks import BlockMaker, Part
 from dalembert.structures.description import Load
 from dalembert.structures.elements import Elements
+from dalembert.structures.fixed_moments import FixedMoment
 from dalembert.structures.load_case import LoadCase, MassForce
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.spread_loads import LineLoad, Spread, Weight
@@ -51,21 +52,29 @@ class LoadCaseMaker:
 
     def _case(self, loads: list[Load], spread: list[Spread], name: str) -> LoadCase:
         entries = ArrayEntries(len(self.degrees))
+        moving = []
         for load in loads:
-            entries.add(self._places(load), load.value)
+            places = self._places(load)
+            if load.fixed_axes and not self.maker.linear:
+                moving.append(load)
+            else:
+                entries.add(places, load.value)
         parts = [Part.of(s, self.structure.numbers) for s in spread if isinstance(s, Elements)]
         blocks = [self.maker.block([part], self.degrees) for part in parts]
         forces = [self._mass_force(s) for s in spread if isinstance(s, (Weight, LineLoad))]
-        return LoadCase(entries.array(self.maker.p), blocks, forces, self._thermal(name))
+        thermal, fixed = self._thermal(name, moving), any(load.fixed_axes for load in loads)
+        return LoadCase(entries.array(self.maker.p), blocks, forces, thermal, fixed)
 
-    def _thermal(self, case: str) -> ThermalLoad:
+    def _thermal(self, case: str, moments: list[Load]) -> ThermalLoad:
         changes, size = self.structure.temperatures.get(case, {}), len(self.degrees)
         heated = {
             block: hot
             for k, block in enumerate(self.assembly.blocks)
             if (hot := self.maker.heated(k, self.degrees, changes)) is not None
         }
-        return ThermalLoad(heated, size, self.assembly.prescribed, self.maker.linear)
+        parts = [FixedMoment.part(load) for load in moments]
+        blocks = [self.maker.block(parts, self.degrees)] if parts else []
+        return ThermalLoad(heated, size, self.assembly.prescribed, self.maker.linear, blocks)
 
     def _places(self, load: Load) -> np.ndarray:
         places = self.degrees.of_nodes(load.nodes, load.direction)

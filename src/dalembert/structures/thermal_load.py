@@ -1,6 +1,8 @@
-"""What changes of temperature do to a structure in one load case."""
+"""What changes of temperature, and moments about fixed axes, do to a structure in one load case."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -19,7 +21,8 @@ CHANGES = (
 class ThermalLoad:
     """Forces of elements that cannot expand freely, ``∂V/∂u``, beside those of strain.
 
-    For small displacements they are those at rest.
+    For small displacements they are those at rest. Moments about fixed axes, which depend on the
+    displacements likewise, are among them, as forces that would hold the node against them.
 
     Parameters
     ----------
@@ -27,6 +30,7 @@ class ThermalLoad:
     size : number of displacements
     prescribed : numbers of the prescribed ones
     linear : for small displacements
+    moments : blocks of moments about fixed axes
     """
 
     def __init__(
@@ -35,13 +39,15 @@ class ThermalLoad:
         size: int,
         prescribed: np.ndarray,
         linear: bool,
+        moments: Sequence[ElementBlock] = (),
     ):
         self.heated, self.linear = heated, linear
-        self.assembly = Assembly(list(heated.values()), size, prescribed)
-        self.depends_on_time = any(block.depends_on_time for block in heated.values())
+        self.assembly = Assembly([*heated.values(), *moments], size, prescribed)
+        self.depends_on_time = any(block.depends_on_time for block in self.assembly.blocks)
+        self.symmetric = not moments
 
     def __bool__(self) -> bool:
-        return bool(self.heated)
+        return bool(self.assembly.blocks)
 
     def place(self, u: np.ndarray) -> np.ndarray:
         """Displacements at which the forces are taken."""

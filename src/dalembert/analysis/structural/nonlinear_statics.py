@@ -148,19 +148,22 @@ class LoadPath:
         self.residual = solution.residual
         return solution.x
 
-    def internal(self, u: np.ndarray, share: float) -> tuple[np.ndarray, Any]:
-        """(n,) forces that hold the displaced elements, heated by a share, and their stiffness."""
-        forces = self.assembly.internal_forces(u, self.p)
+    def internal(self, u: np.ndarray, share: float) -> tuple[list[np.ndarray], Any]:
+        """Forces (n,) that hold the displaced elements, those of a share of what grows among them.
+
+        Their stiffness comes along.
+        """
+        forces = [self.assembly.internal_forces(u, self.p)]
         stiffness = self.assembly.stiffness(u, self.p)
         if self.thermal:
-            forces += share * self.thermal.forces(u, self.p)
+            forces.append(share * self.thermal.forces(u, self.p))
             stiffness = stiffness + share * self.thermal.stiffness(u, self.p)
         return forces, stiffness
 
     def forces(self) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
         found = self.reached * self.applied
-        internal, _ = self.internal(self.u, self.reached)
+        internal = sum(self.internal(self.u, self.reached)[0], np.zeros_like(found))
         held = self.assembly.prescribed
         found[held] = (internal - found)[held]
         return found
@@ -184,7 +187,8 @@ class Equilibrium(Equations[np.ndarray]):
         path = self.path
         internal, stiffness = path.internal(x, self.share)
         made_of, free = abs(stiffness) @ np.abs(x), path.assembly.free
-        return path.balance.residual([self.applied, -internal], made_of, free, stiffness)
+        terms = [self.applied, *(-part for part in internal)]
+        return path.balance.residual(terms, made_of, free, stiffness)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
         assert isinstance(residual, Balanced)

@@ -35,6 +35,10 @@ class PathEquations:
         self.model, self.p, self.assembly = model, p, model.assembly
         self.free, self.held = self.assembly.free, self.assembly.prescribed
         self.size = int(self.free.size)
+        model.loads[case].refuse_fixed_axes(
+            "a load path, which counts negative eigenvalues,",
+            "take solve_statics(…, nonlinear=True)",
+        )
         self.applied, self.thermal = model.loads[case].values(p), model.loads[case].thermal
         self.given, self.balance = model.prescribed.values(p), Balance(model, p)
         stiffness, load, _ = self.matrix(np.zeros(self.size + 1))

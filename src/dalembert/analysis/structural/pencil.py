@@ -33,6 +33,14 @@ class Loaded:
     p: np.ndarray
     result: StructuralResult | None = None
 
+    def __post_init__(self) -> None:
+        if self.result is not None:
+            for case in self.result.cases[:1]:
+                self.model.loads[case].refuse_fixed_axes(
+                    "vibration or buckling of a loaded structure",
+                    "take a load without fixed_axes",
+                )
+
     @property
     def heated(self) -> Assembly | None:
         """Elements with their changes of temperature; None where there is none."""

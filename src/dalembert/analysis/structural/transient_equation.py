@@ -108,8 +108,8 @@ class EquationOfMotion:
         thermal = self.load_case.thermal
         if thermal.depends_on_time and not self.linear:
             raise UnsupportedError(
-                f"temperatures of load case {case!r} depend on time, which nonlinear transients do "
-                "not take; take nonlinear=False, or constant ones"
+                f"temperatures or moments about fixed axes of load case {case!r} depend on time, "
+                "which nonlinear transients do not take; take nonlinear=False, or constant ones"
             )
         nothing = self.assembly.split(lambda _: False)[1]
         self.expansion = thermal.expansion if thermal and self.linear else None
@@ -134,6 +134,11 @@ class EquationOfMotion:
     def rest(self) -> Motions:
         """The structure as it was built."""
         return Motions(*np.zeros((3, self.assembly.size)))
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether all slopes of the forces are."""
+        return not self.turns and self.load_case.thermal.symmetric
 
     @property
     def turns(self) -> bool:
@@ -191,7 +196,10 @@ class EquationOfMotion:
         if self.turns:
             moved = motion._replace(a=self._driven(motion))
             found.append(self.turning.inertia_forces(moved, self.p, self.lumped))
-        return [*found, self.internal_forces(motion.u)]
+        if self.linear or not self.heated.blocks:
+            return [*found, self.internal_forces(motion.u)]
+        parts = (self.assembly, self.heated)
+        return [*found, *(part.internal_forces(motion.u, self.p) for part in parts)]
 
     def forces(self, motion: Motions) -> np.ndarray:
         """(n,) forces that the motion needs, ``d/dt ∂T/∂v − ∂T/∂u + C v + ∂W/∂u``."""

@@ -145,7 +145,7 @@ class TransientStep:
         e, rule = self.equation, self.rule
         late = slopes.v * (rule.kappa * rule.late[1]) + slopes.u * (rule.kappa * rule.late[0])
         matrix = (slopes.a + late).tocsc()[e.free][:, e.free]
-        return factors(matrix, SINGULAR, symmetric=not e.turns)
+        return factors(matrix, SINGULAR, symmetric=e.symmetric)
 
     def advance(self, x: Moving, time: float) -> Moving | None:
         """The end of the step at ``time``; None where Newton's method fails.

@@ -2,8 +2,8 @@
 
 The adjoint of ``r(U, p) = P(p)`` gives ``∇Θ = p̄ + (∂r/∂p)ᵀ w + (∂P/∂p)ᵀ (…)`` with ``w`` from one
 solve (8.27). Along a direction ``d`` of the parameters, with the change ``U̇`` from one direct
-solution (8.26), ``w`` changes by ``K ẇ = ū̇ − K̇ w``, and ``K̇ w`` and the changes of the transposed
-products come from the elements at once.
+solution (8.26), ``w`` changes by ``Kᵀ ẇ = ū̇ − K̇ᵀ w``, and ``K̇ᵀ w`` and the changes of the
+transposed products come from the elements at once.
 """
 
 from __future__ import annotations
@@ -52,18 +52,18 @@ class SecondStatics(StaticsTangent):
         loads, stiffness, held = self._loads(case), self.stiffness(case), self.model.prescribed
         u, p, d = self.result.displacements[:, case], self.p, self.direction
         reactions, applied = self._split(seen.forces)
-        u_bar = seen.u + stiffness @ reactions
+        u_bar = seen.u + stiffness.T @ reactions
         multiplier = self.multiplier(case, u_bar, np.zeros(1))
-        u_bar = u_bar - stiffness @ multiplier
+        u_bar = u_bar - stiffness.T @ multiplier
         softer, p_bar = self.assembly.turn(u, p, reactions - multiplier, change.u, d)
         hot, there = loads.thermal, loads.thermal.place(u)
         moved_there = np.zeros_like(u) if hot.linear else change.u
         stiffer, more_p = hot.assembly.turn(there, p, reactions - multiplier, moved_there, d)
         softer, p_bar = softer + (0.0 if hot.linear else 1.0) * stiffer, p_bar + more_p
         reactions, more = self._split(moved.forces)
-        u_turn = moved.u + stiffness @ reactions + softer
+        u_turn = moved.u + stiffness.T @ reactions + softer
         turned = self.multiplier(case, u_turn, np.zeros(1))
-        u_turn = u_turn - stiffness @ turned
+        u_turn = u_turn - stiffness.T @ turned
         return (
             moved.p
             + p_bar

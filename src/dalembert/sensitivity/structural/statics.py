@@ -42,8 +42,11 @@ class StaticsTangent:
         return found, 0.0
 
     def multiplier(self, case: int, u_bar: np.ndarray, factor_bar: np.ndarray) -> np.ndarray:
-        """(n, rows) ``K_ff⁻ᵀ`` of weights of the displacements; K is symmetric."""
-        return self.moved(case, u_bar)[0]
+        """(n, rows) ``K_ff⁻ᵀ`` of weights of the displacements."""
+        found, factor = np.zeros_like(u_bar), self.result.record[case].factor
+        if self.free.size:
+            found[self.free] = factor.solve(np.ascontiguousarray(u_bar[self.free]), "T")
+        return found
 
     def pulled(self, case: int, seen: Sequence[Weights]) -> np.ndarray:
         """(np, rows) weights of the parameters, all in all, for many responses by one solution."""
@@ -54,14 +57,14 @@ class StaticsTangent:
         reactions, applied = np.zeros_like(forces), np.zeros_like(forces)
         reactions[self.held], applied[self.free] = forces[self.held], forces[self.free]
         applied -= reactions  # what acts on a support itself, its reaction does not see
-        u_bar = seen_u + stiffness @ reactions
+        u_bar = seen_u + stiffness.T @ reactions
         u, hot = self.result.displacements[:, case], loads.thermal
         factor_bar = np.array([one.load_factor for one in seen]) + applied.T @ loads.values(self.p)
         factor_bar += u_bar[self.held].T @ self.model.prescribed.values(self.p)
         if hot:
             factor_bar += reactions.T @ hot.forces(u, self.p)
         multiplier = self.multiplier(case, u_bar, factor_bar)
-        u_bar = u_bar - stiffness @ multiplier  # free entries vanish: equilibrium takes care
+        u_bar = u_bar - stiffness.T @ multiplier  # free entries vanish: equilibrium takes care
         internal, heated = (Pulls(a, self.p, len(seen)) for a in (self.assembly, hot.assembly))
         held_by = (reactions - multiplier)[:, None, :]
         internal.forces(u[:, None], held_by)

@@ -174,7 +174,7 @@ class TransientAdjoint(TransientPass):
         self.parameters.loads(multiplier, self.time(0))
         self.parameters.expansion(multiplier, self.time(0))
         rest = np.zeros((e.held.size, self.rows))
-        held = Motions(-(e.tangent(motion.u) @ multiplier)[e.held], rest, rest)
+        held = Motions(-(e.tangent(motion.u).T @ multiplier)[e.held], rest, rest)
         self.parameters.supports(held, self.time(0))
 
     def _pulled(self, source, weights: np.ndarray) -> np.ndarray:
