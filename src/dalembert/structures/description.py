@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -11,6 +10,7 @@ import numpy as np
 from dalembert.errors import ModelError
 from dalembert.structures.base import StructuralElement
 from dalembert.structures.elements import Elements
+from dalembert.structures.nodal_load import Load
 from dalembert.structures.node import ROTATIONS, TRANSLATIONS, Node
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.spans import Spans
@@ -26,29 +26,6 @@ from dalembert.structures.spread_loads import (
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.parameter import Parameter
 from dalembert.text import plain_text
-
-
-@dataclass(frozen=True)
-class Load:
-    """Forces, or an initial motion, in one direction at some nodes: for all, or for each.
-
-    Attributes
-    ----------
-    fixed_axes : whether it is a moment about a fixed axis of space
-    """
-
-    nodes: np.ndarray
-    direction: str
-    value: Any
-    entity: str
-    fixed_axes: bool = False
-
-    @property
-    def each(self) -> Any:
-        """A formula for all nodes, or an array with one for each."""
-        if not isinstance(self.value, list):
-            return self.value
-        return np.fromiter(self.value, dtype=object, count=len(self.value))
 
 
 class StructureDescription:

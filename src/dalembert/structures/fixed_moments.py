@@ -10,7 +10,7 @@ import casadi as ca
 from dalembert.elements.base import Scalar, quantity
 from dalembert.structures.attached import AXES, Attached
 from dalembert.structures.blocks import Part
-from dalembert.structures.description import Load
+from dalembert.structures.nodal_load import Load
 from dalembert.structures.rotations import spin_map
 from dalembert.symbolic.expression import Expression
 

@@ -8,7 +8,8 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import ModelError
-from dalembert.structures.description import Load, StructureDescription
+from dalembert.structures.description import StructureDescription
+from dalembert.structures.nodal_load import Load
 from dalembert.structures.numbering import Numbering
 from dalembert.symbolic.expression import free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray

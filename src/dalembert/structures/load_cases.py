@@ -9,10 +9,10 @@ import numpy as np
 from dalembert.errors import ModelError
 from dalembert.structures.assembly import Assembly
 from dalembert.structures.blocks import BlockMaker, Part
-from dalembert.structures.description import Load
 from dalembert.structures.elements import Elements
 from dalembert.structures.fixed_moments import FixedMoment
 from dalembert.structures.load_case import LoadCase, MassForce
+from dalembert.structures.nodal_load import Load
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.spread_loads import LineLoad, Spread, Weight
 from dalembert.structures.thermal_load import ThermalLoad
