@@ -198,3 +198,9 @@ def test_an_equilibrium_has_one_instant():
     assert here.values == da.sensitivity(rest, da.final("bar.end.y")).values
     with pytest.raises(da.AnalysisError, match="one instant, t = 0 s, and t = 1 s was asked for"):
         da.sensitivity(rest, da.at(1.0, "bar.end.y"))
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf])
+def test_an_instant_that_is_no_number_is_refused_where_it_is_given(time):
+    with pytest.raises(da.UnsupportedError, match=rf"^At\(time={time}\): time must be a number"):
+        da.at(time, "bar.angle")

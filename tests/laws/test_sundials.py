@@ -68,15 +68,20 @@ def test_failure_inside_an_interval_is_a_status(method, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("method", [da.Cvodes, da.Ida])
-def test_gradients_are_right_to_about_the_tolerance(method):
-    """Direct and adjoint against the exact gradients of short RK4 steps."""
+def pendulum() -> da.Model:
+    """Its length and first speed are parameters."""
     system = da.System("pendulum", gravity=(0.0, -9.81))
     length, speed = system.parameter("length", 0.8), system.parameter("speed", 1.5)
     bar = planar.Bar("bar", length=length, mass=1.0, angle=-0.4, angular_velocity=speed)
     bar = system.add(bar)
     system.add(planar.Revolute("pin", system.ground.point(0, 0), bar.start))
-    model, responses = system.build(), [da.final("bar.angle"), da.integral("pin.force_norm")]
+    return system.build()
+
+
+@pytest.mark.parametrize("method", [da.Cvodes, da.Ida])
+def test_gradients_are_right_to_about_the_tolerance(method):
+    """Direct and adjoint against the exact gradients of short RK4 steps."""
+    model, responses = pendulum(), [da.final("bar.angle"), da.integral("pin.force_norm")]
     outputs = np.linspace(0, 0.6, 13)
     fine = Dynamics(0.6, step=1e-3, outputs=outputs).run(model)
     true = da.sensitivity(fine, responses).values
@@ -89,12 +94,7 @@ def test_gradients_are_right_to_about_the_tolerance(method):
 @pytest.mark.parametrize("method", [da.Cvodes, da.Ida])
 def test_outputs_cost_no_accuracy(method):
     """A thousand intervals: starting anew in each made 1e-5 of the run and its gradients."""
-    system = da.System("pendulum", gravity=(0.0, -9.81))
-    length, speed = system.parameter("length", 0.8), system.parameter("speed", 1.5)
-    bar = planar.Bar("bar", length=length, mass=1.0, angle=-0.4, angular_velocity=speed)
-    bar = system.add(bar)
-    system.add(planar.Revolute("pin", system.ground.point(0, 0), bar.start))
-    model, responses = system.build(), [da.final("bar.angle"), da.integral("pin.force_norm")]
+    model, responses = pendulum(), [da.final("bar.angle"), da.integral("pin.force_norm")]
     fine = da.solve_dynamics(model, 1.0, integrator=da.DormandPrince853(1e-12, 1e-12))
     true = da.sensitivity(fine, responses).values
     motion = da.solve_dynamics(model, 1.0, integrator=method(1e-8, 1e-10))
