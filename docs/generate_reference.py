@@ -19,9 +19,18 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import dalembert
-from dalembert.elements.registry import BODIES, CURVES, DRIVERS, FORCES, JOINTS, LAWS
-from dalembert.io import schema, tables
-from dalembert.io.fields import FROM_FILE, connected, is_needed, kind_of, written
+from dalembert.analysis.events import Event, Events
+from dalembert.elements.attachment import RigidBody
+from dalembert.elements.base import Constraint, Rows
+from dalembert.elements.curves import Curve
+from dalembert.elements.laws.base import Law
+from dalembert.elements.planar.springs import ForceLaw
+from dalembert.elements.registry import CURVES, LAWS, PLANAR
+from dalembert.formulations.base import Formulation
+from dalembert.formulations.stabilization import Stabilization
+from dalembert.integrators.base import Integrator
+from dalembert.io import fields, schema, tables
+from dalembert.io.fields import FROM_FILE, connected, written
 from dalembert.io.strategies import (
     ANALYSES,
     COORDINATES,
@@ -30,37 +39,37 @@ from dalembert.io.strategies import (
     RESPONSES,
     STABILIZATIONS,
 )
+from dalembert.model.coordinates import Coordinates
 from dalembert.symbolic.functions import FORMULA_FUNCTIONS
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 
-HOLDS = {
-    "quantity": "formula",
-    "vector": "two formulas",
-    "spring-law": "formula",
-    "measure": "measure",
-    "event": "name of an event",
-    "number": "number",
-    "integer": "whole number",
-    "flag": "true or false",
-    "text": "text",
-    "body": "name of a body",
-    "joint": "name of a joint",
-    "rows": "list",
-    "terms": "list of laws, numbers or formulas",
-    "factors": "list of laws, numbers or formulas",
-    "count or times": "count or list of times",
-    "interval": "two numbers",
-    "points": "table",
-    "law": "law",
-    "curve": "curve",
-    "names": "list of names",
-    "coordinates": "coordinates",
-    "formulation": "formulation",
-    "stabilization": "stabilisation",
-    "integrator": "integrator",
-    "events": "table of events",
+HOLDS: dict[object, str] = {
+    fields.Quantity: "formula",
+    fields.Quantities: "two formulas",
+    ForceLaw: "formula",
+    fields.Measured: "measure",
+    Event: "name of an event",
+    float: "number",
+    int: "whole number",
+    bool: "true or false",
+    str: "text",
+    RigidBody: "name of a body",
+    Constraint: "name of a joint",
+    Rows: "list",
+    fields.Laws: "list of laws, numbers or formulas",
+    fields.CountOrTimes: "count or list of times",
+    fields.Interval: "two numbers",
+    fields.Points: "table",
+    Law: "law",
+    Curve: "curve",
+    fields.Names: "list of names",
+    Coordinates: "coordinates",
+    Formulation: "formulation",
+    Stabilization: "stabilisation",
+    Integrator: "integrator",
+    Events: "table of events",
 }
 NEEDED = {
     "Bar.length",
@@ -146,20 +155,20 @@ def record(name: str, cls: type) -> str:
     for field in written(cls):
         if field.name in REFUSED.get(name, ()):
             continue
-        meta = field.metadata
+        meta = field.field.metadata
         text = meta.get("description") or texts.get(field.name, "")
-        named = kind_of(field) == "points"
+        named = field.holds is fields.Points
         if named:
             text = "named points: coordinates in the body frame"
         unit = meta.get("unit") or ("m" if named else "")
-        needed = is_needed(field) and field.name not in from_file
+        needed = field.is_needed and field.name not in from_file
         needed = needed or f"{name}.{field.name}" in NEEDED
         rows.append(
             (
                 f"`{field.name}`",
-                HOLDS[kind_of(field)],
+                HOLDS[field.holds],
                 unit.replace(" | ", " or "),
-                shown_default(field, needed),
+                shown_default(field.field, needed),
                 text,
             )
         )
@@ -244,7 +253,7 @@ FIXED = {
             "description": ABOUT,
         },
     ),
-    "inline": (tables.InlinePoint, {"body": "name of a body", "at": "its coordinates there [m]"}),
+    "inline": (tables.inline(2), {"body": "name of a body", "at": "its coordinates there [m]"}),
     "event": (
         tables.EventTable,
         {
@@ -361,10 +370,10 @@ def _example(folder: Path, stem: str) -> str:
 # putting in ---------------------------------------------------------------------------------
 PARTS: dict[str, Callable[[], str]] = {
     **{name: (lambda pair=pair: section(*pair)) for name, pair in FIXED.items()},
-    "bodies": lambda: records(BODIES),
-    "joints": lambda: records(JOINTS),
-    "drivers": lambda: records(DRIVERS),
-    "forces": lambda: records(FORCES),
+    "bodies": lambda: records(PLANAR.sections["bodies"]),
+    "joints": lambda: records(PLANAR.sections["joints"]),
+    "drivers": lambda: records(PLANAR.sections["drivers"]),
+    "forces": lambda: records(PLANAR.sections["forces"]),
     "laws": lambda: records(LAWS),
     "curves": lambda: records(CURVES),
     "analyses": lambda: records(ANALYSES),

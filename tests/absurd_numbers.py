@@ -6,7 +6,6 @@ stops the process with a traceback where it takes longer than ``PATIENCE``.
 
 from __future__ import annotations
 
-import dataclasses
 import faulthandler
 import math
 import resource
@@ -20,7 +19,7 @@ import dalembert as da
 from dalembert import planar, structures
 from dalembert.errors import DalembertError
 from dalembert.io import strategies
-from dalembert.io.fields import kind_of
+from dalembert.io.fields import CountOrTimes, Interval, Names, fields_of
 
 PATIENCE = 120.0
 MEMORY = 6_000_000_000
@@ -73,8 +72,8 @@ def some(fields: Iterable[Any]) -> Iterator[tuple[Any, Any]]:
 
 def fields(cls: type) -> list[str]:
     """Options that hold numbers, flags, texts or lists of them."""
-    plain = {"number", "integer", "count or times", "interval", "flag", "text", "names"}
-    return [f.name for f in dataclasses.fields(cls) if kind_of(f) in plain and f.name != "name"]
+    plain = {float, int, CountOrTimes, Interval, bool, str, Names}
+    return [f.name for f in fields_of(cls) if f.holds in plain and f.name != "name"]
 
 
 def with_number(make: Callable[..., Any], given: dict, name: str, value: Any) -> Callable[[], Any]:

@@ -31,8 +31,8 @@ FENCE = re.compile(r"^```(\S*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\[(?:[^\]\\]|\\.)*\]\(([^)\s]+)\)")
 ELEMENTS = [
     name
-    for table in ("BODIES", "JOINTS", "DRIVERS", "FORCES", "LAWS", "CURVES")
-    for name in getattr(registry, table)
+    for table in (*registry.PLANAR.sections.values(), registry.LAWS, registry.CURVES)
+    for name in table
 ]
 
 

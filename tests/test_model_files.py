@@ -11,7 +11,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.elements.registry import BODIES, CURVES, DRIVERS, FORCES, JOINTS, LAWS
+from dalembert.elements.registry import CURVES, LAWS, PLANAR
 from dalembert.io import json_schema, load, load_model_file
 from dalembert.io.analyses import make_analysis
 from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES
@@ -75,7 +75,7 @@ ELEMENTS = {
         "Stop": 'coordinate = "a.x"\nupper = 3\nstiffness = 100',
     },
 }
-REGISTRIES = {"bodies": BODIES, "joints": JOINTS, "drivers": DRIVERS, "forces": FORCES}
+REGISTRIES = PLANAR.sections
 LAW_TABLES = {
     "Formula": 'formula = "k*t"',
     "Polynomial": 'velocity = "k"',

@@ -106,7 +106,7 @@ class Occurrence:
         return found[self.number - 1]
 
 
-Events = Mapping[str, "Event | str | Expression"]
+Events = Mapping[str, Event | str | Expression]
 
 
 def as_events(events: Events | None) -> dict[str, Event]:

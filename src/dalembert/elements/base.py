@@ -16,17 +16,19 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, stack
 
 Scalar = Any  # number or Expression
 Vector = Any  # two numbers or Expressions
+Rows = Sequence[Any] | np.ndarray
 Rate = Callable[[ca.SX], ca.SX]
 
 
@@ -57,9 +59,10 @@ def quantity(
     return dataclasses.field(default=default, metadata=metadata, kw_only=keyword)
 
 
-def option(description: str, *, default: Any = dataclasses.MISSING, kind: str = "option") -> Any:
+def option(description: str, *, default: Any = dataclasses.MISSING) -> Any:
     """Field that is not a number: a switch, a law, a curve, a formula with own variables."""
-    return dataclasses.field(default=default, metadata={"kind": kind, "description": description})
+    metadata = {"kind": "option", "description": description}
+    return dataclasses.field(default=default, metadata=metadata)
 
 
 class Coordinates:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Scalar, option, quantity
+from dalembert.elements.base import Rows, Scalar, option, quantity
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, as_sx
 from dalembert.symbolic.spline import CubicSpline
@@ -50,7 +49,7 @@ class SplineCurve(Curve):
     closed : periodic; the first point need not be repeated
     """
 
-    points: object = option("points (x, y) of the curve")
+    points: Rows = option("points (x, y) of the curve")
     closed: bool = option("the curve closes on itself", default=True)
 
     def __post_init__(self) -> None:
@@ -58,7 +57,7 @@ class SplineCurve(Curve):
             raise ModelError(f"points must be a list, got {self.points!r:.60}", "SplineCurve")
         points = [
             as_expression(p, f"SplineCurve point {k + 1}", "m", 2)
-            for k, p in enumerate(cast(Sequence, self.points))
+            for k, p in enumerate(self.points)
         ]
         if len(points) < 3:
             raise ModelError(f"needs at least 3 points, got {len(points)}", "SplineCurve")

@@ -2,12 +2,16 @@
 
 A new element is one file, one row here and one line in the documentation. Model files, their
 schema, the laws tested over all elements and the reference pages are all made from these tables.
+Elements of the plane and of space have tables of their own, so that one name may stand in both.
 """
 
 from __future__ import annotations
 
-from dalembert.elements.curves import Curve, FormulaCurve, SplineCurve
-from dalembert.elements.laws.base import Formula, Law, Product, Sum
+from dataclasses import dataclass
+
+from dalembert.elements import planar
+from dalembert.elements.curves import FormulaCurve, SplineCurve
+from dalembert.elements.laws.base import Formula, Product, Sum
 from dalembert.elements.laws.harmonic import Harmonic
 from dalembert.elements.laws.polynomial import Polynomial
 from dalembert.elements.laws.rise import (
@@ -17,76 +21,92 @@ from dalembert.elements.laws.rise import (
     Polynomial4567Rise,
 )
 from dalembert.elements.laws.table import Table
-from dalembert.elements.planar.body import Bar, Body, Particle
-from dalembert.elements.planar.drivers import (
-    CoordinateDriver,
-    DistanceDriver,
-    RotationalDriver,
-    TranslationalDriver,
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """The elements of mechanisms in the plane, or in space.
+
+    Attributes
+    ----------
+    name : the module of its elements
+    dimension : how many coordinates a point has
+    sections : section of a model file → name → class
+    """
+
+    name: str
+    dimension: int
+    sections: dict[str, dict[str, type]]
+
+
+def named(*classes: type) -> dict[str, type]:
+    """Classes by their names."""
+    return {cls.__name__: cls for cls in classes}
+
+
+PLANAR = Space(
+    "planar",
+    2,
+    {
+        "bodies": named(planar.Body, planar.Bar, planar.Particle),
+        "joints": named(
+            planar.Revolute,
+            planar.Translational,
+            planar.PinInSlot,
+            planar.Weld,
+            planar.RigidLink,
+            planar.PointOnCurve,
+            planar.GearPair,
+            planar.RackAndPinion,
+            planar.RollingDisc,
+            planar.Coupling,
+            planar.UserConstraint,
+        ),
+        "drivers": named(
+            planar.RotationalDriver,
+            planar.TranslationalDriver,
+            planar.DistanceDriver,
+            planar.CoordinateDriver,
+        ),
+        "forces": named(
+            planar.Force,
+            planar.Moment,
+            planar.Spring,
+            planar.RotationalSpring,
+            planar.Actuator,
+            planar.Bushing,
+            planar.JointFriction,
+            planar.Stop,
+        ),
+    },
 )
-from dalembert.elements.planar.friction import JointFriction, Stop
-from dalembert.elements.planar.gear import Coupling, GearPair, RackAndPinion, RollingDisc
-from dalembert.elements.planar.loads import Force, Moment
-from dalembert.elements.planar.point_on_curve import PointOnCurve
-from dalembert.elements.planar.revolute import Revolute
-from dalembert.elements.planar.rigid_link import RigidLink
-from dalembert.elements.planar.springs import Actuator, Bushing, RotationalSpring, Spring
-from dalembert.elements.planar.translational import PinInSlot, Translational
-from dalembert.elements.planar.user_constraint import UserConstraint
-from dalembert.elements.planar.weld import Weld
+SPACES = {space.dimension: space for space in (PLANAR,)}
+"""Dimension → the elements there are in it."""
 
-BODIES: dict[str, type[Body]] = {
-    "Body": Body,
-    "Bar": Bar,
-    "Particle": Particle,
-}
 
-JOINTS: dict[str, type] = {
-    "Revolute": Revolute,
-    "Translational": Translational,
-    "PinInSlot": PinInSlot,
-    "Weld": Weld,
-    "RigidLink": RigidLink,
-    "PointOnCurve": PointOnCurve,
-    "GearPair": GearPair,
-    "RackAndPinion": RackAndPinion,
-    "RollingDisc": RollingDisc,
-    "Coupling": Coupling,
-    "UserConstraint": UserConstraint,
-}
+def elements_of(space: Space, section: str) -> dict[str, type]:
+    """The classes that a mechanism of this space may hold, by the names that its file gives them.
 
-DRIVERS: dict[str, type] = {
-    "RotationalDriver": RotationalDriver,
-    "TranslationalDriver": TranslationalDriver,
-    "DistanceDriver": DistanceDriver,
-    "CoordinateDriver": CoordinateDriver,
-}
+    Those of its own space go by their name alone or as ``planar.Revolute``, others by the latter.
+    """
+    found = {
+        f"{other.name}.{name}": cls
+        for other in SPACES.values()
+        for name, cls in other.sections[section].items()
+    }
+    return space.sections[section] | found
 
-FORCES: dict[str, type] = {
-    "Force": Force,
-    "Moment": Moment,
-    "Spring": Spring,
-    "RotationalSpring": RotationalSpring,
-    "Actuator": Actuator,
-    "Bushing": Bushing,
-    "JointFriction": JointFriction,
-    "Stop": Stop,
-}
 
-LAWS: dict[str, type[Law]] = {
-    "Formula": Formula,
-    "Polynomial": Polynomial,
-    "Harmonic": Harmonic,
-    "HarmonicRise": HarmonicRise,
-    "CycloidalRise": CycloidalRise,
-    "Polynomial345Rise": Polynomial345Rise,
-    "Polynomial4567Rise": Polynomial4567Rise,
-    "Table": Table,
-    "Sum": Sum,
-    "Product": Product,
-}
-
-CURVES: dict[str, type[Curve]] = {
-    "SplineCurve": SplineCurve,
-    "FormulaCurve": FormulaCurve,
-}
+LAWS = named(
+    Formula,
+    Polynomial,
+    Harmonic,
+    HarmonicRise,
+    CycloidalRise,
+    Polynomial345Rise,
+    Polynomial4567Rise,
+    Table,
+    Sum,
+    Product,
+)
+CURVES = named(SplineCurve, FormulaCurve)

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
-from dalembert.analysis.events import Event
+from dalembert.analysis.events import Event, Events
 from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.errors import SingularityError
-from dalembert.io.fields import kind_of, written
+from dalembert.io.fields import Interval, written
 from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.messages import nearest
 from dalembert.io.model_file import ModelFile
-from dalembert.io.strategies import STRATEGIES
+from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.tables import EventTable
 from dalembert.model.model import Model
 from dalembert.results.result import Analysis
@@ -65,22 +65,22 @@ def _options(file: ModelFile, model: Any, cls: type, table: BaseModel | None) ->
     for field in written(cls, frozenset()):
         if table is None or field.name not in table.model_fields_set:
             continue
-        given, kind = getattr(table, field.name), kind_of(field)
+        given = getattr(table, field.name)
         with file.located("analysis", field.name):
-            made[field.name] = _option(file, model, kind, given)
+            made[field.name] = _option(file, model, field.holds, given)
     return made
 
 
-def _option(file: ModelFile, model: Any, kind: str, given: Any) -> Any:
+def _option(file: ModelFile, model: Any, kind: Any, given: Any) -> Any:
     """What a key of ``[analysis]`` stands for."""
-    makers: dict[str, Callable[[], Any]] = {
-        "events": lambda: {n: _event(file, model, n, e) for n, e in given.items()},
-        "interval": lambda: tuple(given),
-        "damping": lambda: _damping(file, model, given),
-        "state": lambda: _state(model, given),
+    makers: dict[Any, Callable[[], Any]] = {
+        Events: lambda: {n: _event(file, model, n, e) for n, e in given.items()},
+        Interval: lambda: tuple(given),
+        Rayleigh: lambda: _damping(file, model, given),
+        StructuralResult: lambda: _state(model, given),
     }
-    if kind in STRATEGIES:
-        return make_strategy(STRATEGIES[kind], given)
+    if kind in STRATEGIES_OF:
+        return make_strategy(STRATEGIES_OF[kind], given)
     return makers[kind]() if kind in makers else given
 
 

@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
-from dalembert.elements.base import ForceElement
+from dalembert.elements.attachment import BodyFrame, BodyPoint, RigidBody
+from dalembert.elements.base import Constraint, ForceElement
+from dalembert.elements.curves import Curve
+from dalembert.elements.laws.base import Law
+from dalembert.elements.planar.springs import ForceLaw
 from dalembert.elements.planar.user_constraint import UserConstraint
-from dalembert.elements.registry import BODIES, DRIVERS, FORCES, JOINTS
-from dalembert.io.fields import connected, given_fields, kind_of, written
+from dalembert.elements.registry import elements_of
+from dalembert.io.fields import (
+    FileField,
+    Points,
+    Quantities,
+    Quantity,
+    connected,
+    given_fields,
+    written,
+)
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
 from dalembert.io.order import dependency_order
@@ -56,16 +67,16 @@ class Builder:
         if self.document.gravity is not None:
             with self.located("gravity"):
                 given = [self.formulas.read(g) for g in self.document.gravity]
-                self.system.gravity = as_expression(given, "", "m/s^2", 2)
+                self.system.gravity = as_expression(given, "", "m/s^2", len(given))
         for name, at in self.document.ground.points.items():
             with self.located("ground", "points", name):
                 self.system.ground.add_point(name, self.vector(at, Scope.PARAMETERS))
         for name in self.document.bodies:
-            self.add("bodies", BODIES, name)
+            self.add("bodies", name)
         for name in self.document.joints:
-            self.add("joints", JOINTS, name)
+            self.add("joints", name)
         for name in self.document.drivers:
-            self.add("drivers", DRIVERS, name)
+            self.add("drivers", name)
         self.forces()
         for measure, value in self.document.initial.items():
             with self.located("initial", measure):
@@ -96,14 +107,15 @@ class Builder:
         """Forces may be formulas of other forces, in any order."""
         given: dict[str, Any] = self.document.forces
         with self.located():
-            texts = {name: _formula_texts(FORCES[f.type], f) for name, f in given.items()}
+            known = elements_of(self.document.space, "forces")
+            texts = {name: _formula_texts(known[f.type], f) for name, f in given.items()}
             order = dependency_order("forces", texts)
         for name in order:
-            self.add("forces", FORCES, name)
+            self.add("forces", name)
 
-    def add(self, section: str, registry: dict[str, type], name: str) -> None:
+    def add(self, section: str, name: str) -> None:
         table = getattr(self.document, section)[name]
-        cls, where = registry[table.type], (section, name)
+        cls, where = elements_of(self.document.space, section)[table.type], (section, name)
         moving = issubclass(cls, (ForceElement, UserConstraint))
         scope = Scope.MOTION if moving else Scope.PARAMETERS
         with self.located(*where):
@@ -111,7 +123,7 @@ class Builder:
             given = getattr(table, "connect", ())
             for k, (field, end) in enumerate(zip(connected(cls), given, strict=True)):
                 with self.located(*where, "connect", k):
-                    ties.append(self.references.end(kind_of(field), end))
+                    ties.append(self.references.end(field.holds, end))
             keys = given_fields(
                 cls,
                 table,
@@ -121,23 +133,22 @@ class Builder:
             )
             self.system.add(made_of(cls, name, *ties, **keys))
 
-    def value(
-        self, field: dataclasses.Field, given: Any, scope: Scope, where: tuple[str, ...]
-    ) -> Any:
-        kind = kind_of(field)
-        readers: dict[str, Callable[[], Any]] = {
-            "quantity": lambda: self.formulas.read(given, scope),
-            "vector": lambda: self.vector(given, scope),
-            "points": lambda: {n: self.vector(at, Scope.PARAMETERS) for n, at in given.items()},
-            "law": lambda: self.shapes.law(given, where),
-            "curve": lambda: self.shapes.curve(given, where),
-            "spring-law": lambda: self.spring_law(given, scope),
-            "body": lambda: self.references.body(given),
-            "joint": lambda: self.references.joint(given),
+    def value(self, field: FileField, given: Any, scope: Scope, where: tuple[str, ...]) -> Any:
+        readers: dict[Any, Callable[[], Any]] = {
+            Quantity: lambda: self.formulas.read(given, scope),
+            Quantities: lambda: self.vector(given, scope),
+            Points: lambda: {n: self.vector(at, Scope.PARAMETERS) for n, at in given.items()},
+            Law: lambda: self.shapes.law(given, where),
+            Curve: lambda: self.shapes.curve(given, where),
+            ForceLaw: lambda: self.force_law(given, scope),
+            Constraint: lambda: self.references.joint(given),
+            **dict.fromkeys(
+                (RigidBody, BodyPoint, BodyFrame), lambda: self.references.end(field.holds, given)
+            ),
         }
-        return readers[kind]() if kind in readers else given
+        return readers[field.holds]() if field.holds in readers else given
 
-    def spring_law(self, text: float | str, scope: Scope) -> Callable:
+    def force_law(self, text: float | str, scope: Scope) -> Callable:
         """The function (extension, rate) → force that a formula describes."""
 
         def law(extension: Expression, rate: Expression) -> float | Expression:
@@ -151,7 +162,7 @@ def _formula_texts(cls: type, table: BaseModel) -> list[str]:
     """The formulas of an element, where it may name others."""
     found: list[str] = []
     for field in written(cls):
-        if kind_of(field) in ("quantity", "vector", "spring-law"):
+        if field.holds in (Quantity, Quantities, ForceLaw):
             given = getattr(table, field.name)
             entries = given if isinstance(given, list) else [given]
             found += [entry for entry in entries if isinstance(entry, str)]

@@ -36,13 +36,23 @@ class Record(BaseModel):
         return value
 
 
-def one_of(tables: dict[str, Any], *, plain: Any = None, default: str | None = None) -> Any:
-    """A table chosen by its ``type``, or a plain value where one is allowed."""
+def one_of(
+    tables: dict[str, Any], *, plain: Any = None, default: str | None = None, prefix: str = ""
+) -> Any:
+    """A table chosen by its ``type``, or a plain value where one is allowed.
 
-    def choose(value: Any) -> str | None:
-        if isinstance(value, BaseModel):
-            return str(getattr(value, "type", default))
-        return value.get("type", default) if isinstance(value, dict) else PLAIN
+    Parameters
+    ----------
+    default : the type where none is given
+    prefix : what may stand before a type and says nothing new
+    """
+
+    def choose(value: Any) -> Any:
+        if not isinstance(value, (dict, BaseModel)):
+            return PLAIN
+        told = value if isinstance(value, dict) else vars(value)
+        given = told.get("type", default)
+        return given.removeprefix(prefix) if isinstance(given, str) else given
 
     def check(value: Any) -> Any:
         known = ", ".join(tables)

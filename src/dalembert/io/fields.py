@@ -1,4 +1,4 @@
-"""What a field of a registered class holds, told from its metadata and annotation.
+"""What a field of a registered class holds, told from the types of its annotation.
 
 The schema and the builder both ask here, so that a file is accepted exactly when it can be built.
 """
@@ -6,86 +6,137 @@ The schema and the builder both ask here, so that a file is accepted exactly whe
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
-from typing import Any
+import functools
+import operator
+import types
+import typing
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
 
-REFERENCES = {
-    "Point": "point",
-    "Body": "body",
-    "Constraint": "joint",
-    "Node": "node",
-    "tuple[Node, ...]": "node",
+import numpy as np
+
+from dalembert.analysis.events import Event, Events
+from dalembert.analysis.structural.transient_equation import Rayleigh
+from dalembert.elements.attachment import BodyFrame, BodyPoint, RigidBody
+from dalembert.elements.base import Constraint, Rows, Vector
+from dalembert.elements.curves import Curve
+from dalembert.elements.laws.base import Law
+from dalembert.elements.planar.springs import ForceLaw
+from dalembert.formulations.base import Formulation
+from dalembert.formulations.stabilization import Stabilization
+from dalembert.integrators.base import Integrator
+from dalembert.model.coordinates import Coordinates
+from dalembert.results.structural.result import StructuralResult
+from dalembert.structures.node import Node
+from dalembert.symbolic.expression import Expression
+
+
+class Quantity:
+    """A number or a formula."""
+
+
+class Quantities:
+    """As many of them as the field says."""
+
+
+Points = dict[str, Vector]
+Names = tuple[str, ...]
+Nodes = tuple[Node, ...]
+Laws = tuple[Law, ...]
+Interval = tuple[float, float]
+Measured = str | Expression
+CountOrTimes = int | Sequence[float]
+ATTACHED = (RigidBody, BodyPoint, BodyFrame, Node, Nodes)
+"""What ``connect`` lists, where an element has it first of all."""
+KNOWN: dict[Any, Any] = {
+    kind: kind
+    for kind in (
+        *(bool, int, float, str, Rows, Points, Names, Interval, Measured, Events, CountOrTimes),
+        *(Constraint, Law, Laws, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
+        *(Coordinates, Formulation, Stabilization, Integrator),
+    )
+} | {
+    str | Event: Event,
+    int | Sequence[float] | np.ndarray: CountOrTimes,
 }
-BY_ANNOTATION = {
-    "bool": "flag",
-    "int": "integer",
-    "float": "number",
-    "str": "text",
-    "object": "rows",
-    "tuple[str, ...]": "names",
-    "Coordinates": "coordinates",
-    "Formulation": "formulation",
-    "Stabilization": "stabilization",
-    "Integrator": "integrator",
-    "NewmarkFamily": "integrator",
-    "Rayleigh": "damping",
-    "StructuralResult": "state",
-    "str | Expression": "measure",
-    "str | Event": "event",
-    "Measure": "measure",
-    "Events": "events",
-    "tuple[float, float]": "interval",
-    "int | Sequence[float]": "count or times",
-    "int | Sequence[float] | np.ndarray": "count or times",
-}
-ALWAYS_NEEDED = {"law", "terms", "factors", "curve", "measure", "event"}
+"""What an annotation says → the type that files know it by; classes stand for those below them."""
+NEEDED = (Law, Laws, Curve, Measured, Event)
+"""Types that a file must give, although Python has a default for them."""
 
 
-def kind_of(field: dataclasses.Field) -> str:
-    """One word for what the field holds.
+@dataclass(frozen=True)
+class FileField:
+    """A field of a class, as files see it.
+
+    Attributes
+    ----------
+    holds : one of the types in ``KNOWN``, ``Quantity`` or ``Quantities``
+    size : how many numbers or formulas
+    """
+
+    owner: type
+    field: dataclasses.Field
+    holds: Any
+
+    @property
+    def name(self) -> str:
+        return self.field.name
+
+    @property
+    def size(self) -> int:
+        return self.field.metadata.get("size", 1)
+
+    @property
+    def is_needed(self) -> bool:
+        """The file must give it."""
+        default, factory = self.field.default, self.field.default_factory
+        given = default is not dataclasses.MISSING or factory is not dataclasses.MISSING
+        return self.holds in NEEDED or not given
+
+
+@functools.cache
+def fields_of(cls: type) -> list[FileField]:
+    """The fields of a class that files can give; functions, only Python can.
 
     Raises
     ------
     TypeError
         A field that files cannot express: a slip in the class, not in a file.
     """
-    if field.name == "points" and not field.metadata:
-        return "points"
-    kind = field.metadata.get("kind")
-    if kind == "quantity":
-        return "vector" if field.metadata["size"] > 1 else "quantity"
-    if kind not in (None, "option"):
-        return "body" if kind == "body" else str(kind)
-    annotation = str(field.type).strip("'\"").removesuffix(" | None")
-    if annotation in REFERENCES:
-        return REFERENCES[annotation]
-    if annotation in BY_ANNOTATION:
-        return BY_ANNOTATION[annotation]
-    if annotation.startswith("Callable["):
-        return "function"  # only Python can give one
-    raise TypeError(f"field {field.name!r}: no file form for the annotation {annotation!r}")
-
-
-def connected(cls: type) -> list[dataclasses.Field]:
-    """The bodies, points and nodes that ``connect`` lists, in order."""
     if not dataclasses.is_dataclass(cls):
         return []
-    ties = ("point", "body", "node")
-    return [f for f in dataclasses.fields(cls) if not f.metadata and kind_of(f) in ties]
+    hints = typing.get_type_hints(cls, include_extras=True)
+    found = [(f, _held(f, hints[f.name])) for f in dataclasses.fields(cls)]
+    return [FileField(cls, field, holds) for field, holds in found if holds is not Callable]
 
 
-def written(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> list[dataclasses.Field]:
+def _held(field: dataclasses.Field, hint: Any) -> Any:
+    """The type that files know an annotation by."""
+    if field.metadata.get("kind") == "quantity":
+        return Quantities if field.metadata["size"] > 1 else Quantity
+    if typing.get_origin(hint) is Annotated:
+        hint = hint.__metadata__[0]
+    if typing.get_origin(hint) in (typing.Union, types.UnionType):
+        given = (a for a in typing.get_args(hint) if a is not types.NoneType)
+        hint = functools.reduce(operator.or_, given)
+    for base in hint.__mro__ if isinstance(hint, type) else [hint]:
+        if base in KNOWN:
+            return KNOWN[base]
+    if typing.get_origin(hint) is Callable:
+        return Callable
+    raise TypeError(f"field {field.name!r}: no file form for the annotation {hint!r}")
+
+
+def connected(cls: type) -> list[FileField]:
+    """The bodies, points, frames and nodes that ``connect`` lists, in order."""
+    return [f for f in fields_of(cls) if not f.field.metadata and f.holds in ATTACHED]
+
+
+def written(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> list[FileField]:
     """The fields that a file gives by their own key."""
     left_out = {f.name for f in connected(cls)} | hidden
-    fields = [f for f in dataclasses.fields(cls) if f.name not in left_out]
-    return [f for f in fields if kind_of(f) != "function"]
-
-
-def is_needed(field: dataclasses.Field) -> bool:
-    """The file must give it."""
-    if kind_of(field) in ALWAYS_NEEDED:
-        return True
-    return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+    return [f for f in fields_of(cls) if f.name not in left_out]
 
 
 def given_fields(

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from dalembert.io.model_file import DOCUMENTS
-from dalembert.io.schema import Document
+from dalembert.io.schema import MECHANISMS, Document
 from dalembert.io.structure_schema import StructureDocument
 
 
@@ -18,21 +18,34 @@ def json_schema(kind: str | None = None) -> dict[str, Any]:
     ----------
     kind : ``"mechanism"`` or ``"structure"``; both by default, told apart by their ``kind``
     """
-    made: dict[str, Any]
-    if kind is not None:
-        made = DOCUMENTS[kind].model_json_schema()
-    else:
-        models = [(model, "validation") for model in DOCUMENTS.values()]
-        _, made = models_json_schema(models, title="Model file of dalembert")  # type: ignore[arg-type]
-        structure = {"properties": {"kind": {"const": "structure"}}, "required": ["kind"]}
-        made |= {"if": structure, "then": _reference(StructureDocument)}
-        made["else"] = _reference(Document)
+    models: list[type[BaseModel]] = []
+    if kind != "structure":
+        models += MECHANISMS.values()
+    if kind != "mechanism":
+        models.append(StructureDocument)
+    made = models[0].model_json_schema() if len(models) == 1 else _one_of(models)
     _drop_null_defaults(made)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **made}
 
 
-def _reference(model: type) -> dict[str, str]:
-    return {"$ref": f"#/$defs/{model.__name__}"}
+def _one_of(models: list[type[BaseModel]]) -> dict[str, Any]:
+    """The schema of a file of any kind; one that says nothing is the first."""
+    wanted = [(model, "validation") for model in models]
+    references, made = models_json_schema(wanted, title="Model file of dalembert")  # type: ignore[arg-type]
+    chosen: dict[str, Any] = references[models[0], "validation"]
+    for model in models[1:]:
+        chosen = {"if": _signs(model), "then": references[model, "validation"], "else": chosen}
+    return made | chosen
+
+
+def _signs(model: type[BaseModel]) -> dict[str, Any]:
+    """What tells a file of this kind: its ``kind``, or its ``dimension``, or its gravity."""
+    if not issubclass(model, Document):
+        return {"properties": {"kind": {"const": "structure"}}, "required": ["kind"]}
+    size = model.space.dimension
+    said = {"properties": {"dimension": {"const": size}}, "required": ["dimension"]}
+    meant = {"properties": {"gravity": {"minItems": size}}, "required": ["gravity"]}
+    return {"anyOf": [said, {"not": {"required": ["dimension"]}, **meant}]}
 
 
 def _drop_null_defaults(node: Any) -> None:

@@ -14,7 +14,7 @@ from dalembert.io.builder import Builder
 from dalembert.io.location import Located
 from dalembert.io.messages import explain, nearest, place
 from dalembert.io.reading import read_document
-from dalembert.io.schema import Document, ParameterTable
+from dalembert.io.schema import MECHANISMS, Document, ParameterTable
 from dalembert.io.structure_builder import StructureBuilder
 from dalembert.io.structure_schema import StructureDocument
 from dalembert.io.values import constant, shown
@@ -25,11 +25,7 @@ from dalembert.structures.structure import Structure
 from dalembert.text import visible
 
 BUILDERS: dict[str, Any] = {"mechanism": Builder, "structure": StructureBuilder}
-DOCUMENTS: dict[str, type[Document] | type[StructureDocument]] = {
-    "mechanism": Document,
-    "structure": StructureDocument,
-}
-"""Value of ``kind`` in a file → what it holds, and what makes that."""
+"""Value of ``kind`` in a file → what makes its contents."""
 
 
 @dataclass(frozen=True)
@@ -118,19 +114,33 @@ def load_model_file(path: str | Path) -> ModelFile:
     """
     path = Path(path)
     data = read_document(path)
-    kind = data.get("kind", "mechanism")
-    if not isinstance(kind, str) or kind not in DOCUMENTS:
-        known = ", ".join(DOCUMENTS)
-        close = nearest(kind, DOCUMENTS)
-        raise ModelError(f"unknown kind {shown(kind)}{close}; known: {known}", f"{path}: kind")
-    if "kind" not in data and {"nodes", "elements", "meshes"} & set(data):
-        raise ModelError('nodes and elements make a structure; add kind = "structure"', str(path))
+    schema = _schema(data, path)
     try:
-        document = DOCUMENTS[kind].model_validate(data)
+        document = schema.model_validate(data)
     except ValidationError as error:
         raise explain(error, data, path) from None
     _check_names(document, path)
     return ModelFile(path, document)
+
+
+def _schema(data: dict[str, Any], path: Path) -> type[Document] | type[StructureDocument]:
+    """What a file with this ``kind`` and this ``dimension`` may hold."""
+    kind = data.get("kind", "mechanism")
+    if not isinstance(kind, str) or kind not in BUILDERS:
+        known, close = ", ".join(BUILDERS), nearest(kind, BUILDERS)
+        raise ModelError(f"unknown kind {shown(kind)}{close}; known: {known}", f"{path}: kind")
+    if "kind" not in data and {"nodes", "elements", "meshes"} & set(data):
+        raise ModelError('nodes and elements make a structure; add kind = "structure"', str(path))
+    if kind == "structure":
+        return StructureDocument
+    gravity = data.get("gravity")
+    spoken = len(gravity) if isinstance(gravity, list) and len(gravity) in MECHANISMS else 2
+    dimension = data.get("dimension", spoken)
+    if isinstance(dimension, bool) or dimension not in MECHANISMS:
+        known = ", ".join(map(str, MECHANISMS))
+        told = f"unknown dimension {shown(dimension)}; known: {known}"
+        raise ModelError(told, f"{path}: dimension")
+    return MECHANISMS[dimension]
 
 
 def load_model(path: str | Path) -> System | Structure:

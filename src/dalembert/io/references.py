@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from dalembert.elements.planar.body import Body, Point
+from dalembert.elements.attachment import BodyFrame, RigidBody
 from dalembert.errors import ModelError
 from dalembert.io.formulas import Formulas
 from dalembert.io.messages import nearest
 from dalembert.io.schema import Document
-from dalembert.io.tables import InlinePoint
+from dalembert.io.tables import Inline
 from dalembert.model.system import System
 
 
@@ -26,7 +26,7 @@ class References:
     def __init__(self, document: Document, system: System, formulas: Formulas):
         self.document, self.system, self.formulas = document, system, formulas
 
-    def body(self, name: str) -> Body:
+    def body(self, name: str) -> Any:
         """The body, or the ground, of this name."""
         known = ["ground", *self.document.bodies]
         if name not in known:
@@ -44,31 +44,40 @@ class References:
             )
         return self.system.elements[name]
 
-    def end(self, kind: str, given: str | InlinePoint) -> Body | Point:
-        """The body or point behind ``"crank"``, ``"crank.end"`` or an inline point.
+    def end(self, kind: type, given: str | Inline) -> Any:
+        """The body, point or frame behind ``"crank"``, ``"crank.end"`` or an inline place.
 
         Raises
         ------
         ModelError
             Unknown names, or a point where a body is needed.
         """
-        if isinstance(given, InlinePoint):
-            if kind == "body":
-                raise ModelError(f"expected the name of a body, e.g. {given.body!r}; got a point")
-            return Point(self.body(given.body), [self.formulas.read(x) for x in given.at])
-        owner, _, point = given.partition(".")
+        if isinstance(given, Inline):
+            return self._placed(kind, given)
+        owner, _, name = given.partition(".")
         body = self.body(owner)
-        if not point:
+        if not name:
             return body
-        if kind == "body":
+        if kind is RigidBody:
             raise ModelError(f"expected a body, got the point {given!r}; write {owner!r}")
-        if point not in body.points:
-            known = [f"{owner}.{p}" for p in body.points]
-            listed = _listed(known) or "none, name one in its points"
+        places, what = (body.frames, "frame") if kind is BodyFrame else (body.points, "point")
+        if name not in places:
+            known = [f"{owner}.{p}" for p in places]
+            listed = _listed(known) or f"none, name one in its {what}s"
             raise ModelError(
-                f"unknown point {given!r}{nearest(given, known)}; points of {owner}: {listed}"
+                f"unknown {what} {given!r}{nearest(given, known)}; {what}s of {owner}: {listed}"
             )
-        return body.points[point]
+        return places[name]
+
+    def _placed(self, kind: type, given: Any) -> Any:
+        """The point, or the frame, that a table describes."""
+        if kind is RigidBody:
+            raise ModelError(f"expected the name of a body, e.g. {given.body!r}; got a point")
+        body, at = self.body(given.body), [self.formulas.read(x) for x in given.at]
+        if kind is not BodyFrame:
+            return body.point(*at)
+        axis = None if given.axis is None else [self.formulas.read(x) for x in given.axis]
+        return body.frame(at) if axis is None else body.frame(at, axis=axis)
 
 
 def _listed(names: list[str]) -> str:

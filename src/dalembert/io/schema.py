@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
+from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, create_model
 
-from dalembert.elements.registry import BODIES, DRIVERS, FORCES, JOINTS
+from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.messages import nearest
-from dalembert.io.strategies import ANALYSES, RESPONSES
-from dalembert.io.tables import Vector, table_of, value_type
+from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES_OF
+from dalembert.io.tables import point_type, strategy_type, table_of
 from dalembert.io.values import Bound, Entry, Integer, Number, Text, list_of, shown
 from dalembert.sensitivity.methods import METHODS
 
@@ -58,7 +58,7 @@ class DerivedTable(Record):
 class GroundTable(Record):
     """Named points of the ground [m]."""
 
-    points: dict[str, Vector] = Field(default_factory=dict)  # type: ignore[misc]
+    points: dict[str, Any] = Field(default_factory=dict)
 
 
 class SensitivityTable(Record):
@@ -91,8 +91,7 @@ class OptimizeTable(Record):
     tolerance: Number = 1e-8
 
 
-_COORDINATES, _FORMULATION = value_type("coordinates"), value_type("formulation")
-_STABILIZATION, _INTEGRATOR = value_type("stabilization"), value_type("integrator")
+_COORDINATES, _FORMULATION, _STABILIZATION, _INTEGRATOR = map(strategy_type, STRATEGIES_OF)
 
 
 class CompareTable(Record):
@@ -128,8 +127,6 @@ def any_of(registry: dict[str, type]) -> Any:
 
 _PARAMETER = table_or(ParameterTable, Number)
 _DERIVED = table_or(DerivedTable, Entry)
-_BODY = one_of({n: table_of(n, c, n == "Body") for n, c in BODIES.items()}, default="Body")
-_JOINT, _DRIVER, _FORCE = any_of(JOINTS), any_of(DRIVERS), any_of(FORCES)
 _ANALYSIS, _RESPONSE = any_of(ANALYSES), any_of(RESPONSES)
 
 
@@ -157,19 +154,24 @@ class Document(ModelDocument):
 
     sections = ("parameters", "derived", "bodies", "joints", "drivers", "forces")
     analyses = ANALYSES
+    space: ClassVar[Space]
+    """Where its elements are, unless they say otherwise."""
 
     kind: Literal["mechanism"] = Field(
         default="mechanism", description='"mechanism"; a structure has tables of its own'
     )
-    gravity: Vector = Field(  # type: ignore[valid-type]
+    dimension: int = Field(
+        default=2, description="how many coordinates its points have; 2 in the plane"
+    )
+    gravity: list[Any] | None = Field(
         default=None, description="acceleration of gravity [m/s^2]; none by default"
     )
     derived: dict[str, _DERIVED] = Field(default_factory=dict)  # type: ignore[valid-type]
     ground: GroundTable = Field(default_factory=GroundTable)
-    bodies: dict[str, _BODY] = Field(default_factory=dict)  # type: ignore[valid-type]
-    joints: dict[str, _JOINT] = Field(default_factory=dict)  # type: ignore[valid-type]
-    drivers: dict[str, _DRIVER] = Field(default_factory=dict)  # type: ignore[valid-type]
-    forces: dict[str, _FORCE] = Field(default_factory=dict)  # type: ignore[valid-type]
+    bodies: dict[str, Any] = Field(default_factory=dict)
+    joints: dict[str, Any] = Field(default_factory=dict)
+    drivers: dict[str, Any] = Field(default_factory=dict)
+    forces: dict[str, Any] = Field(default_factory=dict)
     initial: dict[str, Entry] = Field(
         default_factory=dict, description="measures at the start, held exactly"
     )
@@ -177,3 +179,50 @@ class Document(ModelDocument):
     responses: dict[str, _RESPONSE] = Field(default_factory=dict)  # type: ignore[valid-type]
     compare: CompareTable = Field(default_factory=CompareTable)
     report: ReportTable = Field(default_factory=ReportTable)
+
+
+def element_of(space: Space, section: str) -> Any:
+    """An element of one section: of its own space by name, of another one as ``planar.Revolute``.
+
+    Bodies are rigid where they do not say what they are.
+    """
+    usual = "Body" if section == "bodies" else None
+    tables = {
+        name: table_of(
+            name,
+            cls,
+            optional_type=name == usual,
+            dimension=space.dimension,
+            also=f"{space.name}.{name}",
+        )
+        for name, cls in space.sections[section].items()
+    }
+    for other in SPACES.values():
+        if other is not space:
+            for name, cls in other.sections[section].items():
+                full = f"{other.name}.{name}"
+                tables[full] = table_of(full, cls, dimension=other.dimension)
+    return one_of(tables, default=usual, prefix=f"{space.name}.")
+
+
+def document_of(space: Space) -> type[Document]:
+    """The file of a mechanism whose elements are in one space, unless they say otherwise."""
+    point = point_type(space.dimension)
+    points: Any = (dict[str, point], Field(default_factory=dict))  # type: ignore[valid-type]
+    ground = create_model(
+        "GroundTable", __base__=GroundTable, __doc__=GroundTable.__doc__, points=points
+    )
+    types: dict[str, Any] = {"gravity": point, "ground": ground}
+    for section in space.sections:
+        types[section] = dict[str, element_of(space, section)]  # type: ignore[misc]
+    fields: dict[str, Any] = {n: (kind, Document.model_fields[n]) for n, kind in types.items()}
+    about = Document.model_fields["dimension"].description
+    own = Field(default=space.dimension, description=about)
+    fields["dimension"] = (Literal[space.dimension], own)
+    made = create_model("Document", __base__=Document, __doc__=Document.__doc__, **fields)
+    made.space = space
+    return made
+
+
+MECHANISMS = {dimension: document_of(space) for dimension, space in SPACES.items()}
+"""Dimension → the file of a mechanism."""

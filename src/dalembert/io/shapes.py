@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from dalembert.elements.curves import u
 from dalembert.elements.registry import CURVES, LAWS
 from dalembert.errors import ModelError
-from dalembert.io.fields import FROM_FILE, kind_of, written
+from dalembert.io.fields import FROM_FILE, Laws, Quantity, written
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
 from dalembert.io.pairs import read_pairs
@@ -50,10 +50,9 @@ class Shapes:
                 continue
             given = getattr(table, field.name)
             with self.located(*where, field.name):
-                kind = kind_of(field)
-                if kind == "quantity":
+                if field.holds is Quantity:
                     given = self.formulas.read(given, scope, local)
-                elif kind in ("terms", "factors"):
+                elif field.holds is Laws:
                     given = [self.law(x, (*where, field.name, k)) for k, x in enumerate(given)]
                 made[field.name] = given
         with self.located(*where):

@@ -13,8 +13,12 @@ from dalembert.analysis.structural.modal import Modal
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient import Transient
+from dalembert.formulations.base import Formulation
 from dalembert.formulations.registry import FORMULATIONS, STABILIZATIONS
+from dalembert.formulations.stabilization import Stabilization
+from dalembert.integrators.base import Integrator
 from dalembert.integrators.registry import INTEGRATORS
+from dalembert.model.coordinates import Coordinates
 from dalembert.model.registry import COORDINATES
 from dalembert.responses.base import Response
 from dalembert.responses.events import AtEvent
@@ -22,13 +26,21 @@ from dalembert.responses.extremes import Maximum, Minimum
 from dalembert.responses.integrals import Integral, Mean, Rms, Total
 from dalembert.responses.values import At, Final
 
-STRATEGIES: dict[str, dict[str, type]] = {
-    "coordinates": COORDINATES,
-    "formulation": FORMULATIONS,
-    "stabilization": STABILIZATIONS,
-    "integrator": INTEGRATORS,
+STRATEGIES_OF: dict[type, dict[str, type]] = {
+    Coordinates: COORDINATES,
+    Formulation: FORMULATIONS,
+    Stabilization: STABILIZATIONS,
+    Integrator: INTEGRATORS,
 }
-"""Kind of field → its registry."""
+"""What a field holds → its registry."""
+STRATEGIES = dict(
+    zip(
+        ("coordinates", "formulation", "stabilization", "integrator"),
+        STRATEGIES_OF.values(),
+        strict=True,
+    )
+)
+"""Key of an analysis → the registry of what it holds."""
 
 ANALYSES: dict[str, type] = {
     "Dynamics": Dynamics,

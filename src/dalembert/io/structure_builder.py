@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import ModelError
-from dalembert.io.fields import connected, given_fields, kind_of
+from dalembert.io.fields import Quantities, Quantity, connected, given_fields
 from dalembert.io.formulas import Formulas, ParameterNames, Scope
 from dalembert.io.location import Located
 from dalembert.io.messages import nearest
@@ -92,14 +92,14 @@ class StructureBuilder:
 
     def value(self, field: Any, given: Any, where: tuple[str, ...]) -> Any:
         """What a field of a class of elements holds; of meshes one for all, each, or each group."""
-        if kind_of(field) not in ("quantity", "vector"):
+        if field.holds not in (Quantity, Quantities):
             return given
         if isinstance(given, dict):
             return {group: self.formulas.read(v) for group, v in given.items()}
         if not isinstance(given, list):
             return self.formulas.read(given)
         made = [self.formulas.read(v) for v in given]
-        return made if kind_of(field) == "vector" else _array(made)
+        return made if field.holds is Quantities else _array(made)
 
     # meshes ----------------------------------------------------------------------------------
     def mesh(self, name: str, table: Any) -> None:
@@ -151,6 +151,7 @@ class StructureBuilder:
 
     def spread_loads(self) -> None:
         """Loads on the insides of elements, on lines, edges and faces."""
+        table: Any
         for k, given in enumerate(self.document.gravity):
             with self.located("gravity", k):
                 field = [self.formulas.read(x) for x in given.acceleration]

@@ -27,7 +27,9 @@ from dalembert.structures.registry import ELEMENTS
 _ELEMENT = one_of({n: element_table(n, c) for n, c in ELEMENTS.items()})
 _MESH = one_of({n: mesh_table(n, c) for n, c in ELEMENTS.items()})
 _ANALYSIS = any_of(STRUCTURAL_ANALYSES)
-_RESPONSE = one_of({n: table_of(n, c, n == "Final") for n, c in RESPONSES.items()}, default="Final")
+_RESPONSE = one_of(
+    {n: table_of(n, c, optional_type=n == "Final") for n, c in RESPONSES.items()}, default="Final"
+)
 
 
 class StructureDocument(ModelDocument):

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, create_model
 
 from dalembert.io.choices import Record
-from dalembert.io.fields import is_needed, kind_of, written
+from dalembert.io.fields import Quantity, written
 from dalembert.io.tables import about_field, summary_of, value_type
 from dalembert.io.values import (
     Entry,
@@ -211,8 +211,7 @@ def _table(
 ) -> type[BaseModel]:
     keys: dict[str, Any] = {"type": (Literal[name], ...), **more}  # type: ignore[valid-type]
     for field in written(cls):
-        given = value_type(kind_of(field), field.metadata.get("size", 1))
-        given = Each if many and kind_of(field) == "quantity" else given
-        default = ... if is_needed(field) else None
+        given = Each if many and field.holds is Quantity else value_type(field)
+        default = ... if field.is_needed else None
         keys[field.name] = (given, Field(default, description=about_field(field)))
     return create_model(title, __base__=base, __doc__=summary_of(cls), **keys)

@@ -2,37 +2,74 @@
 
 from __future__ import annotations
 
-import dataclasses
 import inspect
+from collections.abc import Callable
 from functools import cache
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, Field, create_model
 
-from dalembert.elements.laws import Product, Sum
+from dalembert.analysis.events import Event, Events
+from dalembert.analysis.structural.transient_equation import Rayleigh
+from dalembert.elements.attachment import BodyFrame, BodyPoint, RigidBody
+from dalembert.elements.base import Constraint, Rows
+from dalembert.elements.curves import Curve
+from dalembert.elements.laws.base import Law, Product, Sum
+from dalembert.elements.planar.springs import ForceLaw
 from dalembert.elements.registry import CURVES, LAWS
+from dalembert.io import fields
 from dalembert.io.choices import Record, one_of, table_or
-from dalembert.io.fields import FROM_FILE, connected, is_needed, kind_of, written
+from dalembert.io.fields import (
+    FROM_FILE,
+    FileField,
+    Interval,
+    Laws,
+    Measured,
+    Names,
+    Points,
+    Quantities,
+    Quantity,
+    connected,
+    written,
+)
 from dalembert.io.messages import nearest
-from dalembert.io.strategies import STRATEGIES
+from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.values import (
     CountOrTimes,
     Entry,
     Flag,
     Integer,
+    ListOfRows,
     Number,
-    Rows,
     Text,
     list_of,
     shown,
 )
+from dalembert.results.structural.result import StructuralResult
 
 
-class InlinePoint(Record):
-    """A point that needs no name: coordinates in the frame of its body [m]."""
+class Inline(Record):
+    """A point, or a frame, that needs no name."""
 
     body: Text
-    at: list_of(Entry, 2, "x, y")  # type: ignore[valid-type]
+    at: Any
+
+
+@cache
+def inline(dimension: int) -> type[Inline]:
+    """Its table, by the numbers a place has."""
+    place = (point_type(dimension), Field(description="coordinates in the axes of its body [m]"))
+    if dimension == 2:
+        about = "A point that needs no name: coordinates in the frame of its body [m]."
+        return create_model("InlinePoint", __base__=Inline, __doc__=about, at=place)
+    axis = (point_type(dimension), Field(default=None, description="its z axis, of a frame"))
+    about = "A point or frame that needs no name, in the axes of its body."
+    return create_model("InlineFrame", __base__=Inline, __doc__=about, at=place, axis=axis)
+
+
+def point_type(dimension: int) -> Any:
+    """The coordinates of a point."""
+    return list_of(Entry, dimension, ", ".join("xyz"[:dimension]))
 
 
 class EventTable(Record):
@@ -65,82 +102,110 @@ def named(known: dict[str, type]) -> Any:
     return Annotated[one_of(tables, plain=plain), BeforeValidator(check)]
 
 
-Vector = list_of(Entry, 2, "x, y")
-Reference = table_or(InlinePoint, Text)
+def reference(dimension: int) -> Any:
+    """A point or frame, by name or on the spot."""
+    return table_or(inline(dimension), Text)
 
 
-def _connection(ties: list[dataclasses.Field]) -> Any:
+def _connection(ties: list[FileField], dimension: int) -> Any:
     names = ", ".join(f.name for f in ties)
-    point = any(kind_of(f) == "point" for f in ties)
-    return list_of(Reference if point else Text, len(ties), names)
+    placed = any(f.holds in (BodyPoint, BodyFrame) for f in ties)
+    return list_of(reference(dimension) if placed else Text, len(ties), names)
+
+
+VALUES: dict[Any, Any] = {
+    **dict.fromkeys((Quantity, ForceLaw, Measured), Entry),
+    **dict.fromkeys((str, Event, StructuralResult, RigidBody, Constraint), Text),
+    float: Number,
+    int: Integer,
+    bool: Flag,
+    Rows: ListOfRows,
+    fields.CountOrTimes: CountOrTimes,
+    Interval: list_of(Number, 2, "start, end"),
+    Names: list[Text],
+    Rayleigh: RayleighTable,
+    Events: dict[str, table_or(EventTable, Entry)],  # type: ignore[misc]
+}
+"""What a field holds → what stands for it in a file."""
+
+
+def value_type(field: FileField, dimension: int = 2) -> Any:
+    """The pydantic type of what a file gives for a field.
+
+    Parameters
+    ----------
+    dimension : how many coordinates a point has
+    """
+    if field.holds in VALUES:
+        return VALUES[field.holds]
+    made: dict[Any, Callable[[], Any]] = {
+        Quantities: lambda: list_of(Entry, field.size),
+        Points: lambda: dict[str, point_type(dimension)],  # type: ignore[misc]
+        **dict.fromkeys((BodyPoint, BodyFrame), lambda: reference(dimension)),
+        Law: law_type,
+        Laws: lambda: list[law_type(*COMBINED[COMBINED.index(field.owner) :])],  # type: ignore[misc]
+        Curve: curve_type,
+    }
+    return made[field.holds]() if field.holds in made else strategy_type(field.holds)
+
+
+COMBINED: tuple[type, ...] = (Product, Sum)
+"""Laws made of laws, each of which may hold those before it."""
 
 
 @cache
-def value_type(kind: str, size: int = 1) -> Any:
-    """The pydantic type behind the word of ``kind_of``."""
-    simple = {
-        "quantity": Entry,
-        "spring-law": Entry,
-        "measure": Entry,
-        "number": Number,
-        "integer": Integer,
-        "flag": Flag,
-        "text": Text,
-        "event": Text,
-        "state": Text,
-        "body": Text,
-        "joint": Text,
-        "rows": Rows,
-        "count or times": CountOrTimes,
-    }
-    if kind in simple:
-        return simple[kind]
-    if kind in STRATEGIES:
-        return named(STRATEGIES[kind])
-    made = {
-        "vector": lambda: list_of(Entry, size),
-        "interval": lambda: list_of(Number, 2, "start, end"),
-        "points": lambda: dict[str, Vector],  # type: ignore[valid-type]
-        "law": lambda: _law(),
-        "terms": lambda: list[_law(Sum)],  # type: ignore[misc]
-        "factors": lambda: list[_law(Sum, Product)],  # type: ignore[misc]
-        "curve": lambda: one_of({n: table_of(n, c) for n, c in CURVES.items()}),
-        "damping": lambda: RayleighTable,
-        "names": lambda: list[Text],  # type: ignore[valid-type]
-        "events": lambda: dict[str, table_or(EventTable, Entry)],  # type: ignore[misc]
-    }
-    return made[kind]()
-
-
-def _law(*without: type) -> Any:
-    """A law but these, or a number or formula in t: sums hold products, products neither."""
+def law_type(*without: type) -> Any:
+    """A law but these, or a number or formula in t."""
     tables = {n: table_of(n, c) for n, c in LAWS.items() if c not in without}
     return one_of(tables, plain=Entry)
 
 
-def table_of(name: str, cls: Any, optional_type: bool = False) -> type[BaseModel]:
-    """The table that describes an object of a registered class."""
-    kind = Literal[name]  # type: ignore[valid-type]
+@cache
+def curve_type() -> Any:
+    """Any curve."""
+    return one_of({n: table_of(n, c) for n, c in CURVES.items()})
+
+
+@cache
+def strategy_type(kind: type) -> Any:
+    """A strategy of a kind, by its name or with its options."""
+    return named(STRATEGIES_OF[kind])
+
+
+def table_of(
+    name: str, cls: Any, *, optional_type: bool = False, dimension: int = 2, also: str = ""
+) -> type[BaseModel]:
+    """The table that describes an object of a registered class.
+
+    Parameters
+    ----------
+    optional_type : the type may be left out
+    dimension : how many coordinates a point has
+    also : another name that its type goes by
+    """
+    kind = Literal[(name, also) if also else (name,)]  # type: ignore[valid-type]
     keys: dict[str, Any] = {"type": (kind, name if optional_type else ...)}
     ties = connected(cls)
     if ties:
         about = "what it ties, in order: " + ", ".join(f.name for f in ties)
-        keys["connect"] = (_connection(ties), Field(description=about))
+        keys["connect"] = (_connection(ties, dimension), Field(description=about))
     from_file = FROM_FILE.get(name, ())
     if from_file:
         about = f"CSV file with two columns, instead of {' and '.join(from_file)}"
         keys["file"] = (Text, Field(default=None, description=about))
     for field in written(cls):
-        given = value_type(kind_of(field), field.metadata.get("size", 1))
-        default = ... if is_needed(field) and field.name not in from_file else None
+        default = ... if field.is_needed and field.name not in from_file else None
+        given = value_type(field, dimension)
         keys[field.name] = (given, Field(default, description=about_field(field)))
-    return create_model(name, __base__=Record, __doc__=summary_of(cls), **keys)
+    title = "".join(part[0].upper() + part[1:] for part in name.split("."))
+    return create_model(title, __base__=Record, __doc__=summary_of(cls), **keys)
 
 
-def about_field(field: dataclasses.Field) -> str | None:
+def about_field(field: FileField) -> str | None:
     """What a field holds, with its unit."""
-    text, unit = field.metadata.get("description"), field.metadata.get("unit")
-    if field.name == "points":
+    metadata = field.field.metadata
+    text, unit = metadata.get("description"), metadata.get("unit")
+    if field.holds is Points:
         return "name of a point: its coordinates in the body frame [m]"
     return f"{text} [{unit}]" if text and unit else text
 

@@ -128,7 +128,7 @@ CountOrTimes = Annotated[
         {"anyOf": [{"type": "integer"}, {"type": "array", "items": {"type": "number"}}]}
     ),
 ]
-Rows = Annotated[
+ListOfRows = Annotated[
     Any,
     PlainValidator(_rows),
     WithJsonSchema(

@@ -7,7 +7,7 @@ import functools
 import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import casadi as ca
 
@@ -68,6 +68,10 @@ class Law:
         ]
 
 
+GivenLaw = Annotated[Any, Law]
+"""A law, or a number or formula in ``t`` that stands for one."""
+
+
 @dataclass(eq=False)
 class Formula(Law):
     """``f(t)`` as written by the user, in ``t`` and parameters."""
@@ -109,7 +113,7 @@ class Combination(Law):
 class Sum(Combination):
     """``f = f₁ + f₂ + …``; in Python also ``law + law``."""
 
-    laws: tuple[Law, ...] = option("laws, numbers or formulas in t", kind="terms")
+    laws: tuple[Law, ...] = option("laws, numbers or formulas in t")
     operate = staticmethod(operator.add)
 
 
@@ -117,7 +121,7 @@ class Sum(Combination):
 class Product(Combination):
     """``f = f₁ · f₂ · …``; in Python also ``law * law``, ``2 * law``."""
 
-    laws: tuple[Law, ...] = option("laws, numbers or formulas in t", kind="factors")
+    laws: tuple[Law, ...] = option("laws, numbers or formulas in t")
     operate = staticmethod(operator.mul)
 
 

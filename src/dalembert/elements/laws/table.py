@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import option
+from dalembert.elements.base import Rows, option
 from dalembert.elements.laws.base import Law
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression
@@ -37,8 +36,8 @@ class Table(Law):
         Fewer than three rows, times not increasing, numbers that are none.
     """
 
-    times: object = option("times [s], increasing; numbers or formulas")
-    values: object = option("values, one per time; numbers or formulas")
+    times: Rows = option("times [s], increasing; numbers or formulas")
+    values: Rows = option("values, one per time; numbers or formulas")
     periodic: bool = option("the table repeats", default=False)
 
     def __post_init__(self) -> None:
@@ -49,7 +48,7 @@ class Table(Law):
             if not isinstance(getattr(self, name), (Sequence, np.ndarray)):
                 given = getattr(self, name)
                 raise ModelError(f"{name} must be a list, got {given!r:.60}", "Table")
-        times, values = cast(Sequence, self.times), cast(Sequence, self.values)
+        times, values = list(self.times), list(self.values)
         if len(times) != len(values):
             raise ModelError(f"{len(times)} times but {len(values)} values", "Table")
         self.spline = CubicSpline(times, values, self.periodic, "Table")

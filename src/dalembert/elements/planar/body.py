@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.attachment import BodyPoint, RigidBody
 from dalembert.elements.base import (
     Coordinates,
     Element,
@@ -57,7 +58,7 @@ def unit_vector(vector: ca.SX, entity: str) -> ca.SX:
 GUESSES = ("position", "angle", "velocity", "angular_velocity")
 
 
-class Point:
+class Point(BodyPoint):
     """A point fixed in a body.
 
     Parameters
@@ -66,6 +67,8 @@ class Point:
     local : (2,) coordinates in the body frame [m]
     name : str, optional
     """
+
+    body: Body
 
     def __init__(self, body: Body, local: Vector, name: str = ""):
         self.body = body
@@ -120,7 +123,7 @@ class Point:
 
 
 @dataclass(eq=False)
-class Body(Element, Coordinates):
+class Body(Element, Coordinates, RigidBody):
     """Rigid body in the plane.
 
     Poses and speeds are guesses that assembly corrects; after construction the attributes
@@ -149,7 +152,7 @@ class Body(Element, Coordinates):
     angle: Scalar = quantity("rad", "initial angle", default=None)
     velocity: Vector = quantity("m/s", "initial velocity", default=None, size=2)
     angular_velocity: Scalar = quantity("rad/s", "initial angular velocity", default=None)
-    points: dict = None  # type: ignore[assignment]
+    points: dict[str, Vector] = None  # type: ignore[assignment]
 
     rotates = True
 

@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Constraint, Coordinates, Vector, option, quantity
-from dalembert.elements.laws.base import as_law
+from dalembert.elements.laws.base import GivenLaw, as_law
 from dalembert.elements.planar.body import Ground, Point, unit_vector
 from dalembert.elements.planar.joint import (
     BodyJoint,
@@ -82,7 +82,7 @@ class RotationalDriver(Driver, BodyJoint):
     law : Law, number or formula in t [rad]
     """
 
-    law: Any = option("motion law", kind="law")
+    law: GivenLaw = option("motion law")
     kind = "driver"
 
     @property
@@ -104,7 +104,7 @@ class TranslationalDriver(Driver, SlidingJoint):
     law : Law, number or formula in t [m]
     """
 
-    law: Any = option("motion law", kind="law", default=None)
+    law: GivenLaw = option("motion law", default=None)
     kind = "driver"
 
     def coordinate(self) -> ca.SX:
@@ -120,7 +120,7 @@ class DistanceDriver(Driver, PointJoint):
     law : Law, number or formula in t [m], always positive
     """
 
-    law: Any = option("motion law", kind="law")
+    law: GivenLaw = option("motion law")
     kind = "driver"
     positive = True
 
@@ -140,7 +140,7 @@ class CoordinateDriver(Driver, Constraint):
     """
 
     point: Point
-    law: Any = option("motion law", kind="law")
+    law: GivenLaw = option("motion law")
     direction: Vector = quantity("", "direction in inertial axes", default=(1.0, 0.0), size=2)
     kind = "driver"
 

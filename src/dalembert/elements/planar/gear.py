@@ -119,7 +119,7 @@ class Coupling(BodyJoint):
     """
 
     ratio: Scalar = quantity("", "turns of the second body per turn of the first", default=1.0)
-    carrier: Body = option("body that carries both axes", default=None, kind="body")
+    carrier: Body = option("body that carries both axes", default=None)
     kind = "coupling"
 
     def __post_init__(self) -> None:

@@ -69,7 +69,7 @@ class Moment(ForceElement):
 
     body: Body
     value: Scalar = quantity("N m", "moment")
-    reaction_on: Body = option("body that carries the reaction", default=None, kind="body")
+    reaction_on: Body = option("body that carries the reaction", default=None)
 
     def __post_init__(self) -> None:
         self.body = need_body(self.body, self.name, "body")

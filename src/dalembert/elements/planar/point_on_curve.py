@@ -44,7 +44,7 @@ class PointOnCurve(Pair, Constraint):
 
     body_i: Body
     point_j: Point
-    curve: Curve = option("the curve", kind="curve", default=None)
+    curve: Curve = option("the curve", default=None)
     radius: Scalar = quantity("m", "roller radius", default=0.0, minimum=0.0)
     parameter: Scalar = quantity("", "initial guess of the curve parameter", default=None)
     kind = "curve"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
@@ -22,6 +23,8 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression
 
 SMALLEST_LENGTH = 1e-30
+ForceLaw = Callable[[Expression, Expression], Any]
+"""Force of an extension and its rate."""
 
 
 class SpringDamper(ForceElement):
@@ -39,7 +42,7 @@ class SpringDamper(ForceElement):
 
     stiffness: Scalar
     damping: Scalar
-    law: Callable | None
+    law: ForceLaw | None
 
     def relaxed(self) -> ca.SX:
         raise NotImplementedError
@@ -119,9 +122,7 @@ class Spring(SpringDamper, PointPair):
     stiffness: Scalar = quantity("N/m", "stiffness", default=0.0)
     damping: Scalar = quantity("N s/m", "damping", default=0.0)
     free_length: Scalar = quantity("m", "free length", default=0.0, minimum=0.0)
-    law: Callable | None = option(
-        "additional force, formula of extension and rate", default=None, kind="spring-law"
-    )
+    law: ForceLaw | None = option("additional force, formula of extension and rate", default=None)
 
     def coordinate(self) -> ca.SX:
         if self.free_length.sx.is_zero():  # its force has a limit at length zero
@@ -175,9 +176,7 @@ class RotationalSpring(SpringDamper, BodyPair):
     stiffness: Scalar = quantity("N m/rad", "stiffness", default=0.0)
     damping: Scalar = quantity("N m s/rad", "damping", default=0.0)
     free_angle: Scalar = quantity("rad", "angle without moment", default=0.0)
-    law: Callable | None = option(
-        "additional moment, formula of extension and rate", default=None, kind="spring-law"
-    )
+    law: ForceLaw | None = option("additional moment, formula of extension and rate", default=None)
     coordinate_name = "angle"
     coordinate_unit = "rad"
     force_name = "moment"
