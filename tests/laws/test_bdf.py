@@ -222,3 +222,22 @@ def test_a_fall_into_a_singular_force_ends_with_a_status():
 def test_wrong_options_are_refused(options, words):
     with pytest.raises(da.UnsupportedError, match=words):
         da.Bdf(**options)
+
+
+@pytest.mark.parametrize("coordinates", [da.AbsoluteCoordinates(), da.JointCoordinates()])
+def test_corrected_energy_costs_no_steps(coordinates):
+    """Through standstills, where errors of positions become jumps of speeds."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    bar = system.add(planar.Bar("bar", length=1.0, mass=1.0, angle=0.3))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), bar.start))
+    model = system.build()
+    for rtol in (1e-6, 1e-10):
+        run = functools.partial(
+            da.solve_dynamics, model, 2.0, integrator=da.Bdf(rtol=rtol), coordinates=coordinates
+        )
+        plain = run(stabilization=da.Projection())
+        corrected = run(stabilization=da.EnergyProjection())
+        assert plain.status.success and corrected.status.success
+        assert corrected.record.steps.count < 1.1 * plain.record.steps.count
+        errors = [np.abs(motion.data.balance_error.values).max() for motion in (plain, corrected)]
+        assert errors[1] < 0.1 * errors[0]

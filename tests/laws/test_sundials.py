@@ -68,6 +68,23 @@ def test_failure_inside_an_interval_is_a_status(method, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_multipliers_worse_than_the_tolerance_are_told():
+    """A large factor of Penalty takes the digits; the cure that is named helps."""
+    system = da.System("parallelogram", gravity=(0.0, -9.81))
+    place, local = (0.5 + 0.3 * np.cos(0.7), 0.3 * np.sin(0.7)), (-0.5, 0.0, 0.5)
+    platform = system.add(planar.Bar("platform", length=1.0, mass=1.0, position=place, angle=0.0))
+    for k, x in enumerate(local):
+        crank = system.add(planar.Bar(f"crank{k}", length=0.3, mass=0.2, angle=0.7))
+        system.add(planar.Revolute(f"A{k}", system.ground.point(x + 0.5, 0), crank.start))
+        system.add(planar.Revolute(f"B{k}", crank.end, platform.point(x, 0)))
+    model, formulation = system.build(), da.Penalty(factor=1e8)
+    lost = da.solve_dynamics(model, 0.1, integrator=da.Ida(), formulation=formulation)
+    assert not lost.status.success and "Ask for a looser rtol" in lost.status.message
+    assert da.solve_dynamics(
+        model, 0.1, integrator=da.Ida(rtol=1e-8), formulation=formulation
+    ).status.success
+
+
 def pendulum() -> da.Model:
     """Its length and first speed are parameters."""
     system = da.System("pendulum", gravity=(0.0, -9.81))

@@ -117,6 +117,22 @@ def test_drift_is_told_and_beyond_a_tenth_refused():
     assert lost.status.outcome is Outcome.VIOLATED and "Projection()" in lost.status.message
 
 
+def test_what_drifts_is_compared_with_what_moves():
+    """A stiff stop that nothing touches makes the natural speeds fast, and excuses no drift."""
+    shares = []
+    for stiffness in (0.0, 1e9):
+        system = swinging()
+        if stiffness:
+            wheel = next(body for body in system.bodies if body.name == "wheel")
+            system.add(planar.Stop("far", wheel.y, lower=-9.0, stiffness=stiffness))
+        choices = {"integrator": da.Euler(), "stabilization": da.Stabilization(), "balance": 1.0}
+        motion = da.solve_dynamics(system.build(), 0.5, step=0.005, **choices)
+        found = ModelResiduals(motion.model, motion.trajectory, motion.parameters)
+        shares.append([found.of_level(level, drifts=True).share for level in Level])
+    np.testing.assert_allclose(*shares, rtol=1e-9)
+    assert min(shares[0][:2]) > 1e-3
+
+
 # steps too long -----------------------------------------------------------------------------
 
 

@@ -64,7 +64,10 @@ class DynamicsTruth:
     def gaps(self) -> list[tuple[Gap, float]]:
         """Of each level and of the equations of motion, what is open, and what may be."""
         found, held = self.residuals, self.held
-        levels = [(found.of_level(x), EXACT[x] if x in held else DRIFT) for x in Level]
+        levels = [
+            (found.of_level(x), EXACT[x]) if x in held else (found.of_level(x, drifts=True), DRIFT)
+            for x in Level
+        ]
         return [*levels, (found.of_motion, MOTION)]
 
     @cached_property

@@ -21,6 +21,8 @@ from dalembert.symbolic.once import once
 
 LOOKED = 50
 """Outputs, evenly spread, at which all equations are looked at; positions are at every one."""
+STILL = 1e-3
+"""Of the natural speed and acceleration: a mechanism whose terms are smaller is at rest."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +42,8 @@ class Gap:
 class ModelResiduals:
     """Residuals along a trajectory.
 
-    Terms count by their magnitudes, and at least by the mechanism's own scales: what is at rest is
-    not judged by its rounding.
+    Terms count by their magnitudes, with the mechanism's own scales: what is at rest is not judged
+    by its rounding.
 
     Parameters
     ----------
@@ -77,20 +79,29 @@ class ModelResiduals:
 
     @cached_property
     def _table(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of Φ, Ψ, ``C v̇ − ξ`` and the equations of motion; shares of their terms."""
-        s, scales = self.s.some(self.looked), self.model.scales
+        """Rows of Φ, Ψ, ``C v̇ − ξ`` and the equations of motion; magnitudes of their terms."""
+        s = self.s.some(self.looked)
         mapped, p = _residuals(self.model, s.t.size), np.tile(self.p[:, None], s.t.size)
         residuals, terms = mapped(s.t, s.y, s.v, s.a, s.multiplier, p)
-        least = [scales.rows / scales.time**level for level in Level]
-        shares = np.abs(residuals) / (terms + np.concatenate([*least, scales.efforts])[:, None])
-        return residuals, np.where(np.isfinite(shares), shares, np.inf)
+        return residuals, terms
 
     # the worst of each ------------------------------------------------------------------
-    def of_level(self, level: Level) -> Gap:
-        """The constraint that is violated most."""
+    def of_level(self, level: Level, drifts: bool = False) -> Gap:
+        """The constraint that is violated most.
+
+        What drifts is compared with the largest term of any constraint at any time: stiff springs
+        make the natural speeds fast, whatever moves.
+        """
         if not self.m:
             return Gap(0.0)
-        row, share, value, time = self._worst(slice(level * self.m, (level + 1) * self.m))
+        rows, scales = slice(level * self.m, (level + 1) * self.m), self.model.scales
+        units, terms = scales.rows[:, None], self._table[1][rows]
+        natural = scales.time**-level
+        if drifts and level > Level.POSITION:
+            size = units * np.fmax(np.max(terms / units), STILL * natural)
+        else:
+            size = terms + units * natural
+        row, share, value, time = self._worst(rows, size)
         constraint, k = self.model.closure.owners[row]
         unit = constraint.units()[k] + ("", "/s", "/s²")[level]
         name = self.model.equation_names[row]
@@ -99,18 +110,23 @@ class ModelResiduals:
     @property
     def of_motion(self) -> Gap:
         """The equation of motion that is open furthest."""
-        row, share, value, time = self._worst(slice(len(Level) * self.m, None))
+        rows = slice(len(Level) * self.m, None)
+        size = self._table[1][rows] + self.model.scales.efforts[:, None]
+        row, share, value, time = self._worst(rows, size)
         unit = "N" if self.model.guesses.units[row] == "m" else "N m"
         name = self.model.guesses.names[row]
         text = f"the equation of motion of {name} is open by {value:.3g} {unit} at t = {time:.9g} s"
         return Gap(share, text)
 
-    def _worst(self, rows: slice) -> tuple[int, float, float, float]:
-        """Row, share, residual and time."""
-        residuals, shares = (table[rows] for table in self._table)
+    def _worst(self, rows: slice, size: np.ndarray) -> tuple[int, float, float, float]:
+        """Row, share of the size, residual and time."""
+        residuals = np.abs(self._table[0][rows])
+        with np.errstate(all="ignore"):
+            shares = residuals / size
+        shares = np.where(np.isfinite(shares), shares, np.inf)
         row, k = np.unravel_index(int(np.argmax(shares)), shares.shape)
         time = self.s.t[self.looked[k]]
-        return int(row), float(shares[row, k]), float(abs(residuals[row, k])), float(time)
+        return int(row), float(shares[row, k]), float(residuals[row, k]), float(time)
 
 
 @once

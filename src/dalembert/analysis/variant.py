@@ -62,6 +62,7 @@ class Variant:
             positions=e.coordinate_count,
             tangential=tangential,
             upkeep=with_consistent_speeds(e, formulation, None),
+            translates=stabilization.translates,
             sizes=state_sizes(e),
             time=e.scales.time,
         )

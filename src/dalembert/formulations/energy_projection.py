@@ -39,6 +39,11 @@ class EnergyProjection(Projection):
         A constraint that moves with time: scaled speeds would violate it.
     """
 
+    @property
+    def translates(self) -> bool:
+        # Ψ_E, of the size of an error of positions, is made up by speeds: a jump in their history
+        return True
+
     def correction(self, e: Equations, formulation: Formulation) -> ImplicitFunction | None:
         if ca.depends_on(e.constraints, e.t):
             raise UnsupportedError(

@@ -49,6 +49,11 @@ class Stabilization:
         return NONE
 
     @property
+    def translates(self) -> bool:
+        """Whether a correction counts for earlier states as well, whose differences then stay."""
+        return False
+
+    @property
     def feedback(self) -> tuple[float, float] | None:
         """``(c₁, c₀)`` of ``Φ̈ + c₁Φ̇ + c₀Φ = 0`` where violations are fed back."""
         return None

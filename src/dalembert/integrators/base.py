@@ -29,6 +29,7 @@ class Problem:
     make_system : gives the same as a differential-algebraic ``system``
     correction : ``(t, x, p) → x`` applied after a step, or None
     upkeep : the same for steps without correction: what states need after every step, or None
+    translates : a correction counts for earlier states as well, whose differences then stay
     controlled : how many leading entries of x the error control looks at
     positions : how many of these are positions; speeds follow, then the rest
     tangential : ``(t, x, p, error) → error`` along the constraints, or None
@@ -43,6 +44,7 @@ class Problem:
     positions: int
     tangential: ca.Function | None = None
     upkeep: ImplicitFunction | None = None
+    translates: bool = False
     sizes: np.ndarray | None = None
     time: float = 1.0
 

@@ -98,7 +98,9 @@ class BdfStep(DifferentiatedStep):
         growth = ca.if_else(error <= 1, growth, refused(error, k))
         if self._finish is not None:
             shift = self._finish(t + h, state, p) - state
-            state, differences = state + shift, self.shifted(k, shift, differences)
+            state = state + shift
+            if not (self.corrects and self.problem.translates):
+                differences = self.shifted(k, shift, differences)
         new = ca.vertcat(state, differences, order, h, ca.if_else(free, 0, run))
         return new, ca.vertcat(error, growth, residual)
 

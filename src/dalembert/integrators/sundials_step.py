@@ -44,6 +44,12 @@ class SundialsStep(GraphStep):
         return True
 
     def explained(self, reason: str) -> str:
+        if "IDA" in reason and ("CONV_FAIL" in reason or "LINESEARCH_FAIL" in reason):
+            return (
+                "IDAS cannot solve for accelerations and multipliers to its tolerance: the "
+                "mechanism is at a singular position, or rounding alone is larger, as with a "
+                "large factor of Penalty. Ask for a looser rtol, or use Cvodes() or Radau()"
+            )
         if "TOO_MUCH_WORK" not in reason:
             return ""
         return (
