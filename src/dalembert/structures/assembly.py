@@ -10,6 +10,7 @@ import scipy.sparse as sparse
 
 from dalembert.structures.block import ElementBlock
 from dalembert.structures.inertia import Moved
+from dalembert.structures.pattern import Pattern, filled
 
 
 class Assembly:
@@ -20,10 +21,17 @@ class Assembly:
     blocks : all elements
     size : number of displacements
     prescribed : numbers of the prescribed ones
+    pattern : of the matrices, where it is that of more blocks than these
     """
 
-    def __init__(self, blocks: list[ElementBlock], size: int, prescribed: np.ndarray):
-        self.blocks, self.size = blocks, size
+    def __init__(
+        self,
+        blocks: list[ElementBlock],
+        size: int,
+        prescribed: np.ndarray,
+        pattern: Pattern | None = None,
+    ):
+        self.blocks, self.size, self.pattern = blocks, size, pattern or Pattern(blocks, size)
         self.prescribed = np.asarray(prescribed, dtype=int)
         self.free = np.setdiff1d(np.arange(size), self.prescribed)
 
@@ -32,27 +40,30 @@ class Assembly:
         parts: tuple[list[ElementBlock], list[ElementBlock]] = ([], [])
         for block in self.blocks:
             parts[chosen(block)].append(block)
-        rest, found = (Assembly(blocks, self.size, self.prescribed) for blocks in parts)
+        rest, found = (
+            Assembly(blocks, self.size, self.prescribed, self.pattern) for blocks in parts
+        )
         return rest, found
 
     @cached_property
-    def _pattern(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows and column starts of the non-zeros, and the one each element entry belongs to."""
-        keys = [np.zeros(0, dtype=np.int64)]
-        for block in self.blocks:
-            rows, columns = block.degrees[:, None, :], block.degrees[None, :, :]
-            keys.append((columns * np.int64(self.size) + rows).ravel())
-        found, slots = np.unique(np.concatenate(keys), return_inverse=True)
-        columns, rows = np.divmod(found, max(self.size, 1))
-        starts = np.searchsorted(columns, np.arange(self.size + 1))
-        return rows.astype(np.int32), starts.astype(np.int32), slots.astype(np.int32)
+    def _slots(self) -> np.ndarray:
+        return self.pattern.slots(self.blocks)
 
     def matrix(self, parts: Iterable[np.ndarray]) -> sparse.csc_matrix:
         """Sum of element matrices (k, k, ne), one array for each block."""
-        rows, starts, slots = self._pattern
         entries = np.concatenate([np.zeros(0), *(part.ravel() for part in parts)])
-        summed = np.bincount(slots, entries, minlength=rows.size)
-        return sparse.csc_matrix((summed, rows, starts), shape=(self.size,) * 2)
+        return self.pattern.matrix(entries, self._slots)
+
+    @cached_property
+    def _inner(self) -> tuple[np.ndarray, sparse.csc_matrix]:
+        return self.pattern.part(self.free)
+
+    def inner(self, matrix: sparse.csc_matrix) -> sparse.csc_matrix:
+        """Its rows and columns of the free displacements."""
+        if not self.pattern.holds(matrix):
+            return matrix[self.free][:, self.free].tocsc()
+        places, empty = self._inner
+        return filled(empty, matrix.data[places])
 
     def arm(self, p: np.ndarray) -> float:
         """Mean length of the elements, one where all are points [m]."""

@@ -36,6 +36,8 @@ class StructuralElement(Element):
     """Whether its nodes have rotations too."""
     counts_turns: ClassVar[bool] = False
     """Whether it tells a node that turned once round from one that did not."""
+    floats: ClassVar[bool] = False
+    """Whether displacements count only as differences between its nodes."""
     node_count: ClassVar[int]
     """Nodes of one element."""
     dimensions: ClassVar[tuple[int, ...]] = (1, 2, 3)

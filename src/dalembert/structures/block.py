@@ -32,7 +32,7 @@ class ElementBlock:
     ):
         self.kind, self.names, self.nodes = kind, names, nodes
         self.degrees, self._data = degrees, data
-        self._kept: tuple[np.ndarray, np.ndarray] | None = None
+        self._kept: tuple[tuple[bytes, float], np.ndarray] | None = None
         self.count = degrees.shape[1]
 
     @property
@@ -42,8 +42,8 @@ class ElementBlock:
 
     def data(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(m, ne) numbers at parameter values ``p``, read-only; the last ones are kept."""
-        key = np.append(p, time if self.depends_on_time else 0.0)
-        if self._kept is None or not np.array_equal(self._kept[0], key):
+        key = p.tobytes(), time if self.depends_on_time else 0.0
+        if self._kept is None or self._kept[0] != key:
             self._kept = key, self._shaped(self._data.values(p, time))
             self._kept[1].flags.writeable = False
         return self._kept[1]

@@ -45,6 +45,7 @@ class Evaluation:
         self.displacement_count = self.graphs.u.numel()
         self._functions: dict[str, ca.Function] = {}
         self._kernels: dict[tuple[str, int], Kernel] = {}
+        self._rows: dict[tuple[Rows, int], np.ndarray] = {}
 
     def _energy(self, what: str, *columns: np.ndarray) -> list[np.ndarray]:
         return self._sum(what, self.cls.samples, *columns)
@@ -76,9 +77,10 @@ class Evaluation:
             if what not in self._functions:
                 self._functions[what] = self.graphs.function(what)
             self._kernels[what, count] = Kernel(self._functions[what].map(count))
-        rows = np.array(samples, dtype=float).reshape(len(samples), -1)
-        at = np.repeat(rows, count // len(samples), axis=0).T
-        return self._kernels[what, count](at, *columns)
+        if (samples, count) not in self._rows:
+            rows = np.array(samples, dtype=float).reshape(len(samples), -1)
+            self._rows[samples, count] = np.repeat(rows, count // len(samples), axis=0).ravel()
+        return self._kernels[what, count](self._rows[samples, count], *columns)
 
     def _matrices(self, what: str, samples: Rows, *columns: np.ndarray) -> np.ndarray:
         k, count = self.displacement_count, columns[0].shape[1]

@@ -47,6 +47,7 @@ class Frame(Line):
     temperature: Scalar = quantity("K", "change of temperature", default=0.0, keyword=True)
     temperature_gradient: Scalar = quantity("K/m", "rise along y", default=0.0, keyword=True)
     turns: ClassVar[bool] = True
+    floats: ClassVar[bool] = True
     dimensions: ClassVar[tuple[int, ...]] = (2,)
 
     def __post_init__(self) -> None:

@@ -106,7 +106,7 @@ class ElementGraphs(InertiaGraphs):
         return [self.u, self.data], [self._forces]
 
     def _tangent(self):
-        return [self.u, self.data], [ca.vec(ca.jacobian(self._forces, self.u).T)]
+        return [self.u, self.data], [ca.vec(self._slopes(self._forces).T)]
 
     def _push(self):
         (change,) = self._symbols("change")

@@ -100,7 +100,8 @@ class InertiaGraphs:
     def _inertia_slopes(self, kind: str):
         """Derivatives by displacements, velocities and accelerations."""
         given, force = self._inertia_force(kind)
-        return given, [ca.vec(ca.jacobian(force, by)) for by in given[:3]]
+        by_v, by_a = (ca.jacobian(force, by) for by in given[1:3])
+        return given, [ca.vec(slope) for slope in (self._slopes(force), by_v, by_a)]
 
     def _push_inertia(self, kind: str):
         given, force = self._inertia_force(kind)
@@ -117,6 +118,15 @@ class InertiaGraphs:
         energy, numbers = self.moving[kind]
         slopes = [ca.gradient(energy, by) for by in (self.u, self.v, numbers)]
         return [self.u, self.v, numbers], [energy, *slopes]
+
+    def _slopes(self, value: ca.SX) -> ca.SX:
+        """Jacobian by the displacements."""
+        if not self.cls.floats:
+            return ca.jacobian(value, self.u)
+        n, d = self._u[0].numel(), self._x[0].numel()
+        rest = ca.jacobian(value, self.u[d:])
+        first = sum((rest[:, k - d : k] for k in range(n, self.u.numel(), n)), 0)
+        return ca.horzcat(-first, rest)
 
     def _symbols(self, *names: str) -> list[ca.SX]:
         return [ca.SX.sym(n, (self.data if n == "change" else self.u).numel()) for n in names]

@@ -62,6 +62,7 @@ class SpaceFrame(Line):
         "", "direction towards its y axis", default=(0.0, 0.0, 0.0), size=3, keyword=True
     )
     turns: ClassVar[bool] = True
+    floats: ClassVar[bool] = True
     dimensions: ClassVar[tuple[int, ...]] = (3,)
 
     def __post_init__(self) -> None:

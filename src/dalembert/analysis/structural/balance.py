@@ -41,7 +41,11 @@ class Balance:
         self.arms = np.where(model.degrees.rotations, model.assembly.arm(p), 1.0)
 
     def residual(
-        self, terms: Sequence[np.ndarray], made_of: np.ndarray, where: np.ndarray, stiffness: Any
+        self,
+        terms: Sequence[np.ndarray],
+        made_of: np.ndarray,
+        where: np.ndarray,
+        stiffness: Any = None,
     ) -> Balanced:
         """What is left over, with its scale.
 
@@ -50,7 +54,7 @@ class Balance:
         terms : (n,) each, forces whose sum should vanish
         made_of : (n,) size of the numbers they are made of
         where : numbers of the displacements whose forces balance
-        stiffness : (n, n) that a step goes on with
+        stiffness : (n, n) that a step goes on with, if any
         """
         whole = max((np.abs(term / self.arms).max(initial=0.0) for term in terms), default=0.0)
         rest = sum(terms, np.zeros_like(self.arms))

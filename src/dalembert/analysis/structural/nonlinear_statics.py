@@ -170,10 +170,10 @@ class LoadPath:
 
     def record(self) -> StaticsRecord:
         """Tangent stiffness at the end, for gradients; no factors where the path was lost."""
-        matrix, free = self.internal(self.u, self.reached)[1], self.assembly.free
+        matrix = self.internal(self.u, self.reached)[1]
         whole = self.reached >= 1.0
         return StaticsRecord(
-            factorised(self.model, matrix[free][:, free]) if whole else None, matrix
+            factorised(self.model, self.assembly.inner(matrix)) if whole else None, matrix
         )
 
 
@@ -192,9 +192,7 @@ class Equilibrium(Equations[np.ndarray]):
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
         assert isinstance(residual, Balanced)
-        free = self.path.assembly.free
-        matrix = residual.stiffness[free][:, free]
-        factor = factorised(self.path.model, matrix)
+        factor = factorised(self.path.model, self.path.assembly.inner(residual.stiffness))
         return np.zeros(0) if factor is None else factor.solve(residual.value)
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:

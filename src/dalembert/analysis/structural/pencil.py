@@ -16,6 +16,7 @@ import scipy.sparse as sparse
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.assembly import Assembly
 from dalembert.structures.model import StructuralModel
+from dalembert.structures.pattern import combined
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,5 +200,5 @@ class Pencil:
         return self._sum(self.left), self._sum(self.right)
 
     def _sum(self, terms: Sequence[Term]) -> sparse.csc_matrix:
-        total = sum((term.matrix() for term in terms[1:]), terms[0].matrix())
-        return total[self.free][:, self.free].tocsc()
+        total = combined(*((1.0, term.matrix()) for term in terms))
+        return self.model.assembly.inner(total)

@@ -57,7 +57,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         free, held = assembly.free, assembly.prescribed
         rest = np.zeros(size)
         stiffness = assembly.stiffness(rest, p)
-        factor = factorised(model, stiffness[free][:, free])
+        factor = factorised(model, assembly.inner(stiffness))
         start = assembly.internal_forces(rest, p)
         u = np.zeros((size, len(model.loads)))
         forces = np.zeros_like(u)

@@ -16,6 +16,7 @@ import scipy.sparse.linalg as linalg
 from dalembert.elements.base import Scalar
 from dalembert.errors import ModelError, SingularityError, UnsupportedError
 from dalembert.structures.model import StructuralModel
+from dalembert.structures.pattern import combined
 from dalembert.symbolic.expression import as_expression, free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
 
@@ -121,9 +122,7 @@ class EquationOfMotion:
         self._at_rest = self.assembly.internal_forces(rest, p)
         self.steady, self.turning = self.assembly.split(lambda b: b.kind.turning(lumped))
         self._inertia = self.steady.mass(p, lumped) if self.turns else self.mass
-        self._damper = (
-            self.beta * self.stiffness if self.beta else sparse.csc_matrix(self.mass.shape)
-        )
+        self._damper = combined((self.beta, self.stiffness))
         self.supports = (
             model.prescribed,
             model.prescribed.derivative,
@@ -232,12 +231,17 @@ class EquationOfMotion:
             return rest._replace(u=strain)
         moved = motion._replace(a=self._driven(motion))
         by_u, by_v, by_a = self.turning.inertia_slopes(moved, self.p, self.lumped)
-        return Slopes(strain + by_u, rest.v + by_v + self.alpha * by_a, rest.a + by_a)
+        return Slopes(
+            combined((1.0, strain), (1.0, by_u)),
+            combined((1.0, rest.v), (1.0, by_v), (self.alpha, by_a)),
+            combined((1.0, rest.a), (1.0, by_a)),
+        )
 
     @cached_property
     def _constant_slopes(self) -> Slopes:
         """``K``, ``C`` and ``M`` of what does not turn."""
-        return Slopes(self.stiffness, self.alpha * self._inertia + self._damper, self._inertia)
+        damper = combined((self.alpha, self._inertia), (1.0, self._damper))
+        return Slopes(self.stiffness, damper, self._inertia)
 
     def _driven(self, motion: Motions) -> np.ndarray:
         """``a + α v``: damping by mass is inertia of these accelerations."""

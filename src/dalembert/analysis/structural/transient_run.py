@@ -96,6 +96,8 @@ class March:
         if not where.size:
             return x
         self.shortened[node] = where
+        for step in self._steps.values():
+            step.kept = None
         return self.charts.shortened(x, where)
 
     def node(self, k: int) -> Moving:
@@ -180,7 +182,8 @@ class TransientRun:
         last = march.node(march.steps.count).motion
         where = e.free if march.steps.count else e.massive
         step = march.step(h)
-        left = relative(step.residual(last, e.loads(end), where), step.settings.tolerance)
+        sizes = abs(e.tangent(last.u))
+        left = relative(step.residual(last, e.loads(end), where, sizes), step.settings.tolerance)
         return Status(outcome, message or "transient", end, left)
 
 

@@ -100,4 +100,4 @@ class TransientStart:
     def static_factor(self, u: np.ndarray) -> linalg.SuperLU | None:
         """Factors of the tangent stiffness in the free displacements."""
         e = self.equation
-        return factorised(e.model, e.tangent(u)[e.free][:, e.free])
+        return factorised(e.model, e.assembly.inner(e.tangent(u)))

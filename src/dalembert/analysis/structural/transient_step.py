@@ -6,17 +6,22 @@ of the step with the true acceleration ``a⁺``, and the algorithmic one follows
     α⁺ = κ a⁺ + w,    w = μ a − ν α,    κ = (1−α_f)/(1−α_m), μ = α_f/(1−α_m), ν = α_m/(1−α_m),
     u⁺ = u + h v + h²((1/2 − β) α + β α⁺),    v⁺ = v + h((1 − γ) α + γ α⁺).
 
-All are linear in ``a⁺``, the one unknown.
+All are linear in ``a⁺``, the one unknown. Newton's method begins with the factors that the step
+before ended with, and takes new ones only where they do not lead fast to the root; what it finds is
+corrected once more with those at the end.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sparse
+import scipy.sparse.linalg as linalg
 
-from dalembert.analysis.structural.balance import Balance, Balanced
+from dalembert.analysis.structural.balance import Balance, relative
 from dalembert.analysis.structural.transient_equation import (
     EquationOfMotion,
     Motions,
@@ -24,12 +29,17 @@ from dalembert.analysis.structural.transient_equation import (
     factors,
 )
 from dalembert.integrators.newmark import NewmarkFamily
+from dalembert.structures.pattern import combined
 from dalembert.symbolic.newton import Equations, NewtonSettings, Residual, solve
 
 SINGULAR = (
     "the equations of a step are singular: some displacement has neither mass nor stiffness; give "
     "its elements a density, or support it"
 )
+
+
+FAST = 0.1
+"""Share of the residual that a step with factors from elsewhere may leave."""
 
 
 class Moving(NamedTuple):
@@ -134,18 +144,19 @@ class TransientStep:
         self.settings = NewtonSettings(
             tolerance=integrator.tolerance, max_iterations=integrator.max_iterations, halvings=0
         )
-        self._factor = self._factors(equation.slopes(equation.rest)) if equation.linear else None
+        self._steady = self._factors(equation.slopes(equation.rest)) if equation.linear else None
+        self.kept: Linearised | None = None
         self.balance, self.iterations = Balance(equation.model, equation.p), 0
 
-    def factor(self, slopes: Slopes):
+    def factor(self, slopes: Slopes) -> linalg.SuperLU | None:
         """Factors of ``M + κ(h γ C + h² β K)`` in the free displacements."""
-        return self._factors(slopes) if self._factor is None else self._factor
+        return self._factors(slopes) if self._steady is None else self._steady
 
-    def _factors(self, slopes: Slopes):
+    def _factors(self, slopes: Slopes) -> linalg.SuperLU | None:
         e, rule = self.equation, self.rule
-        late = slopes.v * (rule.kappa * rule.late[1]) + slopes.u * (rule.kappa * rule.late[0])
-        matrix = (slopes.a + late).tocsc()[e.free][:, e.free]
-        return factors(matrix, SINGULAR, symmetric=e.symmetric)
+        by_u, by_v = (rule.kappa * late for late in rule.late)
+        matrix = combined((1.0, slopes.a), (by_v, slopes.v), (by_u, slopes.u))
+        return factors(e.assembly.inner(matrix), SINGULAR, symmetric=e.symmetric)
 
     def advance(self, x: Moving, time: float) -> Moving | None:
         """The end of the step at ``time``; None where Newton's method fails.
@@ -157,26 +168,44 @@ class TransientStep:
         """
         e = self.equation
         ahead, held, loads = self.rule.predicted(x), e.support_motion(time), e.loads(time)
-        equations, a = EndOfStep(self, ahead, held, loads), np.zeros_like(x.a)
+        a = np.zeros_like(x.a)
         if not e.linear:
             a[e.free] = x.a[e.free]
-            solution = solve(equations, a, self.settings)
-            self.iterations += solution.iterations + 1
-            if not solution.accepted:
+            found = self._solved(ahead, held, loads, a, FAST)
+            if found is None:
+                found = self._solved(ahead, held, loads, a, 0.0)
+            if found is None:
                 return None
-            a = solution.x
-        a = equations.corrected(a)  # once more after convergence: round-off only is left
+            a = found
+        motion = self.placed(ahead, held, a).motion
+        self.kept = Linearised(self, motion)
+        rest = (loads - e.forces(motion))[e.free]
+        a[e.free] += self.kept.solve(rest)  # once more after convergence: round-off only is left
         return self.placed(ahead, held, a)
 
-    def residual(self, motion: Motions, loads: np.ndarray, where: np.ndarray) -> Balanced:
-        """What is left over of the forces on some displacements."""
+    def _solved(
+        self, ahead: Moving, held: Motions, loads: np.ndarray, a: np.ndarray, fast: float
+    ) -> np.ndarray | None:
+        """Accelerations at the end, None where Newton's method fails."""
+        solution = solve(EndOfStep(self, ahead, held, loads, fast), a, self.settings)
+        self.iterations += solution.iterations + 1
+        return solution.x if solution.accepted else None
+
+    def residual(
+        self, motion: Motions, loads: np.ndarray, where: np.ndarray, sizes: sparse.csc_matrix
+    ) -> Residual:
+        """What is left over of the forces on some displacements.
+
+        Parameters
+        ----------
+        sizes : (n, n) of the entries of the stiffness, for rounding
+        """
         e, (u, v, a) = self.equation, (np.abs(x) for x in motion)
         inertia, damper = e.sizes
-        stiffness = e.tangent(motion.u)
-        made_of = abs(stiffness) @ u + damper @ v
+        made_of = sizes @ u + damper @ v
         made_of += inertia @ (a + v / self.rule.h)  # an acceleration is a change of speed
         terms = [loads, *(-part for part in e.parts(motion))]
-        return self.balance.residual(terms, made_of, where, stiffness)
+        return self.balance.residual(terms, made_of, where)
 
     def placed(self, ahead: Moving, held: Motions, a: np.ndarray) -> Moving:
         """The end of the step for accelerations of the free displacements."""
@@ -187,46 +216,63 @@ class TransientStep:
         return new
 
 
-@dataclass(frozen=True)
+class Linearised:
+    """The equations of a step near some motion."""
+
+    def __init__(self, step: TransientStep, motion: Motions):
+        self.step, self.motion = step, motion
+        self.stiffness = step.equation.tangent(motion.u)
+
+    @cached_property
+    def sizes(self) -> sparse.csc_matrix:
+        """Sizes of the entries of the stiffness."""
+        return abs(self.stiffness)
+
+    @cached_property
+    def factor(self) -> linalg.SuperLU | None:
+        """Factors of the equations; None where nothing is free."""
+        return self.step.factor(self.step.equation.slopes(self.motion, self.stiffness))
+
+    def solve(self, rest: np.ndarray) -> np.ndarray:
+        """Accelerations of the free displacements that forces ``rest`` bring."""
+        return np.zeros(0) if self.factor is None else self.factor.solve(rest)
+
+
 class EndOfStep(Equations[np.ndarray]):
     """The equations of motion at the end of a step, in the accelerations (n,) there.
 
-    Attributes
+    Parameters
     ----------
     by : the step
     ahead : its end without acceleration
     held : prescribed motion at its end
     loads : (n,) applied forces there
+    fast : share of the residual that a step may leave for its factors to be taken again
     """
 
-    by: TransientStep
-    ahead: Moving
-    held: Motions
-    loads: np.ndarray
+    def __init__(
+        self, by: TransientStep, ahead: Moving, held: Motions, loads: np.ndarray, fast: float
+    ):
+        self.by, self.ahead, self.held, self.loads, self.fast = by, ahead, held, loads, fast
+        self._near, self._left = by.kept if fast else None, np.inf
 
     def motion(self, a: np.ndarray) -> Motions:
         """The motion at the end."""
         return self.by.placed(self.ahead, self.held, a).motion
 
     def residual(self, x: np.ndarray) -> Residual:
-        return self.by.residual(self.motion(x), self.loads, self.by.equation.free)
+        motion, e = self.motion(x), self.by.equation
+        if self._near is None:
+            self._near = Linearised(self.by, motion)
+        return self.by.residual(motion, self.loads, e.free, self._near.sizes)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
-        assert isinstance(residual, Balanced)
-        slopes = self.by.equation.slopes(self.motion(x), residual.stiffness)
-        return self._step(slopes, residual.value)
+        before, self._left = self._left, relative(residual, self.by.settings.tolerance)
+        if self._near is None or self._left > self.fast * before:
+            self._near = Linearised(self.by, self.motion(x))
+        return self._near.solve(residual.value)
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         found = x.copy()
         found[self.by.equation.free] += step
         return found
-
-    def corrected(self, a: np.ndarray) -> np.ndarray:
-        """After one more step."""
-        e, motion = self.by.equation, self.motion(a)
-        rest = (self.loads - e.forces(motion))[e.free]
-        return self.retract(a, self._step(e.slopes(motion), rest))
-
-    def _step(self, slopes: Slopes, rest: np.ndarray) -> np.ndarray:
-        factor = self.by.factor(slopes)
-        return np.zeros(0) if factor is None else factor.solve(rest)
