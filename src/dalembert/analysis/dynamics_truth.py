@@ -9,23 +9,19 @@ import numpy as np
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.energy_balance import EnergyBalance
 from dalembert.analysis.model_residuals import Gap, ModelResiduals
+from dalembert.analysis.model_truth import ModelTruth
 from dalembert.formulations.levels import NONE, Level
 from dalembert.integrators.steps import Steps
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome
 
-EXACT = {Level.POSITION: 1e-6, Level.SPEED: 1e-6, Level.ACCELERATION: 1e-4}
-"""Share of its terms by which a constraint that is held may be open; accelerations lose digits
-near singular positions."""
-MOTION = 1e-6
-"""The same of an equation of motion, which every formulation solves."""
 DRIFT, TOLD = 0.1, 1e-2
 """Where constraints are held nearly only: what is no motion of the mechanism, and what is told."""
 QUARTER = 0.25
 """Of the largest share of the energy that may come from nowhere: what is told."""
 
 
-class DynamicsTruth:
+class DynamicsTruth(ModelTruth):
     """Positions, speeds, accelerations, forces and energies of a run, against the model's own.
 
     Parameters
@@ -43,11 +39,11 @@ class DynamicsTruth:
         p: np.ndarray,
         balance: float,
     ):
+        super().__init__(kernel.model, trajectory, p)
         self.kernel, self.steps, self.s, self.p = kernel, steps, trajectory, p
         self.balance = balance
-        self.residuals = ModelResiduals(kernel.model, trajectory, p)
 
-    @property
+    @cached_property
     def held(self) -> frozenset[Level]:
         """Levels at which all constraints are held, and not nearly so.
 
@@ -60,15 +56,14 @@ class DynamicsTruth:
             return held
         return frozenset(level for level in held if set(range(level)) <= held)
 
-    @cached_property
-    def gaps(self) -> list[tuple[Gap, float]]:
-        """Of each level and of the equations of motion, what is open, and what may be."""
-        found, held = self.residuals, self.held
-        levels = [
-            (found.of_level(x), EXACT[x]) if x in held else (found.of_level(x, drifts=True), DRIFT)
-            for x in Level
-        ]
-        return [*levels, (found.of_motion, MOTION)]
+    def open_at(self, level: Level) -> tuple[Gap, float]:
+        if level in self.held:
+            return super().open_at(level)
+        return self.residuals.of_level(level, drifts=True), DRIFT
+
+    def cure(self, limit: float) -> str:
+        projection = ", or stabilization=Projection()" if limit == DRIFT else ""
+        return f"; use a shorter step{projection}"
 
     @cached_property
     def energy(self) -> EnergyBalance:
@@ -88,13 +83,8 @@ class DynamicsTruth:
     @property
     def objection(self) -> tuple[Outcome, str] | None:
         """Why the run must not be called completed, if so."""
-        for gap, limit in self.gaps:
-            if not gap.share <= limit:
-                cure = "use a shorter step"
-                if limit == DRIFT:
-                    cure += ", or stabilization=Projection()"
-                text = f"{gap.text}, {gap.share:.2g} of the size of its terms; {cure}"
-                return Outcome.VIOLATED, text
+        if violated := super().objection:
+            return violated
         if not self.energy.worst[0] <= self.balance:
             text = f"{self.energy.text}; use a shorter step, or another integrator"
             return Outcome.UNBALANCED, text

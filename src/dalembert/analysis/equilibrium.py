@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.model_truth import MOTION, ModelTruth
 from dalembert.analysis.static_balance import (
     StaticBalance,
     StaticsKernel,
@@ -20,6 +21,7 @@ from dalembert.analysis.static_balance import (
     symmetric,
 )
 from dalembert.errors import AnalysisError
+from dalembert.formulations.levels import Level
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.motion import Motion
@@ -123,6 +125,7 @@ class _Search:
             "stable" if stable else "not a stable position"
         )
         outcome = Outcome.COMPLETED if found.accepted else Outcome.NOT_CONVERGED
+        status = Status(outcome, text, self.analysis.time, residual)
         column = (-1, 1)
         trajectory = Trajectory(
             np.array([self.analysis.time]),
@@ -132,12 +135,14 @@ class _Search:
             self.model.all_multipliers(here.multiplier.reshape(column)),
             np.zeros((2, 1)),
         )
+        may_be_open = max(MOTION, self.analysis.tolerance)
+        truth = ModelTruth(self.model, trajectory, self.p, [Level.POSITION], may_be_open)
         return Motion(
             self.model,
             self.analysis,
             self.p,
             trajectory,
-            Status(outcome, text, self.analysis.time, residual),
+            truth.judged(status),
             {"iterations": found.iterations, "stable": stable, "residual [N or N m]": residual},
             record=EquilibriumRecord(self.kernel),
         )

@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.analysis.critical import Fold, find_fold
 from dalembert.analysis.kinematics_kernel import KinematicsRecord, kinematics_kernel
+from dalembert.analysis.model_truth import MOTION, ModelTruth
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.singular_positions import SingularPosition
 from dalembert.analysis.timeline import (
@@ -264,7 +265,8 @@ class KinematicsRun:
 
     def locate_branch(self, times: np.ndarray, table: np.ndarray, k: int) -> float:
         low, high = times[k], times[k + 1]
-        sign = None
+        base = self.kernel.jacobian(times[k], table[: self.n, k], self.p)[1].full()
+        sign = np.linalg.slogdet(base)[0]
         for _ in range(60):
             middle = (low + high) / 2
             new = self.kernel.single(table[:, k], middle, middle - times[k], self.p).full().ravel()
@@ -272,9 +274,6 @@ class KinematicsRun:
             if not np.all(np.isfinite(jac)):
                 break
             here = np.linalg.slogdet(jac)[0]
-            if sign is None:
-                base = self.kernel.jacobian(times[k], table[: self.n, k], self.p)[1].full()
-                sign = np.linalg.slogdet(base)[0]
             low, high = (middle, high) if here == sign else (low, middle)
             if high - low < 1e-13 * max(abs(self.start), abs(self.end)):
                 break
@@ -312,8 +311,9 @@ class KinematicsRun:
         time = float(s.t[-1]) if s.t.size else self.start
         if self.interrupted:
             return Status(Outcome.INTERRUPTED, f"stopped at t = {time:g} s", time, residual)
-        if self.fold is not None:
-            return Status(Outcome.LOCKED, self.message, time, residual)
         if self.message:
-            return Status(Outcome.SINGULAR, self.message, time, residual)
-        return Status(Outcome.COMPLETED, f"reached t = {time:g} s", time, residual)
+            ended = Outcome.LOCKED if self.fold else Outcome.SINGULAR
+            return Status(ended, self.message, time, residual)
+        reached = Status(Outcome.COMPLETED, f"reached t = {time:g} s", time, residual)
+        forces = MOTION if self.analysis.efforts else np.inf
+        return ModelTruth(self.model, s, self.p, motion=forces).judged(reached)

@@ -54,34 +54,42 @@ class ModelResiduals:
 
     def __init__(self, model: Model, trajectory: Trajectory, p: np.ndarray):
         self.model, self.s, self.p = model, trajectory, p
-        self.m = model.all_equations.constraint_count
-        count = trajectory.t.size
-        looked = np.linspace(0, count - 1, min(count, LOOKED)).astype(int)
-        worst = np.argmax(np.nan_to_num(self.violations, nan=np.inf))
-        self.looked = np.unique([*looked, worst])
 
     @cached_property
-    def _everywhere(self) -> np.ndarray:
-        """(3, K) violation, kinetic and potential energy at every output."""
-        s = self.s
-        mapped = _everywhere(self.model, s.t.size)
-        return mapped(s.t, s.y, s.v, np.tile(self.p[:, None], s.t.size))[0]
-
-    @property
     def violations(self) -> np.ndarray:
         """(K,) largest residual of a position constraint; angles times the natural length [m]."""
-        return self._everywhere[0]
-
-    @property
-    def energies(self) -> np.ndarray:
-        """(2, K) kinetic and potential energy [J]."""
-        return self._everywhere[1:]
+        s = self.s
+        mapped = _violation(self.model, s.t.size)
+        return mapped(s.t, s.y, np.tile(self.p[:, None], s.t.size))[0].ravel()
 
     @cached_property
-    def _table(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of Φ, Ψ, ``C v̇ − ξ`` and the equations of motion; magnitudes of their terms."""
-        s = self.s.some(self.looked)
-        mapped, p = _residuals(self.model, s.t.size), np.tile(self.p[:, None], s.t.size)
+    def energies(self) -> np.ndarray:
+        """(2, K) kinetic and potential energy [J]."""
+        s = self.s
+        mapped = _energies(self.model, s.t.size)
+        return mapped(s.t, s.y, s.v, np.tile(self.p[:, None], s.t.size))[0]
+
+    @cached_property
+    def looked(self) -> Trajectory:
+        """The states at which all equations are looked at; the worst position is among them."""
+        count = self.s.t.size
+        spread = np.linspace(0, count - 1, min(count, LOOKED)).astype(int)
+        worst = np.argsort(np.nan_to_num(self.violations, nan=np.inf))[-1:]
+        return self.s.some(np.union1d(spread, worst))
+
+    @cached_property
+    def _constraints(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of Φ, Ψ and ``C v̇ − ξ``; magnitudes of their terms."""
+        s = self.looked
+        mapped, p = _constraints(self.model, s.t.size), np.tile(self.p[:, None], s.t.size)
+        residuals, terms = mapped(s.t, s.y, s.v, s.a, p)
+        return residuals, terms
+
+    @cached_property
+    def _motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of the equations of motion; magnitudes of their terms."""
+        s = self.looked
+        mapped, p = _motion(self.model, s.t.size), np.tile(self.p[:, None], s.t.size)
         residuals, terms = mapped(s.t, s.y, s.v, s.a, s.multiplier, p)
         return residuals, terms
 
@@ -92,16 +100,17 @@ class ModelResiduals:
         What drifts is compared with the largest term of any constraint at any time: stiff springs
         make the natural speeds fast, whatever moves.
         """
-        if not self.m:
+        m = self.model.all_equations.constraint_count
+        if not (m and self.s.t.size):
             return Gap(0.0)
-        rows, scales = slice(level * self.m, (level + 1) * self.m), self.model.scales
-        units, terms = scales.rows[:, None], self._table[1][rows]
-        natural = scales.time**-level
+        scales = self.model.scales
+        residuals, terms = (table[level * m : (level + 1) * m] for table in self._constraints)
+        units, natural = scales.rows[:, None], scales.time**-level
         if drifts and level > Level.POSITION:
             size = units * np.fmax(np.max(terms / units), STILL * natural)
         else:
             size = terms + units * natural
-        row, share, value, time = self._worst(rows, size)
+        row, share, value, time = self._worst(residuals, size)
         constraint, k = self.model.closure.owners[row]
         unit = constraint.units()[k] + ("", "/s", "/s²")[level]
         name = self.model.equation_names[row]
@@ -110,58 +119,69 @@ class ModelResiduals:
     @property
     def of_motion(self) -> Gap:
         """The equation of motion that is open furthest."""
-        rows = slice(len(Level) * self.m, None)
-        size = self._table[1][rows] + self.model.scales.efforts[:, None]
-        row, share, value, time = self._worst(rows, size)
+        if not (self.s.y.size and self.s.t.size):
+            return Gap(0.0)
+        residuals, terms = self._motion
+        size = terms + self.model.scales.efforts[:, None]
+        row, share, value, time = self._worst(residuals, size)
         unit = "N" if self.model.guesses.units[row] == "m" else "N m"
         name = self.model.guesses.names[row]
         text = f"the equation of motion of {name} is open by {value:.3g} {unit} at t = {time:.9g} s"
         return Gap(share, text)
 
-    def _worst(self, rows: slice, size: np.ndarray) -> tuple[int, float, float, float]:
+    def _worst(self, residuals: np.ndarray, size: np.ndarray) -> tuple[int, float, float, float]:
         """Row, share of the size, residual and time."""
-        residuals = np.abs(self._table[0][rows])
+        residuals = np.abs(residuals)
         with np.errstate(all="ignore"):
             shares = residuals / size
         shares = np.where(np.isfinite(shares), shares, np.inf)
         row, k = np.unravel_index(int(np.argmax(shares)), shares.shape)
-        time = self.s.t[self.looked[k]]
+        time = self.looked.t[k]
         return int(row), float(shares[row, k]), float(residuals[row, k]), float(time)
 
 
 @once
-def _everywhere(model: Model, count: int) -> Kernel:
-    """``(t, y, v, p) → [|Φ|; T; V]`` for so many columns."""
+def _violation(model: Model, count: int) -> Kernel:
+    """``(t, y, p) → |Φ|`` for so many columns."""
     e = model.all_equations
     lengths = e.constraints * (e.scales.length / e.scales.rows)
-    violation = ca.norm_inf(lengths) if lengths.numel() else ca.SX(0)
-    wanted = ca.densify(ca.vertcat(violation, e.kinetic_energy, e.potential))
-    function = ca.Function("everywhere", [e.t, e.y, e.v, e.p], [wanted], {"cse": True})
-    return Kernel(function.map(count))
+    violation = ca.densify(ca.norm_inf(lengths)) if lengths.numel() else ca.SX(0)
+    return Kernel(ca.Function("violation", [e.t, e.y, e.p], [violation], {"cse": True}).map(count))
 
 
 @once
-def _residuals(model: Model, count: int) -> Kernel:
-    """``(t, y, v, v̇, λ, p) →`` residuals, and sums of the magnitudes of their terms."""
-    return Kernel(_equations(model).map(count))
+def _energies(model: Model, count: int) -> Kernel:
+    """``(t, y, v, p) → [T; V]`` for so many columns."""
+    e = model.all_equations
+    wanted = ca.densify(ca.vertcat(e.kinetic_energy, e.potential))
+    return Kernel(ca.Function("energies", [e.t, e.y, e.v, e.p], [wanted], {"cse": True}).map(count))
 
 
 @once
-def _equations(model: Model) -> ca.Function:
+def _constraints(model: Model, count: int) -> Kernel:
+    """``(t, y, v, v̇, p) →`` residuals of each level, and sums of the magnitudes of their terms."""
     e = model.all_equations
     c, size = e.jacobian, ca.fabs(e.jacobian)
     psi, xi = e.velocity_constraints, e.constraint_acceleration
     driven = ca.substitute(psi, e.v, ca.SX.zeros(e.speed_count))
-    push, pull = e.inertia.times(e.a), ca.mtimes(c.T, e.multiplier)
     pairs = [
         (e.constraints, ca.SX.zeros(e.constraint_count)),
         (psi, ca.mtimes(size, ca.fabs(e.v)) + ca.fabs(driven)),
         (ca.mtimes(c, e.a) - xi, ca.mtimes(size, ca.fabs(e.a)) + ca.fabs(xi)),
-        (
-            push + e.bias - e.force + pull,
-            sum(map(ca.fabs, (push, e.bias, e.force)), ca.mtimes(size.T, ca.fabs(e.multiplier))),
-        ),
     ]
-    inputs = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
     outputs = [ca.densify(ca.vertcat(*parts)) for parts in zip(*pairs, strict=True)]
-    return ca.Function("residuals", inputs, outputs, {"cse": True})
+    return Kernel(ca.Function("levels", [e.t, e.y, e.v, e.a, e.p], outputs).map(count))
+
+
+@once
+def _motion(model: Model, count: int) -> Kernel:
+    """``(t, y, v, v̇, λ, p) →`` residuals of the equations of motion, and magnitudes likewise."""
+    e = model.all_equations
+    c = e.jacobian
+    push, pull = e.inertia.times(e.a), ca.mtimes(c.T, e.multiplier)
+    terms = sum(
+        map(ca.fabs, (push, e.bias, e.force)), ca.mtimes(ca.fabs(c).T, ca.fabs(e.multiplier))
+    )
+    outputs = [ca.densify(push + e.bias - e.force + pull), ca.densify(terms)]
+    inputs = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
+    return Kernel(ca.Function("motion", inputs, outputs).map(count))

@@ -1,0 +1,134 @@
+"""Whatever is analysed: what is called completed satisfies the model's own equations."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+from registry import CASES, Builder, Observer, model_of
+from scipy.linalg import null_space, qr
+
+import dalembert as da
+from dalembert import planar, sin, t
+from dalembert.analysis import equilibrium
+from dalembert.analysis.kinematics_run import KinematicsRun
+from dalembert.analysis.model_residuals import ModelResiduals
+from dalembert.formulations.levels import Level
+from dalembert.results.status import Outcome
+
+EVERY = tuple(Level)
+
+
+def built(name: str) -> da.System:
+    builder = Builder(name.replace(" ", "-"), True, Observer())
+    CASES[name].build(builder)
+    return builder.system
+
+
+def driven(name: str) -> da.Model:
+    """The case with drivers on as many coordinates as it leaves free, the best conditioned ones."""
+    free, system = model_of(name), built(name)
+    names = {body.name for body in free.bodies}
+    e, y = free.equations, free.start.y
+    jacobian = ca.Function("c", [e.t, e.y, e.p], [e.jacobian])(0.0, y, free.nominal).full()
+    ways = null_space(jacobian) if jacobian.size else np.eye(y.size)
+    ways[[owner not in names for owner in free.guesses.owners]] = 0.0
+    for k in qr(ways.T, pivoting=True)[2][: free.diagnosis.free]:
+        owner, _, letter = free.guesses.names[k].partition(".")
+        body, law = system.elements[owner], float(y[k]) + 0.03 * sin(5 * t)
+        if letter == "angle":
+            driver = planar.RotationalDriver(f"D{k}", system.ground, body, law)
+        else:
+            direction = (1.0, 0.0) if letter == "x" else (0.0, 1.0)
+            driver = planar.CoordinateDriver(f"D{k}", body.center, law, direction=direction)
+        system.add(driver)
+    return system.build()
+
+
+def tied(name: str) -> da.Model:
+    """The case with every body on a bushing, so that it comes to rest."""
+    system, start = built(name), model_of(name).start.y
+    names = model_of(name).guesses.names
+    for body in (system.elements[each.name] for each in model_of(name).bodies):
+        x, y = (float(start[names.index(f"{body.name}.{letter}")]) for letter in "xy")
+        turned = {"rotational_stiffness": 50.0} if f"{body.name}.angle" in names else {}
+        place = system.ground.point(x, y)
+        tie = planar.Bushing(f"T{body.name}", place, body.center, stiffness=(200, 300), **turned)
+        system.add(tie)
+    return system.build()
+
+
+def open_by(motion: da.Motion, levels=EVERY, forces: bool = True) -> float:
+    found = ModelResiduals(motion.model, motion.trajectory, motion.parameters)
+    shares = [found.of_level(level).share for level in levels]
+    return max([*shares, found.of_motion.share] if forces else shares)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_driven_motions_are_true(name):
+    """Kinematics and inverse dynamics, at the outputs and between them."""
+    model = driven(name)
+    kinematics = da.solve_kinematics(model, 0.1, step=0.01)
+    inverse = da.solve_inverse_dynamics(model, 0.1, step=0.01)
+    for motion, forces in ((kinematics, False), (inverse, True)):
+        assert motion.status.success, motion.status
+        assert open_by(motion, forces=forces) < 1e-9
+        assert open_by(motion.at(np.array([0.033, 0.087])), forces=forces) < 1e-9
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_equilibria_are_true(name):
+    rest = da.solve_equilibrium(tied(name))
+    assert rest.status.success, rest.status
+    assert open_by(rest, (Level.POSITION,)) < 1e-8
+
+
+# a solver that errs ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("part", "told"), [(0, "m at t"), (1, "m/s at t"), (2, "m/s² at t"), (3, "equation of motion")]
+)
+@pytest.mark.parametrize("solve", [da.solve_kinematics, da.solve_inverse_dynamics])
+def test_a_wrong_driven_motion_is_a_status(monkeypatch, solve, part, told):
+    """Positions, speeds, accelerations or forces that a march gets wrong at one instant."""
+    model, march = driven("revolute"), KinematicsRun.march
+
+    def spoilt(run, first, report):
+        times, table = march(run, first, report)
+        table[part * run.n, 7] += (1e-3, 1e-3, 1.0, 1.0)[part]
+        return times, table
+
+    monkeypatch.setattr(KinematicsRun, "march", spoilt)
+    motion = solve(model, 0.1, step=0.01)
+    if part == 3 and solve is da.solve_kinematics:
+        assert motion.status.success  # it has no forces
+        return
+    assert motion.status.outcome is Outcome.VIOLATED and told in motion.status.message
+    assert "at t = 0.07 s" in motion.status.message and motion.time.size == 11
+
+
+@pytest.mark.parametrize(
+    ("moved", "told"), [((0.0, 1e-3), "is violated by"), ((1e-3, 0.0), "the equation of motion of")]
+)
+def test_a_wrong_equilibrium_is_a_status(monkeypatch, moved, told):
+    """Off its constraint, or along it out of balance."""
+    system = da.System("hanging", gravity=(0.0, -9.81))
+    ball = system.add(planar.Particle("ball", mass=2.0, position=(0.1, 1.0)))
+    system.add(planar.CoordinateDriver("rail", ball.center, 1.0, direction=(0.0, 1.0)))
+    place = system.ground.point(0.0, 1.0)
+    system.add(planar.Bushing("tie", place, ball.center, stiffness=(300.0, 200.0)))
+    model, solve = system.build(), equilibrium.solve
+
+    def spoilt(*given):
+        found = solve(*given)
+        return replace(found, x=found.x + moved)
+
+    assert da.solve_equilibrium(model).status.success
+    monkeypatch.setattr(equilibrium, "solve", spoilt)
+    rest = da.solve_equilibrium(model)
+    assert rest.status.outcome is Outcome.VIOLATED and told in rest.status.message
+    with pytest.raises(da.AnalysisError, match="no equilibrium"):
+        da.linearize(model)
