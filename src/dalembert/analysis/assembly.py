@@ -35,7 +35,7 @@ class Assembly:
         found = {
             name.rpartition(".")[2]: float(value)
             for name, value, owner in zip(
-                self.model.guesses.names, self.y, self.model.guesses.owners, strict=True
+                self.model.guesses.names, self.y, self.model.guesses.pose_owners, strict=True
             )
             if owner == body
         }

@@ -85,7 +85,7 @@ class DynamicsRun:
         mass = np.diag(self.model.mass_matrix(self.p))
         lost = set(np.flatnonzero(mass == 0)) - set(self.model.equations.massless)
         if lost and self.analysis.formulation.needs_mass:
-            names = ", ".join(self.model.guesses.names[k] for k in sorted(lost))
+            names = ", ".join(self.model.guesses.speed_names[k] for k in sorted(lost))
             raise SingularityError(
                 f"the inertia of {names} is zero with these parameters but was not when the model "
                 "was built; build it with this value, or use formulation=Kkt()"

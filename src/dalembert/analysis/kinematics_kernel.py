@@ -11,6 +11,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
+from dalembert.model.position import position_stages
 from dalembert.results.recording import Recording, Trajectory
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.factor import QrFactor
@@ -41,18 +42,13 @@ class KinematicsKernel:
         e = self.e
         near = ca.SX.sym("y_near", e.coordinate_count)
         c = e.jacobian
-        by_y = ca.jacobian(e.constraints, e.y)
-        sizes = e.scales.rows, e.scales.coordinates
-        position_factor, factor = QrFactor(by_y, *sizes), QrFactor(c, *sizes)
-        value = near
+        factor = QrFactor(c, e.scales.rows, e.scales.displacements)
+        value, step = near, factor.solve(e.constraints)
         for _ in range(ITERATIONS):
-            step = position_factor.solve(e.constraints)
-            value = value - ca.substitute(step, e.y, value)
+            value = e.manifold.retract(value, -ca.substitute(step, e.y, value))
         psi0 = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
         stages = [
-            Stage(
-                e.y, e.constraints, value, position_factor.solve, position_factor.solve_transposed
-            ),
+            *position_stages(e, near, e.constraints, e.scales.rows, value),
             Stage(
                 e.v,
                 e.velocity_constraints,
@@ -97,15 +93,15 @@ class KinematicsKernel:
         These three have no units: pivots, rows and coordinates are measured by their natural sizes.
         """
         e, sizes = self.e, self.e.scales
-        n, m = e.speed_count, e.constraint_count
-        last, h = ca.SX.sym("last", 3 * n + m + 3), ca.SX.sym("h")
-        y, v, a = last[:n], last[n : 2 * n], last[2 * n : 3 * n]
-        predicted = y + h * v + h**2 / 2 * a
+        n, k, m = e.coordinate_count, e.speed_count, e.constraint_count
+        last, h = ca.SX.sym("last", n + 2 * k + m + 3), ca.SX.sym("h")
+        y, v, a = last[:n], last[n : n + k], last[n + k : n + 2 * k]
+        predicted = e.manifold.retract(y, h * v + h**2 / 2 * a)
         new = self.configuration.function(e.t, predicted, e.p)
         open_by = ca.Function("r", [e.t, e.y, e.p], [e.constraints])(e.t, new[0], e.p)
         residual = ca.norm_inf(open_by / sizes.rows)
-        change = ca.norm_inf((new[0] - predicted) / sizes.coordinates)
-        pivots = ca.fabs(QrFactor(e.jacobian, sizes.rows, sizes.coordinates).pivots)
+        change = ca.norm_inf(e.manifold.displacement(predicted, new[0]) / sizes.displacements)
+        pivots = ca.fabs(QrFactor(e.jacobian, sizes.rows, sizes.displacements).pivots)
         regular = ca.mmin(pivots) / ca.mmax(pivots)
         regular = ca.Function("s", [e.t, e.y, e.p], [regular])(e.t, new[0], e.p)
         return ca.Function(
@@ -132,13 +128,10 @@ class KinematicsKernel:
 
     @cached_property
     def jacobian(self) -> ca.Function:
-        """``(t, y, p) → Φ, ∂Φ/∂y, ∂Φ/∂t``."""
+        """``(t, y, p) → Φ, C, ∂Φ/∂t``."""
         e = self.e
-        return ca.Function(
-            "driven",
-            [e.t, e.y, e.p],
-            [e.constraints, ca.jacobian(e.constraints, e.y), ca.jacobian(e.constraints, e.t)],
-        )
+        outputs = [e.constraints, e.jacobian, ca.jacobian(e.constraints, e.t)]
+        return ca.Function("driven", [e.t, e.y, e.p], outputs)
 
 
 kinematics_kernel = once(KinematicsKernel)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,10 @@ class KinematicsRun:
         self.kernel = kinematics_kernel(model)
         check_driver_laws(model, self.grid, self.p)
         self.typical = min(step, float(np.median(np.diff(self.grid))))
-        self.n, self.sizes = model.equations.coordinate_count, model.equations.scales
+        self.n, self.sizes = e.coordinate_count, e.scales
+        self.manifold = e.manifold
+        ends = np.cumsum([0, self.n, e.speed_count, e.speed_count, e.constraint_count])
+        self.parts = [slice(*pair) for pair in pairwise(ends)]
         self.fold: Fold | None = None
         self.substeps = 0
         self.message, self.interrupted = "", False
@@ -132,7 +136,8 @@ class KinematicsRun:
         table = np.column_stack([first, out])
         if not self.trusted(table, h).all():
             return
-        turned = np.diff(table[: self.n], axis=1) / self.sizes.coordinates[:, None]
+        y = table[: self.n]
+        turned = self.manifold.lead(y[:, :-1], y[:, 1:]) / self.sizes.displacements[:, None]
         count = max(FEW, int(np.ceil(FEW * np.abs(turned).max(initial=0.0) / SHORT_WAY)))
         if count + self.requested.size < self.grid.size:
             needed = np.linspace(self.start, self.end, count + 1)
@@ -170,7 +175,8 @@ class KinematicsRun:
     def trusted(self, table: np.ndarray, h: np.ndarray) -> np.ndarray:
         """Steps that converged with a correction small against the motion of the step."""
         regular, residual, change = table[-3, 1:], table[-2, 1:], table[-1, 1:]
-        turned = np.diff(table[: self.n], axis=1) / self.sizes.coordinates[:, None]
+        y = table[: self.n]
+        turned = self.manifold.lead(y[:, :-1], y[:, 1:]) / self.sizes.displacements[:, None]
         moved = np.abs(turned).max(axis=0, initial=0.0)
         finite = np.all(np.isfinite(table[:, 1:]), axis=0)
         always, share = SMALL_TURN
@@ -222,16 +228,20 @@ class KinematicsRun:
         return None
 
     def between(self, before: np.ndarray, after: np.ndarray, gap: float) -> np.ndarray:
-        n = self.n
+        """Half way between two positions, by cubic Hermite polynomials of positions and speeds."""
         middle = (before + after) / 2
-        for low in (0, n):  # positions, then speeds: cubic Hermite at the middle
-            rate = slice(low + n, low + 2 * n)
-            middle[low : low + n] += gap / 8 * (before[rate] - after[rate])
+        y, v, a, _ = self.parts
+        bend = gap / 8 * (before - after)
+        way = self.manifold.lead(before[y], after[y]) / 2
+        middle[y] = self.manifold.go(before[y], way + bend[v])
+        middle[v] += bend[a]
         return middle
 
     def end_of_motion(self, last: np.ndarray, now: float) -> None:
         y = last[: self.n]
-        self.fold = find_fold(self.kernel.jacobian, now, y, self.p, self.sizes, self.typical)
+        self.fold = find_fold(
+            self.kernel.jacobian, self.manifold, now, y, self.p, self.sizes, self.typical
+        )
         if self.fold is not None:
             there = SingularPosition(self.model, self.fold.time, self.fold.y, self.p)
             self.message = (
@@ -245,12 +255,13 @@ class KinematicsRun:
     # what was found ----------------------------------------------------------------
     def branch_points(self, times: np.ndarray, table: np.ndarray) -> list[EventRecord]:
         """Times at which the Jacobian's determinant changes sign: branches meet there."""
-        if times.size < 2 or self.n > 400:
+        if times.size < 2 or self.sizes.displacements.size > 400:
             return []
         mapped = self.kernel.jacobian.map(times.size)
         p = np.tile(self.p[:, None], times.size)
         flat = np.asarray(mapped(times, table[: self.n], p)[1].full())
-        stack = flat.reshape(self.n, times.size, self.n).transpose(1, 0, 2)
+        n = self.sizes.displacements.size
+        stack = flat.reshape(n, times.size, n).transpose(1, 0, 2)
         signs = np.linalg.slogdet(stack)[0]
         found = []
         for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
@@ -280,12 +291,13 @@ class KinematicsRun:
         return float((low + high) / 2)
 
     def trajectory(self, times: np.ndarray, table: np.ndarray) -> Trajectory:
-        n, m = self.n, self.model.equations.constraint_count
-        multiplier = self.model.all_multipliers(table[3 * n : 3 * n + m])
+        y, v, a, effort = self.parts
+        multiplier = self.model.all_multipliers(table[effort])
         if not self.analysis.efforts:
             multiplier = np.full_like(multiplier, np.nan)
-        y, v, a = table[:n], table[n : 2 * n], table[2 * n : 3 * n]
-        return Trajectory(times, y, v, a, multiplier, self.work(times, table))
+        return Trajectory(
+            times, table[y], table[v], table[a], multiplier, self.work(times, table)
+        )
 
     def work(self, times: np.ndarray, table: np.ndarray) -> np.ndarray:
         """Energy dissipated and put in, by integrating the powers over the positions computed."""
@@ -295,15 +307,8 @@ class KinematicsRun:
             return np.zeros((2, times.size))
         from scipy.integrate import cumulative_simpson
 
-        n, m = self.n, self.model.equations.constraint_count
-        powers = self.kernel.powers.map(times.size)(
-            times,
-            table[:n],
-            table[n : 2 * n],
-            table[2 * n : 3 * n],
-            table[3 * n : 3 * n + m],
-            np.tile(self.p[:, None], times.size),
-        ).full()
+        p, columns = np.tile(self.p[:, None], times.size), (table[part] for part in self.parts)
+        powers = self.kernel.powers.map(times.size)(times, *columns, p).full()
         return cumulative_simpson(powers, x=times, axis=1, initial=0.0)
 
     def status(self, s: Trajectory, table: np.ndarray) -> Status:

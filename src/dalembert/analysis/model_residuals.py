@@ -124,8 +124,8 @@ class ModelResiduals:
         residuals, terms = self._motion
         size = terms + self.model.scales.efforts[:, None]
         row, share, value, time = self._worst(residuals, size)
-        unit = "N" if self.model.guesses.units[row] == "m" else "N m"
-        name = self.model.guesses.names[row]
+        unit = "N" if self.model.guesses.speed_units[row] == "m" else "N m"
+        name = self.model.guesses.speed_names[row]
         text = f"the equation of motion of {name} is open by {value:.3g} {unit} at t = {time:.9g} s"
         return Gap(share, text)
 

@@ -40,7 +40,7 @@ class SingularPosition:
         """Constraints that have a part in it."""
         e, rows = self.model.equations, self.model.closure.rows
         jacobian = ca.Function("C", [e.t, e.y, e.p], [e.jacobian])(self.time, self.y, self.p)
-        alike = jacobian.full() * e.scales.coordinates / e.scales.rows[:, None]
+        alike = jacobian.full() * e.scales.displacements / e.scales.rows[:, None]
         if not alike.size or not np.all(np.isfinite(alike)):
             return []
         part = np.abs(np.linalg.svd(alike)[0][:, -1])
@@ -88,7 +88,7 @@ def near_singular_position(
     if not e.constraint_count or not steps.count or not np.all(np.isfinite(steps.x[:, 0])):
         return None
     sizes = e.scales
-    alike = ca.mtimes([ca.diag(1 / sizes.rows), e.jacobian, ca.diag(sizes.coordinates)])
+    alike = ca.mtimes([ca.diag(1 / sizes.rows), e.jacobian, ca.diag(sizes.displacements)])
     function = ca.Function(
         "constraints",
         [e.t, e.y, e.v, e.p],

@@ -8,10 +8,10 @@ import casadi as ca
 import numpy as np
 
 from dalembert.model.model import Model
+from dalembert.model.position import position_stages
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.factor import QrFactor
-from dalembert.symbolic.implicit import ImplicitFunction, Stage
+from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.newton import ROUNDING, Equations, NewtonSettings, Residual, solve
 from dalembert.symbolic.once import once
 
@@ -39,7 +39,7 @@ class StaticsKernel:
             [
                 at_rest,
                 e.jacobian,
-                -ca.mtimes(ca.jacobian(forces, e.y), e.lift),
+                -e.by_displacement(forces),
                 e.constraints,
             ],
             {"cse": True},
@@ -54,10 +54,10 @@ class StaticsKernel:
         residual = ca.vertcat(self.balance, e.constraints)
         sizes = e.scales
         rows = np.concatenate([sizes.efforts, sizes.rows])
-        columns = np.concatenate([sizes.coordinates, sizes.multipliers])
-        factor = QrFactor(ca.jacobian(residual, unknown), rows, columns)
-        stage = Stage(unknown, residual, near, factor.solve, factor.solve_transposed)
-        return ImplicitFunction("equilibrium", [e.t, near, e.p], [stage], [unknown])
+        stages = position_stages(
+            e, near, residual, rows, beside=e.multiplier, beside_sizes=sizes.multipliers
+        )
+        return ImplicitFunction("equilibrium", [e.t, near, e.p], stages, [unknown])
 
     @once
     def measured(self, measure: Expression) -> ImplicitFunction:
@@ -119,7 +119,7 @@ class StaticBalance(Equations[np.ndarray]):
         self.kernel, self.time, self.p = kernel, time, p
         e = kernel.model.equations
         self.idle, self.sizes = np.zeros(e.constraint_count), e.scales
-        self.longest = LONGEST * self.sizes.coordinates
+        self.longest = LONGEST * self.sizes.displacements
 
     def evaluate(self, y: np.ndarray, multiplier: np.ndarray):
         """Applied force, ``C``, stiffness and ``Φ``."""
@@ -128,7 +128,7 @@ class StaticBalance(Equations[np.ndarray]):
 
     def residual(self, x: np.ndarray) -> Forces:
         force, c, _, _ = self.evaluate(x, self.idle)
-        unit, row = self.sizes.coordinates, self.sizes.rows
+        unit, row = self.sizes.displacements, self.sizes.rows
         force, c = force * unit, c * unit / row[:, None]
         if not (np.all(np.isfinite(force)) and np.all(np.isfinite(c))):
             c, force = np.zeros_like(c), np.full_like(force, np.nan)
@@ -141,7 +141,7 @@ class StaticBalance(Equations[np.ndarray]):
         return Forces(
             free.T @ (force / unit),
             scale,
-            ROUNDING * max(scale, stiff * np.abs(x / unit).max(initial=0.0)),
+            ROUNDING * max(scale, stiff * np.abs(x / self.sizes.coordinates).max(initial=0.0)),
             y=x,
             force=force / unit,
             multiplier=multiplier,
@@ -165,12 +165,13 @@ class StaticBalance(Equations[np.ndarray]):
         Residuals alone would not do: a step along a soft direction bends a stiff one by a little.
         """
         assert isinstance(here, Forces) and isinstance(there, Forces)
-        falls = (here.force + there.force) @ (there.y - here.y) > 0
+        way = self.kernel.model.equations.manifold.lead(here.y, there.y)
+        falls = (here.force + there.force) @ way > 0
         return bool(falls or (here.stable and super().nearer(here, there, zero)))
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         """The assembled position near ``x + step``, not a number where there is none."""
-        moved = self.onto_constraints(x + step)
+        moved = self.onto_constraints(self.kernel.model.equations.manifold.go(x, step))
         return np.full_like(x, np.nan) if moved is None else moved
 
     def onto_constraints(self, y: np.ndarray) -> np.ndarray | None:
@@ -192,13 +193,16 @@ class _Nearest(Equations[np.ndarray]):
     def __init__(self, balance: StaticBalance):
         self.balance = balance
 
+    def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
+        return self.balance.kernel.model.equations.manifold.go(x, step)
+
     def residual(self, x: np.ndarray) -> Openness:
         _, c, _, phi = self.balance.evaluate(x, self.balance.idle)
         return Openness(phi, self.balance.sizes.rows, jacobian=c)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
         assert isinstance(residual, Openness)
-        unit, row = self.balance.sizes.coordinates, self.balance.sizes.rows
+        unit, row = self.balance.sizes.displacements, self.balance.sizes.rows
         alike = residual.jacobian * unit / row[:, None]
         return -unit * np.linalg.lstsq(alike, residual.value / row, rcond=None)[0]
 

@@ -68,10 +68,18 @@ def option(description: str, *, default: Any = dataclasses.MISSING) -> Any:
 class Coordinates:
     """A group of coordinates with their speeds: a body, or the parameter of a curve.
 
+    They are a manifold: ``pose`` has as many entries as are needed to say where something is,
+    ``twist`` as many as it has ways to move, ``ẏ_i = A_i(y_i) v_i``. A displacement δ is a short
+    motion and counted like a speed; positions are never added, they are reached by ``retract``.
+
     Attributes
     ----------
-    pose, twist, acceleration : SX symbol columns ``y_i, v_i, v̇_i``
-    pose_rate : SX, ``ẏ_i = A_i v_i``
+    pose : SX symbol column ``y_i``
+    twist, acceleration_symbols : SX symbol columns ``v_i``, ``v̇_i``
+    pose_rate : SX, ``A_i v_i``
+    rest : the pose in the origin
+    coordinate_names, coordinate_units : of the entries of the pose
+    speed_names, speed_units : of the entries of the twist; units are those of displacements
     """
 
     name: str
@@ -79,26 +87,53 @@ class Coordinates:
     twist: ca.SX
     acceleration_symbols: ca.SX
     pose_rate: ca.SX
+    rest: tuple[float, ...]
     interval: tuple[float, float] = (-math.inf, math.inf)
     coordinate_names: tuple[str, ...]
     coordinate_units: tuple[str, ...]
+    speed_names: tuple[str, ...]
+    speed_units: tuple[str, ...]
 
     def make_symbols(self, names: tuple[str, ...], units: tuple[str, ...]) -> None:
+        """Coordinates whose rates are the speeds."""
         self.coordinate_names, self.coordinate_units = names, units
+        self.speed_names, self.speed_units = names, units
+        self.rest = (0.0,) * len(names)
         self.pose = stack(ca.SX.sym(f"{self.name}.{n}") for n in names)
-        self.twist = stack(ca.SX.sym(f"{self.name}.d{n}") for n in names)
-        self.acceleration_symbols = stack(ca.SX.sym(f"{self.name}.dd{n}") for n in names)
+        self._make_speeds()
         self.pose_rate = self.twist
 
-    def mass_matrix(self) -> ca.SX:
-        """Mass matrix by speeds; zero where the coordinates carry no mass."""
+    def _make_speeds(self) -> None:
+        self.twist = stack(ca.SX.sym(f"{self.name}.d{n}") for n in self.speed_names)
+        self.acceleration_symbols = stack(
+            ca.SX.sym(f"{self.name}.dd{n}") for n in self.speed_names
+        )
+
+    @property
+    def flat(self) -> bool:
+        """Speeds are the rates of the coordinates, and displacements are added to them."""
+        return True
+
+    def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
+        """The pose reached by a displacement: ``y + A(y) δ`` in first order, and on the manifold."""
+        return pose + displacement
+
+    def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
+        """The displacement from one pose to another, the inverse of ``retract``."""
+        return other - pose
+
+    def inertia_by_speeds(self) -> tuple[ca.SX, ca.SX]:
+        """``M_i`` and ``d_i`` by speeds, ``M v̇ + d``; zero where the coordinates carry no mass."""
         n = self.twist.numel()
-        return ca.SX(n, n)
+        return ca.SX(n, n), ca.SX(n, 1)
 
     def guesses(self) -> tuple[list, list]:
         """Initial values of pose and twist, None where nothing was given."""
-        n = self.pose.numel()
-        return [None] * n, [None] * n
+        return [None] * self.pose.numel(), [None] * self.twist.numel()
+
+    def guessed(self) -> list[bool]:
+        """By entry of the twist, whether the place along it was given."""
+        return [value is not None for value in self.guesses()[0]]
 
 
 def rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
@@ -202,6 +237,9 @@ class Constraint(Element):
 @dataclass(eq=False)
 class ForceElement(Element):
     """Applied force, stated through virtual work."""
+
+    conservative = False
+    """All its work is its potential's, exactly."""
 
     def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
         """Pairs (coordinate ``s``, generalised force ``Q``) with virtual work ``Q δs``."""

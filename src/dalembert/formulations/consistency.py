@@ -14,8 +14,12 @@ def with_consistent_speeds(
 ) -> ImplicitFunction | None:
     """``(t, x, p) → x``: the formulation's consistent speeds, then the correction with them.
 
-    Where all speeds are states it is the correction itself.
+    Where all speeds are states it is the correction itself. Positions that integration takes off
+    their manifold are brought back.
     """
+    if correction is None and not e.manifold.flat:
+        settled = ca.vertcat(e.manifold.settled(e.y), state_symbols(e)[e.coordinate_count :])
+        correction = ImplicitFunction("settled", [e.t, state_symbols(e), e.p], [], [settled])
     speeds = formulation.consistent_speeds(e)
     if speeds is None:
         return correction

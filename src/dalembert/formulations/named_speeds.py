@@ -14,7 +14,7 @@ from dalembert.model.equations import Equations
 
 def _names(e: Equations) -> list[str]:
     """Names of the coordinates, where each has its speed, or else of the speeds."""
-    symbols = e.y if e.coordinate_count == e.speed_count else e.v
+    symbols = e.y if e.manifold.flat else e.v
     return [symbol.name() for symbol in ca.vertsplit(symbols)]
 
 

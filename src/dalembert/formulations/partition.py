@@ -22,7 +22,7 @@ BEST = 1.01
 def speed_weights(e: Equations) -> ca.SX:
     """``√m_kk`` (n,)."""
     mass, missing, natural = ca.densify(ca.diag(e.mass)), list(e.massless), e.scales
-    mass[missing] = MASSLESS * natural.mass * (natural.length / natural.coordinates[missing]) ** 2
+    mass[missing] = MASSLESS * natural.mass * (natural.length / natural.displacements[missing]) ** 2
     return ca.sqrt(mass)
 
 

@@ -107,7 +107,7 @@ class Baumgarte(Stabilization):
 class Projection(Stabilization):
     """Mass-orthogonal projection of positions, then of speeds (5.21).
 
-    ``M δ + C(ỹ)ᵀ μ = 0``, ``Φ(ỹ + A δ) = 0`` by a few iterations with one factorisation at the
+    ``M δ + C(ỹ)ᵀ μ = 0``, ``Φ(ỹ ⊕ δ) = 0`` by a few iterations with one factorisation at the
     incoming position, then ``M (v − ṽ) + Cᵀ σ = 0``, ``Ψ(y, v) = 0`` in one solve.
 
     Parameters
@@ -173,17 +173,19 @@ class Projection(Stabilization):
     def tangential(self, e: Equations, formulation: Formulation) -> ca.Function | None:
         """Errors along the constraints: ``M e + Cᵀ μ = M ẽ``, ``C e = 0`` for both levels."""
         m = e.constraint_count
-        if m == 0 or e.coordinate_count != e.speed_count:
+        if m == 0:
             return None
-        n = e.speed_count
+        n, k = e.coordinate_count, e.speed_count
         error = ca.SX.sym("error", state_symbols(e).numel())
         solver = formulation.saddle_at(e, e.inertia, e.jacobian).corrector
 
         def along(part: ca.SX) -> ca.SX:
             return solver.solve(e.inertia.times(part), ca.SX.zeros(m))[0]
 
-        kept = ca.vertcat(along(error[:n]), along(error[n : 2 * n]), error[2 * n :])
-        return ca.Function("tangential", [e.t, state_symbols(e), e.p, error], [kept])
+        moved = along(ca.mtimes(e.manifold.reading, error[:n]))
+        kept = ca.mtimes(e.lift, moved), along(error[n : n + k]), error[n + k :]
+        inputs = [e.t, state_symbols(e), e.p, error]
+        return ca.Function("tangential", inputs, [ca.densify(ca.vertcat(*kept))])
 
     def _position_stage(self, e: Equations, formulation: Formulation) -> tuple[Stage, ca.SX]:
         """Stage for ``(δ, μ)`` and the corrected position as an expression of ``δ``."""
@@ -191,7 +193,7 @@ class Projection(Stabilization):
         delta, mu = ca.SX.sym("delta", n), ca.SX.sym("mu", m)
         raw = formulation.saddle_at(e, e.inertia, e.jacobian)
         solver = raw.corrector
-        moved = e.y + ca.mtimes(e.lift, delta)
+        moved = e.manifold.retract(e.y, delta)
         violation = ca.substitute(e.constraints, e.y, moved)
         residual = ca.vertcat(e.inertia.times(delta) + ca.mtimes(e.jacobian.T, mu), violation)
         value_delta, value_mu = ca.SX.zeros(n), ca.SX.zeros(m)

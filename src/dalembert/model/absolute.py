@@ -6,17 +6,18 @@ import casadi as ca
 
 from dalembert.elements.base import rate_of
 from dalembert.elements.planar.body import Ground
-from dalembert.elements.planar.loads import Gravity
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import BlockInertia
+from dalembert.model.manifold import Manifold
 from dalembert.symbolic.expression import stack, t
 
 
 def at_ground(ground: Ground, expression: ca.SX) -> ca.SX:
     """The expression with the ground at rest in the origin."""
-    symbols = ca.vertcat(ground.pose, ground.twist, ground.acceleration_symbols)
-    return ca.substitute(expression, symbols, ca.SX.zeros(symbols.numel()))
+    still = ca.vertcat(ground.twist, ground.acceleration_symbols)
+    values = ca.vertcat(ca.SX(list(ground.rest)), ca.SX.zeros(still.numel()))
+    return ca.substitute(expression, ca.vertcat(ground.pose, still), values)
 
 
 def absolute_equations(d: Description) -> Equations:
@@ -49,7 +50,7 @@ def absolute_equations(d: Description) -> Equations:
         stored = element.potential()
         if stored is not None:
             potential += stored
-        if not isinstance(element, Gravity):  # whose work is its potential's, exactly
+        if not element.conservative:
             for s, q in works:  # ends that formulas of time move are given power from outside
                 released += q * (rate(s) - ca.jacobian(s, t.sx))
             released += 0 if stored is None else rate(stored)
@@ -58,6 +59,7 @@ def absolute_equations(d: Description) -> Equations:
     rates = rate_of(fixed(stack(coordinates)), groups, t.sx)
     delivered = ca.dot(multiplier, ca.jacobian(constraints, t.sx))  # by drivers: C v = −Φ_t
     applied = fixed(released)
+    masses, gyroscopic = zip(*(c.inertia_by_speeds() for c in groups), strict=True)
     return Equations(
         t=t.sx,
         y=y,
@@ -66,10 +68,11 @@ def absolute_equations(d: Description) -> Equations:
         a=stack(c.acceleration_symbols for c in groups),
         multiplier=multiplier,
         pose_rate=stack(c.pose_rate for c in groups),
-        inertia=BlockInertia(ca.diagcat(*(c.mass_matrix() for c in groups))),
-        bias=ca.SX.zeros(v.numel()),
+        inertia=BlockInertia(ca.diagcat(*masses)),
+        bias=ca.densify(stack(gyroscopic)),
         force=ca.jtimes(rates, v, effort, True) if effort.numel() else ca.SX.zeros(v.numel()),
         constraints=constraints,
         potential=potential,
+        manifold=Manifold.of(groups),
         powers=ca.vertcat(losses, applied + losses + delivered),
     )

@@ -81,54 +81,60 @@ class Assembler:
         self.equation_count = e.constraint_count
         self.start = ca.Function("start", [e.t, e.p], [start])
         residual = ca.vertcat(e.constraints, initial)
-        jacobian = ca.vertcat(e.jacobian, ca.mtimes(ca.jacobian(initial, e.y), e.lift))
+        jacobian = ca.vertcat(e.jacobian, e.by_displacement(initial))
         self.row_count = residual.numel()
-        turns = np.array([unit != "m" for unit in guesses.units], dtype=bool)
-        self.longest = np.where(turns, LARGEST_TURN * scales.coordinates, np.inf)
+        self.longest = np.where(guesses.metres, np.inf, LARGEST_TURN * scales.displacements)
+        self.manifold = e.manifold
         by_row = jacobian.T  # whose columns casadi keeps together
         self.entry_columns, self._ends = (
             np.array(x, dtype=np.int32) for x in (by_row.row(), by_row.colind())
         )
         self.entry_rows = np.repeat(np.arange(self.row_count), np.diff(self._ends))
         entries = stack([ca.vec(by_row.nz[:])])
-        self.position = ca.Function("position", [e.t, e.y, e.p], [residual, entries])
+        far = ca.mtimes(ca.fabs(e.lift).T, ca.fabs(e.y))  # from the origin, by displacements
+        outputs = [residual, entries, ca.densify(far)]
+        self.position = ca.Function("position", [e.t, e.y, e.p], outputs)
 
     def violations(
         self, t: float, y: np.ndarray, p: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Violations with their scale and rounding, and the entries of their Jacobian by rows."""
-        value, entries = (found.full().ravel() for found in self.position(t, y, p))
+        value, entries, far = (found.full().ravel() for found in self.position(t, y, p))
         row, column, size = self.entry_rows, self.entry_columns, np.abs(entries)
         scale, m = self.scales.rows, self.row_count
         if m > scale.size:
-            asked = np.bincount(row, size * self.scales.coordinates[column], m)[scale.size :]
+            asked = np.bincount(row, size * self.scales.displacements[column], m)[scale.size :]
             scale = np.concatenate([scale, np.where(asked > 0, asked, 1.0)])
-        rounding = ROUNDING * np.bincount(row, size * np.abs(y)[column], m)
+        rounding = ROUNDING * np.bincount(row, size * far[column], m)
         return value, scale, rounding, entries
+
+    def moved(self, y: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """The position that a displacement leads to."""
+        return self.manifold.go(y, step)
 
     def closeness(self, t: float, y: np.ndarray, p: np.ndarray) -> Closeness:
         """Violations at a position, of the constraints first, then of initial conditions."""
         value, scale, rounding, entries = self.violations(t, y, p)
-        shape = self.row_count, y.size
+        shape = self.row_count, self.longest.size
         jacobian = sparse.csr_array((entries, self.entry_columns, self._ends), shape)
         return Closeness(value, scale, rounding, jacobian=jacobian)
 
     def scaled_jacobian(self, t: float, y: np.ndarray, p: np.ndarray) -> sparse.csr_array:
-        """Jacobian of all equations by coordinates in natural units."""
+        """Jacobian of all equations by displacements in natural units."""
         jacobian = self.closeness(t, y, p).jacobian
-        return scaled(jacobian, np.ones(jacobian.shape[0]), self.scales.coordinates)
+        return scaled(jacobian, np.ones(jacobian.shape[0]), self.scales.displacements)
 
     def project(self, t: float, p: np.ndarray, attempts: int = 12) -> newton.Solution[np.ndarray]:
         """Nearest assembled configuration to the guesses, from several starts if need be."""
         guess, missing = self.start(t, p).full().ravel(), self.guesses.missing
-        metres = np.array([unit == "m" for unit in self.guesses.units], dtype=bool)
         rng = np.random.default_rng(0)
         found: list[newton.Solution[np.ndarray]] = []
         for attempt in range(attempts):
             start = guess.copy()
             if attempt:
-                spread = np.where(missing, np.where(metres, 0.5, np.pi / 2), 0.02 * attempt)
-                start += self.scales.coordinates * spread * rng.uniform(-1, 1, start.size)
+                far = np.where(self.guesses.metres, 0.5, np.pi / 2)
+                spread = np.where(missing, far, 0.02 * attempt) * rng.uniform(-1, 1, missing.size)
+                start = self.moved(start, self.scales.displacements * spread)
             found.append(self.close(t, self._search(t, start, p), p))
             if found[-1].accepted:
                 return found[-1]
@@ -167,9 +173,12 @@ class _Nearest(newton.Equations[np.ndarray]):
     def __init__(self, assembler: Assembler, t: float, p: np.ndarray, rows: list[int] | None):
         self.assembler, self.t, self.p, self.rows = assembler, t, p, rows
         given = np.where(assembler.guesses.missing, MISSING_WEIGHT, 1.0)
-        self.weight = given / assembler.scales.coordinates
+        self.weight = given / assembler.scales.displacements
         self.damping = 5e-3
         self.violations: list[float] = []
+
+    def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
+        return self.assembler.moved(x, step)
 
     def residual(self, x: np.ndarray) -> Closeness:
         found = self.assembler.closeness(self.t, x, self.p)

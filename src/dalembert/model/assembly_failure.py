@@ -118,14 +118,16 @@ class _Failure:
 
     def closest(self, loose: list[int]) -> np.ndarray:
         """The position of least violation of some equations among those that meet all others."""
-        assembler, scale = self.assembler, self.assembler.scales.coordinates
+        assembler, scale = self.assembler, self.assembler.scales.displacements
         sizes = assembler.closeness(self.t, self.y, self.p).scale
         x = ca.SX.sym("x", scale.size)
-        residual = assembler.position(self.t, scale * x, self.p)[0] / sizes
+        there = assembler.manifold.retract(ca.SX(self.y), scale * x)
+        residual = assembler.position(self.t, there, self.p)[0] / sizes
         others = sorted(set(range(sizes.size)) - set(loose))
         problem = {"x": x, "f": ca.sumsqr(residual[loose]), "g": residual[others]}
         solver = ca.nlpsol("closest", "ipopt", problem, QUIET)
-        return scale * solver(x0=self.y / scale, lbg=0, ubg=0)["x"].full().ravel()
+        step = scale * solver(x0=0, lbg=0, ubg=0)["x"].full().ravel()
+        return assembler.moved(self.y, step)
 
     def suspects(self, violation: dict[str, float], worst: str, loop: tuple[str, ...]) -> list[str]:
         """Open demands: what asks for a length or an angle first, then a joint."""

@@ -21,7 +21,7 @@ from dalembert.model.equations import Equations
 from dalembert.model.guesses import Guesses
 from dalembert.model.independence import free_columns, rows_of
 from dalembert.model.placement import placed_guesses
-from dalembert.model.recipe import INCONSISTENT, Held, Pinned, Recipe
+from dalembert.model.recipe import INCONSISTENT, HeldPlaces, HeldSpeeds, Pinned, Recipe
 from dalembert.model.regularity import (
     Definedness,
     Owners,
@@ -105,7 +105,7 @@ class Closure:
         for constraint in self.description.constraints:
             for part in constraint.own_coordinates():
                 if part.guesses()[0][0] is None:
-                    index = self.guesses.owners.index(part.name)
+                    index = self.guesses.pose_owners.index(part.name)
                     rows = [k for k, (c, _) in enumerate(self.owners) if c is constraint]
                     found.append((index, rows, part.interval))
         return found
@@ -139,7 +139,7 @@ class Closure:
         found = self._assembler.project(0.0, self.nominal)
         if not found.accepted:  # too many drivers is the better explanation, if it is one
             drivers = [k for k, (c, _) in enumerate(self.owners) if isinstance(c, Driver)]
-            freedom = self.all_equations.coordinate_count - (len(self.owners) - len(drivers))
+            freedom = self.all_equations.speed_count - (len(self.owners) - len(drivers))
             if 1 <= freedom < len(drivers):
                 others = sorted(set(range(len(self.owners))) - {drivers[-1]})
                 refuse_over_driving(self.owners, others)
@@ -155,12 +155,13 @@ class Closure:
         jacobian = self._assembler.scaled_jacobian(0.0, y, p)
         conditions = range(len(self.owners), jacobian.shape[0])
         while True:
-            given = [None if k in lost else g for k, g in enumerate(self.guesses.pose)]
+            given = [g and k not in lost for k, g in enumerate(self.guesses.given)]
             priority = self.guesses.priority(given)
             chosen = free_columns(jacobian[[*self.rows, *conditions]], priority)
-            self.recipe = replace(self.recipe, positions=Held.of(chosen, given, y))
+            held = HeldPlaces(tuple(chosen), tuple(given[k] for k in chosen), y)
+            self.recipe = replace(self.recipe, positions=held)
             self._pinned = Pinned(self._assembler, self.recipe)
-            wanted = [k for k in chosen if given[k] is not None]
+            wanted = [k for k in chosen if given[k]]
             found, reached = self._approach(p, y, p, 0.0)
             if reached == 1.0:
                 return found
@@ -173,14 +174,15 @@ class Closure:
         p, y = self._anchor
         given, n = self.guesses.twist, self.all_equations.speed_count
         jacobian = self.recipe.scaled_speed_jacobian(0.0, y, p)
-        chosen = free_columns(jacobian, self.guesses.priority(given))
-        self.recipe = replace(self.recipe, speeds=Held.of(chosen, given, np.zeros(n)))
+        known = [speed is not None for speed in given]
+        chosen = free_columns(jacobian, self.guesses.priority(known))
+        self.recipe = replace(self.recipe, speeds=HeldSpeeds.of(chosen, given, np.zeros(n)))
         v, guess = self.recipe.speeds_at(0.0, y, p), self.guesses.values(p)[1]
         allowed = INCONSISTENT * (self.scales.speeds + np.abs(guess))
         miss = {
-            self.guesses.names[k]: float(v[k] - guess[k])
+            self.guesses.speed_names[k]: float(v[k] - guess[k])
             for k in range(n)
-            if given[k] is not None and abs(v[k] - guess[k]) > allowed[k]
+            if known[k] and abs(v[k] - guess[k]) > allowed[k]
         }
         if not miss:
             return
@@ -192,7 +194,7 @@ class Closure:
                 abs(value),
             )
         # remember where the missing speeds went: the projection starts from there
-        everything = Held.of(list(range(n)), given, v)
+        everything = HeldSpeeds.of(list(range(n)), given, v)
         self.recipe = replace(self.recipe, speeds=everything, projected=True)
 
     def assemble(self, p: np.ndarray, time: float = 0.0) -> AssembledState:
@@ -209,18 +211,19 @@ class Closure:
         residual = np.abs(self._pinned.at(time, p).residual(y).value).max(initial=0.0)
         guess_y, guess_v = self.guesses.values(p)
         projected = self.recipe.projected
+        known = [speed is not None for speed in self.guesses.twist]
         return AssembledState(
             y,
             v,
             float(residual),
-            self._changes(self.guesses.pose, y - guess_y),
-            self._changes(self.guesses.twist, v - guess_v) if projected else {},
+            self._changes(self.guesses.given, self.all_equations.manifold.lead(guess_y, y)),
+            self._changes(known, v - guess_v) if projected else {},
             projected,
         )
 
-    def _changes(self, given: list, change: np.ndarray) -> dict[str, float]:
-        names = enumerate(self.guesses.names)
-        return {name: float(change[k]) for k, name in names if given[k] is not None}
+    def _changes(self, given: list[bool], change: np.ndarray) -> dict[str, float]:
+        names = zip(self.guesses.speed_names, given, change, strict=True)
+        return {name: float(value) for name, known, value in names if known}
 
     @property
     def initial_state(self) -> ImplicitFunction:

@@ -117,8 +117,8 @@ def diagnose(d: Description, closure: Closure, mass: sparse.csc_array) -> Diagno
     is_driver = np.array([isinstance(c, Driver) for c, _ in closure.owners], dtype=bool)
     kept = np.zeros(len(closure.owners), dtype=bool)
     kept[closure.rows] = True
-    n = closure.all_equations.coordinate_count
-    own = sum(c.pose.numel() for k in d.constraints for c in k.own_coordinates())
+    n = closure.all_equations.speed_count
+    own = sum(c.twist.numel() for k in d.constraints for c in k.own_coordinates())
     joint_rows = int(np.sum(~is_driver))
     independent_joint_rows = int(np.sum(kept & ~is_driver))
     redundancies = tuple(_redundancy(closure, k) for k in range(len(closure.owners)) if not kept[k])
@@ -141,7 +141,7 @@ def diagnose(d: Description, closure: Closure, mass: sparse.csc_array) -> Diagno
         corrections=closure.start.corrections,
         moved=tuple(
             name
-            for name, size in zip(closure.guesses.names, closure.scales.coordinates, strict=True)
+            for name, size in zip(closure.guesses.speed_names, closure.scales.displacements, strict=True)
             if abs(closure.start.corrections.get(name, 0.0)) > MOVED * size
         ),
         velocity_corrections=closure.start.velocity_corrections,
@@ -161,7 +161,7 @@ def _redundancy(closure: Closure, row: int) -> Redundancy:
 
 def _massless(closure: Closure, mass: sparse.csc_array) -> tuple[str, ...]:
     """Bodies that take part in a free motion without kinetic energy, ``C δ = M δ = 0``."""
-    scale = sparse.diags_array(closure.scales.coordinates)
+    scale = sparse.diags_array(closure.scales.displacements)
     weighed = sparse.csr_array(scale @ mass @ scale)
     largest = abs(weighed).max(axis=1).toarray().ravel()
     heavy = np.flatnonzero(largest > NO_MASS * largest.max(initial=0.0))

@@ -16,6 +16,7 @@ import numpy as np
 from scipy import sparse
 
 from dalembert.model.inertia import Inertia
+from dalembert.model.manifold import Manifold
 from dalembert.model.scales import Scales
 from dalembert.symbolic.switches import Switches, hold
 
@@ -37,6 +38,7 @@ class Equations:
     massless : speeds whose mass is zero at the nominal parameters
     dropped : SX symbols of multipliers of equations left out as redundant
     scales : natural sizes of coordinates, rows and the rest; units where nothing is known
+    manifold : of the positions; that of coordinates whose rates are the speeds where not given
     switches : of forces and constraints, held on sides that belong to the state; none where
         formulas follow the branches they choose
     """
@@ -58,11 +60,14 @@ class Equations:
     dropped: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
     scales: Scales = field(default=None)  # type: ignore[assignment]
     switches: Switches = field(default_factory=Switches)
+    manifold: Manifold = field(default=None)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         if self.scales is None:
-            known = Scales.units(self.coordinate_count, self.constraint_count)
+            known = Scales.units(self.coordinate_count, self.speed_count, self.constraint_count)
             object.__setattr__(self, "scales", known)
+        if self.manifold is None:
+            object.__setattr__(self, "manifold", Manifold.plain(self.y))
 
     def held(self) -> Equations:
         """The same system with every switch held on its side."""
@@ -102,17 +107,17 @@ class Equations:
         """``M`` as a matrix."""
         return self.inertia.matrix
 
-    def mass_at(self, p: np.ndarray) -> sparse.csc_array:
-        """``M`` for parameter values ``p``, with all coordinates at zero."""
+    def mass_at(self, y: np.ndarray, p: np.ndarray) -> sparse.csc_array:
+        """``M`` at a position for parameter values ``p``."""
         function = ca.Function("mass", [self.y, self.p], [self.mass])
-        return sparse.csc_array(function(np.zeros(self.coordinate_count), p).sparse())
+        return sparse.csc_array(function(y, p).sparse())
 
     @property
     def metric(self) -> ca.SX:
         """``M`` with a natural mass for speeds that have none, so that it can be inverted."""
         units = ca.SX(self.speed_count, 1)
         for k in self.massless:
-            units[k] = self.scales.mass * (self.scales.length / self.scales.coordinates[k]) ** 2
+            units[k] = self.scales.mass * (self.scales.length / self.scales.displacements[k]) ** 2
         return self.mass + ca.diag(units)
 
     @cached_property
@@ -140,7 +145,11 @@ class Equations:
     @cached_property
     def jacobian(self) -> ca.SX:
         """``C = (∂Φ/∂y) A`` (4.13)."""
-        return ca.sparsify(ca.mtimes(ca.jacobian(self.constraints, self.y), self.lift))
+        return self.by_displacement(self.constraints)
+
+    def by_displacement(self, expression: ca.SX) -> ca.SX:
+        """Derivative ``(∂·/∂y) A`` of an expression of positions by displacements."""
+        return ca.sparsify(ca.mtimes(ca.jacobian(expression, self.y), self.lift))
 
     def rate(self, expression: ca.SX) -> ca.SX:
         """Total time derivative of a position-level expression."""

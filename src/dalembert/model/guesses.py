@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -13,49 +14,75 @@ from dalembert.symbolic.expression import stack
 
 @dataclass
 class Guesses:
-    """Initial values by coordinate: formulas where given, None where missing."""
+    """Initial values, formulas where given and None where missing, with names and units.
 
-    pose: list
-    twist: list
-    names: list[str]
-    units: list[str]
-    owners: list[str]
+    Attributes
+    ----------
+    pose, names, units : by coordinate
+    twist, speed_names, speed_units, owners : by speed, so by displacement; units of displacements
+    given : by displacement, whether the place along it was given
+    pose_owners : by coordinate
+    """
+
+    pose: list = field(default_factory=list)
+    twist: list = field(default_factory=list)
+    given: list[bool] = field(default_factory=list)
+    names: list[str] = field(default_factory=list)
+    units: list[str] = field(default_factory=list)
+    pose_owners: list[str] = field(default_factory=list)
+    speed_names: list[str] = field(default_factory=list)
+    speed_units: list[str] = field(default_factory=list)
+    owners: list[str] = field(default_factory=list)
+    rest: list[float] = field(default_factory=list)
     _values: ca.Function = None  # type: ignore[assignment]
 
     @classmethod
     def collect(cls, d: Description) -> Guesses:
-        made = cls([], [], [], [], [])
+        made = cls()
         for group in d.coordinates:
             pose, twist = group.guesses()
             made.pose += pose
             made.twist += twist
+            made.given += group.guessed()
             made.names += [f"{group.name}.{n}" for n in group.coordinate_names]
             made.units += list(group.coordinate_units)
-            made.owners += [group.name] * len(pose)
+            made.pose_owners += [group.name] * len(pose)
+            made.speed_names += [f"{group.name}.{n}" for n in group.speed_names]
+            made.speed_units += list(group.speed_units)
+            made.owners += [group.name] * len(twist)
+            made.rest += list(group.rest)
         parameters = stack(p.sx for p in d.parameters.values())
-        given = [_filled(made.pose), _filled(made.twist)]
-        made._values = ca.Function("guess", [parameters], given)
+        twists = stack(ca.SX(0) if v is None else v for v in made.twist)
+        made._values = ca.Function("guess", [parameters], [made.place, twists])
         return made
 
+    @cached_property
+    def place(self) -> ca.SX:
+        """(n_y,) poses as formulas of parameters, in the origin where missing."""
+        pairs = zip(self.pose, self.rest, strict=True)
+        return stack(ca.SX(rest) if value is None else value for value, rest in pairs)
+
     def values(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Pose and twist as given for parameter values, zero where missing."""
+        """Pose and twist as given for parameter values; at rest in the origin where missing."""
         pose, twist = self._values(p)
         return pose.full().ravel(), twist.full().ravel()
 
-    def priority(self, given: list) -> list[int]:
-        """Indices in the order in which they are held: given first, angles first."""
+    def priority(self, given: list[bool]) -> list[int]:
+        """Indices of displacements in the order in which they are held: given ones first, turns
+        first."""
         order = {owner: k for k, owner in enumerate(dict.fromkeys(self.owners))}
 
         def key(k: int):
-            return (given[k] is None, order[self.owners[k]], self.units[k] != "rad", k)
+            return (not given[k], order[self.owners[k]], self.speed_units[k] != "rad", k)
 
         return sorted(range(len(given)), key=key)
 
     @property
     def missing(self) -> np.ndarray:
-        """(n,) which coordinates have no guess."""
-        return np.array([g is None for g in self.pose], dtype=bool)
+        """(n,) along which displacements no place is given."""
+        return ~np.array(self.given, dtype=bool)
 
-
-def _filled(values: list) -> ca.SX:
-    return ca.densify(ca.vertcat(ca.SX(0, 1), *(0 if v is None else v for v in values)))
+    @cached_property
+    def metres(self) -> np.ndarray:
+        """(n,) which displacements are lengths."""
+        return np.array([unit == "m" for unit in self.speed_units], dtype=bool)

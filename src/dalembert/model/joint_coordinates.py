@@ -115,6 +115,7 @@ class JointView(CoordinateView):
         parts = [e.bias, e.force, e.constraints[self.loop_rows, :], e.potential, e.powers, e.mass]
         bias, force, constraints, potential, powers, mass = self.moved(parts)
         inertia = TreeInertia(m.basis, [mass[b.rows, b.rows] for b in m.basis.branches])
+        sizes = self._sizes()
         made = Equations(
             t=e.t,
             y=m.q,
@@ -129,7 +130,9 @@ class JointView(CoordinateView):
             constraints=ca.densify(constraints),
             potential=potential,
             powers=powers,
-            scales=replace(e.scales.with_rows(self.loop_rows), coordinates=self._sizes()),
+            scales=replace(
+                e.scales.with_rows(self.loop_rows), coordinates=sizes, displacements=sizes
+            ),
         )
         return replace(made, massless=self._massless(inertia)) if e.massless else made
 
@@ -160,7 +163,7 @@ class JointView(CoordinateView):
         """
         if not self.loop_rows:
             return []
-        sizes, count = e.scales.coordinates, np.arange(1, e.speed_count + 1)
+        sizes, count = e.scales.displacements, np.arange(1, e.speed_count + 1)
         found = [self._at_start(e.jacobian, way * sizes * np.cos(count)) for way in ELSEWHERE]
         natural = [c * sizes / e.scales.rows[:, None] for c in found]
         largest = np.max([np.linalg.norm(c, axis=1) for c in natural], axis=0)

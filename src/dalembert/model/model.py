@@ -55,7 +55,7 @@ class Model(ParametricModel):
         self.nominal = np.array([p.value for p in self.parameters.values()], dtype=float)
         guesses = Guesses.collect(parts)
         equations = absolute_equations(parts)
-        mass = equations.mass_at(self.nominal)
+        mass = equations.mass_at(guesses.values(self.nominal)[0], self.nominal)
         self.all_equations = replace(
             equations,
             scales=scales_of(parts, equations, guesses, self.nominal),
@@ -109,7 +109,7 @@ class Model(ParametricModel):
 
     def mass_matrix(self, p: np.ndarray) -> np.ndarray:
         """``M`` for parameter values ``p``."""
-        return self.all_equations.mass_at(p).toarray()
+        return self.all_equations.mass_at(self.start.y, p).toarray()
 
     # access ------------------------------------------------------------------------
     @once

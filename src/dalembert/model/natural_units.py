@@ -22,14 +22,13 @@ def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndar
     """Scales of a mechanism with parameter values ``p``."""
     at = _AtGuesses(d, equations, guesses, p)
     length = at.length
-    metres = np.array([unit == "m" for unit in guesses.units], dtype=bool)
-    coordinates = np.where(metres, length, 1.0)
-    for k in np.flatnonzero([unit not in ("m", "rad") for unit in guesses.units]):
+    displacements = np.where(guesses.metres, length, 1.0)
+    for k in np.flatnonzero([unit not in ("m", "rad") for unit in guesses.speed_units]):
         per_unit = _largest(at.jacobian[at.in_metres][:, k].data)
-        coordinates[k] = length / per_unit if per_unit else 1.0
-    mass = _largest(at.masses * (coordinates / length) ** 2)
-    force = at.force(coordinates) / length
-    rate = at.rate(coordinates, np.where(at.in_metres, length, 1.0))
+        displacements[k] = length / per_unit if per_unit else 1.0
+    mass = _largest(at.masses * (displacements / length) ** 2)
+    force = at.force(displacements) / length
+    rate = at.rate(displacements, np.where(at.in_metres, length, 1.0))
     if mass and force:
         rate = max(rate, np.sqrt(force / (mass * length)))
     rate = rate or 1.0
@@ -39,7 +38,8 @@ def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndar
         mass=mass,
         time=1.0 / rate,
         force=force or mass * length * rate**2,
-        coordinates=coordinates,
+        coordinates=at.reach(displacements),
+        displacements=displacements,
         rows=np.where(at.in_metres, length, 1.0),
     )
 
@@ -53,12 +53,13 @@ class _AtGuesses:
         units = [unit for c in d.constraints for unit in c.units()]
         self.in_metres = np.array([unit == "m" for unit in units], dtype=bool)
         still = ca.jacobian(e.constraints, e.t)
-        stiffness = ca.jacobian(e.force, e.y)
-        outputs = [e.constraints, e.jacobian, still, e.mass, e.force, stiffness]
+        stiffness = e.by_displacement(e.force)
+        outputs = [e.constraints, e.jacobian, still, e.mass, e.force, stiffness, e.lift]
         values = ca.Function("at_guesses", [e.t, e.y, e.v, e.p], outputs)(0.0, self.y, self.v, p)
         self.gaps, self.drift, self.forces = (values[k].full().ravel() for k in (0, 2, 4))
         self.jacobian, self.stiffness = values[1].sparse().tocsr(), values[5].sparse().tocoo()
         self.masses = values[3].sparse().diagonal()
+        self.lift = np.abs(values[6].full())
 
     @cached_property
     def length(self) -> float:
@@ -71,7 +72,7 @@ class _AtGuesses:
 
     def _largest_arm(self) -> float:
         """``|∂Φ/∂φ|`` over the equations in metres of one constraint: an arm, whatever φ."""
-        angles = np.array([unit == "rad" for unit in self.guesses.units], dtype=bool)
+        angles = np.array([unit == "rad" for unit in self.guesses.speed_units], dtype=bool)
         squares = self.jacobian.multiply(self.jacobian).tocsr()[:, angles]
         owner = [k for k, c in enumerate(self.d.constraints) for _ in c.units()]
         by_constraint: dict[tuple[int, int], float] = {}
@@ -93,15 +94,22 @@ class _AtGuesses:
         ]
         return _largest(ca.Function("stated", [self.e.p], [stack(stated)])(self.p).full())
 
-    def force(self, coordinates: np.ndarray) -> float:
-        """Largest work of an applied force along a coordinate of its scale."""
-        k = self.stiffness
-        bent = np.abs(k.data) * coordinates[k.row] * coordinates[k.col]
-        return max(_largest(self.forces * coordinates), _largest(bent))
+    def reach(self, displacements: np.ndarray) -> np.ndarray:
+        """How far displacements of these sizes take each coordinate; at least what they can."""
+        if self.e.manifold.flat:
+            return displacements
+        sizes = np.max(self.lift * displacements, axis=1, initial=0.0)
+        return np.where(np.array(self.guesses.units) == "m", sizes, 1.0)
 
-    def rate(self, coordinates: np.ndarray, rows: np.ndarray) -> float:
-        """Fastest speed given or driven, by the scale of its coordinate."""
-        return max(_largest(self.v / coordinates), _largest(self.drift / rows))
+    def force(self, displacements: np.ndarray) -> float:
+        """Largest work of an applied force along a displacement of its scale."""
+        k = self.stiffness
+        bent = np.abs(k.data) * displacements[k.row] * displacements[k.col]
+        return max(_largest(self.forces * displacements), _largest(bent))
+
+    def rate(self, displacements: np.ndarray, rows: np.ndarray) -> float:
+        """Fastest speed given or driven, by the scale of its displacement."""
+        return max(_largest(self.v / displacements), _largest(self.drift / rows))
 
 
 def _largest(values: np.ndarray) -> float:

@@ -1,6 +1,6 @@
 """The recipe of a start: which equations, and which coordinates and speeds held at their guesses.
 
-In the order of declaration (angles before positions), as many given coordinates as the constraints
+In the order of declaration (turns before positions), as many given coordinates as the constraints
 leave independent are *held* at exactly their given values, so that a crank starts at the angle its
 user wrote; the rest follows. This choice is made once; with it the assembled state is the root of
 a square system and so a differentiable function of the parameters.
@@ -19,6 +19,7 @@ from scipy import sparse
 from dalembert.model.assembly import ROUNDING, Assembler, factorised
 from dalembert.model.equations import Equations
 from dalembert.model.guesses import Guesses
+from dalembert.model.position import position_stages
 from dalembert.model.scales import Scales
 from dalembert.symbolic import newton
 from dalembert.symbolic.expression import stack
@@ -30,27 +31,48 @@ INCONSISTENT = 1e-6
 
 
 @dataclass(frozen=True)
-class Held:
-    """Coordinates or speeds held: at their guess where the constant is None, else at it."""
+class HeldPlaces:
+    """Displacements that are held at nothing: from the guess where one is given, else from where
+    the mechanism was assembled.
+
+    Attributes
+    ----------
+    indices : of the displacements
+    given : of each, whether it is counted from the guess
+    anchor : the assembled position
+    """
+
+    indices: tuple[int, ...] = ()
+    given: tuple[bool, ...] = ()
+    anchor: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def away(self, e: Equations, guess: ca.SX) -> ca.SX:
+        """How far a position is from where it is held, (k,) SX of y and p."""
+        if not self.indices:
+            return ca.SX(0, 1)
+        from_guess = e.manifold.displacement(guess, e.y)
+        from_anchor = e.manifold.displacement(ca.SX(self.anchor), e.y)
+        pairs = zip(self.indices, self.given, strict=True)
+        return stack((from_guess if given else from_anchor)[k] for k, given in pairs)
+
+
+@dataclass(frozen=True)
+class HeldSpeeds:
+    """Speeds held: at their guess where the constant is None, else at it."""
 
     indices: tuple[int, ...] = ()
     constants: tuple[float | None, ...] = ()
 
     @classmethod
-    def of(cls, indices: list[int], given: list, values: np.ndarray) -> Held:
+    def of(cls, indices: list[int], given: list, values: np.ndarray) -> HeldSpeeds:
         """Held at the guess where one is given, else at the value."""
         return cls(
             tuple(indices),
             tuple(None if given[k] is not None else float(values[k]) for k in indices),
         )
 
-    def targets(self, guess: np.ndarray) -> np.ndarray:
-        """What they are held at, by the guesses of all coordinates."""
-        pairs = zip(self.indices, self.constants, strict=True)
-        return np.array([guess[k] if c is None else c for k, c in pairs])
-
     def formulas(self, guess: list) -> list[ca.SX]:
-        """The same as formulas of parameters."""
+        """What they are held at, by the guesses of all speeds."""
         pairs = zip(self.indices, self.constants, strict=True)
         return [guess[k] if c is None else ca.SX(c) for k, c in pairs]
 
@@ -73,14 +95,19 @@ class Recipe:
     rows: list[int]
     position_conditions: ca.SX
     speed_conditions: ca.SX
-    positions: Held = field(default_factory=Held)
-    speeds: Held = field(default_factory=Held)
+    positions: HeldPlaces = field(default_factory=HeldPlaces)
+    speeds: HeldSpeeds = field(default_factory=HeldSpeeds)
     projected: bool = False
 
     @cached_property
     def demanded_speeds(self) -> ca.SX:
         """``Ψ`` of the independent equations and the conditions on speeds."""
         return ca.vertcat(self.equations.velocity_constraints[self.rows], self.speed_conditions)
+
+    @cached_property
+    def pinned(self) -> ca.SX:
+        """What is held of the position, to be zero."""
+        return self.positions.away(self.equations, self.guesses.place)
 
     @cached_property
     def initial_state(self) -> ImplicitFunction:
@@ -90,16 +117,12 @@ class Recipe:
         """
         e = self.equations
         start = ca.SX.sym("y_start", e.coordinate_count)
-        held = zip(self.positions.indices, self.positions.formulas(self.guesses.pose), strict=True)
-        pinned = stack(e.y[k] - target for k, target in held)
-        residual = ca.vertcat(e.constraints[self.rows], self.position_conditions, pinned)
+        residual = ca.vertcat(e.constraints[self.rows], self.position_conditions, self.pinned)
         s = self.scales
         asked = np.full(self.position_conditions.numel(), s.length)
-        rows = np.concatenate(
-            [s.rows[self.rows], asked, s.coordinates[list(self.positions.indices)]]
-        )
-        factor = QrFactor(ca.jacobian(residual, e.y), rows, s.coordinates)
-        position = Stage(e.y, residual, start, factor.solve, factor.solve_transposed)
+        held = s.displacements[list(self.positions.indices)]
+        rows = np.concatenate([s.rows[self.rows], asked, held])
+        position = position_stages(e, start, residual, rows)
         unknown, equations = self._speed_equations()
         speed_factor = QrFactor(ca.jacobian(equations, unknown), *self._speed_sizes())
         at_zero = ca.substitute(equations, unknown, ca.SX.zeros(unknown.numel()))
@@ -111,7 +134,7 @@ class Recipe:
             speed_factor.solve_transposed,
         )
         return ImplicitFunction(
-            "initial_state", [e.t, start, e.p], [position, velocity], [e.y, e.v]
+            "initial_state", [e.t, start, e.p], [*position, velocity], [e.y, e.v]
         )
 
     def _speed_equations(self) -> tuple[ca.SX, ca.SX]:
@@ -211,12 +234,18 @@ class Pinned(newton.Equations[np.ndarray]):
     longest: np.ndarray
     t: float
     p: np.ndarray
-    targets: np.ndarray
 
     def __init__(self, assembler: Assembler, recipe: Recipe):
         self.assembler, self.recipe = assembler, recipe
         self.longest = assembler.longest
-        self.held = np.array(recipe.positions.indices, dtype=int)
+        e, pinned = recipe.equations, recipe.pinned
+        by_row = e.by_displacement(pinned).T
+        entries = stack([ca.vec(by_row.nz[:])])
+        self.held = len(recipe.positions.indices)
+        held_columns, ends = np.array(by_row.row(), dtype=int), np.array(by_row.colind())
+        held_rows = np.repeat(np.arange(self.held), np.diff(ends))
+        far = ca.mtimes(ca.fabs(e.by_displacement(pinned)), ca.mtimes(ca.fabs(e.lift).T, ca.fabs(e.y)))
+        self._held_at = ca.Function("held", [e.y, e.p], [pinned, entries, ca.densify(far)])
         beyond = range(assembler.equation_count, assembler.row_count)
         self.rows = np.array([*recipe.rows, *beyond], dtype=int)
         place = np.full(assembler.row_count, -1)
@@ -226,34 +255,36 @@ class Pinned(newton.Equations[np.ndarray]):
             np.concatenate(
                 [
                     place[assembler.entry_rows[self._kept]],
-                    self.rows.size + np.arange(self.held.size),
+                    self.rows.size + held_rows,
                 ]
             ),
-            np.concatenate([assembler.entry_columns[self._kept], self.held]),
+            np.concatenate([assembler.entry_columns[self._kept], held_columns]),
             assembler.longest.size,
         )
-        self._units = np.ones(self.held.size)
-        self._sizes = assembler.scales.coordinates[self.held]
+        self._sizes = assembler.scales.displacements[list(recipe.positions.indices)]
 
     def at(self, t: float, p: np.ndarray) -> Pinned:
         """The same at an instant, for parameter values."""
         made = copy(self)
         made.t, made.p = t, p
-        made.targets = self.recipe.positions.targets(self.recipe.guesses.values(p)[0])
         return made
+
+    def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
+        return self.assembler.moved(x, step)
 
     def residual(self, x: np.ndarray) -> _Square:
         value, scale, rounding, entries = self.assembler.violations(self.t, x, self.p)
+        away, held, far = (found.full().ravel() for found in self._held_at(x, self.p))
         rows = self.rows
         return _Square(
-            np.concatenate([value[rows], x[self.held] - self.targets]),
+            np.concatenate([value[rows], away]),
             np.concatenate([scale[rows], self._sizes]),
-            np.concatenate([rounding[rows], ROUNDING * np.abs(self.targets)]),
-            entries=np.concatenate([entries[self._kept], self._units]),
+            np.concatenate([rounding[rows], ROUNDING * far]),
+            entries=np.concatenate([entries[self._kept], held]),
         )
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
         assert isinstance(residual, _Square)
-        columns, at = self.assembler.scales.coordinates, self._pattern
+        columns, at = self.assembler.scales.displacements, self._pattern
         scaled = residual.entries / residual.scale[at.rows] * columns[at.columns]
         return -columns * factorised(at.matrix(scaled))(residual.value / residual.scale)

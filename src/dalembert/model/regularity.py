@@ -54,8 +54,8 @@ def refuse_singular(
     motions = columns_of(assembler.scaled_jacobian(0.0, y, p)[joints])
     rng = np.random.default_rng(1)
     for size in NEARBY if motions.free else ():
-        motion = size * assembler.scales.coordinates * motions.any_kernel(rng)
-        found = assembler.close(0.0, y + motion, p, joints)
+        motion = size * assembler.scales.displacements * motions.any_kernel(rng)
+        found = assembler.close(0.0, assembler.moved(y, motion), p, joints)
         if not found.accepted:
             continue
         jacobian = assembler.scaled_jacobian(0.0, found.x, p)[: len(owners)]

@@ -21,7 +21,8 @@ class Scales:
     mass : largest mass, or inertia over L² [kg]
     time : by the fastest given speed, or √(mass · L / force) [s]
     force : largest applied force at the guesses, or stiffness times L [N]
-    coordinates : (n,) L for metres, 1 for radians; for others, what moves a point by L
+    coordinates : (n_y,) L for metres, 1 for radians; for others, what moves a point by L
+    displacements : (n,) the same of displacements
     rows : (m,) of the constraint equations, L for metres and 1 for radians
     """
 
@@ -30,12 +31,13 @@ class Scales:
     time: float
     force: float
     coordinates: np.ndarray
+    displacements: np.ndarray
     rows: np.ndarray
 
     @property
     def speeds(self) -> np.ndarray:
         """(n,) of the speeds."""
-        return self.coordinates / self.time
+        return self.displacements / self.time
 
     @property
     def energy(self) -> float:
@@ -45,7 +47,7 @@ class Scales:
     @property
     def efforts(self) -> np.ndarray:
         """(n,) of generalised forces, so that each does the work ``energy``."""
-        return self.energy / self.coordinates
+        return self.energy / self.displacements
 
     @property
     def multipliers(self) -> np.ndarray:
@@ -57,9 +59,9 @@ class Scales:
         return self.length if unit == "m" else 1.0
 
     @classmethod
-    def units(cls, coordinates: int, rows: int) -> Scales:
+    def units(cls, coordinates: int, speeds: int, rows: int) -> Scales:
         """The units themselves, where nothing is known."""
-        return cls(1.0, 1.0, 1.0, 1.0, np.ones(coordinates), np.ones(rows))
+        return cls(1.0, 1.0, 1.0, 1.0, np.ones(coordinates), np.ones(speeds), np.ones(rows))
 
     def with_rows(self, rows: list[int]) -> Scales:
         """Of some of the constraint equations."""

@@ -21,6 +21,7 @@ import numpy as np
 
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import BlockInertia
+from dalembert.model.manifold import Manifold
 from dalembert.model.scales import Scales
 from dalembert.symbolic.factor import LdlFactor
 
@@ -96,12 +97,22 @@ class Transformation:
             powers=self.seen(e, e.powers),
             massless=_still_massless(e.massless, b),
             scales=self._scales(e),
+            manifold=self._manifold(e),
         )
+
+    def _manifold(self, e: Equations) -> Manifold:
+        """Displacements are those of the new speeds."""
+        if self.y.shape == e.y.shape and ca.is_equal(self.y, e.y):
+            return e.manifold.along(self.basis)
+        return Manifold.plain(self.y)
 
     def _scales(self, e: Equations) -> Scales:
         """Sizes of new coordinates, or of fewer speeds, are not known."""
         same = self.y.shape == e.y.shape and ca.is_equal(self.y, e.y) and self.v.shape == e.v.shape
-        return e.scales if same else replace(e.scales, coordinates=np.ones(self.v.numel()))
+        if same:
+            return e.scales
+        units = np.ones(self.y.numel()), np.ones(self.v.numel())
+        return replace(e.scales, coordinates=units[0], displacements=units[1])
 
 
 def consistent_speeds(mass: ca.SX, basis: ca.SX, speeds: ca.SX) -> ca.SX:

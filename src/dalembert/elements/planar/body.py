@@ -203,8 +203,8 @@ class Body(Element, Coordinates, RigidBody):
             setattr(self, name, Expression(sx, f"{self.name}.{name}", unit))
 
     def measures(self) -> dict[str, tuple[ca.SX, str]]:
-        twist = self.twist
-        kinetic = ca.mtimes([twist.T, self.mass_matrix(), twist]) / 2
+        twist, (mass, _) = self.twist, self.inertia_by_speeds()
+        kinetic = ca.mtimes([twist.T, mass, twist]) / 2
         return {**self._measures, "kinetic_energy": (kinetic, "J")}
 
     def add_point(self, name: str, local: Vector) -> Point:
@@ -230,9 +230,9 @@ class Body(Element, Coordinates, RigidBody):
         """The mass centre."""
         return Point(self, (0.0, 0.0))
 
-    def mass_matrix(self) -> ca.SX:
+    def inertia_by_speeds(self) -> tuple[ca.SX, ca.SX]:
         entries = [self.mass.sx, self.mass.sx] + ([self.inertia.sx] if self.rotates else [])
-        return ca.diag(ca.vertcat(*entries))
+        return ca.diag(ca.vertcat(*entries)), ca.SX(len(entries), 1)
 
     def guesses(self) -> tuple[list, list]:
         position, angle, velocity, angular_velocity = self.initial

@@ -101,6 +101,8 @@ class Moment(ForceElement):
 class Gravity(ForceElement):
     """Uniform field on every body; the system adds it for its ``gravity``."""
 
+    conservative = True
+
     def __init__(self, vector: Expression, bodies: list[Body]):
         self.name = "gravity"
         self.vector, self.bodies = vector, bodies
