@@ -20,8 +20,8 @@ from pathlib import Path
 
 import dalembert
 from dalembert.analysis.events import Event, Events
-from dalembert.elements.attachment import RigidBody
 from dalembert.elements.base import Constraint, Rows
+from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
 from dalembert.elements.laws.base import Law
 from dalembert.elements.planar.springs import ForceLaw
@@ -55,7 +55,7 @@ HOLDS: dict[object, str] = {
     int: "whole number",
     bool: "true or false",
     str: "text",
-    RigidBody: "name of a body",
+    BodyElement: "name of a body",
     Constraint: "name of a joint",
     Rows: "list",
     fields.Laws: "list of laws, numbers or formulas",

@@ -8,17 +8,18 @@ import tomllib
 from dataclasses import dataclass
 
 import pytest
+from dalembert.elements.frame import Frame
 
 from dalembert import planar
-from dalembert.elements.attachment import BodyFrame, BodyPoint
 from dalembert.elements.base import Element, Vector, option, quantity
+from dalembert.elements.point import Point
 from dalembert.elements.registry import SPACES, Space, named
 from dalembert.errors import ModelError
 from dalembert.io import json_schema, load
 from dalembert.io.schema import MECHANISMS, document_of
 
 
-class Place(BodyFrame):
+class Place(Frame):
     def __init__(self, body, local, axis=None):
         self.body, self.local, self.axis = body, local, axis
 
@@ -44,9 +45,9 @@ class Body(planar.Body):
 class Revolute(Element):
     """Stands for a joint in space."""
 
-    frame_i: BodyFrame
-    point_j: BodyPoint
-    plane: BodyFrame = option("a frame of its own", default=None)
+    frame_i: Frame
+    point_j: Point
+    plane: Frame = option("a frame of its own", default=None)
 
 
 @pytest.fixture(autouse=True)

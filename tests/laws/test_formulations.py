@@ -10,7 +10,7 @@ import pytest
 from registry import CASES, FORMULATIONS, Observer, definite, model_of
 from twins import turn
 
-from dalembert.elements.planar.joint import Pair
+from dalembert.elements.pair import Pair
 from dalembert.symbolic.once import once
 
 MOVED = Observer(angle=0.7, shift=(0.4, -1.1), boost=(1.3, 0.6))

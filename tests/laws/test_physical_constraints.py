@@ -16,8 +16,8 @@ from twins import length
 import dalembert as da
 from dalembert import planar
 from dalembert.elements.base import Constraint
+from dalembert.elements.pair import Pair
 from dalembert.elements.planar import GearPair, UserConstraint
-from dalembert.elements.planar.joint import Pair
 
 LIBRARY = [n for n in CONSTRAINED if UserConstraint not in CASES[n].covers]
 

@@ -10,8 +10,8 @@ from newton_euler import Snapshot
 from registry import CASES, CONSTRAINED, model_of
 
 import dalembert as da
+from dalembert.elements.driver import Driver
 from dalembert.elements.planar import UserConstraint
-from dalembert.elements.planar.drivers import Driver
 
 
 @functools.cache

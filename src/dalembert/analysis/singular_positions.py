@@ -7,7 +7,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.planar.drivers import Driver
+from dalembert.elements.driver import Driver
 from dalembert.integrators.steps import Steps
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model

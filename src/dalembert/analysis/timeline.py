@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.budget import STEP, afford, numeral
-from dalembert.elements.planar.drivers import Driver
+from dalembert.elements.driver import Driver
 from dalembert.errors import AnalysisError, BudgetError
 from dalembert.model.model import Model
 

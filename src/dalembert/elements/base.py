@@ -115,7 +115,7 @@ class Coordinates:
         return True
 
     def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
-        """The pose reached by a displacement: ``y + A(y) δ`` in first order, and on the manifold."""
+        """The pose that a displacement leads to: ``y + A(y) δ`` in first order, on the manifold."""
         return pose + displacement
 
     def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:

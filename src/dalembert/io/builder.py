@@ -8,12 +8,14 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from dalembert.elements.attachment import BodyFrame, BodyPoint, RigidBody
 from dalembert.elements.base import Constraint, ForceElement
+from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
+from dalembert.elements.frame import Frame
 from dalembert.elements.laws.base import Law
 from dalembert.elements.planar.springs import ForceLaw
 from dalembert.elements.planar.user_constraint import UserConstraint
+from dalembert.elements.point import Point
 from dalembert.elements.registry import elements_of
 from dalembert.io.fields import (
     FileField,
@@ -143,7 +145,7 @@ class Builder:
             ForceLaw: lambda: self.force_law(given, scope),
             Constraint: lambda: self.references.joint(given),
             **dict.fromkeys(
-                (RigidBody, BodyPoint, BodyFrame), lambda: self.references.end(field.holds, given)
+                (BodyElement, Point, Frame), lambda: self.references.end(field.holds, given)
             ),
         }
         return readers[field.holds]() if field.holds in readers else given

@@ -18,11 +18,13 @@ import numpy as np
 
 from dalembert.analysis.events import Event, Events
 from dalembert.analysis.structural.transient_equation import Rayleigh
-from dalembert.elements.attachment import BodyFrame, BodyPoint, RigidBody
 from dalembert.elements.base import Constraint, Rows, Vector
+from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
+from dalembert.elements.frame import Frame
 from dalembert.elements.laws.base import Law
 from dalembert.elements.planar.springs import ForceLaw
+from dalembert.elements.point import Point
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
@@ -47,7 +49,7 @@ Laws = tuple[Law, ...]
 Interval = tuple[float, float]
 Measured = str | Expression
 CountOrTimes = int | Sequence[float]
-ATTACHED = (RigidBody, BodyPoint, BodyFrame, Node, Nodes)
+ATTACHED = (BodyElement, Point, Frame, Node, Nodes)
 """What ``connect`` lists, where an element has it first of all."""
 KNOWN: dict[Any, Any] = {
     kind: kind

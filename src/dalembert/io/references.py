@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from dalembert.elements.attachment import BodyFrame, RigidBody
+from dalembert.elements.body import BodyElement
+from dalembert.elements.frame import Frame
 from dalembert.errors import ModelError
 from dalembert.io.formulas import Formulas
 from dalembert.io.messages import nearest
@@ -58,9 +59,9 @@ class References:
         body = self.body(owner)
         if not name:
             return body
-        if kind is RigidBody:
+        if kind is BodyElement:
             raise ModelError(f"expected a body, got the point {given!r}; write {owner!r}")
-        places, what = (body.frames, "frame") if kind is BodyFrame else (body.points, "point")
+        places, what = (body.frames, "frame") if kind is Frame else (body.points, "point")
         if name not in places:
             known = [f"{owner}.{p}" for p in places]
             listed = _listed(known) or f"none, name one in its {what}s"
@@ -71,10 +72,10 @@ class References:
 
     def _placed(self, kind: type, given: Any) -> Any:
         """The point, or the frame, that a table describes."""
-        if kind is RigidBody:
+        if kind is BodyElement:
             raise ModelError(f"expected the name of a body, e.g. {given.body!r}; got a point")
         body, at = self.body(given.body), [self.formulas.read(x) for x in given.at]
-        if kind is not BodyFrame:
+        if kind is not Frame:
             return body.point(*at)
         axis = None if given.axis is None else [self.formulas.read(x) for x in given.axis]
         return body.frame(at) if axis is None else body.frame(at, axis=axis)

@@ -11,11 +11,13 @@ from pydantic import BaseModel, BeforeValidator, Field, create_model
 
 from dalembert.analysis.events import Event, Events
 from dalembert.analysis.structural.transient_equation import Rayleigh
-from dalembert.elements.attachment import BodyFrame, BodyPoint, RigidBody
 from dalembert.elements.base import Constraint, Rows
+from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
+from dalembert.elements.frame import Frame
 from dalembert.elements.laws.base import Law, Product, Sum
 from dalembert.elements.planar.springs import ForceLaw
+from dalembert.elements.point import Point
 from dalembert.elements.registry import CURVES, LAWS
 from dalembert.io import fields
 from dalembert.io.choices import Record, one_of, table_or
@@ -109,13 +111,13 @@ def reference(dimension: int) -> Any:
 
 def _connection(ties: list[FileField], dimension: int) -> Any:
     names = ", ".join(f.name for f in ties)
-    placed = any(f.holds in (BodyPoint, BodyFrame) for f in ties)
+    placed = any(f.holds in (Point, Frame) for f in ties)
     return list_of(reference(dimension) if placed else Text, len(ties), names)
 
 
 VALUES: dict[Any, Any] = {
     **dict.fromkeys((Quantity, ForceLaw, Measured), Entry),
-    **dict.fromkeys((str, Event, StructuralResult, RigidBody, Constraint), Text),
+    **dict.fromkeys((str, Event, StructuralResult, BodyElement, Constraint), Text),
     float: Number,
     int: Integer,
     bool: Flag,
@@ -141,7 +143,7 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
     made: dict[Any, Callable[[], Any]] = {
         Quantities: lambda: list_of(Entry, field.size),
         Points: lambda: dict[str, point_type(dimension)],  # type: ignore[misc]
-        **dict.fromkeys((BodyPoint, BodyFrame), lambda: reference(dimension)),
+        **dict.fromkeys((Point, Frame), lambda: reference(dimension)),
         Law: law_type,
         Laws: lambda: list[law_type(*COMBINED[COMBINED.index(field.owner) :])],  # type: ignore[misc]
         Curve: curve_type,

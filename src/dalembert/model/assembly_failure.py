@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Constraint
-from dalembert.elements.planar.joint import PointJoint
+from dalembert.elements.pair import PointJoint
 from dalembert.errors import AssemblyError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly import Assembler

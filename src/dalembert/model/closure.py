@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.planar.drivers import Driver
+from dalembert.elements.driver import Driver
 from dalembert.errors import AssemblyError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly import Assembler

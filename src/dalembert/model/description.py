@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement
-from dalembert.elements.planar.body import Body, Ground
-from dalembert.elements.planar.loads import Gravity
+from dalembert.elements.body import BodyElement
+from dalembert.elements.gravity import Gravity
+from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
 from dalembert.model.measures import element_measures, find_measure
 from dalembert.symbolic.expression import Expression, as_expression, t
@@ -44,8 +45,8 @@ class Description:
         return made
 
     @property
-    def bodies(self) -> list[Body]:
-        return [e for e in self.elements.values() if isinstance(e, Body)]
+    def bodies(self) -> list[BodyElement]:
+        return [e for e in self.elements.values() if isinstance(e, BodyElement)]
 
     @property
     def constraints(self) -> list[Constraint]:
@@ -64,12 +65,12 @@ class Description:
         own = [c for constraint in self.constraints for c in constraint.own_coordinates()]
         return [*self.bodies, *own]
 
-    def body(self, name: str) -> Body:
+    def body(self, name: str) -> BodyElement:
         """The body (or the ground) of this name."""
         if name == "ground":
             return self.ground
         found = self.elements.get(name)
-        if not isinstance(found, Body):
+        if not isinstance(found, BodyElement):
             known = ", ".join(b.name for b in self.bodies) or "none"
             raise ModelError(f"unknown body {name!r} (known: ground, {known})")
         return found

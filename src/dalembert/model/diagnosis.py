@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from scipy import sparse
 
-from dalembert.elements.planar.drivers import Driver
+from dalembert.elements.driver import Driver
 from dalembert.model.closure import Closure
 from dalembert.model.description import Description
 from dalembert.model.independence import columns_of
@@ -139,13 +139,16 @@ def diagnose(d: Description, closure: Closure, mass: sparse.csc_array) -> Diagno
         drivers=tuple(c.name for c in d.constraints if isinstance(c, Driver)),
         forces=tuple(f.name for f in d.forces),
         corrections=closure.start.corrections,
-        moved=tuple(
-            name
-            for name, size in zip(closure.guesses.speed_names, closure.scales.displacements, strict=True)
-            if abs(closure.start.corrections.get(name, 0.0)) > MOVED * size
-        ),
+        moved=_moved(closure),
         velocity_corrections=closure.start.velocity_corrections,
     )
+
+
+def _moved(closure: Closure) -> tuple[str, ...]:
+    """Given places that assembly has changed by more than can be called rounding."""
+    sizes = zip(closure.guesses.speed_names, closure.scales.displacements, strict=True)
+    change = closure.start.corrections
+    return tuple(name for name, size in sizes if abs(change.get(name, 0.0)) > MOVED * size)
 
 
 def _redundancy(closure: Closure, row: int) -> Redundancy:

@@ -85,7 +85,7 @@ class Manifold:
 
     @cached_property
     def reading(self) -> ca.SX:
-        """``∂(other ⊖ y)/∂other`` (n, n_y) at ``other = y``: displacements off small differences."""
+        """``∂(other ⊖ y)/∂other`` (n, n_y) at ``other = y``: a displacement off a difference."""
         if self.flat:
             return ca.SX.eye(self.y.numel())
         return ca.substitute(ca.jacobian(self.apart, self.other), self.other, self.y)

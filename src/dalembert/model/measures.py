@@ -1,7 +1,7 @@
 """Measures: named quantities of a mechanism, and how their names are read.
 
 ``body.quantity``, ``body.point.quantity``, ``joint.quantity``, ``force.quantity`` or a quantity
-of the whole system; a vector's components are ``.x`` and ``.y``.
+of the whole system; a vector's components are ``.x``, ``.y`` and ``.z``.
 """
 
 from __future__ import annotations
@@ -9,9 +9,10 @@ from __future__ import annotations
 import casadi as ca
 
 from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement, rate_of
-from dalembert.elements.planar.body import Body
-from dalembert.elements.planar.drivers import Driver
-from dalembert.elements.planar.joint import Pair
+from dalembert.elements.body import BodyElement
+from dalembert.elements.driver import Driver
+from dalembert.elements.pair import Pair
+from dalembert.elements.point import AXES
 from dalembert.symbolic.expression import Expression, t
 
 Measures = dict[str, tuple[ca.SX, str]]
@@ -27,7 +28,7 @@ def element_measures(element: Element, everything: list[Coordinates]) -> Measure
     def rate(expression: ca.SX) -> ca.SX:
         return rate_of(expression, owners, t.sx)
 
-    if isinstance(element, Body):
+    if isinstance(element, BodyElement):
         own = element.measures()
         for name in element.points:
             own |= _about(element, everything, name)
@@ -57,7 +58,7 @@ def constraint_measures(constraint: Constraint, rate) -> Measures:
 def _about(element: Element, everything: list[Coordinates], quantity: str) -> Measures:
     """Measures of an element among which this one is, if there is one: not all points of a body."""
     name = quantity.partition(".")[0]
-    if isinstance(element, Body) and name in element.points:
+    if isinstance(element, BodyElement) and name in element.points:
         return {f"{name}.{q}": m for q, m in element.points[name].measures().items()}
     return element_measures(element, everything)
 
@@ -75,7 +76,7 @@ def find_measure(
         sx, unit = known[quantity]
         return Expression(sx, name, unit)
     stem, _, component = quantity.rpartition(".")
-    if stem in known and component in ("x", "y") and known[stem][0].numel() == 2:
+    if stem in known and component in AXES[: known[stem][0].numel()] and known[stem][0].numel() > 1:
         sx, unit = known[stem]
-        return Expression(sx["xy".index(component)], name, unit)
+        return Expression(sx[AXES.index(component)], name, unit)
     return None

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Constraint, Element, ForceElement, rate_of
-from dalembert.elements.planar.drivers import Driver
+from dalembert.elements.driver import Driver
 from dalembert.errors import ModelError, SingularityError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly import Assembler

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dalembert.elements.base import Constraint
-from dalembert.elements.planar.body import Body
-from dalembert.elements.planar.drivers import Driver
-from dalembert.elements.planar.joint import Pair
+from dalembert.elements.body import BodyElement
+from dalembert.elements.driver import Driver
+from dalembert.elements.pair import Pair
 from dalembert.model.spanning_tree import Edge, spanning_tree
 
 
@@ -20,7 +20,7 @@ class Topology:
 
 
 def analyse_topology(
-    bodies: list[Body], constraints: list[Constraint], touched: set[str]
+    bodies: list[BodyElement], constraints: list[Constraint], touched: set[str]
 ) -> Topology:
     """Fundamental loops of a breadth-first spanning tree that starts at the ground.
 

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from dalembert.elements.base import ForceElement, rate_of
-from dalembert.elements.planar.drivers import Driver
-from dalembert.elements.planar.joint import Pair
+from dalembert.elements.driver import Driver
+from dalembert.elements.pair import Pair
 from dalembert.model.measures import element_measures
 from dalembert.model.model import Model
 from dalembert.results.recording import Recording

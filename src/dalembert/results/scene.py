@@ -7,14 +7,16 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.planar.body import Bar, Body, Point
-from dalembert.elements.planar.drivers import Driver
+from dalembert.elements.driver import Driver
+from dalembert.elements.pair import Pair, PointJoint
+from dalembert.elements.planar.body import Bar, Body
 from dalembert.elements.planar.gear import GearPair, RackAndPinion
-from dalembert.elements.planar.joint import Pair, PointJoint
 from dalembert.elements.planar.point_on_curve import PointOnCurve
 from dalembert.elements.planar.rigid_link import RigidLink
-from dalembert.elements.planar.springs import Actuator, Bushing, PointPair, Spring
+from dalembert.elements.planar.springs import Bushing
 from dalembert.elements.planar.translational import PinInSlot, SlidingJoint, Translational
+from dalembert.elements.point import Point
+from dalembert.elements.springs import Actuator, PointPair, Spring
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.expression import Expression
 

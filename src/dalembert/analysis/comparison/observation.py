@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import rate_of
-from dalembert.elements.planar.joint import Pair
+from dalembert.elements.pair import Pair
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion

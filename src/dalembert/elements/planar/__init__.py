@@ -1,9 +1,9 @@
 """Planar elements: one file per concept, listed once in ``registry``."""
 
-from dalembert.elements.planar.body import Bar, Body, Ground, Particle, Point
+from dalembert.elements.driver import DistanceDriver
+from dalembert.elements.planar.body import Bar, Body, Ground, Particle
 from dalembert.elements.planar.drivers import (
     CoordinateDriver,
-    DistanceDriver,
     RotationalDriver,
     TranslationalDriver,
 )
@@ -13,10 +13,12 @@ from dalembert.elements.planar.loads import Force, Moment
 from dalembert.elements.planar.point_on_curve import PointOnCurve
 from dalembert.elements.planar.revolute import Revolute
 from dalembert.elements.planar.rigid_link import RigidLink
-from dalembert.elements.planar.springs import Actuator, Bushing, RotationalSpring, Spring
+from dalembert.elements.planar.springs import Bushing, RotationalSpring
 from dalembert.elements.planar.translational import PinInSlot, Translational
 from dalembert.elements.planar.user_constraint import UserConstraint
 from dalembert.elements.planar.weld import Weld
+from dalembert.elements.point import Point
+from dalembert.elements.springs import Actuator, Spring
 
 __all__ = [
     "Actuator",

@@ -6,24 +6,15 @@ speeds are their rates. A point fixed in the body is at ``r_P = r + A(φ) s'`` (
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.attachment import BodyPoint, RigidBody
-from dalembert.elements.base import (
-    Coordinates,
-    Element,
-    Scalar,
-    Vector,
-    quantity,
-    rate_of,
-    second_rate_of,
-)
+from dalembert.elements.base import Scalar, Vector, quantity
+from dalembert.elements.body import BodyElement
+from dalembert.elements.point import Point, components
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression, as_expression, t
+from dalembert.symbolic.expression import Expression, as_expression
 
 
 def rotation(angle: ca.SX) -> ca.SX:
@@ -55,75 +46,8 @@ def unit_vector(vector: ca.SX, entity: str) -> ca.SX:
     return vector / ca.sqrt(vector[0] ** 2 + vector[1] ** 2)
 
 
-GUESSES = ("position", "angle", "velocity", "angular_velocity")
-
-
-class Point(BodyPoint):
-    """A point fixed in a body.
-
-    Parameters
-    ----------
-    body : Body
-    local : (2,) coordinates in the body frame [m]
-    name : str, optional
-    """
-
-    body: Body
-
-    def __init__(self, body: Body, local: Vector, name: str = ""):
-        self.body = body
-        self.name = f"{body.name}.{name}" if name else ""
-        self.local = as_expression(local, self.name or f"point of {body.name}", "m", 2)
-
-    def _named(self, sx: ca.SX, what: str, unit: str) -> Expression:
-        return Expression(sx, f"{self.name}.{what}" if self.name else "", unit)
-
-    @property
-    def arm(self) -> ca.SX:
-        """Vector from the mass centre to the point, inertial axes."""
-        return ca.mtimes(rotation(self.body.pose_angle), self.local.sx)
-
-    @property
-    def position(self) -> Expression:
-        return self._named(self.body.pose_position + self.arm, "position", "m")
-
-    @property
-    def velocity(self) -> Expression:
-        rate = rate_of(self.position.sx, [self.body], t.sx)
-        return self._named(rate, "velocity", "m/s")
-
-    @property
-    def acceleration(self) -> Expression:
-        second = second_rate_of(self.position.sx, [self.body], t.sx)
-        return self._named(second, "acceleration", "m/s^2")
-
-    @property
-    def x(self) -> Expression:
-        return self._named(self.position.sx[0], "x", "m")
-
-    @property
-    def y(self) -> Expression:
-        return self._named(self.position.sx[1], "y", "m")
-
-    def measures(self) -> dict[str, tuple[ca.SX, str]]:
-        position, velocity = self.position.sx, self.velocity.sx
-        acceleration = self.acceleration.sx
-        return {
-            "position": (position, "m"),
-            "velocity": (velocity, "m/s"),
-            "acceleration": (acceleration, "m/s^2"),
-            "x": (position[0], "m"),
-            "y": (position[1], "m"),
-            "vx": (velocity[0], "m/s"),
-            "vy": (velocity[1], "m/s"),
-            "ax": (acceleration[0], "m/s^2"),
-            "ay": (acceleration[1], "m/s^2"),
-            "speed": (ca.sqrt(ca.sumsqr(velocity)), "m/s"),
-        }
-
-
 @dataclass(eq=False)
-class Body(Element, Coordinates, RigidBody):
+class Body(BodyElement):
     """Rigid body in the plane.
 
     Poses and speeds are guesses that assembly corrects; after construction the attributes
@@ -154,10 +78,10 @@ class Body(Element, Coordinates, RigidBody):
     angular_velocity: Scalar = quantity("rad/s", "initial angular velocity", default=None)
     points: dict[str, Vector] = None  # type: ignore[assignment]
 
-    rotates = True
+    initial_fields = ("position", "angle", "velocity", "angular_velocity")
 
     def __post_init__(self) -> None:
-        Element.__post_init__(self)
+        super().__post_init__()
         given = dict(self.points or {})
         self.initial = (self.position, self.angle, self.velocity, self.angular_velocity)
         if self.rotates and self.mass is not None and self.inertia is None:
@@ -171,64 +95,47 @@ class Body(Element, Coordinates, RigidBody):
         names, units = ("x", "y", "angle"), ("m", "m", "rad")
         n = 3 if self.rotates else 2
         self.make_symbols(names[:n], units[:n])
-        self._make_measures()
-        self.points = {}
-        for name, local in given.items():
-            self.add_point(name, local)
+        self._declare(given)
 
-    def _make_measures(self) -> None:
+    def _declare(self, points: dict) -> None:
         zero = ca.SX(0)
-        self.pose_position = self.pose[:2]
+        self.pose_position = self.mass_center = self.pose[:2]
         self.pose_angle = self.pose[2] if self.rotates else zero
         angle, speed, acceleration = (
             (column[2] if self.rotates else zero)
             for column in (self.pose, self.twist, self.acceleration_symbols)
         )
+        place, velocity, accelerated = (
+            column[:2] for column in (self.pose, self.twist, self.acceleration_symbols)
+        )
         named = {
-            "position": (self.pose[:2], "m"),
-            "velocity": (self.twist[:2], "m/s"),
-            "acceleration": (self.acceleration_symbols[:2], "m/s^2"),
+            "position": (place, "m"),
+            "velocity": (velocity, "m/s"),
+            "acceleration": (accelerated, "m/s^2"),
             "angle": (angle, "rad"),
             "angular_velocity": (speed, "rad/s"),
             "angular_acceleration": (acceleration, "rad/s^2"),
-            "x": (self.pose[0], "m"),
-            "y": (self.pose[1], "m"),
-            "vx": (self.twist[0], "m/s"),
-            "vy": (self.twist[1], "m/s"),
-            "ax": (self.acceleration_symbols[0], "m/s^2"),
-            "ay": (self.acceleration_symbols[1], "m/s^2"),
+            **components("", place, "m"),
+            **components("v", velocity, "m/s"),
+            **components("a", accelerated, "m/s^2"),
         }
-        self._measures = named
-        for name, (sx, unit) in named.items():
-            setattr(self, name, Expression(sx, f"{self.name}.{name}", unit))
+        self.declare(named, points)
 
-    def measures(self) -> dict[str, tuple[ca.SX, str]]:
-        twist, (mass, _) = self.twist, self.inertia_by_speeds()
-        kinetic = ca.mtimes([twist.T, mass, twist]) / 2
-        return {**self._measures, "kinetic_energy": (kinetic, "J")}
+    def locate(self, local: ca.SX) -> ca.SX:
+        place = self.pose_position
+        return self.turned(local) + (place if local.numel() == 2 else ca.vertcat(place, 0))
 
-    def add_point(self, name: str, local: Vector) -> Point:
-        """Name a point of the body, so that results list it."""
-        if not isinstance(name, str) or not name.isidentifier():
-            raise ModelError(f"point name {name!r} is not an identifier", self.name)
-        if name in self._measures or name in self.points:
-            raise ModelError(f"point name {name!r} is taken; choose another", self.name)
-        self.points[name] = Point(self, local, name)
-        return self.points[name]
-
-    def point(self, x, y=None) -> Point:
-        """Point at body coordinates ``(x, y)`` [m], or the named point ``point("P")``."""
-        if y is None:
-            if x not in self.points:
-                known = ", ".join(self.points) or "none"
-                raise ModelError(f"no point {x!r} (known: {known})", self.name)
-            return self.points[x]
-        return Point(self, (x, y))
+    def turned(self, local: ca.SX) -> ca.SX:
+        in_plane = ca.mtimes(rotation(self.pose_angle), local[:2])
+        return in_plane if local.numel() == 2 else ca.vertcat(in_plane, local[2])
 
     @property
-    def center(self) -> Point:
-        """The mass centre."""
-        return Point(self, (0.0, 0.0))
+    def turning(self) -> ca.SX:
+        return ca.vertcat(0, 0, self.twist[2] if self.rotates else 0)
+
+    def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+        moment = effort[2] if self.rotates else ca.SX(0)
+        return effort[:2], moment, self.pose_position
 
     def inertia_by_speeds(self) -> tuple[ca.SX, ca.SX]:
         entries = [self.mass.sx, self.mass.sx] + ([self.inertia.sx] if self.rotates else [])
@@ -243,19 +150,6 @@ class Body(Element, Coordinates, RigidBody):
             return [*first, None if scalar is None else scalar.sx][:n]
 
         return entries(position, angle), entries(velocity, angular_velocity)
-
-    def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
-        given = dict(zip(GUESSES, self.initial, strict=True))
-        found = []
-        for field, meta in self.quantities():
-            value = given[field] if field in given else getattr(self, field)
-            if isinstance(value, Expression):
-                found.append((f"{self.name}.{field}", value, meta))
-        where = {"unit": "m", "minimum": -math.inf, "above": -math.inf}
-        return found + [(p.name, p.local, where) for p in self.points.values()]
-
-    def parts(self) -> list[Coordinates]:
-        return [self]
 
 
 class Ground(Body):
@@ -300,7 +194,7 @@ class Particle(Body):
                 raise ModelError(f"a particle has no {field}; use a Body", self.name)
         super().__post_init__()
 
-    def point(self, x, y=None) -> Point:
+    def point(self, x, y=None, z=None) -> Point:
         """The particle itself: its only point is (0, 0).
 
         Raises
@@ -308,7 +202,7 @@ class Particle(Body):
         ModelError
             Any other point.
         """
-        made = super().point(x, y)
+        made = super().point(x, y, z)
         if not made.local.sx.is_zero():
             raise ModelError("a particle has no point but (0, 0); use a Body", self.name)
         return made

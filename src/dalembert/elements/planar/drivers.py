@@ -1,75 +1,19 @@
-"""Drivers: rheonomic constraints that prescribe a motion.
-
-Each prescribes a coordinate ``s`` by a law, ``Φ = s − f(t) = 0``. Its effort is the generalised
-force it exerts along the coordinate, ``−λ``: positive effort pushes the coordinate up.
-"""
+"""Drivers of the plane."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
-import numpy as np
 
 from dalembert.elements.base import Constraint, Coordinates, Vector, option, quantity
-from dalembert.elements.laws.base import GivenLaw, as_law
-from dalembert.elements.planar.body import Ground, Point, unit_vector
-from dalembert.elements.planar.joint import (
-    BodyJoint,
-    PointJoint,
-    need_point,
-)
+from dalembert.elements.driver import Driver
+from dalembert.elements.laws.base import GivenLaw
+from dalembert.elements.pair import need_point
+from dalembert.elements.planar.body import Ground, unit_vector
+from dalembert.elements.planar.joint import BodyJoint
 from dalembert.elements.planar.translational import SlidingJoint
-from dalembert.symbolic.expression import t
-
-LEAST = float(np.finfo(float).tiny)
-
-
-class Driver(Constraint):
-    """Prescribes ``coordinate() = law(t)``."""
-
-    law: Any
-    name: str
-    multiplier: ca.SX
-    positive = False
-    """The law must stay above zero."""
-
-    def coordinate(self) -> ca.SX:
-        """The coordinate that is prescribed."""
-        raise NotImplementedError
-
-    @property
-    def measured(self) -> str:
-        """Name of the measure that the coordinate is."""
-        return f"{self.name}.coordinate"
-
-    def residual(self) -> ca.SX:
-        self.law = as_law(self.law, f"{self.name}.law")
-        coordinate, value = self.compared()
-        return coordinate - value
-
-    def compared(self) -> tuple[ca.SX, ca.SX]:
-        return self.coordinate(), self.law.value(t.sx)
-
-    def measures(self, rate) -> dict[str, tuple[ca.SX, str]]:
-        unit = self.units()[0]
-        effort = -self.multiplier
-        return {
-            "coordinate": (self.coordinate(), unit),
-            "effort": (effort, "N m" if unit == "rad" else "N"),
-            "power": (effort * rate(self.coordinate()), "W"),
-        }
-
-    def conditions(self) -> list[tuple[ca.SX, str]]:
-        wanted = list(self.law.conditions())
-        if self.positive:
-            start = ca.substitute(self.law.value(t.sx), t.sx, 0)
-            wanted.append((start - LEAST, "its law asks for no distance at the start"))
-        return wanted
-
-    def checked_quantities(self):
-        return [*super().checked_quantities(), *self.law.checked_quantities(f"{self.name}.law")]
+from dalembert.elements.point import Point
 
 
 @dataclass(eq=False)
@@ -109,23 +53,6 @@ class TranslationalDriver(Driver, SlidingJoint):
 
     def coordinate(self) -> ca.SX:
         return self.displacement
-
-
-@dataclass(eq=False)
-class DistanceDriver(Driver, PointJoint):
-    """Prescribes the distance of two points, ``Φ = |r_jP − r_iP| − f(t)`` (1.29), ``f > 0``.
-
-    Parameters
-    ----------
-    law : Law, number or formula in t [m], always positive
-    """
-
-    law: GivenLaw = option("motion law")
-    kind = "driver"
-    positive = True
-
-    def coordinate(self) -> ca.SX:
-        return ca.sqrt(ca.sumsqr(self.between))
 
 
 @dataclass(eq=False)

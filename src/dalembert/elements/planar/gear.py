@@ -8,14 +8,15 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Coordinates, Scalar, option, quantity
+from dalembert.elements.pair import initial_value, need_body
 from dalembert.elements.planar.body import Body, cross
-from dalembert.elements.planar.joint import BodyJoint, PointJoint, initial_value, need_body
+from dalembert.elements.planar.joint import BodyJoint, PinJoint
 from dalembert.elements.planar.translational import SlidingJoint
 from dalembert.errors import ModelError
 
 
 @dataclass(eq=False)
-class GearPair(PointJoint):
+class GearPair(PinJoint):
     """Two gears in mesh: their pitch circles roll without slip.
 
     ``Φ = r_i (φ_i − θ) ± r_j (φ_j − θ) − const = 0``, + external, − internal (gear j is the

@@ -1,4 +1,4 @@
-"""Applied loads: point force, moment, gravity."""
+"""Applied loads: point force, moment."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from dalembert.elements.base import (
     option,
     quantity,
 )
-from dalembert.elements.planar.body import Body, Point, rotation
-from dalembert.elements.planar.joint import need_body, need_point, refuse_same_body
+from dalembert.elements.pair import need_body, need_point, refuse_same_body
+from dalembert.elements.planar.body import Body
+from dalembert.elements.point import Point
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression
 
 
 @dataclass(eq=False)
@@ -41,13 +41,11 @@ class Force(ForceElement):
         super().__post_init__()
 
     def components(self) -> ca.SX:
-        if not self.following:
-            return self.vector.sx
-        return ca.mtimes(rotation(self.point.body.pose_angle), self.vector.sx)
+        return self.point.body.turned(self.vector.sx) if self.following else self.vector.sx
 
     def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        force, position = self.components(), self.point.position.sx
-        return [(position[0], force[0]), (position[1], force[1])]
+        position, force = self.point.position.sx, self.components()
+        return [(position[k], force[k]) for k in range(force.numel())]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         return {"force": (self.components(), "N")}
@@ -96,25 +94,3 @@ class Moment(ForceElement):
 
     def parts(self) -> list[Coordinates]:
         return [b for b in (self.body, self.reaction_on) if b is not None]
-
-
-class Gravity(ForceElement):
-    """Uniform field on every body; the system adds it for its ``gravity``."""
-
-    conservative = True
-
-    def __init__(self, vector: Expression, bodies: list[Body]):
-        self.name = "gravity"
-        self.vector, self.bodies = vector, bodies
-
-    def potential(self) -> ca.SX:
-        return -sum(
-            (b.mass.sx * ca.dot(self.vector.sx, b.pose_position) for b in self.bodies), ca.SX(0)
-        )
-
-    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        pairs = []
-        for body in self.bodies:
-            weight = body.mass.sx * self.vector.sx
-            pairs += [(body.pose_position[k], weight[k]) for k in (0, 1)]
-        return pairs

@@ -8,8 +8,9 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint, Coordinates, Scalar, option, quantity
 from dalembert.elements.curves import Curve
-from dalembert.elements.planar.body import Body, Point, rotation
-from dalembert.elements.planar.joint import Pair, need_body, need_point, refuse_same_body
+from dalembert.elements.pair import Pair, need_body, need_point, refuse_same_body
+from dalembert.elements.planar.body import Body, rotation
+from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 
 

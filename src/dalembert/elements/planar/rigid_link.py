@@ -29,7 +29,7 @@ class RigidLink(TreeJoint):
         return distance - length
 
     def compared(self) -> tuple[ca.SX, ca.SX]:
-        return ca.sqrt(ca.sumsqr(self.between)), self.length.sx
+        return self.distance, self.length.sx
 
     def joint_coordinates(self) -> dict[str, tuple[ca.SX, str]]:
         return {"direction": (ca.atan2(self.between[1], self.between[0]), "rad")}

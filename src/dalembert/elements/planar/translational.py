@@ -8,11 +8,11 @@ import casadi as ca
 
 from dalembert.elements.base import Scalar, Vector, quantity
 from dalembert.elements.planar.body import perpendicular, rotation, unit_vector
-from dalembert.elements.planar.joint import PointJoint, TreeJoint
+from dalembert.elements.planar.joint import PinJoint, TreeJoint
 
 
 @dataclass(eq=False)
-class SlidingJoint(PointJoint):
+class SlidingJoint(PinJoint):
     """A point of the second body moves on a line of the first.
 
     Parameters

@@ -1,0 +1,107 @@
+"""What bodies of the plane and of space share: points, measures and the frame they carry."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import casadi as ca
+
+from dalembert.elements.base import Coordinates, Element, Vector
+from dalembert.elements.point import Point
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression
+
+
+class BodyElement(Element, Coordinates):
+    """A body with named points; ``velocity``, ``x`` … become its measures once it is made.
+
+    To write a new kind, give ``locate`` and ``turned``, the wrench of a generalised force, and in
+    ``__post_init__`` its coordinates, their initial values and its measures.
+    """
+
+    rotates = True
+    dimension = 2
+    """Number of coordinates of its points."""
+    initial_fields = ("position", "velocity")
+    """Quantities that are initial values, in the order in which ``initial`` keeps them."""
+
+    mass: Expression
+    mass_center: ca.SX
+    initial: tuple
+    points: dict[str, Point]
+    frames: Mapping[str, Frame] = MappingProxyType({})
+    """Named frames."""
+    _measures: dict[str, tuple[ca.SX, str]]
+
+    # where things on it are -------------------------------------------------------------------
+    def locate(self, local: ca.SX) -> ca.SX:
+        """Inertial position of a place in the body frame."""
+        raise NotImplementedError
+
+    def turned(self, local: ca.SX) -> ca.SX:
+        """Inertial components of a vector in the body frame."""
+        raise NotImplementedError
+
+    @property
+    def turning(self) -> ca.SX:
+        """(3,) angular velocity in inertial axes."""
+        raise NotImplementedError
+
+    def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Force, moment and where it is taken, of a generalised force by speeds; inertial axes."""
+        raise NotImplementedError
+
+    # names on it ------------------------------------------------------------------------------
+    def declare(self, named: dict[str, tuple[ca.SX, str]], given: Mapping[str, Vector]) -> None:
+        """Publish measures as attributes, and name the points given."""
+        self._measures = named
+        for name, (sx, unit) in named.items():
+            setattr(self, name, Expression(sx, f"{self.name}.{name}", unit))
+        self.points = {}
+        for name, local in given.items():
+            self.add_point(name, local)
+
+    def measures(self) -> dict[str, tuple[ca.SX, str]]:
+        twist, (mass, _) = self.twist, self.inertia_by_speeds()
+        kinetic = ca.mtimes([twist.T, mass, twist]) / 2
+        return {**self._measures, "kinetic_energy": (kinetic, "J")}
+
+    def add_point(self, name: str, local: Vector) -> Point:
+        """Name a point of the body, so that results list it."""
+        if not isinstance(name, str) or not name.isidentifier():
+            raise ModelError(f"point name {name!r} is not an identifier", self.name)
+        if name in self._measures or name in self.points:
+            raise ModelError(f"point name {name!r} is taken; choose another", self.name)
+        self.points[name] = Point(self, local, name)
+        return self.points[name]
+
+    def point(self, x, y=None, z=None) -> Point:
+        """Point at body coordinates [m], or the named point ``point("P")``."""
+        if y is None:
+            if x not in self.points:
+                known = ", ".join(self.points) or "none"
+                raise ModelError(f"no point {x!r} (known: {known})", self.name)
+            return self.points[x]
+        given = (x, y) if z is None else (x, y, z)
+        if len(given) < self.dimension:
+            raise ModelError("a point of a body in space has three coordinates", self.name)
+        return Point(self, given)
+
+    @property
+    def center(self) -> Point:
+        """The origin of the body frame."""
+        return Point(self, (0.0,) * self.dimension)
+
+    def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
+        given = dict(zip(self.initial_fields, self.initial, strict=True))
+        found = []
+        for field, meta in self.quantities():
+            value = given[field] if field in given else getattr(self, field)
+            if isinstance(value, Expression):
+                found.append((f"{self.name}.{field}", value, meta))
+        where = {"unit": "m", "minimum": -math.inf, "above": -math.inf}
+        return found + [(p.name, p.local, where) for p in self.points.values()]
+
+    def parts(self) -> list[Coordinates]:
+        return [self]

@@ -1,0 +1,140 @@
+"""What ties two bodies: the points it holds on, and the reaction between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from dalembert.elements.base import Constraint, Coordinates, Element, rate_of
+from dalembert.elements.body import BodyElement
+from dalembert.elements.point import Point
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression, t
+
+
+def need_point(value: Any, owner: str, field: str) -> Point:
+    """Check that an element was given a point of a body."""
+    if isinstance(value, BodyElement):
+        return value.center
+    if not isinstance(value, Point):
+        raise ModelError(
+            f"{field} must be a point of a body, e.g. crank.point(0.1, 0.0); got {value!r}", owner
+        )
+    return value
+
+
+def need_body(value: Any, owner: str, field: str) -> Any:
+    """Check that an element was given a body."""
+    if not isinstance(value, BodyElement):
+        raise ModelError(f"{field} must be a body; got {value!r}", owner)
+    return value
+
+
+def refuse_same_body(body_i: BodyElement, body_j: BodyElement, owner: str) -> None:
+    if body_i is body_j:
+        raise ModelError(f"ties {body_i.name} to itself; connect two different bodies", owner)
+
+
+def moment_of(arm: ca.SX, force: ca.SX) -> ca.SX:
+    """``arm × force``, a number in the plane."""
+    if force.numel() == 2:
+        return arm[0] * force[1] - arm[1] * force[0]
+    return ca.cross(arm, force)
+
+
+@dataclass(eq=False)
+class BetweenPoints(Element):
+    """Anything that holds on two points.
+
+    Parameters
+    ----------
+    point_i, point_j : points of the first and the second body
+    """
+
+    point_i: Point
+    point_j: Point
+
+    def __post_init__(self) -> None:
+        self.point_i = need_point(self.point_i, self.name, "point_i")
+        self.point_j = need_point(self.point_j, self.name, "point_j")
+        refuse_same_body(self.point_i.body, self.point_j.body, self.name)
+        self._in_one_space()
+        super().__post_init__()
+
+    def _in_one_space(self) -> None:
+        i, j = self.point_i, self.point_j
+        if i.dimension != j.dimension:
+            planar = i if i.dimension == 2 else j
+            raise ModelError(
+                f"a point of {planar.body.name} lies in a plane and the other in space; give both "
+                f"three coordinates, {planar.body.name}.point(x, y, z)",
+                self.name,
+            )
+
+    def ends(self) -> tuple[BodyElement, BodyElement]:
+        """First and second body."""
+        return self.point_i.body, self.point_j.body
+
+    def parts(self) -> list[Coordinates]:
+        return list(self.ends())
+
+    @property
+    def between(self) -> ca.SX:
+        """Vector from the first to the second point, inertial axes."""
+        return self.point_j.position.sx - self.point_i.position.sx
+
+    @property
+    def distance(self) -> ca.SX:
+        """Distance of the two points."""
+        return ca.sqrt(ca.sumsqr(self.between))
+
+
+class Pair:
+    """Reaction of a two-body constraint, by the virtual work of its equations.
+
+    Along a motion of its second body the joint does the work ``−λᵀ δΦ``: a generalised force by
+    speeds, and so a force, and a moment that is moved to the joint point.
+    """
+
+    equations: ca.SX
+    multiplier: ca.SX
+
+    def ends(self) -> tuple[Any, Any]:
+        """First and second body."""
+        raise NotImplementedError
+
+    def place(self) -> ca.SX:
+        """Position of the joint point, where the reaction is reported."""
+        raise NotImplementedError
+
+    def parts(self) -> list[Coordinates]:
+        return list(self.ends())
+
+    def reaction(self) -> tuple[ca.SX, ca.SX]:
+        """Force [N] and moment [N m] on the second body at the joint point."""
+        body = self.ends()[1]
+        power = -ca.dot(self.multiplier, rate_of(self.equations, [body], t.sx))
+        force, moment, origin = body.wrench(ca.gradient(power, body.twist))
+        return force, moment - moment_of(self.place() - origin, force)
+
+
+@dataclass(eq=False)
+class PointJoint(BetweenPoints, Pair, Constraint):
+    """Constraint between a point of one body and a point of another."""
+
+    def place(self) -> ca.SX:
+        return self.point_j.position.sx
+
+
+def initial_value(expression: ca.SX, bodies: list[BodyElement]) -> Expression:
+    """A position-level expression at the bodies' given guesses, at rest where they are missing."""
+    symbols, values = [], []
+    for body in dict.fromkeys(bodies):  # the carrier may be one of the ends
+        for symbol, guess, rest in zip(
+            ca.vertsplit(body.pose), body.guesses()[0], body.rest, strict=True
+        ):
+            symbols.append(symbol)
+            values.append(ca.SX(rest) if guess is None else guess)
+    return Expression(ca.substitute(expression, ca.vertcat(*symbols), ca.vertcat(*values)))

@@ -1,0 +1,113 @@
+"""Points fixed in bodies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from dalembert.elements.base import Vector, rate_of, second_rate_of
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression, as_expression, t
+
+if TYPE_CHECKING:
+    from dalembert.elements.body import BodyElement
+
+AXES = "xyz"
+
+
+class Point:
+    """A point fixed in a body, in the plane or in space.
+
+    Parameters
+    ----------
+    body : the body
+    local : (2,) or (3,) coordinates in the body frame [m]; three on a planar body make a point
+        beside its plane
+    name : str, optional
+    """
+
+    def __init__(self, body: BodyElement, local: Vector, name: str = ""):
+        self.body = body
+        self.name = f"{body.name}.{name}" if name else ""
+        spoken = self.name or f"point of {body.name}"
+        self.local = as_expression(local, spoken, "m", _count(local, body.dimension))
+
+    @property
+    def dimension(self) -> int:
+        """Number of its coordinates."""
+        return int(self.local.sx.numel())
+
+    def _named(self, sx: ca.SX, what: str, unit: str) -> Expression:
+        return Expression(sx, f"{self.name}.{what}" if self.name else "", unit)
+
+    @property
+    def arm(self) -> ca.SX:
+        """Vector from the origin of the body frame to the point, inertial axes."""
+        return self.body.turned(self.local.sx)
+
+    @property
+    def position(self) -> Expression:
+        return self._named(self.body.locate(self.local.sx), "position", "m")
+
+    @property
+    def velocity(self) -> Expression:
+        rate = rate_of(self.position.sx, [self.body], t.sx)
+        return self._named(rate, "velocity", "m/s")
+
+    @property
+    def acceleration(self) -> Expression:
+        second = second_rate_of(self.position.sx, [self.body], t.sx)
+        return self._named(second, "acceleration", "m/s^2")
+
+    @property
+    def x(self) -> Expression:
+        return self._named(self.position.sx[0], "x", "m")
+
+    @property
+    def y(self) -> Expression:
+        return self._named(self.position.sx[1], "y", "m")
+
+    @property
+    def z(self) -> Expression:
+        """Third coordinate.
+
+        Raises
+        ------
+        ModelError
+            The point is one of a plane.
+        """
+        if self.dimension < 3:
+            raise ModelError("a point of the plane has no z", self.name or self.body.name)
+        return self._named(self.position.sx[2], "z", "m")
+
+    def measures(self) -> dict[str, tuple[ca.SX, str]]:
+        position, velocity = self.position.sx, self.velocity.sx
+        acceleration = self.acceleration.sx
+        return {
+            "position": (position, "m"),
+            "velocity": (velocity, "m/s"),
+            "acceleration": (acceleration, "m/s^2"),
+            **components("", position, "m"),
+            **components("v", velocity, "m/s"),
+            **components("a", acceleration, "m/s^2"),
+            "speed": (ca.sqrt(ca.sumsqr(velocity)), "m/s"),
+        }
+
+
+def components(letter: str, vector: ca.SX, unit: str) -> dict[str, tuple[ca.SX, str]]:
+    """Components of a vector as measures: ``x``, or ``vx`` with the letter v."""
+    return {f"{letter}{AXES[k]}": (vector[k], unit) for k in range(vector.numel())}
+
+
+def _count(local: Vector, usual: int) -> int:
+    """How many coordinates were given, where that can be seen."""
+    size = local.sx.numel() if isinstance(local, Expression) else _length(local)
+    return size if size in (2, 3) and size >= usual else usual
+
+
+def _length(values: Vector) -> int:
+    try:
+        return len(values)
+    except TypeError:
+        return 0

@@ -1,0 +1,127 @@
+"""Springs, dampers and actuators along the line of two points, in the plane and in space."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from dalembert.elements.base import ForceElement, Rate, Scalar, option, quantity
+from dalembert.elements.pair import BetweenPoints
+from dalembert.symbolic.expression import Expression, as_expression
+
+SMALLEST_LENGTH = 1e-30
+ForceLaw = Callable[[Expression, Expression], Any]
+"""Force of an extension and its rate."""
+
+
+class SpringDamper(ForceElement):
+    """What translational and rotational springs share: a force along one coordinate ``s``.
+
+    ``F = k (s − s0) + c ṡ``, or any ``law(s − s0, ṡ)``; it acts against the coordinate, so that
+    a positive force pulls (tension).
+    """
+
+    name: str
+    coordinate_name = "length"
+    coordinate_unit = "m"
+    force_name = "force"
+    force_unit = "N"
+
+    stiffness: Scalar
+    damping: Scalar
+    law: ForceLaw | None
+
+    def relaxed(self) -> ca.SX:
+        raise NotImplementedError
+
+    def elastic(self) -> ca.SX:
+        """Force of the spring alone."""
+        return self.stiffness.sx * (self.coordinate() - self.relaxed())
+
+    def force(self, rate: Rate) -> ca.SX:
+        s = self.coordinate()
+        linear = self.elastic() + self.damping.sx * rate(s)
+        if self.law is None:
+            return linear
+        extension = Expression(s - self.relaxed(), "extension", self.coordinate_unit)
+        value = self.law(extension, Expression(rate(s), "rate"))
+        return linear + as_expression(value, f"{self.name}.law", self.force_unit).sx
+
+    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        return [(self.coordinate(), -self.force(rate))]
+
+    def potential(self) -> ca.SX:
+        return self.stiffness.sx * (self.coordinate() - self.relaxed()) ** 2 / 2
+
+    def dissipation(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        s = self.coordinate()
+        return [(s, -self.damping.sx * rate(s))]
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        s = self.coordinate()
+        return {
+            self.coordinate_name: (s, self.coordinate_unit),
+            "rate": (rate(s), f"{self.coordinate_unit}/s"),
+            self.force_name: (self.force(rate), self.force_unit),
+        }
+
+
+@dataclass(eq=False)
+class PointPair(BetweenPoints, ForceElement):
+    """Force element between two points; its coordinate is their distance."""
+
+    def coordinate(self) -> ca.SX:
+        return self.distance
+
+
+@dataclass(eq=False)
+class Spring(SpringDamper, PointPair):
+    """Spring and damper in parallel between two points (1.56–1.64).
+
+    Parameters
+    ----------
+    stiffness : [N/m]
+    damping : [N s/m]
+    free_length : [m]
+    law : function (extension, rate) → additional force [N], positive in tension
+    """
+
+    stiffness: Scalar = quantity("N/m", "stiffness", default=0.0)
+    damping: Scalar = quantity("N s/m", "damping", default=0.0)
+    free_length: Scalar = quantity("m", "free length", default=0.0, minimum=0.0)
+    law: ForceLaw | None = option("additional force, formula of extension and rate", default=None)
+
+    def coordinate(self) -> ca.SX:
+        if self.free_length.sx.is_zero():  # its force has a limit at length zero
+            return ca.sqrt(ca.sumsqr(self.between) + SMALLEST_LENGTH**2)
+        return super().coordinate()
+
+    def relaxed(self) -> ca.SX:
+        return self.free_length.sx
+
+
+@dataclass(eq=False)
+class Actuator(PointPair):
+    """Force along the line of two points; positive pushes them apart.
+
+    Parameters
+    ----------
+    force : [N]; formula of t, parameters and measures
+    """
+
+    force: Scalar = quantity("N", "force, positive pushes apart")
+
+    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+        return [(self.coordinate(), self.force.sx)]
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        s = self.coordinate()
+        return {
+            "length": (s, "m"),
+            "rate": (rate(s), "m/s"),
+            "force": (self.force.sx, "N"),
+            "power": (self.force.sx * rate(s), "W"),
+        }
