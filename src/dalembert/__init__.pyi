@@ -40,7 +40,11 @@ from dalembert.analysis.structural.transient import (
 from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleigh
 from dalembert.design.optimization import optimize as optimize
 from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
-from dalembert.elements import laws as laws, planar as planar
+from dalembert.elements import (
+    laws as laws,
+    planar as planar,
+    spatial as spatial,
+)
 from dalembert.elements.curves import (
     FormulaCurve as FormulaCurve,
     SplineCurve as SplineCurve,

@@ -295,9 +295,7 @@ class KinematicsRun:
         multiplier = self.model.all_multipliers(table[effort])
         if not self.analysis.efforts:
             multiplier = np.full_like(multiplier, np.nan)
-        return Trajectory(
-            times, table[y], table[v], table[a], multiplier, self.work(times, table)
-        )
+        return Trajectory(times, table[y], table[v], table[a], multiplier, self.work(times, table))
 
     def work(self, times: np.ndarray, table: np.ndarray) -> np.ndarray:
         """Energy dissipated and put in, by integrating the powers over the positions computed."""

@@ -105,9 +105,7 @@ class Coordinates:
 
     def _make_speeds(self) -> None:
         self.twist = stack(ca.SX.sym(f"{self.name}.d{n}") for n in self.speed_names)
-        self.acceleration_symbols = stack(
-            ca.SX.sym(f"{self.name}.dd{n}") for n in self.speed_names
-        )
+        self.acceleration_symbols = stack(ca.SX.sym(f"{self.name}.dd{n}") for n in self.speed_names)
 
     @property
     def flat(self) -> bool:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
 
 import casadi as ca
 
 from dalembert.elements.base import Coordinates, Element, Vector
+from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression
@@ -23,12 +26,12 @@ class BodyElement(Element, Coordinates):
     rotates = True
     dimension = 2
     """Number of coordinates of its points."""
-    initial_fields = ("position", "velocity")
+    initial_fields: tuple[str, ...] = ("position", "velocity")
     """Quantities that are initial values, in the order in which ``initial`` keeps them."""
 
     mass: Expression
     mass_center: ca.SX
-    initial: tuple
+    initial: tuple[Any, ...]
     points: dict[str, Point]
     frames: Mapping[str, Frame] = MappingProxyType({})
     """Named frames."""
@@ -87,6 +90,19 @@ class BodyElement(Element, Coordinates):
         if len(given) < self.dimension:
             raise ModelError("a point of a body in space has three coordinates", self.name)
         return Point(self, given)
+
+    def frame(self, place: Vector = (0.0, 0.0, 0.0), **axes) -> Frame:
+        """Frame fixed in the body; its z axis is the axis of a joint.
+
+        Parameters
+        ----------
+        place : (3,) its origin in the body frame [m]
+        axis : (3,) its z axis; x and y are chosen
+        x : (3,) its x axis, beside ``axis``
+        axes : (3, 3) its axes as columns
+        rotation : its orientation, as that of a body
+        """
+        return Frame(self, place, **axes)
 
     @property
     def center(self) -> Point:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -73,7 +74,7 @@ class BetweenPoints(Element):
                 self.name,
             )
 
-    def ends(self) -> tuple[BodyElement, BodyElement]:
+    def ends(self) -> tuple[Any, Any]:
         """First and second body."""
         return self.point_i.body, self.point_j.body
 
@@ -128,7 +129,7 @@ class PointJoint(BetweenPoints, Pair, Constraint):
         return self.point_j.position.sx
 
 
-def initial_value(expression: ca.SX, bodies: list[BodyElement]) -> Expression:
+def initial_value(expression: ca.SX, bodies: Sequence[BodyElement]) -> Expression:
     """A position-level expression at the bodies' given guesses, at rest where they are missing."""
     symbols, values = [], []
     for body in dict.fromkeys(bodies):  # the carrier may be one of the ends

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
@@ -28,7 +28,7 @@ class Point:
     """
 
     def __init__(self, body: BodyElement, local: Vector, name: str = ""):
-        self.body = body
+        self.body: Any = body
         self.name = f"{body.name}.{name}" if name else ""
         spoken = self.name or f"point of {body.name}"
         self.local = as_expression(local, spoken, "m", _count(local, body.dimension))

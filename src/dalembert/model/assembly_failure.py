@@ -121,7 +121,7 @@ class _Failure:
         assembler, scale = self.assembler, self.assembler.scales.displacements
         sizes = assembler.closeness(self.t, self.y, self.p).scale
         x = ca.SX.sym("x", scale.size)
-        there = assembler.manifold.retract(ca.SX(self.y), scale * x)
+        there = assembler.manifold.retract(ca.SX(self.y), ca.SX(scale) * x)
         residual = assembler.position(self.t, there, self.p)[0] / sizes
         others = sorted(set(range(sizes.size)) - set(loose))
         problem = {"x": x, "f": ca.sumsqr(residual[loose]), "g": residual[others]}

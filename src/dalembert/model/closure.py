@@ -177,7 +177,7 @@ class Closure:
         known = [speed is not None for speed in given]
         chosen = free_columns(jacobian, self.guesses.priority(known))
         self.recipe = replace(self.recipe, speeds=HeldSpeeds.of(chosen, given, np.zeros(n)))
-        v, guess = self.recipe.speeds_at(0.0, y, p), self.guesses.values(p)[1]
+        v, guess = self.recipe.speeds_at(0.0, y, p), self.guesses.speeds(y, p)
         allowed = INCONSISTENT * (self.scales.speeds + np.abs(guess))
         miss = {
             self.guesses.speed_names[k]: float(v[k] - guess[k])
@@ -209,7 +209,7 @@ class Closure:
         y = self._follow(anchor_p, anchor_y, p, time)
         v = self.recipe.speeds_at(time, y, p)
         residual = np.abs(self._pinned.at(time, p).residual(y).value).max(initial=0.0)
-        guess_y, guess_v = self.guesses.values(p)
+        guess_y, guess_v = self.guesses.values(p)[0], self.guesses.speeds(y, p)
         projected = self.recipe.projected
         known = [speed is not None for speed in self.guesses.twist]
         return AssembledState(

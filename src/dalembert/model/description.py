@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+
 from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement
 from dalembert.elements.body import BodyElement
 from dalembert.elements.gravity import Gravity
@@ -20,14 +24,14 @@ class Description:
     Parameters
     ----------
     name : str
-    gravity : (2,) acceleration of gravity [m/s²]; none by default
+    gravity : (2,) or (3,) acceleration of gravity [m/s²]; none by default
     description : str
     """
 
     def __init__(self, name: str, gravity=None, description: str = ""):
         self.name = plain_text(name, "name of the system")
         self.description = plain_text(description, "description of the system")
-        self.gravity = None if gravity is None else as_expression(gravity, "gravity", "m/s^2", 2)
+        self.gravity = None if gravity is None else _field(gravity)
         self.ground = Ground()
         self.parameters: dict[str, Parameter] = {}
         self.derived_parameters: dict[str, Expression] = {}
@@ -45,7 +49,7 @@ class Description:
         return made
 
     @property
-    def bodies(self) -> list[BodyElement]:
+    def bodies(self) -> list[Any]:
         return [e for e in self.elements.values() if isinstance(e, BodyElement)]
 
     @property
@@ -65,7 +69,7 @@ class Description:
         own = [c for constraint in self.constraints for c in constraint.own_coordinates()]
         return [*self.bodies, *own]
 
-    def body(self, name: str) -> BodyElement:
+    def body(self, name: str) -> Any:
         """The body (or the ground) of this name."""
         if name == "ground":
             return self.ground
@@ -101,3 +105,9 @@ class Description:
             for name, element in self.elements.items()
             for quantity in element_measures(element, self.coordinates)
         ]
+
+
+def _field(gravity) -> Expression:
+    """Gravity in the plane, or in space by three components."""
+    size = gravity.sx.numel() if isinstance(gravity, Expression) else np.size(gravity)
+    return as_expression(gravity, "gravity", "m/s^2", 3 if size == 3 else 2)

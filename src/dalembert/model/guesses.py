@@ -19,7 +19,9 @@ class Guesses:
     Attributes
     ----------
     pose, names, units : by coordinate
-    twist, speed_names, speed_units, owners : by speed, so by displacement; units of displacements
+    rest : pose in the origin
+    twist : by speed, formulas of the pose, too
+    speed_names, speed_units, owners : by speed, so by displacement; units of displacements
     given : by displacement, whether the place along it was given
     pose_owners : by coordinate
     """
@@ -34,7 +36,8 @@ class Guesses:
     speed_units: list[str] = field(default_factory=list)
     owners: list[str] = field(default_factory=list)
     rest: list[float] = field(default_factory=list)
-    _values: ca.Function = None  # type: ignore[assignment]
+    _places: ca.Function = None  # type: ignore[assignment]
+    _speeds: ca.Function = None  # type: ignore[assignment]
 
     @classmethod
     def collect(cls, d: Description) -> Guesses:
@@ -53,7 +56,9 @@ class Guesses:
             made.rest += list(group.rest)
         parameters = stack(p.sx for p in d.parameters.values())
         twists = stack(ca.SX(0) if v is None else v for v in made.twist)
-        made._values = ca.Function("guess", [parameters], [made.place, twists])
+        y = stack(group.pose for group in d.coordinates)
+        made._places = ca.Function("places", [parameters], [made.place])
+        made._speeds = ca.Function("speeds", [y, parameters], [twists])
         return made
 
     @cached_property
@@ -64,8 +69,12 @@ class Guesses:
 
     def values(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pose and twist as given for parameter values; at rest in the origin where missing."""
-        pose, twist = self._values(p)
-        return pose.full().ravel(), twist.full().ravel()
+        pose = self._places(p).full().ravel()
+        return pose, self.speeds(pose, p)
+
+    def speeds(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Twist as given, for bodies that stand at ``y``."""
+        return self._speeds(y, p).full().ravel()
 
     def priority(self, given: list[bool]) -> list[int]:
         """Indices of displacements in the order in which they are held: given ones first, turns

@@ -26,9 +26,10 @@ def placed_guesses(d: Description) -> ca.SX:
         if isinstance(joint, TreeJoint) and not joint.joint_coordinates():
             for body in joint.ends():
                 joints[body.name].append(joint)
-    angles = {body.name: angle for body in d.bodies if (angle := _given_angle(body)) is not None}
+    planar = [body for body in d.bodies if isinstance(body, Body)]
+    angles = {body.name: angle for body in planar if (angle := _given_angle(body)) is not None}
     placed: dict[str, Pose] = {"ground": (ca.SX.zeros(2), ca.SX(0))}
-    for body in d.bodies:
+    for body in planar:
         if body.name in angles and body.initial[0] is not None:
             placed[body.name] = body.initial[0].sx, angles[body.name]
     for root in (*placed, *angles):
@@ -67,8 +68,9 @@ def _carried(joint: TreeJoint, child: Body, base: Pose, angle: ca.SX | None) -> 
 def _pose(group, placed: dict[str, Pose]) -> ca.SX:
     if group.name in placed:
         return ca.vertcat(*placed[group.name])[: group.pose.numel()]
-    given, _ = group.guesses()
-    return ca.vertcat(*(ca.SX(0) if value is None else value for value in given))
+    given, rest = group.guesses()[0], group.rest
+    known = (ca.SX(r) if g is None else g for g, r in zip(given, rest, strict=True))
+    return ca.vertcat(*known)
 
 
 def _given_angle(body: Body) -> ca.SX | None:

@@ -21,7 +21,7 @@ class System(Description):
     Parameters
     ----------
     name : str
-    gravity : (2,) acceleration of gravity [m/s²]; none by default
+    gravity : (2,) or, in space, (3,) acceleration of gravity [m/s²]; none by default
     description : str
     """
 

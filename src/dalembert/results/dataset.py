@@ -14,6 +14,7 @@ from dalembert.elements.driver import Driver
 from dalembert.elements.pair import Pair
 from dalembert.model.measures import element_measures
 from dalembert.model.model import Model
+from dalembert.results.labelled import COMPONENTS
 from dalembert.results.recording import Recording
 from dalembert.symbolic.expression import Expression, t
 from dalembert.symbolic.once import once
@@ -45,19 +46,22 @@ def variables(model: Model) -> list[Variable]:
 
 
 def _bodies(model: Model) -> list[Variable]:
-    names = tuple(b.name for b in model.bodies)
+    names, found = tuple(b.name for b in model.bodies), []
+    where = "the origin of the body" if _spatial(model) else "the mass centre"
     rows = [
-        ("position", "position of the mass centre", "m"),
+        ("position", f"position of {where}", "m"),
         ("angle", "angle", "rad"),
-        ("velocity", "velocity of the mass centre", "m/s"),
+        ("euler_parameters", "Euler parameters, the scalar first", "1"),
+        ("velocity", f"velocity of {where}", "m/s"),
         ("angular_velocity", "angular velocity", "rad/s"),
-        ("acceleration", "acceleration of the mass centre", "m/s^2"),
+        ("acceleration", f"acceleration of {where}", "m/s^2"),
         ("angular_acceleration", "angular acceleration", "rad/s^2"),
     ]
-    return [
-        Variable(n, text, unit, "body", names, _columns(b.measures()[n][0] for b in model.bodies))
-        for n, text, unit in rows
-    ]
+    for name, text, unit in rows:
+        known = [b.measures().get(name, (None, ""))[0] for b in model.bodies]
+        if any(sx is not None for sx in known):
+            found.append(Variable(name, text, unit, "body", names, _alike(known)))
+    return found
 
 
 def _points(model: Model) -> list[Variable]:
@@ -72,7 +76,7 @@ def _points(model: Model) -> list[Variable]:
             unit,
             "point",
             names,
-            _columns(m[q][0] for _, m in points),
+            _alike(m[q][0] for _, m in points),
         )
         for q, unit in (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
     ]
@@ -91,7 +95,7 @@ def _joints(model: Model) -> list[Variable]:
             "N",
             "joint",
             names,
-            _columns(force for force, _ in reactions),
+            _alike(force for force, _ in reactions),
         ),
         Variable(
             "reaction_moment",
@@ -99,7 +103,7 @@ def _joints(model: Model) -> list[Variable]:
             "N m",
             "joint",
             names,
-            _columns(moment for _, moment in reactions),
+            _alike(moment for _, moment in reactions),
         ),
     ]
 
@@ -166,6 +170,26 @@ def _scalars(model: Model) -> list[Variable]:
     return [Variable(n, text, unit, None, (n,), _columns([sx])) for n, text, unit, sx in entries]
 
 
+def _spatial(model: Model) -> bool:
+    return any(body.dimension == 3 for body in model.bodies)
+
+
+def _alike(graphs: Iterable[ca.SX | None]) -> tuple[Expression, ...]:
+    """As many components of each; what lies in a plane gets its place in space, what is missing is
+    not a number."""
+    known = list(graphs)
+    width = max(sx.numel() for sx in known if sx is not None)
+
+    def widened(sx: ca.SX | None) -> ca.SX:
+        if sx is None:
+            return ca.SX.nan(width, 1)
+        if sx.numel() == width:
+            return sx
+        return ca.vertcat(sx, 0) if sx.numel() == 2 else ca.vertcat(0, 0, sx)
+
+    return _columns(widened(sx) for sx in known)
+
+
 def _columns(graphs: Iterable[ca.SX]) -> tuple[Expression, ...]:
     return tuple(Expression(graph) for graph in graphs)
 
@@ -175,7 +199,9 @@ def motion_dataset(motion: Recording) -> xr.Dataset:
     layout, s = variables(motion.model), motion.trajectory
     table = motion.table([column for variable in layout for column in variable.columns])
     data: dict = {}
-    coords: dict = {"time": ("time", s.t, {"units": "s", "long_name": "time"}), "axis": ["x", "y"]}
+    coords: dict = {
+        "time": ("time", s.t, {"units": "s", "long_name": "time"}),
+    }
     row = 0
     for variable in layout:
         width = max(len(c) for c in variable.columns)
@@ -187,8 +213,10 @@ def motion_dataset(motion: Recording) -> xr.Dataset:
             continue
         shaped = block.reshape(len(variable.columns), width, -1).transpose(2, 0, 1)
         coords[variable.dimension] = list(variable.entities)
-        if width == 2:
-            data[variable.name] = (("time", variable.dimension, "axis"), shaped, attributes)
+        if width > 1:
+            dimension, names = COMPONENTS[width]
+            coords[dimension] = list(names)
+            data[variable.name] = (("time", variable.dimension, dimension), shaped, attributes)
         else:
             data[variable.name] = (("time", variable.dimension), shaped[:, :, 0], attributes)
     _add_states(data, coords, motion)
@@ -202,7 +230,10 @@ def _add_states(data: dict, coords: dict, motion: Recording) -> None:
     coords["coordinate"] = list(model.guesses.names)
     text = {"units": "m or rad (per second for speeds)"}
     data["coordinates"] = (("time", "coordinate"), s.y.T, {"long_name": "coordinates y", **text})
-    data["speeds"] = (("time", "coordinate"), s.v.T, {"long_name": "speeds v", **text})
+    along = _speeds_of(model)
+    flat, g = along == "coordinate", model.guesses
+    coords[along] = list(g.names if flat else g.speed_names)
+    data["speeds"] = (("time", along), s.v.T, {"long_name": "speeds v", **text})
     coords["equation"] = model.equation_names
     data["multiplier"] = (
         ("time", "equation"),
@@ -227,7 +258,7 @@ def _add_energies(data: dict, motion: Recording) -> None:
 
 
 def _add_events(data: dict, coords: dict, motion: Recording) -> None:
-    events, size = motion.events, len(motion.model.guesses.names)
+    events, model = motion.events, motion.model
     coords["event"] = np.array([event.name for event in events], dtype=str)
     data["event_time"] = (
         "event",
@@ -239,13 +270,18 @@ def _add_events(data: dict, coords: dict, motion: Recording) -> None:
         np.array([event.direction for event in events], dtype=int),
         {"units": "1", "long_name": "sign of the rate of the event's measure"},
     )
-    for name, states, text in (
-        ("event_coordinates", [event.y for event in events], "coordinates y at the event"),
-        ("event_speeds", [event.v for event in events], "speeds v at the event"),
+    for name, states, along, text in (
+        ("event_coordinates", [e.y for e in events], "coordinate", "coordinates y at the event"),
+        ("event_speeds", [e.v for e in events], _speeds_of(model), "speeds v at the event"),
     ):
-        table = np.array(states, dtype=float).reshape(len(events), size)
+        table = np.array(states, dtype=float).reshape(len(events), len(coords[along]))
         units = {"units": "m or rad (per second for speeds)"}
-        data[name] = (("event", "coordinate"), table, {"long_name": text, **units})
+        data[name] = (("event", along), table, {"long_name": text, **units})
+
+
+def _speeds_of(model: Model) -> str:
+    """Dimension of speeds: they have names of their own where they are no rates of coordinates."""
+    return "coordinate" if model.equations.manifold.flat else "speed"
 
 
 def _attributes(motion: Recording) -> dict:

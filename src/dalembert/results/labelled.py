@@ -21,6 +21,14 @@ DATA_ONLY = {
     "velocity_violation",
 }
 
+COMPONENTS = {
+    2: ("axis", ("x", "y")),
+    3: ("axis", ("x", "y", "z")),
+    4: ("component", ("e0", "e1", "e2", "e3")),
+    9: ("entry", tuple(f"{row}{column}" for row in "xyz" for column in "xyz")),
+}
+"""Dimension and names of so many components: vectors, Euler parameters, matrices by rows."""
+
 
 @dataclass(eq=False, repr=False)
 class LabelledRecording(Recording):
@@ -40,11 +48,12 @@ class LabelledRecording(Recording):
             return self.data[measure]
         expression = self.expression(measure)
         values = self.values(expression)
-        dims = ["time"] if values.ndim == 1 else ["time", "axis"]
+        dims = ["time"] if values.ndim == 1 else ["time", COMPONENTS[values.shape[1]][0]]
         name = expression.name or (measure if isinstance(measure, str) else "measure")
         coords: dict[str, Any] = {"time": ("time", self.time, {"units": "s"})}
         if values.ndim == 2:
-            coords["axis"] = list("xy")
+            dimension, names = COMPONENTS[values.shape[1]]
+            coords[dimension] = list(names)
         return xr.DataArray(
             values,
             dims=dims,

@@ -1,0 +1,104 @@
+"""Frames fixed in bodies: a point with axes, which joints hold on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+
+from dalembert.elements.base import Vector
+from dalembert.elements.orientation import as_orientation, orthonormal, unit
+from dalembert.elements.point import Point
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import as_expression, as_sx
+
+if TYPE_CHECKING:
+    from dalembert.elements.body import BodyElement
+
+PARALLEL = 1e-9
+
+
+class Frame(Point):
+    """A frame fixed in a body; a joint's axis is its z axis.
+
+    Parameters
+    ----------
+    body : the body
+    place : (3,) its origin in the body frame [m]
+    axis, x : (3,) its z axis, and its x axis, perpendicular to it; if none is given, one is chosen
+    axes : (3, 3) its axes as columns
+    rotation : its orientation in the body frame
+    name : str, optional
+
+    Raises
+    ------
+    ModelError
+        Axes that are no frame, or given twice.
+    """
+
+    def __init__(
+        self,
+        body: BodyElement,
+        place: Vector = (0.0, 0.0, 0.0),
+        *,
+        axis: Vector | None = None,
+        x: Vector | None = None,
+        axes: Any = None,
+        rotation: Any = None,
+        name: str = "",
+    ):
+        super().__init__(body, place, name)
+        spoken = self.name or f"frame of {body.name}"
+        ways = [axis is not None or x is not None, axes is not None, rotation is not None]
+        if sum(ways) > 1:
+            raise ModelError("give axis=, axes= or rotation=, not several", spoken)
+        self.complete = x is not None or axis is None
+        """Whether its x axis was given, and not chosen."""
+        if axes is not None:
+            self.local_axes = orthonormal(_matrix(axes, spoken), spoken)
+        elif rotation is not None:
+            self.local_axes = as_orientation(rotation, spoken).matrix
+        elif axis is not None:
+            self.local_axes = _about(as_expression(axis, spoken, "", 3).sx, x, spoken)
+        elif x is not None:
+            raise ModelError("x= is given without axis=", spoken)
+        else:
+            self.local_axes = ca.SX.eye(3)
+
+    @property
+    def axes(self) -> ca.SX:
+        """(3, 3) its axes as columns, inertial components."""
+        return ca.horzcat(*(self.body.turned(self.local_axes[:, k]) for k in range(3)))
+
+    @property
+    def axis(self) -> ca.SX:
+        """Its z axis, inertial components."""
+        return self.body.turned(self.local_axes[:, 2])
+
+
+def _matrix(axes: Any, entity: str) -> ca.SX:
+    try:
+        rows = [as_sx(list(row)) for row in axes]
+    except (TypeError, ValueError):
+        rows = []
+    if len(rows) != 3 or any(row.numel() != 3 for row in rows):
+        raise ModelError(f"axes must be a 3×3 matrix, got {axes!r}", entity)
+    return ca.vertcat(*(row.T for row in rows))
+
+
+def _about(axis: ca.SX, x: Vector | None, entity: str) -> ca.SX:
+    """Axes about z; without x by the formula of Duff et al. (2017), which is nowhere singular."""
+    z = unit(axis, entity)
+    if x is not None:
+        given = unit(as_expression(x, entity, "", 3).sx, entity)
+        across = given - ca.dot(given, z) * z
+        if across.is_constant() and float(ca.norm_2(across)) < PARALLEL:
+            raise ModelError("axis and x are parallel", entity)
+        across = unit(across, entity)
+        return ca.horzcat(across, ca.cross(z, across), z)
+    sign = ca.if_else(z[2] < 0, -1, 1)
+    a = -1 / (sign + z[2])
+    b = z[0] * z[1] * a
+    first = ca.vertcat(1 + sign * z[0] ** 2 * a, sign * b, -sign * z[0])
+    second = ca.vertcat(b, sign + z[1] ** 2 * a, -z[1])
+    return ca.horzcat(first, second, z)

@@ -1,0 +1,146 @@
+"""Orientations in space as they are given: matrices, axes and angles, Euler and Bryant angles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import ModelError
+from dalembert.symbolic import rotation as turning
+from dalembert.symbolic.expression import Expression, as_expression, as_sx
+
+ORTHONORMAL = 1e-6
+"""Deviation of axes from orthonormal ones that is corrected; beyond, they are refused."""
+AXES = "xyz"
+
+
+class Orientation(Expression):
+    """Euler parameters, the scalar first, as a formula of parameters."""
+
+    @property
+    def matrix(self) -> ca.SX:
+        """(3, 3) axes of the turned frame as columns."""
+        return turning.matrix(self.sx)
+
+    def __matmul__(self, other: Orientation) -> Orientation:
+        """This turn, then the other in the turned frame."""
+        return Orientation(turning.product(self.sx, other.sx))
+
+
+def identity() -> Orientation:
+    """No turn."""
+    return Orientation(ca.SX(list(turning.IDENTITY)))
+
+
+def axis_angle(axis, angle) -> Orientation:
+    """Turn about an axis.
+
+    Parameters
+    ----------
+    axis : (3,) direction, of any length
+    angle : [rad]
+    """
+    direction = unit(as_expression(axis, "axis", "", 3).sx, "axis")
+    half = as_expression(angle, "angle", "rad").sx / 2
+    return Orientation(ca.vertcat(ca.cos(half), ca.sin(half) * direction))
+
+
+def euler(sequence: str, *angles) -> Orientation:
+    """Turns about body axes one after the other.
+
+    Parameters
+    ----------
+    sequence : axes such as ``"zxz"`` (Euler) or ``"xyz"`` (Bryant)
+    angles : as many [rad]
+
+    Raises
+    ------
+    ModelError
+        Unknown axes, or not as many angles.
+    """
+    letters = list(sequence.lower()) if isinstance(sequence, str) else []
+    if not letters or any(letter not in AXES for letter in letters):
+        raise ModelError(f"a sequence of axes is made of x, y and z; got {sequence!r}", "rotation")
+    if len(letters) != len(angles):
+        raise ModelError(f"{sequence!r} takes {len(letters)} angles, got {len(angles)}", "rotation")
+    made = identity()
+    for letter, angle in zip(letters, angles, strict=True):
+        made = made @ axis_angle(np.eye(3)[AXES.index(letter)], angle)
+    return made
+
+
+def bryant(x, y, z) -> Orientation:
+    """Bryant (Cardan) angles: turns about the body's x, y and z axes, one after the other [rad]."""
+    return euler("xyz", x, y, z)
+
+
+def from_matrix(rows) -> Orientation:
+    """By a rotation matrix, whose columns are the axes of the turned frame.
+
+    Raises
+    ------
+    ModelError
+        It is not orthonormal, or left-handed.
+    """
+    return as_orientation(rows, "rotation")
+
+
+def as_orientation(given: Any, entity: str) -> Orientation:
+    """An orientation from what people have.
+
+    Raises
+    ------
+    ModelError
+        It is none.
+    """
+    if isinstance(given, Orientation):
+        return given
+    if hasattr(given, "as_quat"):  # SciPy, whose scalar comes last
+        x, y, z, w = np.asarray(given.as_quat(), dtype=float).reshape(4)
+        return Orientation(ca.SX([w, x, y, z]))
+    try:
+        rows = [as_sx(list(row)) for row in given]
+    except (TypeError, ValueError):
+        rows = []
+    if len(rows) != 3 or any(row.numel() != 3 for row in rows):
+        raise ModelError(
+            "give da.rotation.axis_angle(axis, angle), .euler(…), .bryant(…), a 3×3 matrix or "
+            f"scipy.spatial.transform.Rotation; got {given!r}",
+            entity,
+        )
+    return Orientation(turning.from_matrix(orthonormal(ca.vertcat(*(r.T for r in rows)), entity)))
+
+
+def orthonormal(matrix: ca.SX, entity: str) -> ca.SX:
+    """Axes made orthonormal where they are nearly so.
+
+    Raises
+    ------
+    ModelError
+        They are not, or left-handed.
+    """
+    if matrix.is_constant():
+        numbers = np.array(ca.DM(matrix).full())
+        off = np.abs(numbers.T @ numbers - np.eye(3)).max()
+        if not off <= ORTHONORMAL:
+            raise ModelError(f"the axes are not orthonormal, off by {off:.3g}", entity)
+        if np.linalg.det(numbers) < 0:
+            raise ModelError("the axes are left-handed; swap two of them or turn one", entity)
+        left, _, right = np.linalg.svd(numbers)
+        return ca.SX(left @ right)
+    return matrix
+
+
+def unit(vector: ca.SX, entity: str) -> ca.SX:
+    """The vector at length one.
+
+    Raises
+    ------
+    ModelError
+        It has no length.
+    """
+    if vector.is_constant() and float(ca.norm_2(vector)) == 0.0:
+        raise ModelError("a direction needs a length; (0, 0, 0) has none", entity)
+    return vector / ca.sqrt(ca.sumsqr(vector))

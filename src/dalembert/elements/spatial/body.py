@@ -1,0 +1,202 @@
+"""Rigid bodies in space.
+
+A body's coordinates are the position of its mass centre and its Euler parameters,
+``y = (r_C, e)``; its speeds are ``v = (ṙ_C, ω')`` with the angular velocity in body axes (Ch. 2).
+A point fixed in the body is at ``r_P = r_C + R(e) (s' − c')``. By Newton and Euler
+
+    m r̈_C = f,      J' ω̇' + ω' × J' ω' = m'.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Scalar, Vector, option, quantity, rate_of, second_rate_of
+from dalembert.elements.body import BodyElement
+from dalembert.elements.orientation import Orientation, as_orientation
+from dalembert.elements.point import components
+from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
+from dalembert.errors import ModelError
+from dalembert.symbolic import rotation
+from dalembert.symbolic.expression import Expression, stack, t
+
+PLACE, SPIN = ("x", "y", "z"), ("turn_x", "turn_y", "turn_z")
+EULER_PARAMETERS = ("e0", "e1", "e2", "e3")
+
+
+@dataclass(eq=False)
+class Body(BodyElement):
+    """Rigid body in space.
+
+    Poses and speeds are guesses that assembly corrects; after construction the attributes
+    ``position``, ``rotation``, ``angular_velocity`` … are the body's measures.
+
+    Parameters
+    ----------
+    mass : [kg]
+    inertia : about the mass centre in body axes [kg m²]: ``(Ixx, Iyy, Izz)``, or these with
+        ``Ixy, Iyz, Ixz`` behind, entries of the matrix (Ixy = −∫xy dm), or the matrix itself
+    center_of_mass : (3,) in the body frame [m]
+    position : (3,) initial position of the origin of the body frame [m]
+    rotation : initial orientation: made by ``da.rotation``, a matrix, or SciPy's ``Rotation``
+    velocity : (3,) initial velocity of the origin, inertial axes [m/s]
+    angular_velocity : (3,) initial, inertial axes [rad/s]
+    points : name → (3,) coordinates in the body frame [m]
+
+    Raises
+    ------
+    ModelError
+        A mass without inertia, an inertia that no body has, a bad name or number.
+    """
+
+    mass: Scalar = quantity("kg", "mass", default=None, minimum=0.0)
+    inertia: Vector = quantity(
+        "kg m^2", "about the mass centre: Ixx, Iyy, Izz, Ixy, Iyz, Ixz", default=None, size=6
+    )
+    center_of_mass: Vector = quantity("m", "mass centre in the body frame", default=None, size=3)
+    position: Vector = quantity("m", "initial position of the origin", default=None, size=3)
+    rotation: Orientation = option("initial orientation", default=None)
+    velocity: Vector = quantity("m/s", "initial velocity of the origin", default=None, size=3)
+    angular_velocity: Vector = quantity(
+        "rad/s", "initial angular velocity, inertial axes", default=None, size=3
+    )
+    points: dict[str, Vector] = None  # type: ignore[assignment]
+
+    dimension = 3
+    initial_fields = ("position", "rotation", "velocity", "angular_velocity")
+
+    def __post_init__(self) -> None:
+        if self.inertia is not None:
+            self.inertia = as_moments(self.inertia, f"{self.name}.inertia")
+        if self.rotation is not None:
+            self.rotation = as_orientation(self.rotation, f"{self.name}.rotation")
+        super().__post_init__()
+        if self.rotates and self.mass is not None and self.inertia is None:
+            raise ModelError(
+                "mass is given but inertia is missing; give inertia=(Ixx, Iyy, Izz) about the mass "
+                "centre, or use a Particle",
+                self.name,
+            )
+        given = dict(self.points or {})
+        self.initial = (self.position, self.rotation, self.velocity, self.angular_velocity)
+        self.mass = self.mass if self.mass is not None else Expression(0)
+        self.inertia = self.inertia if self.inertia is not None else Expression(ca.SX.zeros(6))
+        if self.center_of_mass is None:
+            self.center_of_mass = Expression(ca.SX.zeros(3))
+        self._make_coordinates()
+        self._declare(given)
+
+    def _make_coordinates(self) -> None:
+        turns = 3 if self.rotates else 0
+        self.coordinate_names = PLACE + (EULER_PARAMETERS if turns else ())
+        self.coordinate_units = ("m",) * 3 + (("1",) * 4 if turns else ())
+        self.speed_names = PLACE + SPIN[:turns]
+        self.speed_units = ("m",) * 3 + ("rad",) * turns
+        self.rest = (0.0,) * 3 + (rotation.IDENTITY if turns else ())
+        self.pose = stack(ca.SX.sym(f"{self.name}.{n}") for n in self.coordinate_names)
+        self._make_speeds()
+        self.mass_center, self.euler = self.pose[:3], self.pose[3:]
+        self.spin = self.twist[3:]
+        self.axes = rotation.matrix(self.euler) if turns else ca.SX.eye(3)
+        turn = rotation.rate(self.euler, self.spin) if turns else ca.SX(0, 1)
+        self.pose_rate = ca.vertcat(self.twist[:3], turn)
+
+    def _declare(self, points: Mapping[str, Vector]) -> None:
+        place = self.locate(ca.SX.zeros(3))
+        velocity = rate_of(place, [self], t.sx)
+        acceleration = second_rate_of(place, [self], t.sx)
+        named = {
+            "position": (place, "m"),
+            "velocity": (velocity, "m/s"),
+            "acceleration": (acceleration, "m/s^2"),
+            **components("", place, "m"),
+            **components("v", velocity, "m/s"),
+            **components("a", acceleration, "m/s^2"),
+        }
+        if self.rotates:
+            accelerated = self.acceleration_symbols[3:]
+            named |= {
+                "euler_parameters": (self.euler, "1"),
+                "rotation": (ca.vec(self.axes.T), "1"),
+                "angular_velocity": (self.turning, "rad/s"),
+                "angular_velocity_local": (self.spin, "rad/s"),
+                "angular_acceleration": (ca.mtimes(self.axes, accelerated), "rad/s^2"),
+            }
+        self.declare(named, points)
+
+    # a manifold -------------------------------------------------------------------------------
+    @property
+    def flat(self) -> bool:
+        return not self.rotates
+
+    def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
+        moved = pose[:3] + displacement[:3]
+        if not self.rotates:
+            return moved
+        return ca.vertcat(moved, rotation.turned(pose[3:], displacement[3:]))
+
+    def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
+        moved = other[:3] - pose[:3]
+        return ca.vertcat(moved, rotation.turn(pose[3:], other[3:])) if self.rotates else moved
+
+    # mechanics --------------------------------------------------------------------------------
+    def locate(self, local: ca.SX) -> ca.SX:
+        return self.mass_center + self.turned(local - self.center_of_mass.sx)
+
+    def turned(self, local: ca.SX) -> ca.SX:
+        return ca.mtimes(self.axes, local)
+
+    @property
+    def turning(self) -> ca.SX:
+        return self.turned(self.spin) if self.rotates else ca.SX.zeros(3)
+
+    def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+        moment = self.turned(effort[3:]) if self.rotates else ca.SX.zeros(3)
+        return effort[:3], moment, self.mass_center
+
+    def inertia_by_speeds(self) -> tuple[ca.SX, ca.SX]:
+        mass = self.mass.sx * ca.SX.eye(3)
+        if not self.rotates:
+            return mass, ca.SX(3, 1)
+        inertia = tensor(self.inertia.sx)
+        gyroscopic = ca.cross(self.spin, ca.mtimes(inertia, self.spin))
+        return ca.diagcat(mass, inertia), ca.vertcat(ca.SX(3, 1), gyroscopic)
+
+    # the start --------------------------------------------------------------------------------
+    def guesses(self) -> tuple[list, list]:
+        position, orientation, velocity, angular_velocity = self.initial
+        first = ca.SX(list(rotation.IDENTITY)) if orientation is None else orientation.sx
+        arm = ca.mtimes(rotation.matrix(first), self.center_of_mass.sx)
+        spin = ca.SX.zeros(3) if angular_velocity is None else angular_velocity.sx
+        swing = ca.cross(spin, self.turned(self.center_of_mass.sx))
+        pose = [None] * 3 if position is None else ca.vertsplit(position.sx + arm)
+        twist = [None] * 3 if velocity is None else ca.vertsplit(velocity.sx + swing)
+        if self.rotates:
+            pose = [*pose, *([None] * 4 if orientation is None else ca.vertsplit(first))]
+            local = ca.mtimes(self.axes.T, spin)
+            twist = [*twist, *([None] * 3 if angular_velocity is None else ca.vertsplit(local))]
+        return pose, twist
+
+    def guessed(self) -> list[bool]:
+        position, orientation, *_ = self.initial
+        turns = [orientation is not None] * 3 if self.rotates else []
+        return [position is not None] * 3 + turns
+
+    def conditions(self) -> list[tuple[ca.SX, str]]:
+        return [*super().conditions(), *physical(self.inertia.sx)]
+
+
+@dataclass(eq=False)
+class Particle(Body):
+    """Point mass in space: three coordinates, no rotation."""
+
+    rotates = False
+
+    def __post_init__(self) -> None:
+        for field in ("inertia", "rotation", "angular_velocity", "center_of_mass"):
+            if getattr(self, field) is not None:
+                raise ModelError(f"a particle has no {field}; use a Body", self.name)
+        super().__post_init__()

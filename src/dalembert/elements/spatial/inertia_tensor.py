@@ -1,0 +1,94 @@
+"""The inertia tensor of a body: how it may be given, and whether any body has it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression, as_expression, as_sx
+
+ROUNDING = 1e-9
+"""Of moments of inertia as people write them, relative to their sum."""
+SYMMETRIC = 1e-9
+
+
+def as_moments(given: Any, entity: str) -> Expression:
+    """``(Ixx, Iyy, Izz, Ixy, Iyz, Ixz)`` from three moments, six entries or the matrix.
+
+    Raises
+    ------
+    ModelError
+        Another number of entries, or a matrix that is not symmetric.
+    """
+    if isinstance(given, Expression):
+        sx = given.sx
+    else:
+        rows = list(given) if np.iterable(given) and not isinstance(given, (str, bytes)) else []
+        if len(rows) == 3 and all(np.iterable(row) for row in rows):
+            return _of_matrix([list(row) for row in rows], entity)
+        if len(rows) not in (3, 6):
+            raise ModelError(
+                "give (Ixx, Iyy, Izz), these with Ixy, Iyz, Ixz behind, or a 3×3 matrix; "
+                f"got {given!r}",
+                entity,
+            )
+        sx = as_sx(rows)
+    if sx.numel() == 3:
+        sx = ca.vertcat(sx, ca.SX.zeros(3))
+    return as_expression(Expression(sx), entity, "kg m^2", 6)
+
+
+def _of_matrix(rows: list[list], entity: str) -> Expression:
+    if any(len(row) != 3 for row in rows):
+        raise ModelError("an inertia matrix has three rows of three entries", entity)
+    sizes = [abs(float(rows[k][k])) for k in range(3) if isinstance(rows[k][k], (int, float))]
+    for i, j in ((0, 1), (1, 2), (0, 2)):
+        a, b = rows[i][j], rows[j][i]
+        known = isinstance(a, (int, float)) and isinstance(b, (int, float))
+        if known and abs(a - b) > SYMMETRIC * max(sizes, default=1.0):
+            raise ModelError(
+                f"the matrix is not symmetric: entries {i + 1},{j + 1} and {j + 1},{i + 1} are "
+                f"{a:g} and {b:g}",
+                entity,
+            )
+    entries = [rows[0][0], rows[1][1], rows[2][2], rows[0][1], rows[1][2], rows[0][2]]
+    return as_expression(entries, entity, "kg m^2", 6)
+
+
+def tensor(moments: ca.SX) -> ca.SX:
+    """``J'`` (3, 3) of ``(Ixx, Iyy, Izz, Ixy, Iyz, Ixz)``; entries that are zero stay out of it."""
+    xx, yy, zz, xy, yz, xz = ca.vertsplit(moments)
+    return ca.sparsify(
+        ca.vertcat(ca.horzcat(xx, xy, xz), ca.horzcat(xy, yy, yz), ca.horzcat(xz, yz, zz))
+    )
+
+
+def physical(moments: ca.SX) -> list[tuple[ca.SX, str]]:
+    """What must not be negative, so that some body has these moments.
+
+    ``∫ s sᵀ dm = tr(J)/2 − J`` is positive semidefinite: all its principal minors are not negative.
+    On the axes this is the triangle inequality of the moments.
+    """
+    second = ca.trace(tensor(moments)) / 2 * ca.SX.eye(3) - tensor(moments)
+    size = ca.sumsqr(moments) ** 0.5
+    singles = ca.diag(second) + ROUNDING * size
+    pairs = [
+        second[i, i] * second[j, j] - second[i, j] ** 2 + ROUNDING * size**2
+        for i, j in ((0, 1), (1, 2), (0, 2))
+    ]
+    whole = ca.det(second) + ROUNDING * size**3
+    return [
+        (
+            ca.densify(singles),
+            "no body has this inertia: each principal moment must not exceed the sum of the other "
+            "two (Ixx ≤ Iyy + Izz …), and none is negative",
+        ),
+        (
+            ca.densify(ca.vertcat(*pairs, whole)),
+            "no body has this inertia: its products are too large for its moments (the matrix "
+            "tr(J)/2 − J must be positive semidefinite; mind the sign, Ixy = −∫xy dm)",
+        ),
+    ]

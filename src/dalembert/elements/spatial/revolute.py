@@ -1,0 +1,25 @@
+"""Revolute joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.spatial.joint import FrameJoint
+
+
+@dataclass(eq=False)
+class Revolute(FrameJoint):
+    """Hinge: two origins coincide and the z axes are parallel.
+
+    ``Φ = [r_j − r_i; x_iᵀ z_j; y_iᵀ z_j] = 0``.
+    """
+
+    kind = "revolute"
+
+    def residual(self) -> ca.SX:
+        return ca.vertcat(self.between, self.tilt)
+
+    def units(self) -> list[str]:
+        return ["m", "m", "m", "rad", "rad"]

@@ -1,0 +1,19 @@
+"""Spherical joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.pair import PointJoint
+
+
+@dataclass(eq=False)
+class Spherical(PointJoint):
+    """Ball and socket: two points coincide, ``Φ = r_jP − r_iP = 0``."""
+
+    kind = "spherical"
+
+    def residual(self) -> ca.SX:
+        return self.between

@@ -1,0 +1,82 @@
+"""Rotations in space by Euler parameters ``e = (e0, e1, e2, e3)``, the scalar first (Ch. 2).
+
+They turn the body frame into the inertial one, ``r = R(e) s'``, with ``|e| = 1``. Angular
+velocities and small turns are those in body axes, ``ω'`` and ``δ'``.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+IDENTITY = (1.0, 0.0, 0.0, 0.0)
+
+
+def skew(a: ca.SX) -> ca.SX:
+    """``ã`` with ``ã b = a × b``."""
+    return ca.vertcat(
+        ca.horzcat(0, -a[2], a[1]), ca.horzcat(a[2], 0, -a[0]), ca.horzcat(-a[1], a[0], 0)
+    )
+
+
+def matrix(e: ca.SX) -> ca.SX:
+    """``R(e)`` (3, 3) for ``|e| = 1``."""
+    w, x, y, z = e[0], e[1], e[2], e[3]
+    return ca.vertcat(
+        ca.horzcat(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        ca.horzcat(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        ca.horzcat(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+
+
+def product(a: ca.SX, b: ca.SX) -> ca.SX:
+    """``a ⊗ b``: the turn b, seen in the frame that a has turned; ``R(a ⊗ b) = R(a) R(b)``."""
+    vector = a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:])
+    return ca.vertcat(a[0] * b[0] - ca.dot(a[1:], b[1:]), vector)
+
+
+def conjugate(e: ca.SX) -> ca.SX:
+    """The turn back."""
+    return ca.vertcat(e[0], -e[1:])
+
+
+def rate(e: ca.SX, turning: ca.SX) -> ca.SX:
+    """``ė = e ⊗ (0, ω') / 2``."""
+    return product(e, ca.vertcat(0, turning)) / 2
+
+
+def turned(e: ca.SX, turn: ca.SX) -> ca.SX:
+    """Where a small turn δ' leads, ``e ⊗ (1, δ'/2)`` at length one; the inverse of ``turn``.
+
+    It agrees with the exponential to second order.
+    """
+    moved = product(e, ca.vertcat(1, turn / 2))
+    return moved / ca.sqrt(ca.sumsqr(moved))
+
+
+def turn(e: ca.SX, other: ca.SX) -> ca.SX:
+    """δ' from one orientation to another; infinite for half a turn."""
+    between = product(conjugate(e), other)
+    return 2 * between[1:] / between[0]
+
+
+def from_matrix(r: ca.SX) -> ca.SX:
+    """Euler parameters of a rotation matrix, by the largest of the four squares (Shepperd 1978)."""
+    squares = [
+        1 + r[0, 0] + r[1, 1] + r[2, 2],
+        1 + r[0, 0] - r[1, 1] - r[2, 2],
+        1 - r[0, 0] + r[1, 1] - r[2, 2],
+        1 - r[0, 0] - r[1, 1] + r[2, 2],
+    ]
+    a = [r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]
+    b = [r[1, 0] + r[0, 1], r[2, 0] + r[0, 2], r[2, 1] + r[1, 2]]
+    rows = [
+        ca.vertcat(squares[0], a[0], a[1], a[2]),
+        ca.vertcat(a[0], squares[1], b[0], b[1]),
+        ca.vertcat(a[1], b[0], squares[2], b[2]),
+        ca.vertcat(a[2], b[1], b[2], squares[3]),
+    ]
+    found, largest = rows[0], squares[0]
+    for row, square in zip(rows[1:], squares[1:], strict=True):
+        found = ca.if_else(square > largest, row, found)
+        largest = ca.fmax(square, largest)
+    return found / ca.sqrt(ca.sumsqr(found))
