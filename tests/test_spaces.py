@@ -8,10 +8,10 @@ import tomllib
 from dataclasses import dataclass
 
 import pytest
-from dalembert.elements.frame import Frame
 
 from dalembert import planar
 from dalembert.elements.base import Element, Vector, option, quantity
+from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
 from dalembert.elements.registry import SPACES, Space, named
 from dalembert.errors import ModelError
