@@ -21,7 +21,7 @@ from dalembert.io.schema import MECHANISMS, document_of
 
 class Place(Frame):
     def __init__(self, body, local, axis=None):
-        self.body, self.local, self.axis = body, local, axis
+        self.body, self.local, self.direction = body, local, axis
 
 
 @dataclass(eq=False)
@@ -119,7 +119,7 @@ def test_a_file_of_space_may_hold_elements_of_the_plane(read, sign):
     assert kinds["flat"] is planar.Body and kinds["K"] is planar.Revolute
     joint = made["J"]
     assert joint.frame_i is made["a"].frames["P"] and joint.point_j.local == (1, 2, 3)
-    assert joint.plane.body is made["b"] and joint.plane.axis == [1, 0, 0]
+    assert joint.plane.body is made["b"] and joint.plane.direction == [1, 0, 0]
 
 
 @pytest.mark.parametrize("sign", ["", "dimension = 2", "gravity = [0, -9.81]"])

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from dalembert.model.manifold import Manifold
-from dalembert.model.scales import Scales
+from dalembert.analysis.kinematics_kernel import KinematicsKernel
 from dalembert.symbolic.newton import Equations, NewtonSettings, Residual, solve
 
 SETTINGS = NewtonSettings(tolerance=1e-13, slack=1e4, max_iterations=30)
@@ -31,25 +30,17 @@ class Fold:
 
 
 def find_fold(
-    driven: ca.Function,
-    manifold: Manifold,
-    time: float,
-    y: np.ndarray,
-    p: np.ndarray,
-    sizes: Scales,
-    near: float,
+    kernel: KinematicsKernel, time: float, y: np.ndarray, p: np.ndarray, near: float
 ) -> Fold | None:
     """Fold nearest to a position just before it, by Newton's method.
 
     Parameters
     ----------
-    driven : ``(t, y, p) → Φ, C, Φ_t``
-    manifold : of the positions
+    kernel : KinematicsKernel
     time, y : last position reached
-    sizes : natural sizes of coordinates and equations
     near : how far away it may be [s]
     """
-    system = FoldSystem(driven, manifold, time, y, p, sizes, near)
+    system = FoldSystem(kernel, time, y, p, near)
     found = solve(system, system.start, SETTINGS)
     after, place, direction = system.split(found.x)
     if not found.accepted or abs(after) > near or not system.turns_back(found.x):
@@ -61,16 +52,9 @@ class FoldSystem(Equations[np.ndarray]):
     """Unknown are displacement from the last position, direction and time, all by natural sizes."""
 
     def __init__(
-        self,
-        driven: ca.Function,
-        manifold: Manifold,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        sizes: Scales,
-        near: float,
+        self, kernel: KinematicsKernel, time: float, y: np.ndarray, p: np.ndarray, near: float
     ):
-        self.driven, self.manifold = driven, manifold
+        self.driven, self.manifold, sizes = kernel.jacobian, kernel.e.manifold, kernel.e.scales
         self.time, self.y, self.p, self.n = time, y, p, sizes.displacements.size
         self.units = np.concatenate([sizes.displacements, sizes.displacements, [near]])
         self.rows = sizes.rows

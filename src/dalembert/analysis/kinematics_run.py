@@ -239,9 +239,7 @@ class KinematicsRun:
 
     def end_of_motion(self, last: np.ndarray, now: float) -> None:
         y = last[: self.n]
-        self.fold = find_fold(
-            self.kernel.jacobian, self.manifold, now, y, self.p, self.sizes, self.typical
-        )
+        self.fold = find_fold(self.kernel, now, y, self.p, self.typical)
         if self.fold is not None:
             there = SingularPosition(self.model, self.fold.time, self.fold.y, self.p)
             self.message = (

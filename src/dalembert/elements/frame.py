@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 
 from dalembert.elements.base import Vector
 from dalembert.elements.orientation import as_orientation, orthonormal, unit
-from dalembert.elements.point import Point
+from dalembert.elements.point import Carrier, Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import as_expression, as_sx
-
-if TYPE_CHECKING:
-    from dalembert.elements.body import BodyElement
 
 PARALLEL = 1e-9
 
@@ -38,7 +35,7 @@ class Frame(Point):
 
     def __init__(
         self,
-        body: BodyElement,
+        body: Carrier,
         place: Vector = (0.0, 0.0, 0.0),
         *,
         axis: Vector | None = None,

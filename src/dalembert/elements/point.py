@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import casadi as ca
 
@@ -10,10 +10,20 @@ from dalembert.elements.base import Vector, rate_of, second_rate_of
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, t
 
-if TYPE_CHECKING:
-    from dalembert.elements.body import BodyElement
-
 AXES = "xyz"
+
+
+class Carrier(Protocol):
+    """What points and frames are fixed in."""
+
+    name: str
+    dimension: int
+
+    def locate(self, local: ca.SX) -> ca.SX:
+        """Inertial position of a place in its own frame."""
+
+    def turned(self, local: ca.SX) -> ca.SX:
+        """Inertial components of a vector in its own frame."""
 
 
 class Point:
@@ -27,7 +37,7 @@ class Point:
     name : str, optional
     """
 
-    def __init__(self, body: BodyElement, local: Vector, name: str = ""):
+    def __init__(self, body: Carrier, local: Vector, name: str = ""):
         self.body: Any = body
         self.name = f"{body.name}.{name}" if name else ""
         spoken = self.name or f"point of {body.name}"

@@ -14,7 +14,7 @@ from dalembert.elements.driver import Driver
 from dalembert.elements.pair import Pair
 from dalembert.model.measures import element_measures
 from dalembert.model.model import Model
-from dalembert.results.labelled import COMPONENTS
+from dalembert.results.components import COMPONENTS
 from dalembert.results.recording import Recording
 from dalembert.symbolic.expression import Expression, t
 from dalembert.symbolic.once import once

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from dalembert.results.components import COMPONENTS
 from dalembert.results.recording import Recording
 from dalembert.symbolic.expression import Expression
 
@@ -20,14 +21,6 @@ DATA_ONLY = {
     "position_violation",
     "velocity_violation",
 }
-
-COMPONENTS = {
-    2: ("axis", ("x", "y")),
-    3: ("axis", ("x", "y", "z")),
-    4: ("component", ("e0", "e1", "e2", "e3")),
-    9: ("entry", tuple(f"{row}{column}" for row in "xyz" for column in "xyz")),
-}
-"""Dimension and names of so many components: vectors, Euler parameters, matrices by rows."""
 
 
 @dataclass(eq=False, repr=False)
