@@ -96,3 +96,42 @@ def test_soft_beside_stiff(stiffness):
     assert rest.statistics["stable"]
     assert float(rest["cart.x"][0]) == pytest.approx(0.0, abs=1e-9)
     assert float(rest["bar.angle"][0]) == pytest.approx(-np.pi / 2, abs=1e-7)
+
+
+def hung(stiffness: float | None) -> da.Model:
+    """A bar on a soft spring and on a stiff one, or on a rigid link instead."""
+    system = da.System("hung", gravity=(0.0, -9.81))
+    bar = system.add(planar.Bar("bar", length=1.0, mass=2.0, angle=0.2, position=(0.5, 0.1)))
+    top, side = system.ground.point(0, 1), system.ground.point(1, 1)
+    if stiffness is None:
+        system.add(planar.RigidLink("stiff", top, bar.start, length=1.0))
+    else:
+        system.add(planar.Spring("stiff", top, bar.start, stiffness=stiffness, free_length=1.0))
+    system.add(planar.Spring("soft", side, bar.end, stiffness=100.0, free_length=0.9))
+    return system.build()
+
+
+@pytest.mark.parametrize("ratio", [1e2, 1e4, 1e6, 1e8, 1e10, 1e11])
+def test_stiff_springs_beside_soft_ones(ratio):
+    """The stiff one turns far on the way; in the end it is as good as rigid."""
+    rigid = da.solve_equilibrium(hung(None)).trajectory.y[:, 0]
+    rest = da.solve_equilibrium(hung(100.0 * ratio))
+    assert rest.status.success and rest.statistics["stable"], rest.status
+    assert rest.statistics["iterations"] < 60
+    np.testing.assert_allclose(rest.trajectory.y[:, 0], rigid, atol=1 / ratio + 1e-7)
+
+
+@pytest.mark.parametrize("ratio", [1e8, 1e10, 1e12])
+def test_what_is_soft_is_solved_beside_what_is_stiff(ratio):
+    """Two bars on springs at their pins: moments of the second one are no bigger than round-off."""
+    system = da.System("bars", gravity=(0.0, -9.81))
+    body, pin = system.ground, system.ground.point(0, 0)
+    for k, stiffness in enumerate((50.0 * ratio, 50.0)):
+        bar = system.add(planar.Bar(f"b{k}", length=1.0, mass=1.0, angle=0.1))
+        system.add(planar.Revolute(f"O{k}", pin, bar.start))
+        system.add(planar.RotationalSpring(f"T{k}", body, bar, stiffness=stiffness))
+        body, pin = bar, bar.end
+    rest = da.solve_equilibrium(system.build())
+    assert rest.status.success, rest.status
+    first, second = (float(rest[f"b{k}.angle"].values[0]) for k in range(2))
+    assert abs(50.0 * (second - first) + 9.81 / 2 * np.cos(second)) < 1e-9

@@ -18,7 +18,6 @@ from dalembert.analysis.static_balance import (
     StaticBalance,
     StaticsKernel,
     statics_kernel,
-    symmetric,
 )
 from dalembert.errors import AnalysisError
 from dalembert.formulations.levels import Level
@@ -120,7 +119,7 @@ class _Search:
     def result(self, balance: StaticBalance, found: Solution[np.ndarray]) -> Motion:
         n, here = self.model.equations.speed_count, balance.residual(found.x)
         residual = float(np.abs(here.value).max(initial=0.0)) / self.model.scales.length
-        stable = bool(np.all(np.linalg.eigvalsh(symmetric(here.stiffness)) > 0))
+        stable = bool(np.all(here.resistance > 0))
         text = f"residual {residual:.3g} N after {found.iterations} iterations, " + (
             "stable" if stable else "not a stable position"
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -21,6 +22,8 @@ CURVED = 1e-12
 """Stiffness, relative to the largest, from which on a direction counts as stable."""
 BENT = 1e-3
 """Deflection, in natural sizes, whose elastic force is a force that counts."""
+STIFF = 1e4
+"""Resistance, relative to the smallest, of what is kept straight on the way along the others."""
 CLOSED = NewtonSettings(tolerance=1e-13, max_iterations=20)
 
 
@@ -87,22 +90,32 @@ class Forces(Residual):
     force : (n,) applied forces
     multiplier : λ that balances them best
     free : (n, k) free directions ``Z``, orthonormal in natural sizes
-    stiffness : (k, k) ``Zᵀ K Z``
+    resistance : (k,) of each free direction
+    stiffness : (k, k) ``Zᵀ K Z``, its symmetric part diagonal
     """
 
     y: np.ndarray = field(kw_only=True)
     force: np.ndarray = field(kw_only=True)
     multiplier: np.ndarray = field(kw_only=True)
     free: np.ndarray = field(kw_only=True)
+    resistance: np.ndarray = field(kw_only=True)
     stiffness: np.ndarray = field(kw_only=True)
 
     @property
     def stable(self) -> bool:
         """Every free direction resists."""
-        if not np.all(np.isfinite(self.stiffness)):
-            return False
-        values = np.linalg.eigvalsh(symmetric(self.stiffness))
-        return bool(np.all(values > CURVED * np.abs(values).max(initial=0.0)))
+        largest = np.abs(self.resistance).max(initial=0.0)
+        return bool(np.all(self.resistance > CURVED * largest))
+
+    @property
+    def stiff(self) -> np.ndarray:
+        """(k,) magnitudes of the resistances, none of them nothing."""
+        sizes = np.abs(self.resistance)
+        return np.maximum(sizes, CURVED * sizes.max(initial=0.0))
+
+    def deflection(self, force: np.ndarray) -> np.ndarray:
+        """Of the free directions by a force."""
+        return np.asarray(np.linalg.solve(self.stiffness, force))
 
 
 class StaticBalance(Equations[np.ndarray]):
@@ -135,39 +148,60 @@ class StaticBalance(Equations[np.ndarray]):
         multiplier = np.linalg.lstsq(c.T, force, rcond=None)[0] / row if c.size else self.idle
         free = np.linalg.svd(c)[2][c.shape[0] :].T if c.size else np.eye(force.size)
         free = free * unit[:, None]
-        stiffness = free.T @ self.evaluate(x, multiplier)[2] @ free
-        stiff = np.abs(stiffness).max(initial=0.0)
-        scale = max(np.abs(force).max(initial=0.0), BENT * stiff)
+        stiffness = self.evaluate(x, multiplier)[2]
+        resistance, turned = _spectrum(free.T @ stiffness @ free)
+        free = free @ turned
+        stiff, place = np.abs(resistance), np.abs(x / self.sizes.coordinates).max(initial=0.0)
+        scale = np.maximum(np.abs(force).max(initial=0.0), BENT * stiff)
         return Forces(
             free.T @ (force / unit),
             scale,
-            ROUNDING * max(scale, stiff * np.abs(x / self.sizes.coordinates).max(initial=0.0)),
+            ROUNDING * np.maximum(scale, stiff * place),
             y=x,
             force=force / unit,
             multiplier=multiplier,
             free=free,
-            stiffness=stiffness,
+            resistance=resistance,
+            stiffness=free.T @ stiffness @ free,
         )
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
         """Newton's step; where some direction does not resist, one that falls instead."""
         assert isinstance(residual, Forces)
         if residual.stable:
-            return residual.free @ np.linalg.solve(residual.stiffness, residual.value)
-        values, vectors = np.linalg.eigh(symmetric(residual.stiffness))
-        largest = np.abs(values).max(initial=0.0)
-        curvature = np.maximum(np.abs(values), CURVED * largest)
-        return residual.free @ (vectors @ ((vectors.T @ residual.value) / curvature))
+            return residual.free @ residual.deflection(residual.value)
+        return residual.free @ (residual.value / residual.stiff)
+
+    def steps(self, x: np.ndarray, residual: Residual) -> Iterator[np.ndarray]:
+        """Steps that end where what is stiff is straight again: soft ones turn it, so it bends."""
+        assert isinstance(residual, Forces)
+        stiff = residual.stiff > STIFF * residual.stiff.min(initial=np.inf)
+        across = residual.free[:, stiff] / residual.stiff[stiff]
+        for step in super().steps(x, residual):
+            if stiff.any():
+                force = self.residual(self.retract(x, step))
+                assert isinstance(force, Forces)
+                step = step + across @ self.seen(residual, force)[stiff]
+            yield step
+
+    def seen(self, here: Forces, there: Forces) -> np.ndarray:
+        """What is left at one place along the free directions of another."""
+        turned = here.free.T / self.sizes.displacements**2
+        return np.asarray(turned @ there.free @ there.value)
 
     def nearer(self, here: Residual, there: Residual, zero: np.ndarray) -> bool:
-        """By the work done on the way; where all directions resist, by the residuals as well.
+        """By the work done on the way; where all directions resist, by deflections left as well.
 
-        Residuals alone would not do: a step along a soft direction bends a stiff one by a little.
+        Residuals would not do: a step along a soft direction bends a stiff one by a little.
         """
         assert isinstance(here, Forces) and isinstance(there, Forces)
         way = self.kernel.model.equations.manifold.lead(here.y, there.y)
-        falls = (here.force + there.force) @ way > 0
-        return bool(falls or (here.stable and super().nearer(here, there, zero)))
+        if (here.force + there.force) @ way > 0:
+            return True
+        if not (here.stable and np.all(np.isfinite(there.value))):
+            return False
+        left = np.linalg.norm(here.deflection(self.seen(here, there)))
+        return bool(left < np.linalg.norm(here.deflection(here.value)))
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         """The assembled position near ``x + step``, not a number where there is none."""
@@ -207,6 +241,8 @@ class _Nearest(Equations[np.ndarray]):
         return -unit * np.linalg.lstsq(alike, residual.value / row, rcond=None)[0]
 
 
-def symmetric(matrix: np.ndarray) -> np.ndarray:
-    """Its symmetric part."""
-    return (matrix + matrix.T) / 2
+def _spectrum(stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues and vectors of the symmetric part."""
+    if not np.all(np.isfinite(stiffness)):
+        return np.full(stiffness.shape[0], np.nan), np.eye(stiffness.shape[0])
+    return np.linalg.eigh((stiffness + stiffness.T) / 2)
