@@ -43,6 +43,7 @@ from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
 from dalembert.elements import (
     laws as laws,
     planar as planar,
+    rotation as rotation,
     spatial as spatial,
 )
 from dalembert.elements.curves import (

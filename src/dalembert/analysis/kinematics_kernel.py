@@ -8,7 +8,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
 from dalembert.model.position import position_stages
@@ -34,6 +34,13 @@ class KinematicsKernel:
             raise AnalysisError(
                 f"the drivers leave {free} {n} of freedom undetermined; add {free} driver(s), "
                 "or use solve_dynamics"
+            )
+
+        if self.e.slips:
+            rolling = [model.closure.owners[model.closure.rows[k]][0].name for k in self.e.slips]
+            raise UnsupportedError(
+                f"{', '.join(dict.fromkeys(rolling))}: positions depend on the way that led there, "
+                "so that they cannot be found instant by instant; use solve_dynamics"
             )
 
     @cached_property

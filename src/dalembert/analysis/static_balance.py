@@ -54,7 +54,9 @@ class StaticsKernel:
         e = self.model.equations
         near = ca.SX.sym("near", e.coordinate_count + e.constraint_count)
         unknown = ca.vertcat(e.y, e.multiplier)
-        residual = ca.vertcat(self.balance, e.constraints)
+        way = e.manifold.displacement(near[: e.coordinate_count], e.y)
+        held = e.constraints + ca.mtimes(e.slip_jacobian, way) if e.slips else e.constraints
+        residual = ca.vertcat(self.balance, held)
         sizes = e.scales
         rows = np.concatenate([sizes.efforts, sizes.rows])
         stages = position_stages(

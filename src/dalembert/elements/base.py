@@ -197,7 +197,9 @@ class Element:
 
 @dataclass(eq=False)
 class Constraint(Element):
-    """Position-level equations ``Φ(poses, t) = 0``, physical: metres or radians.
+    """Equations ``Φ(poses, t) = 0`` of positions, and ``Ψ(poses, twists, t) = 0`` of speeds where
+    no equation of positions says the same (nonholonomic ones). Both are physical: metres or
+    radians, per second.
 
     The multiplier follows (4.22), ``M v̇ + d = f − Cᵀλ``.
     """
@@ -207,17 +209,21 @@ class Constraint(Element):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.equations = ca.densify(self.residual())
-        self.multiplier = stack(
-            ca.SX.sym(f"{self.name}.lambda{k}") for k in range(self.equations.numel())
-        )
+        self.slip = ca.densify(self.slipping())
+        count = self.equations.numel() + self.slip.numel()
+        self.multiplier = stack(ca.SX.sym(f"{self.name}.lambda{k}") for k in range(count))
 
     def residual(self) -> ca.SX:
         """Equations ``Φ`` in the pose symbols of the parts and time."""
         raise NotImplementedError
 
+    def slipping(self) -> ca.SX:
+        """Speeds ``Ψ`` that must vanish, linear in the twists of the parts; none by default."""
+        return ca.SX(0, 1)
+
     def units(self) -> list[str]:
-        """Unit of each equation: ``m`` or ``rad``."""
-        return ["m"] * self.equations.numel()
+        """Unit of each equation: ``m`` or ``rad``; of speeds, per second."""
+        return ["m"] * self.multiplier.numel()
 
     def compared(self) -> tuple[ca.SX, ca.SX] | None:
         """The length or angle that its equation measures, and what it asks for; None if none."""

@@ -51,6 +51,10 @@ class BodyElement(Element, Coordinates):
         """(3,) angular velocity in inertial axes."""
         raise NotImplementedError
 
+    def velocity_at(self, place: ca.SX) -> ca.SX:
+        """(3,) velocity of the matter of the body at an inertial place."""
+        raise NotImplementedError
+
     def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Force, moment and where it is taken, of a generalised force by speeds; inertial axes."""
         raise NotImplementedError

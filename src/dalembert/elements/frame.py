@@ -7,8 +7,8 @@ from typing import Any
 import casadi as ca
 
 from dalembert.elements.base import Vector
-from dalembert.elements.orientation import as_orientation, orthonormal, unit
 from dalembert.elements.point import Carrier, Point
+from dalembert.elements.rotation import as_orientation, orthonormal, unit
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import as_expression, as_sx
 

@@ -95,11 +95,12 @@ class BetweenPoints(Element):
 class Pair:
     """Reaction of a two-body constraint, by the virtual work of its equations.
 
-    Along a motion of its second body the joint does the work ``−λᵀ δΦ``: a generalised force by
-    speeds, and so a force, and a moment that is moved to the joint point.
+    Along a motion of its second body the joint has the power ``−λᵀ (Φ̇, Ψ)``: a generalised force
+    by speeds, and so a force, and a moment that is moved to the joint point.
     """
 
     equations: ca.SX
+    slip: ca.SX
     multiplier: ca.SX
 
     def ends(self) -> tuple[Any, Any]:
@@ -116,7 +117,8 @@ class Pair:
     def reaction(self) -> tuple[ca.SX, ca.SX]:
         """Force [N] and moment [N m] on the second body at the joint point."""
         body = self.ends()[1]
-        power = -ca.dot(self.multiplier, rate_of(self.equations, [body], t.sx))
+        rates = ca.vertcat(rate_of(self.equations, [body], t.sx), self.slip)
+        power = -ca.dot(self.multiplier, rates)
         force, moment, origin = body.wrench(ca.gradient(power, body.twist))
         return force, moment - moment_of(self.place() - origin, force)
 

@@ -104,9 +104,14 @@ class Dae(Formulation):
             z, lag = [*z, mu], [*lag, *[1] * m]
         levels = {3: e.constraints, 2: e.velocity_constraints, 1: ca.mtimes(e.jacobian, e.a) - xi}
         chosen = (2, 3) if self.stabilized else (self.index,)
+        slips = list(e.slips)
         for level in chosen:
-            rows.append(levels[level])
-            depth += [level - 1] * m
+            held, depths = ca.SX(levels[level]), np.full(m, level - 1)
+            if level == 3 and slips:  # which know of speeds only, and shift no positions
+                held[slips] = mu[slips] if self.stabilized else e.velocity_constraints[slips]
+                depths[slips] = 1
+            rows.append(held)
+            depth += depths.tolist()
         forces = [e.scales.multipliers]
         if self.stabilized:
             forces.append(self._shift_size(e))

@@ -45,7 +45,8 @@ class EnergyProjection(Projection):
         return True
 
     def correction(self, e: Equations, formulation: Formulation) -> ImplicitFunction | None:
-        if ca.depends_on(e.constraints, e.t):
+        imposed = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
+        if not imposed.is_zero():
             raise UnsupportedError(
                 "EnergyProjection scales all speeds, but a driver or a constraint in time "
                 "prescribes some; use stabilization=Projection()"

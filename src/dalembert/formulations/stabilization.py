@@ -195,6 +195,8 @@ class Projection(Stabilization):
         solver = raw.corrector
         moved = e.manifold.retract(e.y, delta)
         violation = ca.substitute(e.constraints, e.y, moved)
+        if e.slips:  # corrections do not slip
+            violation += ca.mtimes(e.slip_jacobian, delta)
         residual = ca.vertcat(e.inertia.times(delta) + ca.mtimes(e.jacobian.T, mu), violation)
         value_delta, value_mu = ca.SX.zeros(n), ca.SX.zeros(m)
         for _ in range(self.iterations):

@@ -32,8 +32,11 @@ def absolute_equations(d: Description) -> Equations:
     def fixed(expression: ca.SX) -> ca.SX:
         return at_ground(d.ground, expression)
 
-    constraints = fixed(stack(c.equations for c in d.constraints))
-    multiplier = stack(c.multiplier for c in d.constraints)
+    held = fixed(stack(c.equations for c in d.constraints))
+    slip = fixed(stack(c.slip for c in d.constraints))
+    multiplier = stack(c.multiplier[k] for c, k in d.rows)
+    constraints = ca.vertcat(held, ca.SX.zeros(slip.numel()))
+    nonholonomic = ca.vertcat(ca.SX.zeros(held.numel()), slip)
     coordinates, efforts, losses = [], [], ca.SX(0)
     potential, released = ca.SX(0), ca.SX(0)  # released: power on bodies that is not from storage
     for element in d.forces:
@@ -57,7 +60,9 @@ def absolute_equations(d: Description) -> Equations:
     effort, losses = fixed(stack(efforts)), fixed(losses)
     potential = fixed(potential)
     rates = rate_of(fixed(stack(coordinates)), groups, t.sx)
-    delivered = ca.dot(multiplier, ca.jacobian(constraints, t.sx))  # by drivers: C v = −Φ_t
+    imposed = ca.substitute(nonholonomic, v, ca.SX.zeros(v.numel()))
+    imposed += ca.jacobian(constraints, t.sx)
+    delivered = ca.dot(multiplier, imposed)  # by drivers: C v = −Φ_t
     applied = fixed(released)
     masses, gyroscopic = zip(*(c.inertia_by_speeds() for c in groups), strict=True)
     return Equations(
@@ -72,6 +77,7 @@ def absolute_equations(d: Description) -> Equations:
         bias=ca.densify(stack(gyroscopic)),
         force=ca.jtimes(rates, v, effort, True) if effort.numel() else ca.SX.zeros(v.numel()),
         constraints=constraints,
+        nonholonomic=nonholonomic,
         potential=potential,
         manifold=Manifold.of(groups),
         powers=ca.vertcat(losses, applied + losses + delivered),

@@ -81,7 +81,10 @@ class Assembler:
         self.equation_count = e.constraint_count
         self.start = ca.Function("start", [e.t, e.p], [start])
         residual = ca.vertcat(e.constraints, initial)
-        jacobian = ca.vertcat(e.jacobian, e.by_displacement(initial))
+        conditions = e.by_displacement(initial)
+        jacobian = ca.vertcat(e.position_jacobian, conditions)
+        whole = ca.vertcat(e.jacobian, conditions)
+        self._whole = ca.Function("jacobian", [e.t, e.y, e.p], [whole])
         self.row_count = residual.numel()
         self.longest = np.where(guesses.metres, np.inf, LARGEST_TURN * scales.displacements)
         self.manifold = e.manifold
@@ -120,8 +123,8 @@ class Assembler:
         return Closeness(value, scale, rounding, jacobian=jacobian)
 
     def scaled_jacobian(self, t: float, y: np.ndarray, p: np.ndarray) -> sparse.csr_array:
-        """Jacobian of all equations by displacements in natural units."""
-        jacobian = self.closeness(t, y, p).jacobian
+        """``C`` and the Jacobian of initial conditions, by displacements in natural units."""
+        jacobian = sparse.csr_array(self._whole(t, y, p).sparse())
         return scaled(jacobian, np.ones(jacobian.shape[0]), self.scales.displacements)
 
     def project(self, t: float, p: np.ndarray, attempts: int = 12) -> newton.Solution[np.ndarray]:

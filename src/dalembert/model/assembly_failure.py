@@ -89,13 +89,14 @@ class _Demand:
 class _Failure:
     def __init__(self, assembler: Assembler, d: Description, t: float, y, p: np.ndarray):
         self.assembler, self.d, self.t, self.y, self.p = assembler, d, t, y, p
-        ends = np.cumsum([0, *(c.equations.numel() for c in d.constraints)]).tolist()
+        holding = [c for c in d.constraints if c.equations.numel()]
+        ends = np.cumsum([0, *(c.equations.numel() for c in holding)]).tolist()
         self.demands = {
             c.name: _Demand(c.name, list(range(*span)), c.units()[0], c.compared(), c)
-            for c, span in zip(d.constraints, pairwise(ends), strict=True)
+            for c, span in zip(holding, pairwise(ends), strict=True)
         }
         of_position = [(m, v) for m, v in d.initial_conditions if not self.of_speed(m.sx - v.sx)]
-        for row, (m, v) in enumerate(of_position, ends[-1]):
+        for row, (m, v) in enumerate(of_position, assembler.equation_count):
             name = f"the initial value of {m.name or 'a formula'}"
             self.demands[name] = _Demand(name, [row], m.unit, (m.sx, v.sx), None)
 

@@ -43,7 +43,7 @@ def check_symbols(d: Description) -> None:
     states = poses | _names(c.twist for c in (*d.coordinates, d.ground))
     lengths: Formulas = [(name, f.sx) for name, f in d.derived_parameters.items()]
     positions: Formulas = [(c.name, c.equations) for c in d.constraints]
-    efforts: Formulas = []
+    efforts: Formulas = [(c.name, c.slip) for c in d.constraints]
     for element in d.elements.values():
         if isinstance(element, ForceElement):
             rate = partial(rate_of, owners=element.parts() or d.coordinates, time=t.sx)

@@ -91,9 +91,7 @@ class Closure:
     ):
         self.description, self.all_equations, self.nominal = description, equations, nominal
         self.guesses, self.scales = guesses, equations.scales
-        self.owners: Owners = [
-            (c, k) for c in description.constraints for k in range(c.equations.numel())
-        ]
+        self.owners: Owners = description.rows
         self._close(strict)
 
     def _fixed(self, expression: ca.SX) -> ca.SX:
@@ -157,7 +155,7 @@ class Closure:
         while True:
             given = [g and k not in lost for k, g in enumerate(self.guesses.given)]
             priority = self.guesses.priority(given)
-            chosen = free_columns(jacobian[[*self.rows, *conditions]], priority)
+            chosen = free_columns(jacobian[[*self.recipe.position_rows, *conditions]], priority)
             held = HeldPlaces(tuple(chosen), tuple(given[k] for k in chosen), y)
             self.recipe = replace(self.recipe, positions=held)
             self._pinned = Pinned(self._assembler, self.recipe)

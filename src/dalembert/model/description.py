@@ -57,6 +57,13 @@ class Description:
         return [e for e in self.elements.values() if isinstance(e, Constraint)]
 
     @property
+    def rows(self) -> list[tuple[Constraint, int]]:
+        """Constraint and component behind each equation, nonholonomic ones last."""
+        spans = [(c, c.equations.numel(), c.multiplier.numel()) for c in self.constraints]
+        of_position = [(c, k) for c, held, _ in spans for k in range(held)]
+        return of_position + [(c, k) for c, held, count in spans for k in range(held, count)]
+
+    @property
     def forces(self) -> list[ForceElement]:
         own = [e for e in self.elements.values() if isinstance(e, ForceElement)]
         if self.gravity is not None:

@@ -3,6 +3,8 @@
     ẏ = A(y) v,      M v̇ + d = f − Cᵀ λ,      Φ(y, t) = 0
 
 with everything else derived: ``C = (∂Φ/∂y) A``, ``Ψ = C v + Φ_t`` and ``ξ`` in ``C v̇ = ξ``.
+Nonholonomic equations have a ``Ψ`` only. They stand behind those of positions, with nothing but
+zero in their rows of ``Φ``.
 Formulations transform it; integrators never see a mechanism; sensitivities never see a joint.
 """
 
@@ -32,7 +34,8 @@ class Equations:
     pose_rate : SX, ``A(y) v``
     inertia : ``M`` (n, n)
     bias, force : ``d`` (n,), ``f`` (n,)
-    constraints : ``Φ`` (m,)
+    constraints : ``Φ`` (m,), zero in the rows of nonholonomic equations
+    nonholonomic : (m,) ``Ψ`` of nonholonomic equations, zero in the other rows
     potential : energy stored in conservative forces
     powers : (2,) rates of dissipated energy and of energy input
     massless : speeds whose mass is zero at the nominal parameters
@@ -61,11 +64,14 @@ class Equations:
     scales: Scales = field(default=None)  # type: ignore[assignment]
     switches: Switches = field(default_factory=Switches)
     manifold: Manifold = field(default=None)  # type: ignore[assignment]
+    nonholonomic: ca.SX = field(default=None)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         if self.scales is None:
             known = Scales.units(self.coordinate_count, self.speed_count, self.constraint_count)
             object.__setattr__(self, "scales", known)
+        if self.nonholonomic is None:
+            object.__setattr__(self, "nonholonomic", ca.SX(self.constraint_count, 1))
         if self.manifold is None:
             object.__setattr__(self, "manifold", Manifold.plain(self.y))
 
@@ -92,6 +98,7 @@ class Equations:
         kept = replace(
             self,
             constraints=self.constraints[rows, :],
+            nonholonomic=self.nonholonomic[rows, :],
             multiplier=self.multiplier[rows, :],
             dropped=ca.vertcat(self.dropped, self.multiplier[gone, :]),
             scales=self.scales.with_rows(rows),
@@ -144,8 +151,29 @@ class Equations:
 
     @cached_property
     def jacobian(self) -> ca.SX:
-        """``C = (∂Φ/∂y) A`` (4.13)."""
+        """``C = (∂Φ/∂y) A`` (4.13), with ``∂Ψ/∂v`` of nonholonomic equations."""
+        return ca.sparsify(self.position_jacobian + self.slip_jacobian)
+
+    @cached_property
+    def position_jacobian(self) -> ca.SX:
+        """``(∂Φ/∂y) A``, without entries in the rows of nonholonomic equations."""
         return self.by_displacement(self.constraints)
+
+    @cached_property
+    def slip_jacobian(self) -> ca.SX:
+        """``∂Ψ/∂v`` of nonholonomic equations, without entries in the other rows."""
+        return ca.sparsify(ca.jacobian(self.nonholonomic, self.v))
+
+    @cached_property
+    def slips(self) -> tuple[int, ...]:
+        """Rows of nonholonomic equations."""
+        rows = ca.sparsify(self.nonholonomic).sparsity().row()
+        return tuple(int(k) for k in rows)
+
+    @cached_property
+    def holds(self) -> tuple[int, ...]:
+        """Rows of equations of positions."""
+        return tuple(k for k in range(self.constraint_count) if k not in self.slips)
 
     def by_displacement(self, expression: ca.SX) -> ca.SX:
         """Derivative ``(∂·/∂y) A`` of an expression of positions by displacements."""
@@ -160,7 +188,7 @@ class Equations:
     @cached_property
     def velocity_constraints(self) -> ca.SX:
         """``Ψ = C v + Φ_t``."""
-        return self.rate(self.constraints)
+        return self.rate(self.constraints) + ca.densify(self.nonholonomic)
 
     @cached_property
     def constraint_acceleration(self) -> ca.SX:

@@ -112,8 +112,10 @@ class JointView(CoordinateView):
     def _equations(self) -> Equations:
         """With all loop equations."""
         e, m = self.bodies, self.motion
-        parts = [e.bias, e.force, e.constraints[self.loop_rows, :], e.potential, e.powers, e.mass]
-        bias, force, constraints, potential, powers, mass = self.moved(parts)
+        loops = [x[self.loop_rows, :] for x in (e.constraints, e.nonholonomic)]
+        bias, force, potential, powers, mass, *loops = self.moved(
+            [e.bias, e.force, e.potential, e.powers, e.mass, *loops]
+        )
         inertia = TreeInertia(m.basis, [mass[b.rows, b.rows] for b in m.basis.branches])
         sizes = self._sizes()
         made = Equations(
@@ -127,7 +129,8 @@ class JointView(CoordinateView):
             inertia=inertia,
             bias=ca.densify(m.basis.transposed(ca.mtimes(mass, m.gamma) + bias)),
             force=ca.densify(m.basis.transposed(force)),
-            constraints=ca.densify(constraints),
+            constraints=ca.densify(loops[0]),
+            nonholonomic=loops[1],
             potential=potential,
             powers=powers,
             scales=replace(
@@ -196,10 +199,9 @@ class JointView(CoordinateView):
     def tree_reactions(self) -> ca.SX:
         """``λ_I`` of the joints in the tree, of ``q, q̇, q̈`` and ``λ_II``."""
         e, m = self.bodies, self.motion
-        closing = e.constraints[self.loop_rows, :]
         pull = ca.SX.zeros(e.speed_count)
         if self.loop_rows:  # C_IIᵀ λ_II
-            pull = ca.jtimes(closing, e.y, e.multiplier[self.loop_rows, :], True)
+            pull = ca.mtimes(e.jacobian[self.loop_rows, :].T, e.multiplier[self.loop_rows, :])
         transmitted = self.moved([e.force - e.bias - pull - ca.mtimes(e.mass, e.a)])[0]
         if self.reactions == "augmented":  # (7.13)
             return ca.densify(m.basis.opened_transposed(transmitted))

@@ -50,9 +50,10 @@ class _AtGuesses:
     def __init__(self, d: Description, e: Equations, guesses: Guesses, p: np.ndarray):
         self.d, self.e, self.p, self.guesses = d, e, p, guesses
         self.y, self.v = guesses.values(p)
-        units = [unit for c in d.constraints for unit in c.units()]
+        self.owners = d.rows
+        units = [c.units()[k] for c, k in self.owners]
         self.in_metres = np.array([unit == "m" for unit in units], dtype=bool)
-        still = ca.jacobian(e.constraints, e.t)
+        still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
         stiffness = e.by_displacement(e.force)
         outputs = [e.constraints, e.jacobian, still, e.mass, e.force, stiffness, e.lift]
         values = ca.Function("at_guesses", [e.t, e.y, e.v, e.p], outputs)(0.0, self.y, self.v, p)
@@ -74,7 +75,7 @@ class _AtGuesses:
         """``|∂Φ/∂φ|`` over the equations in metres of one constraint: an arm, whatever φ."""
         angles = np.array([unit == "rad" for unit in self.guesses.speed_units], dtype=bool)
         squares = self.jacobian.multiply(self.jacobian).tocsr()[:, angles]
-        owner = [k for k, c in enumerate(self.d.constraints) for _ in c.units()]
+        owner = [id(constraint) for constraint, _ in self.owners]
         by_constraint: dict[tuple[int, int], float] = {}
         entries = squares.tocoo()
         for row, column, square in zip(entries.row, entries.col, entries.data, strict=True):

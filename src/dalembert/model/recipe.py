@@ -99,10 +99,16 @@ class Recipe:
     speeds: HeldSpeeds = field(default_factory=HeldSpeeds)
     projected: bool = False
 
+    @property
+    def position_rows(self) -> list[int]:
+        """Those of the rows that are equations of positions."""
+        slips = set(self.equations.slips)
+        return [k for k in self.rows if k not in slips]
+
     @cached_property
     def demanded_speeds(self) -> ca.SX:
         """``Ψ`` of the independent equations and the conditions on speeds."""
-        return ca.vertcat(self.equations.velocity_constraints[self.rows], self.speed_conditions)
+        return ca.vertcat(self.equations.velocity_constraints[self.rows, :], self.speed_conditions)
 
     @cached_property
     def pinned(self) -> ca.SX:
@@ -117,12 +123,13 @@ class Recipe:
         """
         e = self.equations
         start = ca.SX.sym("y_start", e.coordinate_count)
-        residual = ca.vertcat(e.constraints[self.rows], self.position_conditions, self.pinned)
+        rows = self.position_rows
+        residual = ca.vertcat(e.constraints[rows, :], self.position_conditions, self.pinned)
         s = self.scales
         asked = np.full(self.position_conditions.numel(), s.length)
         held = s.displacements[list(self.positions.indices)]
-        rows = np.concatenate([s.rows[self.rows], asked, held])
-        position = position_stages(e, start, residual, rows)
+        sizes = np.concatenate([s.rows[rows], asked, held])
+        position = position_stages(e, start, residual, sizes)
         unknown, equations = self._speed_equations()
         speed_factor = QrFactor(ca.jacobian(equations, unknown), *self._speed_sizes())
         at_zero = ca.substitute(equations, unknown, ca.SX.zeros(unknown.numel()))
@@ -248,7 +255,7 @@ class Pinned(newton.Equations[np.ndarray]):
         far = ca.mtimes(ca.fabs(e.by_displacement(pinned)), far)
         self._held_at = ca.Function("held", [e.y, e.p], [pinned, entries, ca.densify(far)])
         beyond = range(assembler.equation_count, assembler.row_count)
-        self.rows = np.array([*recipe.rows, *beyond], dtype=int)
+        self.rows = np.array([*recipe.position_rows, *beyond], dtype=int)
         place = np.full(assembler.row_count, -1)
         place[self.rows] = np.arange(self.rows.size)
         self._kept = np.flatnonzero(place[assembler.entry_rows] >= 0)

@@ -108,7 +108,8 @@ class Definedness:
 
         y = self.e.y
         if isinstance(element, Constraint):
-            return ca.vec(ca.jacobian(fixed(element.equations), y))
+            by_pose = ca.vec(ca.jacobian(fixed(element.equations), y))
+            return stack([by_pose, ca.vec(ca.jacobian(fixed(element.slip), self.e.v))])
         assert isinstance(element, ForceElement)
         owners = element.parts() or self.d.coordinates
         works = element.works(lambda s: rate_of(s, owners, t.sx))

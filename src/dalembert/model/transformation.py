@@ -93,6 +93,7 @@ class Transformation:
             bias=ca.mtimes(b.T, bias),
             force=ca.mtimes(b.T, self.seen(e, e.force)),
             constraints=self.seen(e, e.constraints),
+            nonholonomic=self.seen(e, e.nonholonomic),
             potential=self.seen(e, e.potential),
             powers=self.seen(e, e.powers),
             massless=_still_massless(e.massless, b),

@@ -9,14 +9,14 @@ import casadi as ca
 import numpy as np
 import xarray as xr
 
-from dalembert.elements.base import ForceElement, rate_of
+from dalembert.elements.base import ForceElement
 from dalembert.elements.driver import Driver
 from dalembert.elements.pair import Pair
 from dalembert.model.measures import element_measures
 from dalembert.model.model import Model
 from dalembert.results.components import COMPONENTS
 from dalembert.results.recording import Recording
-from dalembert.symbolic.expression import Expression, t
+from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.once import once
 
 
@@ -149,7 +149,7 @@ def _forces(model: Model) -> list[Variable]:
 
 def _scalars(model: Model) -> list[Variable]:
     e = model.all_equations
-    speeds = rate_of(e.constraints, model.coordinates, t.sx)
+    speeds = e.velocity_constraints
     zero = ca.SX(0)
     entries = [
         ("kinetic_energy", "kinetic energy", "J", e.kinetic_energy),

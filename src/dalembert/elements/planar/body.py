@@ -133,6 +133,10 @@ class Body(BodyElement):
     def turning(self) -> ca.SX:
         return ca.vertcat(0, 0, self.twist[2] if self.rotates else 0)
 
+    def velocity_at(self, place: ca.SX) -> ca.SX:
+        arm = place - ca.vertcat(self.pose_position, 0)
+        return ca.vertcat(self.twist[:2], 0) + ca.cross(self.turning, arm)
+
     def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
         moment = effort[2] if self.rotates else ca.SX(0)
         return effort[:2], moment, self.pose_position

@@ -16,8 +16,8 @@ import casadi as ca
 
 from dalembert.elements.base import Scalar, Vector, option, quantity, rate_of, second_rate_of
 from dalembert.elements.body import BodyElement
-from dalembert.elements.orientation import Orientation, as_orientation
 from dalembert.elements.point import components
+from dalembert.elements.rotation import Orientation, as_orientation
 from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
 from dalembert.errors import ModelError
 from dalembert.symbolic import rotation
@@ -152,6 +152,9 @@ class Body(BodyElement):
     @property
     def turning(self) -> ca.SX:
         return self.turned(self.spin) if self.rotates else ca.SX.zeros(3)
+
+    def velocity_at(self, place: ca.SX) -> ca.SX:
+        return self.twist[:3] + ca.cross(self.turning, place - self.mass_center)
 
     def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
         moment = self.turned(effort[3:]) if self.rotates else ca.SX.zeros(3)

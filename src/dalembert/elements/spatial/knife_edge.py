@@ -1,0 +1,54 @@
+"""A knife edge, or a wheel seen from far away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Constraint, Coordinates
+from dalembert.elements.body import BodyElement
+from dalembert.elements.frame import Frame
+from dalembert.elements.pair import Pair, refuse_same_body
+from dalembert.elements.spatial.joint import need_frame
+
+
+@dataclass(eq=False)
+class KnifeEdge(Pair, Constraint):
+    """The origin of a frame may move along its x axis, not across: ``Ψ = bᵀ (v_P − v_plane) = 0``.
+
+    The direction ``b = n × x / |n × x|`` lies in the plane, across the edge; whether the point is
+    in the plane is another joint's matter. The multiplier is the force across the edge.
+
+    Parameters
+    ----------
+    frame : on the body with the edge; the edge is its x axis
+    plane : frame with the normal ``n`` as its z axis
+    """
+
+    frame: Frame
+    plane: Frame
+    kind = "knife_edge"
+
+    def __post_init__(self) -> None:
+        self.frame = need_frame(self.frame, self.name, "frame")
+        self.plane = need_frame(self.plane, self.name, "plane")
+        refuse_same_body(self.plane.body, self.frame.body, self.name)
+        super().__post_init__()
+
+    def ends(self) -> tuple[BodyElement, BodyElement]:
+        return self.plane.body, self.frame.body
+
+    def parts(self) -> list[Coordinates]:
+        return list(self.ends())
+
+    def place(self) -> ca.SX:
+        return self.frame.position.sx
+
+    def residual(self) -> ca.SX:
+        return ca.SX(0, 1)
+
+    def slipping(self) -> ca.SX:
+        here, across = self.place(), ca.cross(self.plane.axis, self.frame.axes[:, 0])
+        slip = self.frame.body.velocity_at(here) - self.plane.body.velocity_at(here)
+        return ca.dot(across, slip) / ca.sqrt(ca.sumsqr(across))

@@ -1,0 +1,72 @@
+"""A disc that rolls on a plane without slip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Constraint, Coordinates, Scalar, Vector, quantity
+from dalembert.elements.body import BodyElement
+from dalembert.elements.frame import Frame
+from dalembert.elements.pair import Pair, need_body, refuse_same_body
+from dalembert.elements.rotation import unit
+from dalembert.elements.spatial.joint import need_frame
+
+
+@dataclass(eq=False)
+class RollingDisc(Pair, Constraint):
+    """The rim of a thin disc touches a plane and does not slip on it.
+
+    With the plane's normal ``n``, the disc's axle ``a`` and its centre C, the lowest point of the
+    rim is ``P = C + r d``, ``d = −(n − (n·a) a) / |n − (n·a) a|``, and
+
+        Φ = nᵀ (r_P − r_plane) = 0,      Ψ = [x y]ᵀ (v_P,disc − v_P,plane) = 0.
+
+    The first multiplier is the force of the contact across the plane, the others are friction.
+
+    Parameters
+    ----------
+    body : the disc; its centre is the origin of the body frame unless ``center`` is given
+    plane : frame whose x and y axes span the plane; of the ground or another body
+    radius : [m]
+    axis : (3,) axle in the body frame
+    center : (3,) in the body frame [m]
+    """
+
+    body: BodyElement
+    plane: Frame
+    radius: Scalar = quantity("m", "radius", above=0.0, keyword=True)
+    axis: Vector = quantity("", "axle in the body frame", default=(0.0, 1.0, 0.0), size=3)
+    center: Vector = quantity("m", "centre in the body frame", default=(0.0, 0.0, 0.0), size=3)
+    kind = "rolling"
+
+    def __post_init__(self) -> None:
+        self.body = need_body(self.body, self.name, "body")
+        self.plane = need_frame(self.plane, self.name, "plane")
+        refuse_same_body(self.plane.body, self.body, self.name)
+        super().__post_init__()
+
+    def ends(self) -> tuple[BodyElement, BodyElement]:
+        return self.plane.body, self.body
+
+    def parts(self) -> list[Coordinates]:
+        return list(self.ends())
+
+    def place(self) -> ca.SX:
+        """The point of contact."""
+        normal = self.plane.axis
+        axle = self.body.turned(unit(self.axis.sx, f"{self.name}.axis"))
+        up = normal - ca.dot(normal, axle) * axle
+        return self.body.locate(self.center.sx) - self.radius.sx * up / ca.sqrt(ca.sumsqr(up))
+
+    def residual(self) -> ca.SX:
+        return ca.dot(self.plane.axis, self.place() - self.plane.position.sx)
+
+    def slipping(self) -> ca.SX:
+        here = self.place()
+        slip = self.body.velocity_at(here) - self.plane.body.velocity_at(here)
+        return ca.mtimes(self.plane.axes[:, :2].T, slip)
+
+    def units(self) -> list[str]:
+        return ["m", "m", "m"]
