@@ -27,7 +27,7 @@ def as_moments(given: Any, entity: str) -> Expression:
         sx = given.sx
     else:
         rows = list(given) if np.iterable(given) and not isinstance(given, (str, bytes)) else []
-        if len(rows) == 3 and all(np.iterable(row) for row in rows):
+        if len(rows) == 3 and all(isinstance(row, (list, tuple, np.ndarray)) for row in rows):
             return _of_matrix([list(row) for row in rows], entity)
         if len(rows) not in (3, 6):
             raise ModelError(
