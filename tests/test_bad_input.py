@@ -430,7 +430,11 @@ CHOICES: dict[str, tuple[str, list[str]]] = {
     ),
     "Dae with Baumgarte": (
         'formulation = "Dae"\nstabilization = "Baumgarte"\nintegrator = "Radau"',
-        ["analysis.integrator: Dae(index=3)", "Projection()"],
+        ["analysis.stabilization: Dae(index=3)", "Projection()"],
+    ),
+    "Dae with Baumgarte, explicit": (
+        'formulation = "Dae"\nstabilization = "Baumgarte"',
+        ["analysis.stabilization: Dae(index=3)", "Projection()"],
     ),
     "Dae with Ida": (
         'formulation = "Dae"\nintegrator = "Ida"',
@@ -446,7 +450,7 @@ CHOICES: dict[str, tuple[str, list[str]]] = {
     ),
     "partition with Baumgarte": (
         'formulation = "VelocityPartitioning"\nstabilization = "Baumgarte"',
-        ["analysis.integrator: VelocityPartitioning", "Projection()"],
+        ["analysis.stabilization: VelocityPartitioning", "Projection()"],
     ),
     "energy with driver": (
         'stabilization = "EnergyProjection"',

@@ -118,6 +118,7 @@ class Dynamics(Analysis[Model, Motion]):
 
         return {
             "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs),
+            "stabilization": lambda: self.stabilization.check(self.formulation),
             "coordinates": lambda: self.kernel(model),
             "formulation": definite,
             "integrator": lambda: self.integrator.check(definite().problem),

@@ -74,7 +74,7 @@ class DynamicsKernel:
     Raises
     ------
     UnsupportedError, ModelError
-        The model cannot be described in these coordinates.
+        The model cannot be described in these coordinates, or the strategies do not go together.
     """
 
     def __init__(
@@ -89,6 +89,7 @@ class DynamicsKernel:
         self.model, self.formulation, self.stabilization = model, formulation, stabilization
         self.coordinates, self.integrator = coordinates, integrator
         self.backend = backend or VirtualMachine()
+        stabilization.check(formulation)
         self.view = coordinates.view(model, formulation.every_equation)
         if integrator.adaptive:
             self.view.hold_switches()

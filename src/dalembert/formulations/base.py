@@ -94,6 +94,11 @@ class Formulation:
         return None
 
     @property
+    def refuses_feedback(self) -> str:
+        """Why no violations can be fed back through ``ξ``; nothing where they can."""
+        return ""
+
+    @property
     def held(self) -> frozenset[Level]:
         """Levels at which every state satisfies the constraints, and not nearly so."""
         return frozenset({Level.ACCELERATION})
@@ -178,11 +183,6 @@ class Formulation:
         return SemiExplicit(
             e.t, state_symbols(e), z, e.p, state_rate(e), algebraic, level, level, 1, start, sizes
         )
-
-
-def feeds_back(e: Equations, xi: ca.SX) -> bool:
-    """Whether a stabilisation has put violations of the constraints into ``ξ``."""
-    return not ca.is_equal(xi, e.constraint_acceleration, 2)
 
 
 def dynamic_equations(e: Equations) -> ca.SX:

@@ -9,7 +9,6 @@ from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import (
     Formulation,
     dynamic_equations,
-    feeds_back,
     sizes_of,
     state_rate,
     state_symbols,
@@ -73,6 +72,18 @@ class Dae(Formulation):
         return frozenset({own, Level.ACCELERATION} | also)
 
     @property
+    def refuses_feedback(self) -> str:
+        """Only index 1 contains ``ξ``."""
+        return (
+            ""
+            if self.index == 1
+            else (
+                f"Dae(index={self.index}) has no equation ξ that Baumgarte could stabilise; use "
+                "stabilization=Projection() or Stabilization(), or Dae(index=1)"
+            )
+        )
+
+    @property
     def gives_accelerations(self) -> bool:
         return False
 
@@ -82,18 +93,7 @@ class Dae(Formulation):
         return RangeSpaceSolver(inertia, jacobian, massless)
 
     def semi_explicit(self, e: Equations, xi: ca.SX) -> SemiExplicit:
-        """The system of the chosen index; ``z = [v̇; λ]``, and ``μ`` where stabilised.
-
-        Raises
-        ------
-        UnsupportedError
-            Violations fed back through ``ξ``, which only index 1 contains.
-        """
-        if self.index > 1 and feeds_back(e, xi):
-            raise UnsupportedError(
-                f"Dae(index={self.index}) has no equation ξ that Baumgarte could stabilise; use "
-                "stabilization=Projection() or Stabilization(), or Dae(index=1)"
-            )
+        """The system of the chosen index; ``z = [v̇; λ]``, and ``μ`` where stabilised."""
         n, m = e.speed_count, e.constraint_count
         rate, rows = state_rate(e), [dynamic_equations(e)]
         z, depth, lag = [e.a, e.multiplier], [0] * n, [0] * (n + m)

@@ -58,6 +58,17 @@ class Stabilization:
         """``(c₁, c₀)`` of ``Φ̈ + c₁Φ̇ + c₀Φ = 0`` where violations are fed back."""
         return None
 
+    def check(self, formulation: Formulation) -> None:
+        """Refuse a formulation that it cannot act on.
+
+        Raises
+        ------
+        UnsupportedError
+            Violations fed back where nothing takes them.
+        """
+        if self.feedback is not None and formulation.refuses_feedback:
+            raise UnsupportedError(formulation.refuses_feedback)
+
     def doubts(self, freedom: int, exchanged: float) -> list[str]:
         """What speaks against this choice.
 

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.formulations.base import Formulation, feeds_back
+from dalembert.formulations.base import Formulation
 from dalembert.formulations.levels import Level
 from dalembert.formulations.named_speeds import check_independent, indices_of
 from dalembert.formulations.null_space import NullSpaceSolver
@@ -65,6 +65,13 @@ class VelocityPartitioning(Formulation):
                 f"VelocityPartitioning(limit={self.limit}): must be at least {SMALLEST_LIMIT}"
             )
 
+    @property
+    def refuses_feedback(self) -> str:
+        return (
+            "VelocityPartitioning keeps the velocity constraints exactly and leaves Baumgarte "
+            "nothing to act on; use stabilization=Projection() or Stabilization()"
+        )
+
     def choose(self, e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> Formulation:
         if self.independent is None:
             return IndependentSpeeds(best_partition(e, t, y, p), self.limit or LIMIT)
@@ -89,11 +96,6 @@ class IndependentSpeeds(Formulation):
     ----------
     indices : of the independent speeds in v
     limit : of the largest dependent speed per independent one, before others are chosen
-
-    Raises
-    ------
-    UnsupportedError
-        On use: violations fed back by Baumgarte.
     """
 
     indices: tuple[int, ...]
@@ -110,14 +112,6 @@ class IndependentSpeeds(Formulation):
 
     def conditioning(self, e: Equations) -> tuple[ca.SX, float]:
         return largest_ratio(e, self.indices), self.limit
-
-    def constraint_acceleration(self, e: Equations, xi: ca.SX) -> ca.SX:
-        if feeds_back(e, xi):
-            raise UnsupportedError(
-                "VelocityPartitioning keeps the velocity constraints exactly and leaves Baumgarte "
-                "nothing to act on; use stabilization=Projection() or Stabilization()"
-            )
-        return xi
 
     def consistent_speeds(self, e: Equations) -> Stage:
         """``Ψ(y, v_c) = 0`` with ``S(v_c − v) = 0``, S picking the independent speeds."""
