@@ -10,6 +10,9 @@ import pytest
 from registry import CASES, LOADED, model_of
 from twins import context, cross
 
+import dalembert as da
+from dalembert import planar
+
 CONSERVATIVE = [n for n, c in CASES.items() if c.conservative]
 
 
@@ -87,3 +90,12 @@ def test_friction_and_damping_only_take_energy(name):
     for _ in range(5):
         v = 3 * rng.standard_normal(e.v.numel())
         assert float(power(0.3, model.start.y, v, model.nominal)) >= 0
+
+
+@pytest.mark.parametrize("what", ["angular_velocity", "angular_acceleration"])
+def test_what_a_force_acts_along_is_a_position(what):
+    system = da.System("spinning")
+    wheel = system.add(planar.Body("wheel", mass=1.0, inertia=0.1))
+    system.add(planar.Stop("stop", wheel.angle + getattr(wheel, what), upper=1.0, stiffness=9.0))
+    with pytest.raises(da.DalembertError, match=r"stop: depends on wheel.*only parameters"):
+        system.build()

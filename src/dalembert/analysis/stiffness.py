@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 import scipy.sparse.linalg as spla
 
-from dalembert.elements.base import rate_of
+from dalembert.elements.base import Powers, rate_of
 from dalembert.integrators.base import Integrator
 from dalembert.model.closure import AssembledState
 from dalembert.model.model import Model
@@ -85,6 +85,15 @@ def _solved(matrix: ca.DM, rhs: np.ndarray) -> np.ndarray:
     return spla.splu(matrix.sparse()).solve(rhs)
 
 
+def _components(powers: Powers) -> Powers:
+    """Each velocity with its effort."""
+    return [
+        pair
+        for velocity, effort in powers
+        for pair in zip(ca.vertsplit(velocity), ca.vertsplit(effort), strict=True)
+    ]
+
+
 @once
 def _elastic(model: Model) -> tuple[list[str], ca.Function | None]:
     """Names of what stores energy; ``(t, y, v, p) → ∇s, [c k], [M Cᵀ; C 0]``."""
@@ -99,12 +108,12 @@ def _elastic(model: Model) -> tuple[list[str], ca.Function | None]:
         def rate(s: ca.SX, owners=owners) -> ca.SX:
             return rate_of(s, owners, e.t)
 
-        for s, q in element.touching(rate, model.scales.energy):
-            s, q = (model.at_ground(x) for x in (s, q))
+        for u, q in _components(element.touching(rate, model.scales.energy)):
+            u, q = (model.at_ground(x) for x in (u, q))
             by_place, by_speed = (ca.sparsify(ca.jacobian(q, x)) for x in (e.y, e.v))
-            if not by_place.nnz() or free_symbols(ca.vertcat(s, q)) - known:
+            if not by_place.nnz() or free_symbols(ca.vertcat(u, q)) - known:
                 continue
-            slope = ca.mtimes(ca.jacobian(s, e.y), e.lift)
+            slope = ca.jacobian(u, e.v)
             size = ca.sumsqr(slope)
             names.append(element.name)
             slopes.append(slope)

@@ -32,8 +32,8 @@ def _values(model: Model, element: Element, t, y, v, p) -> np.ndarray:
     e = model.all_equations
     if isinstance(element, ForceElement):
         owners = element.parts() or model.coordinates
-        works = element.works(lambda s: rate_of(s, owners, e.t))
-        formulas = [model.at_ground(q) for _, q in works]
+        powers = element.powers(lambda s: rate_of(s, owners, e.t))
+        formulas = [model.at_ground(effort) for _, effort in powers]
     else:
         formulas = [model.at_ground(element.equations)] if isinstance(element, Constraint) else []
     _, switches = hold(formulas, ca.vertcat(e.t, e.y, e.v))

@@ -7,8 +7,8 @@ How to write a new one:
    bodies. Jacobian, velocity and acceleration equations, reactions and design derivatives follow by
    differentiation; nobody types them. Equations are physical: metres and radians, so that
    multipliers are newtons and newton metres.
-3. A **force** states ``works(rate)``: pairs of a coordinate ``s`` and the generalised force ``Q``
-   that does work ``Q δs`` on it. Optionally its ``potential()``.
+3. A **force** states ``powers(rate)``: pairs of a velocity ``u``, linear in the twists, and the
+   effort ``Q`` that does the power ``Qᵀu`` on it. Optionally its ``potential()``.
 4. Elements see poses and twists only. They do not know which coordinates the model chooses.
 """
 
@@ -30,6 +30,9 @@ Scalar = Any  # number or Expression
 Vector = Any  # two numbers or Expressions
 Rows = Sequence[Any] | np.ndarray
 Rate = Callable[[ca.SX], ca.SX]
+"""Time derivative of an expression of positions."""
+Powers = list[tuple[ca.SX, ca.SX]]
+"""Pairs (velocity ``u``, effort ``Q``), numbers or columns, of power ``Qᵀu``."""
 
 
 def quantity(
@@ -240,18 +243,18 @@ class Constraint(Element):
 
 @dataclass(eq=False)
 class ForceElement(Element):
-    """Applied force, stated through virtual work."""
+    """Applied force, stated through virtual power."""
 
     conservative = False
     """All its work is its potential's, exactly."""
 
-    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        """Pairs (coordinate ``s``, generalised force ``Q``) with virtual work ``Q δs``."""
+    def powers(self, rate: Rate) -> Powers:
+        """Efforts with the velocities they do power on: ``rate(s)`` of a coordinate, ``ω`` …"""
         raise NotImplementedError
 
-    def touching(self, rate: Rate, energy: float) -> list[tuple[ca.SX, ca.SX]]:
-        """``works``, of what is one-sided as if it touched and stored that energy [J]."""
-        return self.works(rate)
+    def touching(self, rate: Rate, energy: float) -> Powers:
+        """``powers``, of what is one-sided as if it touched and stored that energy [J]."""
+        return self.powers(rate)
 
     def coordinate(self) -> ca.SX:
         """The coordinate it acts along, where that is a single one."""
@@ -261,8 +264,8 @@ class ForceElement(Element):
         """Potential energy of the conservative part, None if there is none."""
         return None
 
-    def dissipation(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        """The part of ``works`` that dissipates (dampers, friction)."""
+    def dissipation(self, rate: Rate) -> Powers:
+        """The part of ``powers`` that dissipates (dampers, friction)."""
         return []
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:

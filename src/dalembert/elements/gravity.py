@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from dalembert.elements.base import ForceElement, Rate
+from dalembert.elements.base import ForceElement, Powers, Rate
 from dalembert.elements.body import BodyElement
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.expression import Expression, stack
 
 
 class Gravity(ForceElement):
@@ -20,17 +20,18 @@ class Gravity(ForceElement):
         self.name = "gravity"
         self.vector, self.bodies = vector, bodies
 
-    def _weights(self) -> list[tuple[ca.SX, ca.SX]]:
-        """Coordinates of all mass centres with the weight along them."""
-        field = self.vector.sx
-        return [
-            (body.mass_center[k], body.mass.sx * field[k])
-            for body in self.bodies
-            for k in range(min(body.mass_center.numel(), field.numel()))
-        ]
+    def _weights(self) -> tuple[ca.SX, ca.SX]:
+        """Coordinates of all mass centres, and the weight along each."""
+        field, places, weights = self.vector.sx, [], []
+        for body in self.bodies:
+            n = min(body.mass_center.numel(), field.numel())
+            places.append(body.mass_center[:n])
+            weights.append(body.mass.sx * field[:n])
+        return stack(places), stack(weights)
 
     def potential(self) -> ca.SX:
-        return -sum((weight * place for place, weight in self._weights()), ca.SX(0))
+        return -ca.dot(*self._weights())
 
-    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        return self._weights()
+    def powers(self, rate: Rate) -> Powers:
+        places, weights = self._weights()
+        return [(rate(places), weights)]

@@ -8,7 +8,7 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import ForceElement, Rate, Scalar, option, quantity
+from dalembert.elements.base import ForceElement, Powers, Rate, Scalar, option, quantity
 from dalembert.elements.pair import BetweenPoints
 from dalembert.symbolic.expression import Expression, as_expression
 
@@ -50,15 +50,15 @@ class SpringDamper(ForceElement):
         value = self.law(extension, Expression(rate(s), "rate"))
         return linear + as_expression(value, f"{self.name}.law", self.force_unit).sx
 
-    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        return [(self.coordinate(), -self.force(rate))]
+    def powers(self, rate: Rate) -> Powers:
+        return [(rate(self.coordinate()), -self.force(rate))]
 
     def potential(self) -> ca.SX:
         return self.stiffness.sx * (self.coordinate() - self.relaxed()) ** 2 / 2
 
-    def dissipation(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        s = self.coordinate()
-        return [(s, -self.damping.sx * rate(s))]
+    def dissipation(self, rate: Rate) -> Powers:
+        speed = rate(self.coordinate())
+        return [(speed, -self.damping.sx * speed)]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         s = self.coordinate()
@@ -114,8 +114,8 @@ class Actuator(PointPair):
 
     force: Scalar = quantity("N", "force, positive pushes apart")
 
-    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        return [(self.coordinate(), self.force.sx)]
+    def powers(self, rate: Rate) -> Powers:
+        return [(rate(self.coordinate()), self.force.sx)]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         s = self.coordinate()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from dalembert.elements.base import rate_of
+from dalembert.elements.base import Powers, rate_of
 from dalembert.elements.planar.body import Ground
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
@@ -23,7 +23,7 @@ def at_ground(ground: Ground, expression: ca.SX) -> ca.SX:
 def absolute_equations(d: Description) -> Equations:
     """Equations of a mechanism in the coordinates of its bodies.
 
-    ``f = Σ (∂ṡ/∂v)ᵀ Q`` by virtual work over all forces; ``M`` block by block.
+    ``f = Σ (∂u/∂v)ᵀ Q`` by virtual power over all forces; ``M`` block by block.
     """
     groups = d.coordinates
     y = stack(c.pose for c in groups)
@@ -37,33 +37,35 @@ def absolute_equations(d: Description) -> Equations:
     multiplier = stack(c.multiplier[k] for c, k in d.rows)
     constraints = ca.vertcat(held, ca.SX.zeros(slip.numel()))
     nonholonomic = ca.vertcat(ca.SX.zeros(held.numel()), slip)
-    coordinates, efforts, losses = [], [], ca.SX(0)
-    potential, released = ca.SX(0), ca.SX(0)  # released: power on bodies that is not from storage
+    conservative: Powers = []
+    others: Powers = []
+    losses, potential, released = ca.SX(0), ca.SX(0), ca.SX(0)
     for element in d.forces:
         owners = element.parts() or groups
 
         def rate(s: ca.SX, owners=owners) -> ca.SX:
             return rate_of(s, owners, t.sx)
 
-        works = element.works(rate)
-        coordinates += [s for s, _ in works]
-        efforts += [q for _, q in works]
-        for s, q in element.dissipation(rate):
-            losses -= q * rate(s)
+        (conservative if element.conservative else others).extend(element.powers(rate))
+        for velocity, effort in element.dissipation(rate):
+            losses -= ca.dot(velocity, effort)
         stored = element.potential()
         if stored is not None:
             potential += stored
-        if not element.conservative:
-            for s, q in works:  # ends that formulas of time move are given power from outside
-                released += q * (rate(s) - ca.jacobian(s, t.sx))
-            released += 0 if stored is None else rate(stored)
-    effort, losses = fixed(stack(efforts)), fixed(losses)
-    potential = fixed(potential)
-    rates = rate_of(fixed(stack(coordinates)), groups, t.sx)
+            released += 0 if element.conservative else rate(stored)
+
+    def generalised(powers: Powers) -> ca.SX:
+        velocities, efforts = (fixed(stack(pair[k] for pair in powers)) for k in range(2))
+        if not powers:
+            return ca.SX.zeros(v.numel())
+        return ca.jtimes(velocities, v, efforts, True)
+
+    force, losses, potential = generalised(others), fixed(losses), fixed(potential)
+    # on bodies and not from storage: ends that formulas of time move are given power from outside
+    applied = ca.dot(force, v) + fixed(released)
     imposed = ca.substitute(nonholonomic, v, ca.SX.zeros(v.numel()))
     imposed += ca.jacobian(constraints, t.sx)
     delivered = ca.dot(multiplier, imposed)  # by drivers: C v = −Φ_t
-    applied = fixed(released)
     masses, gyroscopic = zip(*(c.inertia_by_speeds() for c in groups), strict=True)
     return Equations(
         t=t.sx,
@@ -75,7 +77,7 @@ def absolute_equations(d: Description) -> Equations:
         pose_rate=stack(c.pose_rate for c in groups),
         inertia=BlockInertia(ca.diagcat(*masses)),
         bias=ca.densify(stack(gyroscopic)),
-        force=ca.jtimes(rates, v, effort, True) if effort.numel() else ca.SX.zeros(v.numel()),
+        force=force + generalised(conservative),
         constraints=constraints,
         nonholonomic=nonholonomic,
         potential=potential,

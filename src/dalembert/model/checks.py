@@ -46,10 +46,15 @@ def check_symbols(d: Description) -> None:
     efforts: Formulas = [(c.name, c.slip) for c in d.constraints]
     for element in d.elements.values():
         if isinstance(element, ForceElement):
-            rate = partial(rate_of, owners=element.parts() or d.coordinates, time=t.sx)
-            for s, q in element.works(rate):
-                positions.append((element.name, s))
-                efforts.append((element.name, q))
+            owners = element.parts() or d.coordinates
+            taken: list[ca.SX] = []
+
+            def rate(s: ca.SX, owners=owners, taken=taken) -> ca.SX:
+                taken.append(s)
+                return rate_of(s, owners, t.sx)
+
+            efforts += [(element.name, column) for pair in element.powers(rate) for column in pair]
+            positions += [(element.name, s) for s in taken]
         elif not isinstance(element, Constraint):
             lengths += [(entity, f.sx) for entity, f, _ in element.checked_quantities()]
     _allow(positions, poses, ", positions and t")

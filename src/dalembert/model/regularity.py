@@ -112,9 +112,9 @@ class Definedness:
             return stack([by_pose, ca.vec(ca.jacobian(fixed(element.slip), self.e.v))])
         assert isinstance(element, ForceElement)
         owners = element.parts() or self.d.coordinates
-        works = element.works(lambda s: rate_of(s, owners, t.sx))
-        parts = [ca.vec(ca.jacobian(fixed(s), y)) for s, _ in works]
-        return stack(parts + [fixed(q) for _, q in works])
+        powers = element.powers(lambda s: rate_of(s, owners, t.sx))
+        parts = [ca.vec(ca.jacobian(fixed(velocity), self.e.v)) for velocity, _ in powers]
+        return stack(parts + [fixed(effort) for _, effort in powers])
 
     def _is_finite(self, column: ca.SX) -> bool:
         inputs = [self.e.t, self.e.y, self.e.v, self.e.p]

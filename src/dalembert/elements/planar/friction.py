@@ -10,6 +10,7 @@ from dalembert.elements.base import (
     Constraint,
     Coordinates,
     ForceElement,
+    Powers,
     Rate,
     Scalar,
     option,
@@ -55,19 +56,19 @@ class JointFriction(ForceElement):
             )
         self.sliding, self.sliding_unit = free[self.motion]
 
-    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+    def powers(self, rate: Rate) -> Powers:
         speed = rate(self.sliding)
         friction = self.coulomb.sx * ca.tanh(speed / self.transition.sx) + self.viscous.sx * speed
-        return [(self.sliding, -friction)]
+        return [(speed, -friction)]
 
-    def dissipation(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        return self.works(rate)
+    def dissipation(self, rate: Rate) -> Powers:
+        return self.powers(rate)
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         unit = "N m" if self.sliding_unit == "rad" else "N"
         name = "moment" if self.sliding_unit == "rad" else "force"
         return {
-            name: (self.works(rate)[0][1], unit),
+            name: (self.powers(rate)[0][1], unit),
             "rate": (rate(self.sliding), f"{self.sliding_unit}/s"),
         }
 
@@ -125,14 +126,14 @@ class Stop(ForceElement):
         inside = ca.if_else(depth > 0, depth, 1)  # keeps 0^(e−1) out of the derivative
         return ca.if_else(depth > 0, self.stiffness.sx * inside**self.exponent.sx, 0)
 
-    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        return [(self.coordinate.sx, self.force(rate))]
+    def powers(self, rate: Rate) -> Powers:
+        return [(rate(self.coordinate.sx), self.force(rate))]
 
-    def touching(self, rate: Rate, energy: float) -> list[tuple[ca.SX, ca.SX]]:
+    def touching(self, rate: Rate, energy: float) -> Powers:
         s, k, e = self.coordinate.sx, self.stiffness.sx, self.exponent.sx
         depth = ((e + 1) * energy / k) ** (1 / (e + 1))
         elastic, viscous = e * k * depth ** (e - 1), self.damping.sx * k * depth**e
-        return [(s, -elastic * s - viscous * rate(s))]
+        return [(rate(s), -elastic * s - viscous * rate(s))]
 
     def potential(self) -> ca.SX:
         e = self.exponent.sx + 1
@@ -142,9 +143,9 @@ class Stop(ForceElement):
             total += ca.if_else(depth > 0, self.stiffness.sx * inside**e / e, 0)
         return total
 
-    def dissipation(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
+    def dissipation(self, rate: Rate) -> Powers:
         elastic = sum((-sense * self._elastic(d) for d, sense in self.penetrations()), ca.SX(0))
-        return [(self.coordinate.sx, self.force(rate) - elastic)]
+        return [(rate(self.coordinate.sx), self.force(rate) - elastic)]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         return {"coordinate": (self.coordinate.sx, "m"), "force": (self.force(rate), "N")}

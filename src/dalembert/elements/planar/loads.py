@@ -9,6 +9,7 @@ import casadi as ca
 from dalembert.elements.base import (
     Coordinates,
     ForceElement,
+    Powers,
     Rate,
     Scalar,
     Vector,
@@ -43,9 +44,8 @@ class Force(ForceElement):
     def components(self) -> ca.SX:
         return self.point.body.turned(self.vector.sx) if self.following else self.vector.sx
 
-    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        position, force = self.point.position.sx, self.components()
-        return [(position[k], force[k]) for k in range(force.numel())]
+    def powers(self, rate: Rate) -> Powers:
+        return [(rate(self.point.position.sx), self.components())]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         return {"force": (self.components(), "N")}
@@ -83,8 +83,8 @@ class Moment(ForceElement):
         base = self.reaction_on.pose_angle if self.reaction_on is not None else 0
         return self.body.pose_angle - base
 
-    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        return [(self.coordinate(), self.value.sx)]
+    def powers(self, rate: Rate) -> Powers:
+        return [(rate(self.coordinate()), self.value.sx)]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         return {

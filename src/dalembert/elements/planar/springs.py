@@ -9,6 +9,7 @@ import casadi as ca
 from dalembert.elements.base import (
     Coordinates,
     ForceElement,
+    Powers,
     Rate,
     Scalar,
     Vector,
@@ -101,14 +102,14 @@ class Bushing(PointPair):
             (turn, self.rotational_stiffness.sx, self.rotational_damping.sx),
         ]
 
-    def works(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        return [(s, -(k * s + c * rate(s))) for s, k, c in self.coordinates()]
+    def powers(self, rate: Rate) -> Powers:
+        return [(rate(s), -(k * s + c * rate(s))) for s, k, c in self.coordinates()]
 
     def potential(self) -> ca.SX:
         return sum((k * s**2 / 2 for s, k, _ in self.coordinates()), ca.SX(0))
 
-    def dissipation(self, rate: Rate) -> list[tuple[ca.SX, ca.SX]]:
-        return [(s, -c * rate(s)) for s, _, c in self.coordinates()]
+    def dissipation(self, rate: Rate) -> Powers:
+        return [(rate(s), -c * rate(s)) for s, _, c in self.coordinates()]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         (x, kx, cx), (y, ky, cy), (a, ka, cra) = self.coordinates()
