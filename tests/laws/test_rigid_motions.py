@@ -22,7 +22,7 @@ from dalembert.structures.attached import GroundSpring
 from dalembert.structures.cells import CELLS
 from dalembert.structures.registry import ELEMENTS, cell_of
 from dalembert.structures.rotations import spin_map
-from dalembert.structures.thermal_load import CHANGES
+from dalembert.structures.temperatures import CHANGES
 
 NUMBERS = {
     "area": 0.02,
@@ -232,7 +232,7 @@ def test_heat_neither_moves_nor_turns_a_body(name, d):
     rigid, axes, still = RigidBody(model, mass), axes_of(d), np.zeros(3)
     u = rigid.motion(Rotation.from_rotvec(axes @ [1.3, 0.9, -1.7]), still, still, still).u
     u = u + np.random.default_rng(5).uniform(-0.05, 0.05, u.size)
-    forces = model.loads[""].thermal.assembly.internal_forces(u, model.nominal)
+    forces = model.loads[""].configuration.assembly.internal_forces(u, model.nominal)
     assert np.abs(forces).max() > 1.0
     left = rigid.resultant(Motions(u, 0 * u, 0 * u), forces)
     np.testing.assert_allclose(left, 0.0, atol=1e-12 * np.abs(forces).max())

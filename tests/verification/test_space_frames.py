@@ -9,9 +9,10 @@ from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import structures
+from dalembert.structures.graphs import ElementGraphs
 from dalembert.structures.kind import ElementKind
 from dalembert.structures.rotations import rotation_matrix, rotation_vector
-from dalembert.structures.thermal_load import CHANGES
+from dalembert.structures.temperatures import CHANGES
 
 SECTION = {
     "area": 2.0,
@@ -27,7 +28,7 @@ SHEAR = {"shear_area_y": 1.5, "shear_area_z": 1.2}
 
 def of_kind(cls, ends, orientation, **section):
     """Kind and data (m, 1) of one element."""
-    kind = ElementKind(cls, 3, 2)
+    kind = ElementKind(ElementGraphs(cls, 3, 2))
     given = {**COLD, "density": 0.0, "orientation": orientation, **section}
     numbers = [np.atleast_1d(given[name]) for name in kind.quantities]
     return kind, np.concatenate([np.ravel(ends), *numbers])[:, None]
@@ -234,7 +235,7 @@ def test_impossible_frames_are_refused(change, message):
 def test_plane_and_space_frames_agree():
     """A bent in the x-y plane: same stiffness and masses as its plane twin."""
     section = {"density": 3.0, "modulus": 7.0, "area": 2.0}
-    plane = ElementKind(structures.TimoshenkoFrame, 2, 2)
+    plane = ElementKind(ElementGraphs(structures.TimoshenkoFrame, 2, 2))
     ends = np.array([[0.1, 0.2, 0.0], [1.0, 1.5, 0.0]])
     more = {**COLD, "second_moment": 0.5, "shear_modulus": 3.0, "shear_area": 1.5}
     flat = np.array([*ends[:, :2].ravel(), *[(section | more)[n] for n in plane.quantities]])
@@ -255,7 +256,7 @@ def test_plane_and_space_frames_agree():
 
 def test_consistent_mass_of_the_textbooks():
     """Archer's matrix m/420 (156, 22 L, 54, −13 L; …) for an Euler–Bernoulli beam."""
-    kind, length = ElementKind(structures.Frame, 2, 2), 1.7
+    kind, length = ElementKind(ElementGraphs(structures.Frame, 2, 2)), 1.7
     numbers = {**COLD, "area": 0.4, "second_moment": 0.1, "modulus": 2.0, "density": 3.0}
     data = np.array([0, 0, length, 0, *[numbers[n] for n in kind.quantities]])[:, None]
     mass, h = 0.4 * 3.0 * length, length

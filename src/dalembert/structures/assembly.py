@@ -77,28 +77,21 @@ class Assembly:
 
     def internal_forces(self, u: np.ndarray, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) forces that hold the displaced elements."""
-        total = np.zeros(self.size)
-        for b in self.blocks:
-            total += b.scatter(b.kind.forces(b.gather(u), b.data(p, time)), self.size)
-        return total
+        return self._added(lambda b: b.kind.forces(b.gather(u), b.data(p, time)))
 
     def push(self, u: np.ndarray, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) change of the internal forces with the parameters, displacements held."""
-        total = np.zeros(self.size)
-        for b in self.blocks:
-            change = b.kind.push(b.gather(u), b.data(p, time), b.push_data(p, dp, time))
-            total += b.scatter(change, self.size)
-        return total
+        return self._added(
+            lambda b: b.kind.push(b.gather(u), b.data(p, time), b.push_data(p, dp, time))
+        )
 
     def pull(
         self, u: np.ndarray, p: np.ndarray, weights: np.ndarray, time: float = 0.0
     ) -> np.ndarray:
         """Weights of the parameters from weights (n,) of the internal forces."""
-        total = np.zeros(p.size)
-        for b in self.blocks:
-            data = b.kind.pull(b.gather(u), b.data(p, time), b.gather(weights))
-            total += b.pull_data(p, data, time)
-        return total
+        return self._to_parameters(
+            p, lambda b: b.kind.pull(b.gather(u), b.data(p, time), b.gather(weights)), time
+        )
 
     def turn(
         self, u: np.ndarray, p: np.ndarray, weights: np.ndarray, du: np.ndarray, dp: np.ndarray
@@ -119,29 +112,23 @@ class Assembly:
         self, a: np.ndarray, p: np.ndarray, dp: np.ndarray, lumped: bool = False
     ) -> np.ndarray:
         """(n,) change of ``M a`` with the parameters."""
-        total = np.zeros(self.size)
-        for b in self.blocks:
-            change = b.kind.push_mass(b.gather(a), b.data(p), b.push_data(p, dp), lumped)
-            total += b.scatter(change, self.size)
-        return total
+        return self._added(
+            lambda b: b.kind.push_mass(b.gather(a), b.data(p), b.push_data(p, dp), lumped)
+        )
 
     def pull_mass(
         self, a: np.ndarray, b: np.ndarray, p: np.ndarray, lumped: bool = False
     ) -> np.ndarray:
         """Weights of the parameters in ``aᵀ M b``."""
-        total = np.zeros(p.size)
-        for block in self.blocks:
-            data = block.kind.pull_mass(block.gather(a), block.gather(b), block.data(p), lumped)
-            total += block.pull_data(p, data)
-        return total
+        return self._to_parameters(
+            p, lambda x: x.kind.pull_mass(x.gather(a), x.gather(b), x.data(p), lumped)
+        )
 
     def inertia_forces(self, motion: Moved, p: np.ndarray, lumped: bool) -> np.ndarray:
         """(n,) inertia forces of displaced elements, ``motion = (u, v, a)``."""
-        total = np.zeros(self.size)
-        for b in self.blocks:
-            moved = b.gather_motion(motion)
-            total += b.scatter(b.kind.inertia_forces(moved, b.data(p), lumped), self.size)
-        return total
+        return self._added(
+            lambda b: b.kind.inertia_forces(b.gather_motion(motion), b.data(p), lumped)
+        )
 
     def inertia_slopes(self, motion: Moved, p: np.ndarray, lumped: bool) -> list[sparse.csc_matrix]:
         """Derivatives of the inertia forces by displacements, velocities and accelerations."""
@@ -154,21 +141,22 @@ class Assembly:
         self, motion: Moved, p: np.ndarray, dp: np.ndarray, lumped: bool
     ) -> np.ndarray:
         """(n,) change of the inertia forces with the parameters."""
-        total = np.zeros(self.size)
-        for b in self.blocks:
-            given = b.gather_motion(motion), b.data(p), b.push_data(p, dp)
-            total += b.scatter(b.kind.push_inertia(*given, lumped), self.size)
-        return total
+        return self._added(
+            lambda b: b.kind.push_inertia(
+                b.gather_motion(motion), b.data(p), b.push_data(p, dp), lumped
+            )
+        )
 
     def pull_inertia(
         self, motion: Moved, p: np.ndarray, weights: np.ndarray, lumped: bool
     ) -> np.ndarray:
         """Weights of the parameters from weights (n,) of the inertia forces."""
-        total = np.zeros(p.size)
-        for b in self.blocks:
-            given = b.gather_motion(motion), b.data(p), b.gather(weights)
-            total += b.pull_data(p, b.kind.pull_inertia(*given, lumped))
-        return total
+        return self._to_parameters(
+            p,
+            lambda b: b.kind.pull_inertia(
+                b.gather_motion(motion), b.data(p), b.gather(weights), lumped
+            ),
+        )
 
     def geometric(self, u: np.ndarray, p: np.ndarray) -> sparse.csc_matrix:
         """Geometric stiffness ``∂³W/∂u³ (0) · u`` of the exact energies ``W``."""
@@ -176,21 +164,20 @@ class Assembly:
 
     def push_stiffness(
         self,
-        b: np.ndarray,
+        x: np.ndarray,
         u: np.ndarray,
         p: np.ndarray,
         du: np.ndarray,
         dp: np.ndarray,
         geometric: bool = False,
     ) -> np.ndarray:
-        """(n,) change of ``K(u, p) b``, or of ``K_g(u, p) b``."""
-        total = np.zeros(self.size)
-        for block in self.blocks:
-            push = block.kind.push_geometric if geometric else block.kind.push_tangent
-            given = (block.gather(v) for v in (du, b))
-            data, change = block.data(p), block.push_data(p, dp)
-            total += block.scatter(push(block.gather(u), data, change, *given), self.size)
-        return total
+        """(n,) change of ``K(u, p) x``, or of ``K_g(u, p) x``."""
+
+        def pushed(b: ElementBlock) -> np.ndarray:
+            given = b.data(p), b.push_data(p, dp), b.gather(du), b.gather(x)
+            return b.kind.push_stiffness(b.gather(u), *given, geometric)
+
+        return self._added(pushed)
 
     def pull_stiffness(
         self, a: np.ndarray, b: np.ndarray, u: np.ndarray, p: np.ndarray, geometric: bool = False
@@ -198,9 +185,22 @@ class Assembly:
         """Weights of displacements and parameters in ``aᵀ K(u, p) b``, or ``aᵀ K_g(u, p) b``."""
         u_bar, p_bar = np.zeros(self.size), np.zeros(p.size)
         for block in self.blocks:
-            pull = block.kind.pull_geometric if geometric else block.kind.pull_tangent
-            given = (block.gather(v) for v in (a, b))
-            own, data = pull(block.gather(u), block.data(p), *given)
+            given = block.gather(u), block.data(p), block.gather(a), block.gather(b)
+            own, data = block.kind.pull_stiffness(*given, geometric)
             u_bar += block.scatter(own, self.size)
             p_bar += block.pull_data(p, data)
         return u_bar, p_bar
+
+    # sums over the blocks -----------------------------------------------------------------
+    def _added(self, forces: Callable[[ElementBlock], np.ndarray]) -> np.ndarray:
+        """(n,) sum of forces (k, ne) on the elements of each block."""
+        total = np.zeros(self.size)
+        for block in self.blocks:
+            total += block.scatter(forces(block), self.size)
+        return total
+
+    def _to_parameters(
+        self, p: np.ndarray, weights: Callable[[ElementBlock], np.ndarray], time: float = 0.0
+    ) -> np.ndarray:
+        """(np,) weights of the parameters from those of each block's numbers (m, ne)."""
+        return sum((b.pull_data(p, weights(b), time) for b in self.blocks), np.zeros(p.size))

@@ -14,11 +14,12 @@ from dalembert.structures.base import StructuralElement
 from dalembert.structures.block import ElementBlock
 from dalembert.structures.description import StructureDescription
 from dalembert.structures.elements import Elements
+from dalembert.structures.graphs import ElementGraphs, ThermalGraphs
 from dalembert.structures.kind import ElementKind
 from dalembert.structures.node import Node
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.spans import Spans
-from dalembert.structures.thermal_load import CHANGES
+from dalembert.structures.temperatures import CHANGES
 from dalembert.symbolic.expression import Expression, free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries
 
@@ -120,8 +121,9 @@ class BlockMaker:
         cls, options = parts[0].cls, parts[0].options
         nodes, names = np.concatenate([part.nodes for part in parts]), Spans()
         thermal, space = changes is not None, self.structure.dimension
+        graphs = ThermalGraphs if thermal else ElementGraphs
         linear = self.linear and not thermal
-        kind = ElementKind(cls, space, nodes.shape[1], options, linear, thermal)
+        kind = ElementKind(graphs(cls, space, nodes.shape[1], options, linear))
         for part in parts:
             names.add(part.name, part.count)
         table = degrees.table[nodes][:, :, : kind.per_node].reshape(nodes.shape[0], -1)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 import numpy as np
 
-from dalembert.structures.base import Rows, StructuralElement
-from dalembert.structures.graphs import ElementGraphs, ThermalGraphs
+from dalembert.structures.base import Rows
+from dalembert.structures.graphs import ElementGraphs
 from dalembert.symbolic.kernel import Kernel
 
 Columns = tuple[np.ndarray, ...]
@@ -21,27 +19,12 @@ class Evaluation:
 
     Parameters
     ----------
-    cls : class of elements
-    dimension : of space
-    node_count : nodes of one element
-    options : switches that the elements have in common
-    linear : for small displacements
-    thermal : what a change of temperature adds, instead of the element itself
+    graphs : of the class of elements
     """
 
-    def __init__(
-        self,
-        cls: type[StructuralElement],
-        dimension: int,
-        node_count: int,
-        options: dict[str, Any],
-        linear: bool,
-        thermal: bool = False,
-    ):
-        self.cls, self.dimension, self.node_count = cls, dimension, node_count
-        graphs = ThermalGraphs if thermal else ElementGraphs
-        self.graphs = graphs(cls, dimension, node_count, options, linear)
-        self.contractible = cls.contractible and not thermal
+    def __init__(self, graphs: ElementGraphs):
+        self.graphs, self.cls, self.linear = graphs, graphs.cls, graphs.linear
+        self.dimension, self.node_count = graphs.dimension, graphs.node_count
         self.displacement_count = self.graphs.u.numel()
         self._functions: dict[str, ca.Function] = {}
         self._kernels: dict[tuple[str, int], Kernel] = {}

@@ -29,18 +29,24 @@ class ElementGraphs(InertiaGraphs):
         cls: type[StructuralElement],
         dimension: int,
         node_count: int,
-        options: dict[str, Any],
-        linear: bool,
+        options: dict[str, Any] | None = None,
+        linear: bool = False,
     ):
-        self.cls, self.linear = cls, linear
+        self.cls, self.dimension, self.node_count = cls, dimension, node_count
+        self.linear = linear
         per_node = dimension + (len(ROTATIONS[dimension]) if cls.turns else 0)
         self._u = [ca.SX.sym(f"u{k}", per_node) for k in range(node_count)]
         self._x = [ca.SX.sym(f"x{k}", dimension) for k in range(node_count)]
         numbers = {f.name: ca.SX.sym(f.name, f.metadata["size"]) for f in cls.quantity_fields()}
         self.at = ca.SX.sym("at", len(cls.samples[0]))
-        self._q: dict[str, Any] = {**numbers, **options, "at": self.at}
+        self._q: dict[str, Any] = {**numbers, **(options or {}), "at": self.at}
         self.u = ca.vertcat(*self._u)
         self.data = ca.vertcat(*self._x, *numbers.values())
+
+    @property
+    def contractible(self) -> bool:
+        """Whether the energy is one of the displacement gradient."""
+        return self.cls.contractible
 
     # energies -----------------------------------------------------------------------------
     @cached_property
@@ -215,6 +221,8 @@ class ElementGraphs(InertiaGraphs):
 
 class ThermalGraphs(ElementGraphs):
     """What a change of temperature adds to the energy of one element, with the same numbers."""
+
+    contractible = False
 
     def _beside_energy(self, w: ca.SX) -> ca.SX:
         return ca.SX(0)

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.structures.base import Rows, StructuralElement
+from dalembert.structures.base import Rows
+from dalembert.structures.graphs import ElementGraphs
 from dalembert.structures.inertia import KindInertia
 
 
@@ -19,28 +20,14 @@ class ElementKind(KindInertia):
 
     Parameters
     ----------
-    cls : class of elements
-    dimension : of space
-    node_count : nodes of one element
-    options : switches that the elements have in common
-    linear : for small displacements: energies up to the second, measures to the first order
-    thermal : what a change of temperature adds, instead of the element itself
+    graphs : of the class, or of what a change of temperature adds to it
     """
 
-    def __init__(
-        self,
-        cls: type[StructuralElement],
-        dimension: int,
-        node_count: int,
-        options: dict[str, Any] | None = None,
-        linear: bool = False,
-        thermal: bool = False,
-    ):
-        super().__init__(cls, dimension, node_count, options or {}, linear, thermal)
-        self.linear = linear
-        self.quantities = [field.name for field in cls.quantity_fields()]
-        self.data_count = self.graphs.data.numel()
-        self.per_node = self.displacement_count // node_count
+    def __init__(self, graphs: ElementGraphs):
+        super().__init__(graphs)
+        self.quantities = [field.name for field in graphs.cls.quantity_fields()]
+        self.data_count = graphs.data.numel()
+        self.per_node = self.displacement_count // graphs.node_count
 
     # strain energy ------------------------------------------------------------------------
     def forces(self, u: np.ndarray, data: np.ndarray) -> np.ndarray:
@@ -49,9 +36,16 @@ class ElementKind(KindInertia):
 
     def tangents(self, u: np.ndarray, data: np.ndarray) -> np.ndarray:
         """(k, k, ne) tangent stiffnesses."""
-        if self.contractible:
-            return self._contracted("moduli", u, data)
-        return self._matrices("tangent", self.cls.samples, u, data)
+        return self._stiffness("tangent", "moduli", u, data)
+
+    def geometric(self, u0: np.ndarray, data: np.ndarray) -> np.ndarray:
+        """(k, k, ne) derivative of the exact tangent at rest along displacements ``u0``."""
+        return self._stiffness("geometric", "geometric_moduli", u0, data)
+
+    def _stiffness(self, what: str, moduli: str, u: np.ndarray, data: np.ndarray) -> np.ndarray:
+        if self.graphs.contractible:
+            return self._contracted(moduli, u, data)
+        return self._matrices(what, self.cls.samples, u, data)
 
     def push(self, u: np.ndarray, data: np.ndarray, change: np.ndarray) -> np.ndarray:
         """(k, ne) change of the forces with a change of the data."""
@@ -61,42 +55,18 @@ class ElementKind(KindInertia):
         """(m, ne) weights of the data from weights (k, ne) of the forces."""
         return self._energy("pull", u, data, weights)[0]
 
-    def turn(self, u, data, weights, du, change) -> tuple[np.ndarray, np.ndarray]:
+    def turn(self, u, data, weights, du, change) -> tuple[np.ndarray, ...]:
         """Changes of ``Kᵀ w`` (k, ne) and of ``pull`` (m, ne) with displacements and data."""
-        found = self._energy("turn", u, data, weights, du, change)
-        return found[0], found[1]
+        return tuple(self._energy("turn", u, data, weights, du, change))
 
-    def push_tangent(
-        self, u: np.ndarray, data: np.ndarray, change: np.ndarray, du: np.ndarray, b: np.ndarray
-    ) -> np.ndarray:
-        """(k, ne) change of ``K(u, data) b`` with changes of the data and of ``u``."""
-        return self._energy("push_tangent", u, data, change, du, b)[0]
+    def push_stiffness(self, u, data, change, du, b, geometric: bool = False) -> np.ndarray:
+        """(k, ne) change of ``K(u, data) b``, or of ``K_g(u, data) b``."""
+        what = "push_geometric" if geometric else "push_tangent"
+        return self._energy(what, u, data, change, du, b)[0]
 
-    def pull_tangent(
-        self, u: np.ndarray, data: np.ndarray, a: np.ndarray, b: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Weights of displacements (k, ne) and data (m, ne) in ``aᵀ K(u, data) b``."""
-        found = self._energy("pull_tangent", u, data, a, b)
-        return found[0], found[1]
-
-    def geometric(self, u0: np.ndarray, data: np.ndarray) -> np.ndarray:
-        """(k, k, ne) derivative of the exact tangent at rest along displacements ``u0``."""
-        if self.contractible:
-            return self._contracted("geometric_moduli", u0, data)
-        return self._matrices("geometric", self.cls.samples, u0, data)
-
-    def push_geometric(
-        self, u0: np.ndarray, data: np.ndarray, change: np.ndarray, du: np.ndarray, b: np.ndarray
-    ) -> np.ndarray:
-        """(k, ne) change of ``K_g(u0, data) b`` with changes of the data and of ``u0``."""
-        return self._energy("push_geometric", u0, data, change, du, b)[0]
-
-    def pull_geometric(
-        self, u0: np.ndarray, data: np.ndarray, a: np.ndarray, b: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Weights of ``u0`` (k, ne) and data (m, ne) in ``aᵀ K_g(u0, data) b``."""
-        found = self._energy("pull_geometric", u0, data, a, b)
-        return found[0], found[1]
+    def pull_stiffness(self, u, data, a, b, geometric: bool = False) -> tuple[np.ndarray, ...]:
+        """Weights of displacements (k, ne) and data (m, ne) in ``aᵀ K b``, or ``aᵀ K_g b``."""
+        return tuple(self._energy("pull_geometric" if geometric else "pull_tangent", u, data, a, b))
 
     # measures -----------------------------------------------------------------------------
     @cached_property
@@ -121,11 +91,10 @@ class ElementKind(KindInertia):
 
     def pull_measure(
         self, name: str, u: np.ndarray, data: np.ndarray, weights: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    ) -> tuple[np.ndarray, ...]:
         """Weights of displacements (k, ne) and data (m, ne) from those of a measure."""
         base, samples = self._station(name)
-        found = self._sum(f"weigh {base}", samples, u, data, weights)
-        return found[0], found[1]
+        return tuple(self._sum(f"weigh {base}", samples, u, data, weights))
 
     def turn_measure(self, name: str, u, data, weights, du, change) -> tuple[np.ndarray, ...]:
         """Changes of what ``pull_measure`` gives with displacements and data."""

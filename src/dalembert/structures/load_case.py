@@ -10,7 +10,8 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.structures.assembly import Assembly
 from dalembert.structures.block import ElementBlock
-from dalembert.structures.thermal_load import ThermalLoad
+from dalembert.structures.configuration_load import ConfigurationLoad
+from dalembert.structures.temperatures import Temperatures
 from dalembert.symbolic.parametric_array import ParametricArray
 
 
@@ -44,7 +45,8 @@ class LoadCase:
     nodal : forces given at nodes
     spread : blocks of dead loads, whose energy is the negative work of the load
     weights : forces on masses
-    thermal : what changes of temperature do, and other forces that depend on displacements
+    temperatures : of the elements
+    configuration : forces that depend on displacements, of hindered expansion among them
     fixed_axes : whether moments about fixed axes are among the loads, whose tangent at large
         displacements is not symmetric
     """
@@ -54,10 +56,12 @@ class LoadCase:
         nodal: ParametricArray,
         spread: Sequence[ElementBlock],
         weights: Sequence[MassForce],
-        thermal: ThermalLoad,
+        temperatures: Temperatures,
+        configuration: ConfigurationLoad,
         fixed_axes: bool = False,
     ):
-        self.thermal, self.fixed_axes = thermal, fixed_axes
+        self.temperatures, self.configuration = temperatures, configuration
+        self.fixed_axes = fixed_axes
         self.nodal, self.spread, self.weights = nodal, list(spread), list(weights)
         self.size = nodal.constants.size
         self.depends_on_time = nodal.depends_on_time or any(

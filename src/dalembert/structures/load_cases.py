@@ -9,13 +9,14 @@ import numpy as np
 from dalembert.errors import ModelError
 from dalembert.structures.assembly import Assembly
 from dalembert.structures.blocks import BlockMaker, Part
+from dalembert.structures.configuration_load import ConfigurationLoad
 from dalembert.structures.elements import Elements
 from dalembert.structures.fixed_moments import FixedMoment
 from dalembert.structures.load_case import LoadCase, MassForce
 from dalembert.structures.nodal_load import Load
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.spread_loads import LineLoad, Spread, Weight
-from dalembert.structures.thermal_load import ThermalLoad
+from dalembert.structures.temperatures import Temperatures
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parametric_array import ArrayEntries
 from dalembert.text import plain_text
@@ -62,19 +63,23 @@ class LoadCaseMaker:
         parts = [Part.of(s, self.structure.numbers) for s in spread if isinstance(s, Elements)]
         blocks = [self.maker.block([part], self.degrees) for part in parts]
         forces = [self._mass_force(s) for s in spread if isinstance(s, (Weight, LineLoad))]
-        thermal, fixed = self._thermal(name, moving), any(load.fixed_axes for load in loads)
-        return LoadCase(entries.array(self.maker.p), blocks, forces, thermal, fixed)
+        temperatures, fixed = self._temperatures(name), any(load.fixed_axes for load in loads)
+        moments = [FixedMoment.part(load) for load in moving]
+        configuration = ConfigurationLoad(
+            list(temperatures.heated.values()),
+            [self.maker.block(moments, self.degrees)] if moments else [],
+            len(self.degrees),
+            self.assembly.prescribed,
+            self.maker.linear,
+        )
+        nodal = entries.array(self.maker.p)
+        return LoadCase(nodal, blocks, forces, temperatures, configuration, fixed)
 
-    def _thermal(self, case: str, moments: list[Load]) -> ThermalLoad:
-        changes, size = self.structure.temperatures.get(case, {}), len(self.degrees)
-        heated = {
-            block: hot
-            for k, block in enumerate(self.assembly.blocks)
-            if (hot := self.maker.heated(k, self.degrees, changes)) is not None
-        }
-        parts = [FixedMoment.part(load) for load in moments]
-        blocks = [self.maker.block(parts, self.degrees)] if parts else []
-        return ThermalLoad(heated, size, self.assembly.prescribed, self.maker.linear, blocks)
+    def _temperatures(self, case: str) -> Temperatures:
+        changes = self.structure.temperatures.get(case, {})
+        numbered = enumerate(self.assembly.blocks)
+        heated = {block: self.maker.heated(k, self.degrees, changes) for k, block in numbered}
+        return Temperatures({block: hot for block, hot in heated.items() if hot is not None})
 
     def _places(self, load: Load) -> np.ndarray:
         places = self.degrees.of_nodes(load.nodes, load.direction)

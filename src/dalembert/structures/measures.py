@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.structures.block import ElementBlock
-from dalembert.structures.thermal_load import ThermalLoad
+from dalembert.structures.temperatures import Temperatures
 
 
 @dataclass
@@ -25,37 +25,29 @@ class State:
     forces: np.ndarray
     p: np.ndarray
     load_factor: float = 1.0
-    thermal: ThermalLoad | None = None
+    temperatures: Temperatures = Temperatures()
     time: float = 0.0
 
     def data(self, b: ElementBlock) -> np.ndarray:
         """(m, ne) numbers of elements, with their temperatures here."""
-        if self.thermal is None:
-            return b.data(self.p)
-        return self.thermal.data(b, self.p, self.load_factor, self.time)
+        return self.temperatures.data(b, self.p, self.load_factor, self.time)
 
     def push_data(self, b: ElementBlock, change: State) -> np.ndarray:
         """(m, ne) their change."""
-        if self.thermal is None:
-            return b.push_data(self.p, change.p)
-        hot = self.thermal.source(b).push_data(self.p, change.p, self.time)
-        return self.thermal.shared(b, hot, self.load_factor)
+        hot = self.temperatures.source(b).push_data(self.p, change.p, self.time)
+        return self.temperatures.shared(b, hot, self.load_factor)
 
     def pull_data(self, b: ElementBlock, weights: np.ndarray, into: Weights) -> None:
         """Add what weights (m, ne) of them weigh the parameters and the share of the load."""
-        if self.thermal is None or b not in self.thermal.heated:
-            into.p += b.pull_data(self.p, weights)
-            return
-        hot, rows = self.thermal.source(b), self.thermal.rows(b)
-        whole = hot.data(self.p, self.time)
-        into.load_factor += float((weights[rows] * whole[rows]).sum())
-        shared = self.thermal.shared(b, weights, self.load_factor)
+        hot, rows = self.temperatures.source(b), self.temperatures.rows(b)
+        if rows:
+            into.load_factor += float((weights[rows] * hot.data(self.p, self.time)[rows]).sum())
+        shared = self.temperatures.shared(b, weights, self.load_factor)
         into.p += hot.pull_data(self.p, shared, self.time)
 
     def turn_data(self, b: ElementBlock, weights: np.ndarray, change: State) -> np.ndarray:
         """Change of the parameters in ``pull_data`` with the parameters."""
-        source = b if self.thermal is None else self.thermal.source(b)
-        return source.turn_data(self.p, weights, change.p)
+        return self.temperatures.source(b).turn_data(self.p, weights, change.p)
 
 
 @dataclass

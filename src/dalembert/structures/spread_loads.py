@@ -15,7 +15,7 @@ from dalembert.structures.elements import Elements
 from dalembert.structures.lines import Line
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.reference_cells import REFERENCE_CELLS
-from dalembert.structures.thermal_load import CHANGES
+from dalembert.structures.temperatures import CHANGES
 from dalembert.structures.tractions import TRACTIONS
 from dalembert.symbolic.expression import Expression, as_expression
 

@@ -106,7 +106,7 @@ class LoadPath:
     def __init__(self, analysis: NonlinearStatics, model: StructuralModel, p: np.ndarray, case):
         self.analysis, self.model, self.p, self.case = analysis, model, p, case
         self.assembly = model.assembly
-        self.applied, self.thermal = model.loads[case].values(p), model.loads[case].thermal
+        self.applied, self.moving = model.loads[case].values(p), model.loads[case].configuration
         self.held = model.prescribed.values(p)
         self.balance, self.u = Balance(model, p), np.zeros(len(model.degrees))
         self.reached, self.iterations, self.residual = 0.0, 0, 0.0
@@ -155,9 +155,9 @@ class LoadPath:
         """
         forces = [self.assembly.internal_forces(u, self.p)]
         stiffness = self.assembly.stiffness(u, self.p)
-        if self.thermal:
-            forces.append(share * self.thermal.forces(u, self.p))
-            stiffness = stiffness + share * self.thermal.stiffness(u, self.p)
+        if self.moving:
+            forces.append(share * self.moving.forces(u, self.p))
+            stiffness = stiffness + share * self.moving.stiffness(u, self.p)
         return forces, stiffness
 
     def forces(self) -> np.ndarray:

@@ -39,7 +39,7 @@ class PathEquations:
             "a load path, which counts negative eigenvalues,",
             "take solve_statics(…, nonlinear=True)",
         )
-        self.applied, self.thermal = model.loads[case].values(p), model.loads[case].thermal
+        self.applied, self.moving = model.loads[case].values(p), model.loads[case].configuration
         self.given, self.balance = model.prescribed.values(p), Balance(model, p)
         stiffness, load, _ = self.matrix(np.zeros(self.size + 1))
         factor = factorised(model, stiffness)
@@ -75,13 +75,13 @@ class PathEquations:
         """(n,) forces that hold the displaced elements, heated by their share."""
         u = self.displaced(point)
         found = self.assembly.internal_forces(u, self.p)
-        return found + point[-1] * self.thermal.forces(u, self.p) if self.thermal else found
+        return found + point[-1] * self.moving.forces(u, self.p) if self.moving else found
 
     def stiffness(self, point: np.ndarray) -> Any:
         """(n, n) their derivative."""
         u = self.displaced(point)
         found = self.assembly.stiffness(u, self.p)
-        return found + point[-1] * self.thermal.stiffness(u, self.p) if self.thermal else found
+        return found + point[-1] * self.moving.stiffness(u, self.p) if self.moving else found
 
     def residual(self, point: np.ndarray) -> Balanced:
         """Force left over on the free displacements."""
@@ -94,8 +94,8 @@ class PathEquations:
         if known is None:
             known = self.stiffness(point)
         whole, growing = known.tocsr(), self.applied
-        if self.thermal:
-            growing = growing - self.thermal.forces(self.displaced(point), self.p)
+        if self.moving:
+            growing = growing - self.moving.forces(self.displaced(point), self.p)
         rows = whole[self.free]
         load = growing[self.free] - rows[:, self.held] @ self.given
         return rows[:, self.free].tocsc(), load, whole

@@ -43,11 +43,11 @@ class Loaded:
                 )
 
     @property
-    def heated(self) -> Assembly | None:
-        """Elements with their changes of temperature; None where there is none."""
-        if self.result is None or not self.model.loads[self.result.cases[0]].thermal:
-            return None
-        return self.model.loads[self.result.cases[0]].thermal.assembly
+    def heated(self) -> Assembly:
+        """What temperatures add to elements; nothing at rest."""
+        if self.result is None:
+            return self.model.assembly.split(lambda _: False)[1]
+        return self.model.loads[self.result.cases[0]].configuration.assembly
 
     @property
     def u(self) -> np.ndarray:
@@ -127,21 +127,18 @@ class Tangent(Term):
 
     def matrix(self) -> sparse.csc_matrix:
         s = self.state
-        found = s.model.assembly.stiffness(s.u, s.p)
-        return found if s.heated is None else found + s.heated.stiffness(s.u, s.p)
+        parts = (s.model.assembly, s.heated)
+        return combined(*((1.0, part.stiffness(s.u, s.p)) for part in parts))
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
         s = self.state
-        found = s.model.assembly.push_stiffness(b, s.u, s.p, du, dp)
-        return found if s.heated is None else found + s.heated.push_stiffness(b, s.u, s.p, du, dp)
+        given = b, s.u, s.p, du, dp
+        return s.model.assembly.push_stiffness(*given) + s.heated.push_stiffness(*given)
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         s = self.state
-        found = s.model.assembly.pull_stiffness(a, b, s.u, s.p)
-        if s.heated is None:
-            return found
-        hot = s.heated.pull_stiffness(a, b, s.u, s.p)
-        return found[0] + hot[0], found[1] + hot[1]
+        cold, hot = (x.pull_stiffness(a, b, s.u, s.p) for x in (s.model.assembly, s.heated))
+        return cold[0] + hot[0], cold[1] + hot[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,24 +153,19 @@ class Geometric(Term):
 
     def matrix(self) -> sparse.csc_matrix:
         s = self.state
-        found = s.model.assembly.geometric(s.u, s.p)
-        if s.heated is not None:
-            found = found + s.heated.stiffness(np.zeros_like(s.u), s.p)
-        return self.factor * found
+        strained = s.model.assembly.geometric(s.u, s.p)
+        hot = s.heated.stiffness(np.zeros_like(s.u), s.p)
+        return combined((self.factor, strained), (self.factor, hot))
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
         s, rest = self.state, np.zeros_like(b)
         found = s.model.assembly.push_stiffness(b, s.u, s.p, du, dp, geometric=True)
-        if s.heated is not None:
-            found += s.heated.push_stiffness(b, rest, s.p, rest, dp)
-        return self.factor * found
+        return self.factor * (found + s.heated.push_stiffness(b, rest, s.p, rest, dp))
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         s, a = self.state, self.factor * a
         u_bar, p_bar = s.model.assembly.pull_stiffness(a, b, s.u, s.p, geometric=True)
-        if s.heated is not None:
-            p_bar = p_bar + s.heated.pull_stiffness(a, b, np.zeros_like(b), s.p)[1]
-        return u_bar, p_bar
+        return u_bar, p_bar + s.heated.pull_stiffness(a, b, np.zeros_like(b), s.p)[1]
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,7 +62,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         u = np.zeros((size, len(model.loads)))
         forces = np.zeros_like(u)
         for k, load in enumerate(model.loads.values()):
-            applied, begin = load.values(p), start + load.thermal.forces(rest, p)
+            applied, begin = load.values(p), start + load.configuration.forces(rest, p)
             u[held, k] = model.prescribed.values(p)
             if factor is not None:
                 open_by = applied - begin - stiffness @ u[:, k]
@@ -83,8 +83,8 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         """Largest force left over on free displacements, relative to the largest of all."""
         free, left = model.assembly.free, []
         for k, load in enumerate(model.loads.values()):
-            rest = model.assembly.internal_forces(u[:, k], p) + load.thermal.forces(u[:, k], p)
-            rest -= forces[:, k]
+            rest = model.assembly.internal_forces(u[:, k], p) - forces[:, k]
+            rest += load.configuration.forces(u[:, k], p)
             left.append(np.abs(rest[free]).max(initial=0.0))
         return float(max(left, default=0.0) / max(np.abs(forces).max(initial=0.0), 1e-300))
 

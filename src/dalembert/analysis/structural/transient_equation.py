@@ -15,6 +15,7 @@ import scipy.sparse.linalg as linalg
 
 from dalembert.elements.base import Scalar
 from dalembert.errors import ModelError, SingularityError, UnsupportedError
+from dalembert.structures.configuration_load import Expansion
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.pattern import combined
 from dalembert.symbolic.expression import as_expression, free_symbols
@@ -106,15 +107,15 @@ class EquationOfMotion:
         self.assembly, self.linear = model.assembly, model.linear
         self.free, self.held = self.assembly.free, self.assembly.prescribed
         self.load_case, self.damping = model.loads[case], damping.coefficients(model)
-        thermal = self.load_case.thermal
-        if thermal.depends_on_time and not self.linear:
+        moving = self.load_case.configuration
+        if moving.depends_on_time and not self.linear:
             raise UnsupportedError(
                 f"temperatures or moments about fixed axes of load case {case!r} depend on time, "
                 "which nonlinear transients do not take; take nonlinear=False, or constant ones"
             )
         nothing = self.assembly.split(lambda _: False)[1]
-        self.expansion = thermal.expansion if thermal and self.linear else None
-        self.heated = nothing if self.linear else thermal.assembly
+        self.expansion = Expansion(moving) if moving and self.linear else None
+        self.heated = nothing if self.linear else moving.assembly
         self.alpha, self.beta = (float(c) for c in self.damping.values(p))
         rest = np.zeros(self.assembly.size)
         self.mass = self.assembly.mass(p, lumped)
@@ -137,7 +138,7 @@ class EquationOfMotion:
     @property
     def symmetric(self) -> bool:
         """Whether all slopes of the forces are."""
-        return not self.turns and self.load_case.thermal.symmetric
+        return not self.turns and self.load_case.configuration.symmetric
 
     @property
     def turns(self) -> bool:

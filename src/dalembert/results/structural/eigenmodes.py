@@ -147,13 +147,13 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
     def state(self, k: int) -> ModeState:
         """A shape as displacements; nothing acts on it."""
         u = self.shapes[:, k]
-        cold = next(iter(self.model.loads.values())).thermal
+        first = next(iter(self.model.loads.values()))
         return ModeState(
             u,
             np.zeros_like(u),
             self.parameters,
             load_factor=0.0,
-            thermal=cold,
+            temperatures=first.temperatures,
             eigenvalue=float(self.eigenvalues[k]),
         )
 

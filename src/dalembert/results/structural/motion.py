@@ -80,7 +80,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
             a=self.accelerations[:, k],
             mass=self.mass,
             lumped=self.analysis.lumped,
-            thermal=self.model.loads[self.analysis.case_of(self.model)].thermal,
+            temperatures=self.model.loads[self.analysis.case_of(self.model)].temperatures,
             time=float(self.time[k]),
         )
 

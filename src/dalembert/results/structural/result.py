@@ -65,9 +65,9 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
 
     def state(self, case: int) -> State:
         """Displacements and forces of one case."""
-        thermal = self.model.loads[self.cases[case]].thermal
+        temperatures = self.model.loads[self.cases[case]].temperatures
         u, forces = self.displacements[:, case], self.forces[:, case]
-        return State(u, forces, self.parameters, thermal=thermal)
+        return State(u, forces, self.parameters, temperatures=temperatures)
 
     def __getitem__(self, measure: str | Expression) -> float | np.ndarray:
         """Value of a measure; an array over the load cases where there are several."""

@@ -58,7 +58,7 @@ class StaticsTangent:
         reactions[self.held], applied[self.free] = forces[self.held], forces[self.free]
         applied -= reactions  # what acts on a support itself, its reaction does not see
         u_bar = seen_u + stiffness.T @ reactions
-        u, hot = self.result.displacements[:, case], loads.thermal
+        u, hot = self.result.displacements[:, case], loads.configuration
         factor_bar = np.array([one.load_factor for one in seen]) + applied.T @ loads.values(self.p)
         factor_bar += u_bar[self.held].T @ self.model.prescribed.values(self.p)
         if hot:
@@ -83,7 +83,7 @@ class StaticsTangent:
         held = np.zeros_like(u)
         held[self.held] = share * self.model.prescribed.push(self.p, dp)
         applied = share * loads.push(self.p, dp)
-        internal, hot = self.assembly.push(u, self.p, dp), loads.thermal
+        internal, hot = self.assembly.push(u, self.p, dp), loads.configuration
         if hot:
             internal += share * hot.push(u, self.p, dp)
         moved, dfactor = self.moved(case, applied - internal - stiffness @ held)
