@@ -146,13 +146,13 @@ def test_deck_with_parameters(bridge, capsys):
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
-        ("slider_crank.toml", ["--method", "adjont"], "--method 'adjont' is unknown (did you mean"),
-        ("slider_crank.toml", ["--response", "bering"], "'bering' is unknown (did you mean 'bear"),
-        ("slider_crank.toml", ["--wrt", "m_rode"], "--wrt 'm_rode' is unknown (did you mean"),
+        ("slider_crank.toml", ["--method", "adjont"], "unknown --method 'adjont' (did you mean"),
+        ("slider_crank.toml", ["--response", "bering"], "'bering' (did you mean 'bear"),
+        ("slider_crank.toml", ["--wrt", "m_rode"], "unknown --wrt 'm_rode' (did you mean"),
         ("slider_crank.toml", ["--set", "nothing=1"], "nothing: unknown parameter"),
-        ("bridge.dat", ["--method", "simplex"], "--method 'simplex' is unknown"),
+        ("bridge.dat", ["--method", "simplex"], "unknown --method 'simplex'"),
         ("bridge.dat", ["--response", "n9.ux"], "no measure 'n9.ux'"),
-        ("bridge.dat", ["--wrt", "d3"], "--wrt 'd3' is unknown (did you mean 'd2'?); known: d1"),
+        ("bridge.dat", ["--wrt", "d3"], "unknown --wrt 'd3' (did you mean 'd2'?); known: d1"),
         ("bridge.dat", ["--set", "d1=x"], "--set d1: 'x' is not a number"),
         ("springs.dat", [], "has no sensitivity parameters; add their count"),
     ],

@@ -1,8 +1,10 @@
-"""Text that is shown: on a terminal, in a result file, on a page."""
+"""Text that is shown: on a terminal, in a result file, on a page; names that are not known."""
 
 from __future__ import annotations
 
+import difflib
 import re
+from collections.abc import Iterable
 from typing import Any
 
 from dalembert.errors import ModelError
@@ -12,6 +14,10 @@ HIDDEN = re.compile(
 )
 """Control characters but tab and line end, marks that turn the direction of text, separators of
 lines that are not seen as such, lone surrogates."""
+
+
+MOST = 24
+"""Names that a message lists."""
 
 
 def visible(text: str) -> str:
@@ -37,3 +43,22 @@ def plain_text(text: Any, entity: str) -> str:
             visible(entity),
         )
     return text
+
+
+def nearest(name: Any, known: Iterable[str]) -> str:
+    """``(did you mean …?)`` if something known is close."""
+    # two letters of which one is right are near enough for short names
+    close = difflib.get_close_matches(str(name)[:80], list(known), 1, 0.5)
+    return f" (did you mean {close[0]!r}?)" if close else ""
+
+
+def unknown(what: str, name: Any, known: Iterable[str]) -> str:
+    """``unknown body 'crnk' (did you mean 'crank'?); known: ground, crank``."""
+    names = list(known)
+    return f"unknown {what} {name!r}{nearest(name, names)}; known: {listed(names)}"
+
+
+def listed(names: Iterable[str]) -> str:
+    """The first of them with commas between."""
+    names = list(names)
+    return (", ".join(names[:MOST]) + (", …" if len(names) > MOST else "")) or "none"

@@ -66,10 +66,10 @@ def example_folder() -> Path:
 
 def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> Path:
     from dalembert.atomic import atomic_path
-    from dalembert.io.messages import nearest
+    from dalembert.text import unknown
 
     if name not in known:
-        raise FileError(f"no example {name!r}{nearest(name, known)}; known: {', '.join(known)}")
+        raise FileError(unknown("example", name, known))
     target = folder / known[name].name
     if target.exists() and not force:
         raise FileError(f"{target}: exists already; use --force to replace it")

@@ -12,6 +12,7 @@ from dalembert.cli.loading import is_deck, loaded
 from dalembert.errors import ExpressionError, UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
+from dalembert.text import unknown
 
 Texts = list[str] | None
 
@@ -110,14 +111,9 @@ def _parameters(wrt: Sequence[str] | None, known: Iterable[str]) -> list[str]:
 
 
 def _known(option: str, name: str, known: Iterable[str]) -> str:
-    from dalembert.io.messages import nearest
-
-    listed = list(known)
-    if name not in listed:
-        raise UnsupportedError(
-            f"{option} {name!r} is unknown{nearest(name, listed)}; known: "
-            f"{', '.join(listed) or 'none'}"
-        )
+    names = list(known)
+    if name not in names:
+        raise UnsupportedError(unknown(option, name, names))
     return name
 
 

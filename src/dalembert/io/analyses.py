@@ -15,7 +15,6 @@ from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.errors import SingularityError
 from dalembert.io.fields import Interval, written
 from dalembert.io.formulas import Formulas, ParameterNames
-from dalembert.io.messages import nearest
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.tables import EventTable
@@ -23,6 +22,7 @@ from dalembert.model.model import Model
 from dalembert.results.result import Analysis
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
+from dalembert.text import unknown
 
 
 def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
@@ -41,11 +41,7 @@ def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
         )
     name = kind if kind is not None else table.type if table is not None else usual
     if name not in known:
-        raise file.located.error(
-            f"unknown type {name!r}{nearest(name, known)}; known: {', '.join(known)}",
-            "analysis",
-            "type",
-        )
+        raise file.located.error(unknown("type", name, known), "analysis", "type")
     cls = known[name]
     with file.located("analysis"):
         analysis = cls(**_options(file, model, cls, table))

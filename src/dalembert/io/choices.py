@@ -13,8 +13,9 @@ from pydantic import (
     model_validator,
 )
 
-from dalembert.io.messages import UnknownKey, nearest
+from dalembert.io.messages import UnknownKey
 from dalembert.io.values import shown
+from dalembert.text import nearest
 
 PLAIN = "plain"
 

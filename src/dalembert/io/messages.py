@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -12,6 +11,7 @@ from pydantic import ValidationError
 
 from dalembert.errors import ModelError
 from dalembert.io.values import shown
+from dalembert.text import nearest
 
 SHOWN = 5
 _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
@@ -26,13 +26,6 @@ class UnknownKey(ValueError):
         super().__init__(
             f"unknown key{nearest(key, known)}; known here: {', '.join(known) or 'none'}"
         )
-
-
-def nearest(name: Any, known: Iterable[str]) -> str:
-    """``(did you mean …?)`` if something known is close."""
-    # two letters of which one is right are near enough for short names
-    close = difflib.get_close_matches(str(name)[:80], list(known), 1, 0.5)
-    return f" (did you mean {close[0]!r}?)" if close else ""
 
 
 def place(*keys: str | int) -> str:

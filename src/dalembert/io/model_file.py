@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from dalembert.errors import ModelError
 from dalembert.io.builder import Builder
 from dalembert.io.location import Located
-from dalembert.io.messages import explain, nearest, place
+from dalembert.io.messages import explain, place
 from dalembert.io.reading import read_document
 from dalembert.io.schema import MECHANISMS, Document, ParameterTable
 from dalembert.io.structure_builder import StructureBuilder
@@ -22,7 +22,7 @@ from dalembert.model.model import Model
 from dalembert.model.system import RESERVED, System
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.structure import Structure
-from dalembert.text import visible
+from dalembert.text import nearest, visible
 
 BUILDERS: dict[str, Any] = {"mechanism": Builder, "structure": StructureBuilder}
 """Value of ``kind`` in a file → what makes its contents."""

@@ -8,10 +8,10 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
 from dalembert.errors import ModelError
 from dalembert.io.formulas import Formulas
-from dalembert.io.messages import nearest
 from dalembert.io.schema import Document
 from dalembert.io.tables import Inline
 from dalembert.model.system import System
+from dalembert.text import listed, nearest, unknown
 
 
 class References:
@@ -31,18 +31,14 @@ class References:
         """The body, or the ground, of this name."""
         known = ["ground", *self.document.bodies]
         if name not in known:
-            raise ModelError(
-                f"unknown body {name!r}{nearest(name, known)}; known: {_listed(known)}"
-            )
+            raise ModelError(unknown("body", name, known))
         return self.system.body(name)
 
     def joint(self, name: str) -> Any:
         """The joint of this name."""
         known = list(self.document.joints)
         if name not in known:
-            raise ModelError(
-                f"unknown joint {name!r}{nearest(name, known)}; known: {_listed(known)}"
-            )
+            raise ModelError(unknown("joint", name, known))
         return self.system.elements[name]
 
     def end(self, kind: type, given: str | Inline) -> Any:
@@ -64,9 +60,9 @@ class References:
         places, what = (body.frames, "frame") if kind is Frame else (body.points, "point")
         if name not in places:
             known = [f"{owner}.{p}" for p in places]
-            listed = _listed(known) or f"none, name one in its {what}s"
+            told = listed(known) if known else f"none, name one in its {what}s"
             raise ModelError(
-                f"unknown {what} {given!r}{nearest(given, known)}; {what}s of {owner}: {listed}"
+                f"unknown {what} {given!r}{nearest(given, known)}; {what}s of {owner}: {told}"
             )
         return places[name]
 
@@ -79,7 +75,3 @@ class References:
             return body.point(*at)
         axis = None if given.axis is None else [self.formulas.read(x) for x in given.axis]
         return body.frame(at) if axis is None else body.frame(at, axis=axis)
-
-
-def _listed(names: list[str]) -> str:
-    return ", ".join(names[:12]) + (", …" if len(names) > 12 else "")

@@ -8,11 +8,11 @@ from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, cre
 
 from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
-from dalembert.io.messages import nearest
 from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES_OF
 from dalembert.io.tables import point_type, strategy_type, table_of
 from dalembert.io.values import Bound, Entry, Integer, Number, Text, list_of, shown
 from dalembert.sensitivity.methods import METHODS
+from dalembert.text import nearest
 
 FORMAT = 1
 

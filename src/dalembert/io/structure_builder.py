@@ -12,7 +12,6 @@ from dalembert.errors import ModelError
 from dalembert.io.fields import Quantities, Quantity, connected, given_fields
 from dalembert.io.formulas import Formulas, ParameterNames, Scope
 from dalembert.io.location import Located
-from dalembert.io.messages import nearest
 from dalembert.io.parameters import declare_parameters
 from dalembert.io.shapes import made_of
 from dalembert.io.structure_schema import StructureDocument
@@ -31,7 +30,7 @@ from dalembert.structures.node import Node
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.registry import ELEMENTS, cell_of
 from dalembert.structures.structure import Structure
-from dalembert.text import visible
+from dalembert.text import unknown, visible
 
 
 class StructureBuilder:
@@ -84,10 +83,7 @@ class StructureBuilder:
     def node(self, name: str, *where: str | int) -> Node:
         known = self.document.nodes
         if name not in known:
-            raise self.located.error(
-                f"unknown node {name!r}{nearest(name, known)}; known: {_listed(list(known))}",
-                *where,
-            )
+            raise self.located.error(unknown("node", name, known), *where)
         return self.structure.nodes[name]  # type: ignore[return-value]
 
     def value(self, field: Any, given: Any, where: tuple[str, ...]) -> Any:
@@ -190,10 +186,7 @@ class StructureBuilder:
         """The element or element set of this name."""
         known = self.structure.elements
         if name not in known:
-            raise self.located.error(
-                f"unknown element {name!r}{nearest(name, known)}; known: {_listed(list(known))}",
-                *where,
-            )
+            raise self.located.error(unknown("element", name, known), *where)
         return known[name]
 
     def chosen(self, table: NodeChoice, section: str, k: int) -> list[Node | Nodes]:
@@ -223,12 +216,7 @@ class StructureBuilder:
                 return self.meshes[owner].nodes(group or None)
         known = [*self.document.nodes, *self.meshes]
         known += [f"{mesh}.{g}" for mesh, m in self.meshes.items() for g in m.selections]
-        raise self.located.error(
-            f"unknown nodes {name!r}{nearest(name, known)}; known: {_listed(known)}",
-            section,
-            k,
-            "nodes",
-        )
+        raise self.located.error(unknown("nodes", name, known), section, k, "nodes")
 
 
 def _array(values: list) -> np.ndarray:
@@ -238,7 +226,3 @@ def _array(values: list) -> np.ndarray:
     found = np.empty(len(values), dtype=object)
     found[:] = values
     return found
-
-
-def _listed(names: list[str]) -> str:
-    return (", ".join(names[:12]) + (", …" if len(names) > 12 else "")) or "none"

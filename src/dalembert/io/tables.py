@@ -34,7 +34,6 @@ from dalembert.io.fields import (
     connected,
     written,
 )
-from dalembert.io.messages import nearest
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.values import (
     CountOrTimes,
@@ -48,6 +47,7 @@ from dalembert.io.values import (
     shown,
 )
 from dalembert.results.structural.result import StructuralResult
+from dalembert.text import unknown
 
 
 class Inline(Record):
@@ -94,7 +94,7 @@ def named(known: dict[str, type]) -> Any:
 
     def check(value: Any) -> Any:
         if isinstance(value, str) and value not in known:
-            raise ValueError(f"unknown {value!r}{nearest(value, known)}; known: {', '.join(known)}")
+            raise ValueError(unknown("name", value, known))
         if not isinstance(value, (str, dict)):
             raise ValueError(f"expected a name ({', '.join(known)}) or a table, got {shown(value)}")
         return value

@@ -13,13 +13,13 @@ from dalembert.design.optimum import Limit
 from dalembert.errors import ModelError
 from dalembert.io.analyses import given_options, make_analysis, make_strategy
 from dalembert.io.measures import measure_reader
-from dalembert.io.messages import nearest
 from dalembert.io.model_file import ModelFile
 from dalembert.io.schema import Document
 from dalembert.io.strategies import RESPONSES, STRATEGIES
 from dalembert.responses.base import Response
 from dalembert.responses.events import AtEvent
 from dalembert.results.labelled import DATA_ONLY
+from dalembert.text import nearest, unknown
 
 COMPARED = {
     "formulations": "formulation",
@@ -80,9 +80,7 @@ def chosen_response(
             'has none; add e.g. [responses.peak] with type = "Maximum" and a measure', "responses"
         )
     if name not in made:
-        raise file.located.error(
-            f"unknown response {name!r}{nearest(name, made)}; known: {', '.join(made)}", *where
-        )
+        raise file.located.error(unknown("response", name, made), *where)
     return made[name]
 
 
@@ -94,11 +92,7 @@ def chosen_parameters(file: ModelFile, names: list[str] | None, *where: str) -> 
     names = names or []
     for k, name in enumerate(names):
         if name not in known:
-            raise file.located.error(
-                f"unknown parameter {name!r}{nearest(name, known)}; known: {', '.join(known)}",
-                *where,
-                k,
-            )
+            raise file.located.error(unknown("parameter", name, known), *where, k)
         if name in names[:k]:
             raise file.located.error(f"{name!r} is named twice; name it once", *where, k)
     return list(names or known)
@@ -213,12 +207,7 @@ def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
     points = [p.name for body in model.bodies for p in body.points.values()]
     for k, point in enumerate(report.trace):
         if point not in points:
-            raise file.located.error(
-                f"unknown point {point!r}{nearest(point, points)}; known: {', '.join(points[:12])}",
-                "report",
-                "trace",
-                k,
-            )
+            raise file.located.error(unknown("point", point, points), "report", "trace", k)
     return {"plots": report.plots or None, "trace": report.trace or None}
 
 

@@ -9,7 +9,6 @@ limited, so that a hostile file cannot exhaust the machine.
 from __future__ import annotations
 
 import ast
-import difflib
 import math
 import operator
 import warnings
@@ -18,6 +17,7 @@ from collections.abc import Callable
 from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.functions import FORMULA_FUNCTIONS
+from dalembert.text import nearest, unknown
 
 MAX_LENGTH = 2000
 MAX_DEPTH = 50
@@ -152,10 +152,7 @@ class _Parser:
     def call(self, node: ast.Call, depth: int) -> Expression:
         if not isinstance(node.func, ast.Name) or node.func.id not in FORMULA_FUNCTIONS:
             name = ast.unparse(node.func)[:40]
-            raise self.fail(
-                f"unknown function {name!r}{_nearest(name, list(FORMULA_FUNCTIONS))}; "
-                f"known: {', '.join(FORMULA_FUNCTIONS)}"
-            )
+            raise self.fail(unknown("function", name, FORMULA_FUNCTIONS))
         function, arity = FORMULA_FUNCTIONS[node.func.id]
         if node.keywords or len(node.args) != arity:
             raise self.fail(f"{node.func.id} takes {arity} argument(s), got {len(node.args)}")
@@ -177,10 +174,5 @@ class _Parser:
             return found
         if name in CONSTANTS:
             return CONSTANTS[name]
-        fault = self.fail(f"unknown name {name!r}{_nearest(name, self.known())}")
+        fault = self.fail(f"unknown name {name!r}{nearest(name, self.known())}")
         raise UnknownNameError(fault.message, name)
-
-
-def _nearest(name: str, known: list[str]) -> str:
-    close = difflib.get_close_matches(name, known, 1, 0.6)
-    return f" (did you mean {close[0]!r}?)" if close else ""

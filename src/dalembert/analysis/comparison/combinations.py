@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -18,6 +17,7 @@ from dalembert.integrators.base import Integrator
 from dalembert.integrators.registry import INTEGRATORS
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.registry import COORDINATES
+from dalembert.text import nearest
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,7 @@ class Choice:
             return item()
         if isinstance(item, self.base):
             return item
-        close = difflib.get_close_matches(str(item), self.known, 1, 0.5)
-        hint = f" (did you mean {close[0]!r}?)" if close else ""
+        hint = nearest(item, self.known)
         if isinstance(item, str) and "(" in item:
             hint = "; for options give an object, or in a model file a table with its type"
         raise UnsupportedError(
