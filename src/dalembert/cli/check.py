@@ -22,10 +22,6 @@ def check(model: Path, /, *, settings: Settings | None = None, as_json: AsJson =
     ----------
     model
         Model file, TOML or JSON.
-    settings
-        New value of a parameter, name=value; repeatable.
-    as_json
-        Print one JSON document instead of text.
     """
     file, built = loaded(model, settings, Path())
     teller = teller_of(built)

@@ -84,12 +84,6 @@ def compare(
         Folder for table and picture; this one by default.
     svg
         Write the picture as .svg instead of .png.
-    settings
-        New value of a parameter, name=value; repeatable.
-    quiet
-        Print errors only.
-    as_json
-        Print one JSON document instead of text.
     """
     from dalembert.analysis.comparison.compare import Comparing
     from dalembert.analysis.comparison.observation import observe

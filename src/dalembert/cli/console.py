@@ -20,12 +20,15 @@ if TYPE_CHECKING:
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 
-AsJson = Annotated[bool, Parameter(name="--json", negative=())]
+AsJson = Annotated[
+    bool,
+    Parameter(name="--json", negative=(), help="Print one JSON document instead of text."),
+]
 Settings = Annotated[
     list[str],
     Parameter(name="--set", negative=(), help="New value of a parameter: l1=0.25; repeatable."),
 ]
-Quiet = Annotated[bool, Parameter(name=["--quiet", "-q"], negative=())]
+Quiet = Annotated[bool, Parameter(name=["--quiet", "-q"], negative=(), help="Print errors only.")]
 
 
 class WrongInput(Exception):

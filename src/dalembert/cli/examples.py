@@ -28,8 +28,6 @@ def examples(
         Folder to copy to; this one by default.
     force
         Replace a file that is there already.
-    as_json
-        Print one JSON document instead of text.
     """
     known = {path.stem: path for path in sorted(example_folder().glob("*.toml"))}
     if name is None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
 
 from dalembert.cli.console import (
     DONE,
@@ -29,7 +31,7 @@ def optimize(
     *,
     output: Path | None = None,
     settings: Settings | None = None,
-    quiet: Quiet = False,
+    quiet: Annotated[Quiet, Parameter(help="Do not print the iterations.")] = False,
     as_json: AsJson = False,
 ) -> int:
     """Find the parameter values that make a response of a model file best.
@@ -41,12 +43,6 @@ def optimize(
     output
         Folder for the motion of the best design (.optimum.nc and .optimum.report.html); none is
         written by default.
-    settings
-        Value of a parameter to start from, name=value; repeatable.
-    quiet
-        Do not print the iterations.
-    as_json
-        Print one JSON document instead of text.
     """
     from dalembert.design.optimization import optimize as best_of
     from dalembert.io.analyses import make_analysis

@@ -17,8 +17,6 @@ def report(results: Path, /, *, output: Path | None = None, as_json: AsJson = Fa
         Result file written by 'dalembert run'.
     output
         Name of the page; by default beside the results.
-    as_json
-        Print one JSON document instead of text.
     """
     from dalembert.report.page import write_page
     from dalembert.results.store import load_results, report_of

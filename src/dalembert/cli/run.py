@@ -57,16 +57,10 @@ def run(
         Folder for the results; this one by default.
     analysis
         Another type of analysis than the file's, e.g. Kinematics.
-    settings
-        New value of a parameter, name=value; repeatable.
     report
         Write the interactive report.
     csv
         Write all results as a table too.
-    quiet
-        Print errors only.
-    as_json
-        Print one JSON document instead of text.
     """
     from dalembert.io.analyses import make_analysis
     from dalembert.io.tasks import report_choices

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
 
 from dalembert.cli.console import DONE, AsJson, emit, tell, wrong_input
+
+JSON = "With --output, tell what was written as JSON; the schema itself always is JSON."
 
 
 def schema(
     *,
     kind: Literal["mechanism", "structure"] | None = None,
     output: Path | None = None,
-    as_json: AsJson = False,
+    as_json: Annotated[AsJson, Parameter(help=JSON)] = False,
 ) -> int:
     """Print the JSON Schema of model files, for editors that complete and check them.
 
@@ -23,8 +27,6 @@ def schema(
         Of mechanisms or structures only; both by default.
     output
         Write it to this file instead.
-    as_json
-        With --output, tell what was written as JSON; the schema itself always is JSON.
     """
     from dalembert.atomic import atomic_path
     from dalembert.io.json_schema import json_schema

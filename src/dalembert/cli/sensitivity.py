@@ -58,10 +58,6 @@ def sensitivity(
         Write the tornado chart, without --output to this folder.
     svg
         Write the chart as .svg instead of .png.
-    settings
-        New value of a parameter, name=value; repeatable.
-    as_json
-        Print one JSON document instead of text.
     """
     from dalembert.cli.gradient_task import gradient_task
     from dalembert.cli.gradient_text import document, show

@@ -46,85 +46,64 @@ def variables(model: Model) -> list[Variable]:
 
 
 def _bodies(model: Model) -> list[Variable]:
-    names, found = tuple(b.name for b in model.bodies), []
+    measures = {b.name: b.measures() for b in model.bodies}
     where = "the origin of the body" if _spatial(model) else "the mass centre"
-    rows = [
-        ("position", f"position of {where}", "m"),
-        ("angle", "angle", "rad"),
-        ("euler_parameters", "Euler parameters, the scalar first", "1"),
-        ("velocity", f"velocity of {where}", "m/s"),
-        ("angular_velocity", "angular velocity", "rad/s"),
-        ("acceleration", f"acceleration of {where}", "m/s^2"),
-        ("angular_acceleration", "angular acceleration", "rad/s^2"),
-    ]
-    for name, text, unit in rows:
-        known = [b.measures().get(name, (None, ""))[0] for b in model.bodies]
-        if any(sx is not None for sx in known):
-            found.append(Variable(name, text, unit, "body", names, _alike(known)))
-    return found
+    motion = {
+        "position": (f"position of {where}", "m"),
+        "angle": ("angle", "rad"),
+        "euler_parameters": ("Euler parameters, the scalar first", "1"),
+        "velocity": (f"velocity of {where}", "m/s"),
+        "angular_velocity": ("angular velocity", "rad/s"),
+        "acceleration": (f"acceleration of {where}", "m/s^2"),
+        "angular_acceleration": ("angular acceleration", "rad/s^2"),
+    }
+    known = {q for of in measures.values() for q in of}
+    return [_over("body", measures, q, q, *motion[q]) for q in motion if q in known]
 
 
 def _points(model: Model) -> list[Variable]:
-    points = [(p.name, p.measures()) for b in model.bodies for p in b.points.values()]
-    if not points:
-        return []
-    names = tuple(n for n, _ in points)
+    measures = {p.name: p.measures() for b in model.bodies for p in b.points.values()}
+    motion = {"position": "m", "velocity": "m/s", "acceleration": "m/s^2"} if measures else {}
     return [
-        Variable(
-            f"point_{q}",
-            f"{q} of the point",
-            unit,
-            "point",
-            names,
-            _alike(m[q][0] for _, m in points),
-        )
-        for q, unit in (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
+        _over("point", measures, q, f"point_{q}", f"{q} of the point", unit)
+        for q, unit in motion.items()
     ]
 
 
 def _joints(model: Model) -> list[Variable]:
     joints = [c for c in model.constraints if isinstance(c, Pair)]
-    if not joints:
-        return []
-    names = tuple(c.name for c in joints)
-    reactions = [c.reaction() for c in joints]
+    names, reactions = tuple(c.name for c in joints), [c.reaction() for c in joints]
+    kinds = [
+        ("reaction_force", "force of the joint on its second body", "N"),
+        ("reaction_moment", "moment of the joint on its second body, at the joint", "N m"),
+    ]
     return [
-        Variable(
-            "reaction_force",
-            "force of the joint on its second body",
-            "N",
-            "joint",
-            names,
-            _alike(force for force, _ in reactions),
-        ),
-        Variable(
-            "reaction_moment",
-            "moment of the joint on its second body, at the joint",
-            "N m",
-            "joint",
-            names,
-            _alike(moment for _, moment in reactions),
-        ),
+        Variable(name, text, unit, "joint", names, _alike(each))
+        for (name, text, unit), each in zip(kinds, zip(*reactions, strict=True), strict=False)
     ]
 
 
 def _drivers(model: Model) -> list[Variable]:
     drivers = [c for c in model.constraints if isinstance(c, Driver)]
-    if not drivers:
-        return []
-    names = tuple(c.name for c in drivers)
-    measures = [element_measures(c, model.coordinates) for c in drivers]
+    measures = {c.name: element_measures(c, model.coordinates) for c in drivers}
+    given = {"effort": "N or N m", "power": "W"} if drivers else {}
     return [
-        Variable(
-            f"driver_{q}",
-            f"{q} of the driver",
-            unit,
-            "driver",
-            names,
-            _columns(m[q][0] for m in measures),
-        )
-        for q, unit in (("effort", "N or N m"), ("power", "W"))
+        _over("driver", measures, q, f"driver_{q}", f"{q} of the driver", unit)
+        for q, unit in given.items()
     ]
+
+
+def _over(
+    dimension: str,
+    measures: dict[str, dict[str, tuple[ca.SX, str]]],
+    quantity: str,
+    name: str,
+    text: str,
+    unit: str,
+) -> Variable:
+    """One quantity of all entities, by name → quantity → (graph, unit)."""
+    columns = _alike(of.get(quantity, (None, ""))[0] for of in measures.values())
+    return Variable(name, text, unit, dimension, tuple(measures), columns)
 
 
 def _forces(model: Model) -> list[Variable]:
