@@ -15,6 +15,9 @@ import xarray as xr
 
 from dalembert.cli import main
 from dalembert.cli.app import COMMANDS
+from dalembert.design.problem import DesignProblem
+from dalembert.integrators.march import FixedMarch
+from dalembert.sensitivity.methods import Adjoint
 
 FOUR_BAR = Path(__file__).parents[1] / "examples" / "four_bar.toml"
 
@@ -230,3 +233,36 @@ def test_interrupt_keeps_the_results(model, tmp_path):
     assert "interrupted" in out
     assert b"Traceback" not in told
     assert (tmp_path / "o" / "four_bar.nc").exists()
+
+
+def interrupts(monkeypatch, owner, name: str, call: int) -> None:
+    """Ctrl-C in the call of this number."""
+    honest, calls = getattr(owner, name), [0]
+
+    def stopped(*given, **named):
+        calls[0] += 1
+        if calls[0] == call:
+            raise KeyboardInterrupt
+        return honest(*given, **named)
+
+    monkeypatch.setattr(owner, name, stopped)
+
+
+@pytest.mark.parametrize(("owner", "name"), [(FixedMarch, "_advance"), (Adjoint, "gradient")])
+def test_interrupted_gradients(model, tmp_path, capsys, monkeypatch, owner, name):
+    """In the run and in the sweep back: nothing is written, and no traceback."""
+    interrupts(monkeypatch, owner, name, 1)
+    asked = ["sensitivity", str(model), "--method", "adjoint", "--output", str(tmp_path / "o")]
+    assert main(asked) == 130
+    assert capsys.readouterr().err == "Error: interrupted\n"
+    assert not list((tmp_path / "o").glob("*"))
+
+
+@pytest.mark.parametrize(("call", "kept"), [(1, False), (2, True)])
+def test_interrupted_optimisations(model, tmp_path, capsys, monkeypatch, call, kept):
+    """The design reached is told and written, where there is one."""
+    interrupts(monkeypatch, DesignProblem, "_run", call)
+    assert main(["optimize", str(model), "--output", str(tmp_path / "o")]) == 130
+    told = capsys.readouterr()
+    assert "interrupted" in (told.out if kept else told.err) and "Traceback" not in told.err
+    assert (tmp_path / "o" / "four_bar.optimum.nc").exists() == kept

@@ -9,6 +9,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
+from dalembert.design import problem
 
 
 def test_every_iteration_is_recorded_whether_or_not_it_improves():
@@ -34,3 +35,40 @@ def test_every_iteration_is_recorded_whether_or_not_it_improves():
     for (vx, vy), kept in zip(designs, best.history, strict=True):
         assert kept.objective == pytest.approx((vx + vy) / 2 - 1.25)
         assert kept.violation == pytest.approx(abs(vx**2 + vy**2 - 25) / 25, abs=1e-12)
+
+
+@pytest.mark.parametrize("at", ["run", "gradient"])
+def test_an_interrupt_keeps_the_design_reached(monkeypatch, at):
+    """Ctrl-C in a later run or gradient; in the first one there is nothing to keep."""
+    name = {"run": "_run", "gradient": "gradient_values"}[at]
+    owner = problem.DesignProblem if at == "run" else problem
+    honest, calls, told = getattr(owner, name), [0], []
+
+    def stopped(*given):
+        calls[0] += 1
+        if calls[0] == last:
+            raise KeyboardInterrupt
+        return honest(*given)
+
+    system = da.System("thrown", gravity=(0.0, -10.0))
+    speed = [system.parameter(name, 1.0, bounds=(0.1, 9.0)) for name in ("vx", "vy")]
+    ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0), velocity=speed))
+    model, goal = system.build(), da.final((ball.x - 1.2) ** 2 + (ball.y - 0.3) ** 4, name="miss")
+    monkeypatch.setattr(owner, name, stopped)
+
+    def optimum() -> da.Optimum:
+        calls[0] = 0
+        analysis = da.Dynamics(0.5, step=0.05)
+        follow = {"progress": lambda number, objective: told.append(objective)}
+        return da.optimize(model, minimize=goal, analysis=analysis, **follow)
+
+    last = 4
+    best = optimum()
+    assert not best.success and best.interrupted and best.message.startswith("interrupted after")
+    assert len(best.history) > 1 and best.history[-1].parameters == best.x
+    assert best.fun == told[-1] < best.history[0].objective
+    motion = da.solve_dynamics(model, 0.5, step=0.05, parameters=best.x)
+    assert best.fun == pytest.approx(da.evaluate(motion, goal), rel=1e-12)
+    last = 1
+    with pytest.raises(KeyboardInterrupt):
+        optimum()

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from dalembert.cli.console import (
     DONE,
     FAILED,
+    INTERRUPTED,
     AsJson,
     Quiet,
     Settings,
@@ -69,6 +70,8 @@ def optimize(
         emit(made)
     else:
         _print(file.name, made)
+    if best.interrupted:
+        return INTERRUPTED
     return DONE if best.success else FAILED
 
 

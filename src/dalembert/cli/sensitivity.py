@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from dalembert.cli.console import DONE, FAILED, AsJson, Settings, emit, written
 from dalembert.cli.loading import output_folder
+from dalembert.results.status import Outcome
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -66,6 +67,8 @@ def sensitivity(
     task = gradient_task(model, settings, response, wrt, method)
     folder = output_folder(output) if output or plot or svg else None
     result = task.run(not as_json and sys.stderr.isatty())
+    if result.status.outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt
     gradient = gradient_of(result, task.responses, task.wrt, task.method, certificate)
     kind = "svg" if svg else "png"
     files = _write(gradient, folder / model.stem, kind, output is not None) if folder else []

@@ -123,9 +123,9 @@ class _Slsqp:
         x = self.unscale(z)
         found = self.problem.evaluate(x)
         if found is not None:
-            self.best = found
+            self.reached = x, found
             self.record(x, found)
-        return self.sign * self.best.slope(0) * self.width / self.scale
+        return self.sign * self.reached[1].slope(0) * self.width / self.scale
 
     def size(self, k: int, bound: float) -> float:
         """What one is for a limit: the bound, or the response at the start."""
@@ -136,11 +136,11 @@ class _Slsqp:
         row, size = self.rows[k], self.size(k, bound)
 
         def value(z: np.ndarray) -> float:
-            found = self.problem.evaluate(self.unscale(z), gradient=False) or self.best
+            found = self.problem.evaluate(self.unscale(z), gradient=False) or self.reached[1]
             return sense * (found.values[row] - bound) / size
 
         def slope(z: np.ndarray) -> np.ndarray:
-            found = self.problem.evaluate(self.unscale(z)) or self.best
+            found = self.problem.evaluate(self.unscale(z)) or self.reached[1]
             return sense * found.slope(row) * self.width / size
 
         limit = self.limits[k]
@@ -163,23 +163,32 @@ class _Slsqp:
         first = self.problem.evaluate(self.x0)
         if first is None:
             raise AnalysisError(f"the starting design fails: {self.problem.failures[-1]}")
-        self.first = self.best = first
+        self.first, self.reached = first, (self.x0, first)
         self.scale = max(abs(first.values[0]), 1e-12)
         self.last = self.sign * first.values[0] / self.scale
         self.progress = progress
         self.history = [self.iterate(self.x0, first)]
         low = (self.lower - self.x0) / self.width
         high = (self.upper - self.x0) / self.width
-        outcome = scipy_minimize(
-            self.objective,
-            np.zeros(len(self.names)),
-            jac=self.slope,
-            method="SLSQP",
-            bounds=list(zip(low, high, strict=True)),
-            constraints=self.constraints(),
-            options={"maxiter": max_iterations, "ftol": tolerance},
-        )
-        return self.optimum(outcome)
+        try:
+            outcome = scipy_minimize(
+                self.objective,
+                np.zeros(len(self.names)),
+                jac=self.slope,
+                method="SLSQP",
+                bounds=list(zip(low, high, strict=True)),
+                constraints=self.constraints(),
+                options={"maxiter": max_iterations, "ftol": tolerance},
+            )
+            x = self.unscale(outcome.x)
+            found = self.problem.evaluate(x)
+        except KeyboardInterrupt:
+            message = f"interrupted after {len(self.history) - 1} iteration(s)"
+            return self.optimum(*self.reached, False, message, interrupted=True)
+        if found is None:
+            message = f"ended at a design that fails: {self.problem.failures[-1]}"
+            return self.optimum(*self.reached, False, message)
+        return self.optimum(x, found, bool(outcome.success), str(outcome.message))
 
     def record(self, x: np.ndarray, found: Evaluation) -> None:
         """Keep and tell a design, unless it is the last one."""
@@ -206,14 +215,14 @@ class _Slsqp:
                 worst = max(worst, (value - limit.upper) / self.size(k, limit.upper))
         return float(worst)
 
-    def optimum(self, outcome: Any) -> Optimum:
-        x = self.unscale(outcome.x)
-        found = self.problem.evaluate(x)
-        success, message = bool(outcome.success), str(outcome.message)
-        if found is None:
-            success = False
-            x = np.array([self.history[-1].parameters[n] for n in self.names])
-            found, message = self.best, f"ended at a design that fails: {self.problem.failures[-1]}"
+    def optimum(
+        self,
+        x: np.ndarray,
+        found: Evaluation,
+        success: bool,
+        message: str,
+        interrupted: bool = False,
+    ) -> Optimum:
         self.record(x, found)
         near = 1e-6 * self.width
         at_bounds = [
@@ -243,4 +252,5 @@ class _Slsqp:
             runs=self.problem.runs,
             failed_runs=len(self.problem.failures),
             violation=self.violation(found),
+            interrupted=interrupted,
         )

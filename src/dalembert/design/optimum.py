@@ -52,6 +52,7 @@ class Optimum:
     x : parameter → value
     fun : objective there
     success, message : how the optimiser ended
+    interrupted : by Ctrl-C; the design is the last one reached
     gradient : of the objective
     history : the design after every iteration, the start first
     initial, motion : runs of the first and the best design
@@ -72,6 +73,7 @@ class Optimum:
     runs: int = 0
     failed_runs: int = 0
     violation: float = 0.0
+    interrupted: bool = False
 
     def plot(self, ax: Any = None) -> Any:
         """Objective over the iterations; returns the axes."""
