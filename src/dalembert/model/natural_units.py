@@ -60,7 +60,7 @@ class _AtGuesses:
         self.gaps, self.drift, self.forces = (values[k].full().ravel() for k in (0, 2, 4))
         self.jacobian, self.stiffness = values[1].sparse().tocsr(), values[5].sparse().tocoo()
         self.masses = values[3].sparse().diagonal()
-        self.lift = np.abs(values[6].full())
+        self.lift = abs(values[6].sparse()).tocsr()
 
     @cached_property
     def length(self) -> float:
@@ -99,7 +99,7 @@ class _AtGuesses:
         """How far displacements of these sizes take each coordinate; at least what they can."""
         if self.e.manifold.flat:
             return displacements
-        sizes = np.max(self.lift * displacements, axis=1, initial=0.0)
+        sizes = self.lift.multiply(displacements).max(axis=1).toarray().ravel()
         return np.where(np.array(self.guesses.units) == "m", sizes, 1.0)
 
     def force(self, displacements: np.ndarray) -> float:
