@@ -16,6 +16,7 @@ import numpy as np
 from dalembert.analysis.equilibrium import Equilibrium
 from dalembert.analysis.linearization_kernel import Linearized, linearization_kernel
 from dalembert.errors import AnalysisError
+from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.mechanism_modes import Modes
@@ -34,12 +35,16 @@ class Linearization(Analysis[Model, Modes]):
     ----------
     time : instant at which laws and forces are taken [s]
     equilibrium : first find the static equilibrium; otherwise take the assembled state
+    coordinates : in which small motions are described. In a steady motion, such as of a wheel that
+        rolls or of a governor that turns, eigenvalues mean something where nothing but cyclic
+        coordinates change: those of joints, ``JointCoordinates()``
     """
 
     spoken = "modes"
 
     time: float = 0.0
     equilibrium: bool = True
+    coordinates: Coordinates = AbsoluteCoordinates()
 
     def run(
         self,
@@ -59,16 +64,17 @@ class Linearization(Analysis[Model, Modes]):
 
     def _state(self, model: Model, p: np.ndarray) -> Linearized:
         if self.equilibrium:
-            return at_rest(Equilibrium(self.time).run(model, p))
-        kernel, state = linearization_kernel(model), model.assemble(p, self.time)
-        x = np.concatenate([state.y, state.v])
+            return at_rest(Equilibrium(self.time).run(model, p), self.coordinates)
+        kernel, state = linearization_kernel(model, self.coordinates), model.assemble(p, self.time)
+        x = kernel.state(self.time, state.y, state.v, p)
         return Linearized(kernel, self.time, x, p, kernel.assembled, state.y, state.residual)
 
     def replay(self, modes: Modes, p: np.ndarray) -> Modes:
         """The same modes at other parameter values, told by their shapes, not their order."""
         if self.equilibrium:
-            start = modes.record.x[: modes.model.equations.coordinate_count]
-            state = at_rest(Equilibrium(self.time).run(modes.model, p, start=start))
+            start = modes.record.near[: modes.model.equations.coordinate_count]
+            found = Equilibrium(self.time).run(modes.model, p, start=start)
+            state = at_rest(found, self.coordinates)
         else:
             state = self._state(modes.model, p)
         return modes_of(self, state, modes)
@@ -81,11 +87,13 @@ class MotionLinearization(Analysis[Model, Modes]):
     Parameters
     ----------
     motion : Motion
+    coordinates : as of ``Linearization``
     """
 
     spoken = "modes"
 
     motion: Motion
+    coordinates: Coordinates = AbsoluteCoordinates()
 
     def run(
         self, model: Model, parameters: Mapping[str, float] | np.ndarray | None = None
@@ -94,15 +102,17 @@ class MotionLinearization(Analysis[Model, Modes]):
         if model is not self.motion.model:
             raise AnalysisError("the motion is of another model; linearize with the one it is of")
         p = self.motion.parameters if parameters is None else model.values(parameters)
-        return modes_of(self, last_instant(self.motion.analysis.replay(self.motion, p)))
+        return modes_of(
+            self, last_instant(self.motion.analysis.replay(self.motion, p), self.coordinates)
+        )
 
     def replay(self, modes: Modes, p: np.ndarray) -> Modes:
         """The same modes at the end of the motion at other parameter values."""
         motion = self.motion.analysis.replay(self.motion, p)
-        return modes_of(self, last_instant(motion), modes)
+        return modes_of(self, last_instant(motion, self.coordinates), modes)
 
 
-def at_rest(motion: Motion) -> Linearized:
+def at_rest(motion: Motion, coordinates: Coordinates) -> Linearized:
     """The system about an equilibrium.
 
     Raises
@@ -110,18 +120,19 @@ def at_rest(motion: Motion) -> Linearized:
     AnalysisError
         The search for it failed.
     """
-    status, s, kernel = motion.status, motion.trajectory, linearization_kernel(motion.model)
+    status, s = motion.status, motion.trajectory
+    kernel = linearization_kernel(motion.model, coordinates)
     if not status.success:
         raise AnalysisError(f"linearize: no equilibrium, {status}", status.residual)
-    x = np.concatenate([s.y[:, 0], s.v[:, 0]])
     time, near = float(s.t[0]), motion.record.kernel.near(s)[:, 0]
+    x = kernel.state(time, s.y[:, 0], s.v[:, 0], motion.parameters)
     return Linearized(kernel, time, x, motion.parameters, kernel.resting, near, status.residual)
 
 
-def last_instant(motion: Motion) -> Linearized:
+def last_instant(motion: Motion, coordinates: Coordinates) -> Linearized:
     """The system about the end of a motion; how it depends on the parameters is not told."""
-    s, kernel = motion.trajectory, linearization_kernel(motion.model)
-    x = np.concatenate([s.y[:, -1], s.v[:, -1]])
+    s, kernel = motion.trajectory, linearization_kernel(motion.model, coordinates)
+    x = kernel.state(float(s.t[-1]), s.y[:, -1], s.v[:, -1], motion.parameters)
     return Linearized(kernel, float(s.t[-1]), x, motion.parameters)
 
 
@@ -152,6 +163,7 @@ def linearize(
     at: Motion | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
+    coordinates: Coordinates = AbsoluteCoordinates(),
     **options: Any,
 ) -> Modes:
     """Eigenfrequencies, damping ratios and mode shapes on the constraint tangent space.
@@ -161,6 +173,8 @@ def linearize(
     model : Model
     at : a motion or equilibrium whose last instant is the state; default: search the equilibrium
     parameters : new values of parameters, without rebuilding
+    coordinates : in which small motions are described; ``JointCoordinates()`` about a steady motion
+        in which cyclic coordinates change
     **options : fields of ``Linearization``: time, equilibrium
 
     Raises
@@ -174,6 +188,8 @@ def linearize(
             given = ", ".join([*(parameters or ()), *options])
             raise AnalysisError(f"linearize: {given} cannot be given with at=, which has its own")
         if at.analysis.at_rest:
-            return modes_of(Linearization(float(at.time[0])), at_rest(at))
-        return modes_of(MotionLinearization(at), last_instant(at))
-    return Linearization.of("linearize", **options).run(model, parameters)
+            analysis = Linearization(float(at.time[0]), coordinates=coordinates)
+            return modes_of(analysis, at_rest(at, coordinates))
+        return modes_of(MotionLinearization(at, coordinates), last_instant(at, coordinates))
+    made = Linearization.of("linearize", coordinates=coordinates, **options)
+    return made.run(model, parameters)

@@ -16,13 +16,14 @@ from dalembert.analysis.static_balance import statics_kernel
 from dalembert.errors import SingularityError
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import Kkt
+from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
 
 class LinearizationKernel:
-    """Compiled functions of one model.
+    """Compiled functions of one model, in a choice of coordinates.
 
     Raises
     ------
@@ -30,19 +31,21 @@ class LinearizationKernel:
         Something can move without any mass moving.
     """
 
-    def __init__(self, model: Model):
+    def __init__(self, model: Model, coordinates: Coordinates):
         if model.diagnosis.massless:
             raise SingularityError(
                 f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; no modes"
             )
-        self.model = model
+        self.model, self.view = model, coordinates.view(model)
+        self.e = self.view.equations
 
     @cached_property
     def system(self) -> ImplicitFunction:
-        """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``."""
-        e = self.model.equations
+        """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``; Φ with what binds y to its manifold."""
+        e = self.e
         rate = state_rate(e)[: e.coordinate_count + e.speed_count]
-        level = ca.vertcat(e.constraints, e.velocity_constraints)
+        holds = e.constraints[list(e.holds), :]
+        level = ca.vertcat(holds, e.manifold.bounds, e.velocity_constraints)
         found = Kkt().acceleration(e, e.constraint_acceleration, [rate, level])
         inputs = [e.t, ca.vertcat(e.y, e.v), e.p]
         return ImplicitFunction("linearized", inputs, found.stages, found.outputs)
@@ -52,15 +55,26 @@ class LinearizationKernel:
         """``(t, [y; λ] nearby, p) → x`` of the equilibrium."""
         found = statics_kernel(self.model).configuration
         e = self.model.equations
-        x = ca.vertcat(e.y, ca.SX.zeros(e.speed_count))
-        return ImplicitFunction("resting", found.inputs, found.stages, [x])
+        still = ca.substitute(self._seen, e.v, ca.SX.zeros(e.speed_count))
+        return ImplicitFunction("resting", found.inputs, found.stages, [still])
 
     @cached_property
     def assembled(self) -> ImplicitFunction:
         """``(t, y nearby, p) → x`` of the assembled state."""
-        found = self.model.initial_state
-        x = ca.vertcat(*found.outputs)
+        found, e = self.model.initial_state, self.model.equations
+        x = ca.substitute(self._seen, ca.vertcat(e.y, e.v), ca.vertcat(*found.outputs))
         return ImplicitFunction("assembled", found.inputs, found.stages, [x])
+
+    @property
+    def _seen(self) -> ca.SX:
+        """``x`` in these coordinates, of t, y, v and p of the bodies."""
+        return ca.vertcat(*self.view.reduce.outputs)
+
+    def state(self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """``x`` of bodies that stand and move so."""
+        return np.concatenate(
+            [part.full().ravel() for part in self.view.reduce.function(t, y, v, p)]
+        )
 
     def matrices(self, t: float, x: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
         """``J`` and ``G``."""
@@ -103,8 +117,9 @@ class Linearized:
     @cached_property
     def sizes(self) -> tuple[np.ndarray, np.ndarray]:
         """Natural sizes of the state (N,) and of the equations (m,)."""
-        s = self.model.equations.scales
-        by_level = np.concatenate([s.rows, s.rows / s.time])
+        e, s = self.kernel.e, self.kernel.e.scales
+        bounds = np.ones(e.manifold.bounds.numel())
+        by_level = np.concatenate([s.rows[list(e.holds)], bounds, s.rows / s.time])
         return np.concatenate([s.coordinates, s.speeds]), by_level
 
     @cached_property
@@ -160,11 +175,19 @@ class Linearized:
         return linear_sum_assignment(np.abs(left.conj().T @ right), maximize=True)[1]
 
     def displacements(self, positions: np.ndarray) -> np.ndarray:
-        """(n, k) shapes, their largest entries one."""
-        shapes = self._spectrum[2][: self.model.equations.coordinate_count, positions]
+        """(n, k) shapes by displacements, their largest entries one."""
+        e = self.kernel.e
+        shapes = self._spectrum[2][: e.coordinate_count, positions]
+        if not e.manifold.flat:
+            shapes = (
+                ca.Function("reading", [e.y], [e.manifold.reading])(
+                    self.x[: e.coordinate_count]
+                ).full()
+                @ shapes
+            )
         peak = np.array([s[np.argmax(np.abs(s))] if s.size else 1 for s in shapes.T])
         return shapes / np.where(peak == 0, 1, peak)
 
 
 linearization_kernel = once(LinearizationKernel)
-"""The one of a model."""
+"""The one of a model and a choice of coordinates."""

@@ -123,6 +123,10 @@ class Coordinates:
         """The displacement from one pose to another, the inverse of ``retract``."""
         return other - pose
 
+    def bounds(self, pose: ca.SX) -> ca.SX:
+        """What is zero on the manifold only, such as a length less one; nothing by default."""
+        return ca.SX(0, 1)
+
     def inertia_by_speeds(self) -> tuple[ca.SX, ca.SX]:
         """``M_i`` and ``d_i`` by speeds, ``M v̇ + d``; zero where the coordinates carry no mass."""
         n = self.twist.numel()

@@ -31,6 +31,11 @@ class CoordinateView:
     names: list[str]
 
     @property
+    def speed_names(self) -> list[str]:
+        """Names of the speeds, so of displacements."""
+        return self.names
+
+    @property
     def equations(self) -> Equations:
         """With the rows of the start."""
         return self.with_rows(self.rows)
@@ -90,6 +95,10 @@ class AbsoluteView(CoordinateView):
         self.whole, every = model.all_equations, range(model.all_equations.constraint_count)
         self.rows = tuple(every if every_equation else model.closure.rows)
         self.names = list(model.guesses.names)
+
+    @property
+    def speed_names(self) -> list[str]:
+        return list(self.model.guesses.speed_names)
 
     def lift(self, expression: ca.SX) -> ca.SX:
         return expression

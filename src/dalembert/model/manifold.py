@@ -29,6 +29,7 @@ class Manifold:
     moved : SX (n_y,), ``y ⊕ δ``
     apart : SX (n,), ``other ⊖ y``
     flat : the operations are + and −
+    bounds : SX of y, zero on the manifold only
     """
 
     y: ca.SX
@@ -37,6 +38,7 @@ class Manifold:
     moved: ca.SX
     apart: ca.SX
     flat: bool
+    bounds: ca.SX
 
     @classmethod
     def of(cls, groups: Sequence[Coordinates]) -> Manifold:
@@ -50,20 +52,21 @@ class Manifold:
             moved=stack(g.retract(g.pose, s) for g, s in zip(groups, steps, strict=True)),
             apart=stack(group.displacement(group.pose, other) for group, other in parts),
             flat=all(group.flat for group in groups),
+            bounds=stack(group.bounds(group.pose) for group in groups),
         )
 
     @classmethod
     def plain(cls, y: ca.SX) -> Manifold:
         """Of coordinates whose rates are the speeds."""
         other, delta = ca.SX.sym("other", y.numel()), ca.SX.sym("delta", y.numel())
-        return cls(y, other, delta, y + delta, other - y, True)
+        return cls(y, other, delta, y + delta, other - y, True, ca.SX(0, 1))
 
     def along(self, basis: ca.SX) -> Manifold:
         """Of the same positions, with other displacements: ``δ = B δ'``."""
         delta = ca.SX.sym("delta", basis.shape[1])
         moved = ca.substitute(self.moved, self.delta, ca.mtimes(basis, delta))
         apart = ca.mtimes(ca.pinv(basis), self.apart)
-        return Manifold(self.y, self.other, delta, moved, apart, False)
+        return Manifold(self.y, self.other, delta, moved, apart, False, self.bounds)
 
     def retract(self, y: ca.SX, delta: ca.SX) -> ca.SX:
         """``y ⊕ δ``."""

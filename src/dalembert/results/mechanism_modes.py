@@ -126,7 +126,7 @@ class Modes(Numbered):
         import xarray as xr
 
         found = {name: self[name] for name in MEASURES}
-        names = list(self.model.guesses.speed_names)
+        names = self.record.kernel.view.speed_names
         for part in ("real", "imag"):
             shape = (("coordinate", "mode"), getattr(self.shapes, part))
             found[f"shape_{part}"] = xr.DataArray(shape[1], {"coordinate": names}, shape[0])

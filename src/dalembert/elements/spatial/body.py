@@ -142,6 +142,9 @@ class Body(BodyElement):
         moved = other[:3] - pose[:3]
         return ca.vertcat(moved, rotation.turn(pose[3:], other[3:])) if self.rotates else moved
 
+    def bounds(self, pose: ca.SX) -> ca.SX:
+        return (ca.sumsqr(pose[3:]) - 1) / 2 if self.rotates else ca.SX(0, 1)
+
     # mechanics --------------------------------------------------------------------------------
     def locate(self, local: ca.SX) -> ca.SX:
         return self.mass_center + self.turned(local - self.center_of_mass.sx)
