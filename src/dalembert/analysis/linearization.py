@@ -24,6 +24,7 @@ from dalembert.results.motion import Motion
 from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 
+ABSOLUTE = AbsoluteCoordinates()
 __all__ = ["Linearization", "Modes", "MotionLinearization", "linearize"]
 
 
@@ -44,7 +45,7 @@ class Linearization(Analysis[Model, Modes]):
 
     time: float = 0.0
     equilibrium: bool = True
-    coordinates: Coordinates = AbsoluteCoordinates()
+    coordinates: Coordinates = ABSOLUTE
 
     def run(
         self,
@@ -93,7 +94,7 @@ class MotionLinearization(Analysis[Model, Modes]):
     spoken = "modes"
 
     motion: Motion
-    coordinates: Coordinates = AbsoluteCoordinates()
+    coordinates: Coordinates = ABSOLUTE
 
     def run(
         self, model: Model, parameters: Mapping[str, float] | np.ndarray | None = None
@@ -163,7 +164,7 @@ def linearize(
     at: Motion | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
-    coordinates: Coordinates = AbsoluteCoordinates(),
+    coordinates: Coordinates = ABSOLUTE,
     **options: Any,
 ) -> Modes:
     """Eigenfrequencies, damping ratios and mode shapes on the constraint tangent space.
