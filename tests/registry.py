@@ -927,6 +927,33 @@ def _(q):
     q.add(planar.JointFriction("G", joint, viscous=spin, motion="angle"))
 
 
+@case(
+    "actuator in slider",
+    planar.JointActuator,
+    residual=CASES["translational"].residual,
+    conservative=False,
+    loads=lambda c: _opposite(c, c.p.push * np.cos(4 * c.t) * _axis(c), Q(c), Q(c)),
+)
+def _(q):
+    axis = q.numbers(axis_x=1.2, axis_y=0.9)
+    joint = q.add(planar.Translational("J", *q.points(), axis=axis, angle=q.number("angle", -0.8)))
+    q.add(planar.JointActuator("F", joint, q.number("push", 6.0) * cos(4 * t)))
+
+
+@case(
+    "motor in slot",
+    planar.JointActuator,
+    residual=CASES["pin in slot"].residual,
+    conservative=False,
+    loads=lambda c: _opposite(c, np.zeros(2), c.a.r, c.b.r, c.p.m0 * (1 - c.b.w / c.p.w0)),
+)
+def _(q):
+    joint = q.add(planar.PinInSlot("J", *q.points(), axis=q.numbers(axis_x=1.2, axis_y=0.9)))
+    m0, w0 = q.numbers(m0=2.0, w0=5.0)
+    value = m0 * (1 - joint.point_j.body.angular_velocity / w0)
+    q.add(planar.JointActuator("F", joint, value, motion="angle"))
+
+
 def _stop(upper: bool):
     def loads(c):
         along, speed = _approach(c)

@@ -72,6 +72,7 @@ ELEMENTS = {
         "Actuator": TWO_POINTS + 'force = "t"',
         "Bushing": TWO_POINTS + "stiffness = [1, 2]\nrotational_stiffness = 3",
         "JointFriction": 'joint = "J"\ncoulomb = "0.1*J.force_norm"\nviscous = 0.1',
+        "JointActuator": 'joint = "J"\nvalue = "3*cos(t)"',
         "Stop": 'coordinate = "a.x"\nupper = 3\nstiffness = 100',
     },
 }

@@ -76,6 +76,7 @@ PLANAR = Space(
             planar.Actuator,
             planar.Bushing,
             planar.JointFriction,
+            planar.JointActuator,
             planar.Stop,
         ),
     },

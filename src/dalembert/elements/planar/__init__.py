@@ -1,13 +1,14 @@
 """Planar elements: one file per concept, listed once in ``registry``."""
 
 from dalembert.elements.driver import DistanceDriver
+from dalembert.elements.joint_actuator import JointActuator
+from dalembert.elements.joint_friction import JointFriction
 from dalembert.elements.planar.body import Bar, Body, Ground, Particle
 from dalembert.elements.planar.drivers import (
     CoordinateDriver,
     RotationalDriver,
     TranslationalDriver,
 )
-from dalembert.elements.planar.friction import JointFriction, Stop
 from dalembert.elements.planar.gear import Coupling, GearPair, RackAndPinion, RollingDisc
 from dalembert.elements.planar.loads import Force, Moment
 from dalembert.elements.planar.point_on_curve import PointOnCurve
@@ -19,6 +20,7 @@ from dalembert.elements.planar.user_constraint import UserConstraint
 from dalembert.elements.planar.weld import Weld
 from dalembert.elements.point import Point
 from dalembert.elements.springs import Actuator, Spring
+from dalembert.elements.stop import Stop
 
 __all__ = [
     "Actuator",
@@ -31,6 +33,7 @@ __all__ = [
     "Force",
     "GearPair",
     "Ground",
+    "JointActuator",
     "JointFriction",
     "Moment",
     "Particle",

@@ -1,4 +1,4 @@
-"""Joint friction and one-sided stops."""
+"""One-sided stops."""
 
 from __future__ import annotations
 
@@ -6,74 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import (
-    Constraint,
-    Coordinates,
-    ForceElement,
-    Powers,
-    Rate,
-    Scalar,
-    option,
-    quantity,
-)
+from dalembert.elements.base import ForceElement, Powers, Rate, Scalar, quantity
 from dalembert.errors import ModelError
-
-
-@dataclass(eq=False)
-class JointFriction(ForceElement):
-    """Friction in the motion a joint leaves free: smoothed Coulomb plus viscous.
-
-    ``Q = −(coulomb · tanh(ṡ/transition) + viscous · ṡ)`` along the free coordinate ``s``.
-
-    Parameters
-    ----------
-    joint : revolute, translational or pin-in-slot joint
-    coulomb : sliding friction force [N] or moment [N m]; may be a formula of positions and speeds
-    viscous : [N s/m] or [N m s/rad]
-    transition : speed at which 76 % of the Coulomb value is reached [m/s] or [rad/s]
-    motion : which free motion, where the joint has two (``displacement`` or ``angle``)
-    """
-
-    joint: Constraint
-    coulomb: Scalar = quantity("N | N m", "sliding friction", default=0.0, minimum=0.0)
-    viscous: Scalar = quantity("N s/m | N m s/rad", "viscous friction", default=0.0, minimum=0.0)
-    transition: Scalar = quantity("m/s | rad/s", "smoothing speed", default=1e-3, above=0.0)
-    motion: str = option("displacement or angle", default=None)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        free = self.joint.freedoms() if isinstance(self.joint, Constraint) else {}
-        if not free:
-            raise ModelError(
-                "joint must leave a motion free (Revolute, Translational or PinInSlot)", self.name
-            )
-        if self.motion is None:
-            self.motion = next(iter(free))
-        if self.motion not in free:
-            raise ModelError(
-                f"{self.joint.name} has no motion {self.motion!r}; it has {', '.join(free)}",
-                self.name,
-            )
-        self.sliding, self.sliding_unit = free[self.motion]
-
-    def powers(self, rate: Rate) -> Powers:
-        speed = rate(self.sliding)
-        friction = self.coulomb.sx * ca.tanh(speed / self.transition.sx) + self.viscous.sx * speed
-        return [(speed, -friction)]
-
-    def dissipation(self, rate: Rate) -> Powers:
-        return self.powers(rate)
-
-    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        unit = "N m" if self.sliding_unit == "rad" else "N"
-        name = "moment" if self.sliding_unit == "rad" else "force"
-        return {
-            name: (self.powers(rate)[0][1], unit),
-            "rate": (rate(self.sliding), f"{self.sliding_unit}/s"),
-        }
-
-    def parts(self) -> list[Coordinates]:
-        return self.joint.parts()
 
 
 @dataclass(eq=False)

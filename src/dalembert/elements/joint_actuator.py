@@ -1,0 +1,34 @@
+"""Actuators in joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.along_joint import AlongJoint
+from dalembert.elements.base import Constraint, Rate, Scalar, option, quantity
+
+
+@dataclass(eq=False)
+class JointActuator(AlongJoint):
+    """Force or moment along a motion that a joint leaves free: a motor, a ram.
+
+    Parameters
+    ----------
+    joint : joint that leaves a motion free
+    value : force [N] or moment [N m], positive drives the motion up; formula of t, parameters and
+        measures
+    motion : which free motion, where the joint has several (``displacement`` or ``angle``)
+    """
+
+    joint: Constraint
+    value: Scalar = quantity("N | N m", "force or moment, positive drives the motion up")
+    motion: str = option("which free motion, where there are several", default=None)
+
+    def effort(self, speed: ca.SX) -> ca.SX:
+        return self.value.sx
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        power = self.value.sx * rate(self.sliding)
+        return {**super().measures(rate), "power": (power, "W")}

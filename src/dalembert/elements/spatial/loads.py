@@ -1,0 +1,87 @@
+"""Applied loads in space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Coordinates, Vector, option, quantity
+from dalembert.elements.body import BodyElement
+from dalembert.elements.loads import Couple, PointForce, in_inertial_axes, known_once
+from dalembert.elements.pair import need_body
+from dalembert.errors import ModelError
+
+
+def refuse_without_axes(follows: BodyElement | None, owner: str) -> None:
+    """Components can be in the axes of what rotates only."""
+    if follows is not None and not need_body(follows, owner, "follows").rotates:
+        raise ModelError(f"follows {follows.name}, a particle, which has no axes", owner)
+
+
+@dataclass(eq=False)
+class Force(PointForce):
+    """Force at a point of a body.
+
+    Parameters
+    ----------
+    point : where it acts
+    vector : (3,) components [N]; formulas of t, parameters and measures are allowed
+    follows : body whose axes the components are in; inertial ones if none is given
+
+    Raises
+    ------
+    ModelError
+        A point of the plane, axes of a particle.
+    """
+
+    vector: Vector = quantity("N", "components", size=3)
+    follows: BodyElement = option("body whose axes the components are in", default=None)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        refuse_without_axes(self.follows, self.name)
+        if self.point.dimension < 3:
+            name = self.point.body.name
+            raise ModelError(
+                f"acts in space, and the point of {name} lies in a plane; give three coordinates, "
+                f"{name}.point(x, y, z)",
+                self.name,
+            )
+
+    def axes(self) -> BodyElement | None:
+        return self.follows
+
+
+@dataclass(eq=False)
+class Torque(Couple):
+    """Moment on a body, with its reaction on a second one if given: a rotary actuator.
+
+    Parameters
+    ----------
+    body : body it acts on
+    vector : (3,) components [N m]; formulas of t, parameters and measures are allowed
+    reaction_on : body that carries the reaction; the ground if none is given
+    follows : body whose axes the components are in; inertial ones if none is given
+
+    Raises
+    ------
+    ModelError
+        One of the bodies is a particle.
+    """
+
+    body: BodyElement
+    vector: Vector = quantity("N m", "components", size=3)
+    reaction_on: BodyElement = option("body that carries the reaction", default=None)
+    follows: BodyElement = option("body whose axes the components are in", default=None)
+    measured = "torque"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        refuse_without_axes(self.follows, self.name)
+
+    def components(self) -> ca.SX:
+        return in_inertial_axes(self.vector.sx, self.follows)
+
+    def parts(self) -> list[Coordinates]:
+        return known_once([self.body, self.reaction_on, self.follows])
