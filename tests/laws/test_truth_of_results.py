@@ -132,3 +132,22 @@ def test_a_wrong_equilibrium_is_a_status(monkeypatch, moved, told):
     assert rest.status.outcome is Outcome.VIOLATED and told in rest.status.message
     with pytest.raises(da.AnalysisError, match="no equilibrium"):
         da.linearize(model)
+
+
+def test_forces_without_bound_are_a_status():
+    """A loaded parallelogram driven through its flat position: it moves, but no force holds it."""
+    system = da.System("flat", gravity=(0.0, -9.81))
+    crank = system.add(planar.Bar("crank", length=0.3, mass=1.0, angle=1.0))
+    coupler = system.add(planar.Bar("coupler", length=1.0, mass=1.0))
+    rocker = system.add(planar.Bar("rocker", length=0.3, mass=1.0, angle=1.0))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
+    system.add(planar.Revolute("A", crank.end, coupler.start))
+    system.add(planar.Revolute("B", coupler.end, rocker.end))
+    system.add(planar.Revolute("P", system.ground.point(1, 0), rocker.start))
+    system.add(planar.RotationalDriver("motor", system.ground, crank, np.pi / 2 + 2 * np.pi * t))
+    model = system.build()
+    assert da.solve_kinematics(model, 1.0, step=0.05).status.success
+    lost = da.solve_inverse_dynamics(model, 1.0, step=0.05)
+    assert lost.status.outcome is Outcome.VIOLATED
+    assert "the equation of motion of rocker.angle is open" in lost.status.message
+    assert da.solve_inverse_dynamics(model, 1.0, step=0.037).status.success  # beside it
