@@ -73,7 +73,8 @@ def four_bar(frames: int = 161, duration: float = 0.8) -> dict[str, Any]:
         fx, fy = forces[name]
         return {
             "name": name,
-            "kind": "revolute",
+            "what": "revolute",
+            "symbol": "pin",
             "body": body,
             "point": point,
             "axis": None,
@@ -115,13 +116,13 @@ def four_bar(frames: int = 161, duration: float = 0.8) -> dict[str, Any]:
             "links": [
                 {
                     "name": "spring",
-                    "kind": "spring",
+                    "symbol": "coil",
                     "i": {"body": "ground", "point": [0.46, 0.1]},
                     "j": {"body": "rocker", "point": [0.14, 0]},
                 },
                 {
                     "name": "damper",
-                    "kind": "damper",
+                    "symbol": "dashpot",
                     "i": {"body": "ground", "point": [0.46, 0.1]},
                     "j": {"body": "rocker", "point": [0.14, 0]},
                 },
@@ -221,20 +222,17 @@ def gallery(frames: int = 241, duration: float = 6.0) -> dict[str, Any]:
 
     def joint(
         name: str,
-        kind: str,
+        symbol: str,
         on: str,
         point: list[float],
         grounded: bool = False,
-        axis: list[float] | None = None,
+        **more: Any,
     ) -> dict[str, Any]:
-        return {
-            "name": name,
-            "kind": kind,
-            "body": on,
-            "point": point,
-            "grounded": grounded,
-            "axis": axis,
-        }
+        place = {"body": on, "point": point}
+        return {"name": name, "symbol": symbol, **place, "grounded": grounded, **more}
+
+    def symbol(kind: str, body: str, point: list[float], **more: Any) -> dict[str, Any]:
+        return {"name": kind, "symbol": kind, "body": body, "point": point, **more}
 
     return {
         "format": 1,
@@ -293,47 +291,88 @@ def gallery(frames: int = 241, duration: float = 6.0) -> dict[str, Any]:
             "ground": {
                 "shapes": [
                     {"kind": "line", "from": [0.1, 0], "to": [0.4, 0]},
+                    {"kind": "line", "from": [0.38, 0.22], "to": [0.38, 0.4]},
                     {"kind": "polygon", "points": [[0.5, -0.05], [0.62, -0.05], [0.62, 0]]},
                 ]
             },
             "joints": [
-                joint("O", "revolute", "ground", [0, 0], True),
-                joint("A", "revolute", "rod", [0, 0]),
-                joint("B", "revolute", "slider", [0, 0]),
-                joint("S", "translational", "slider", [0, 0], True, [1, 0]),
-                joint("G", "revolute", "ground", [0, 0.25], True),
-                joint("W", "revolute", "ground", [0.15, 0.25], True),
-                joint("mesh", "gear", "ground", [0.06, 0.25]),
-                joint("K", "revolute", "ground", [0.38, 0.2], True),
-                joint("F", "translational", "follower", [0, 0.08], True, [0, 1]),
-                joint("P", "pin_in_slot", "follower", [0, 0.04]),
-                joint("X", "weld", "rod", [0.12, 0]),
-                joint("Q", "other", "free", [0.03, 0]),
+                joint("O", "pin", "ground", [0, 0], True),
+                joint("A", "pin", "rod", [0, 0]),
+                joint("B", "pin", "slider", [0, 0]),
+                joint("S", "slider", "slider", [0, 0], True),
+                joint("G", "pin", "ground", [0, 0.25], True),
+                joint("W", "pin", "ground", [0.15, 0.25], True),
+                joint(
+                    "mesh",
+                    "mesh",
+                    "wheel",
+                    [0, 0],
+                    mesh=[
+                        {"body": "gear", "point": [0, 0], "radius": 0.06},
+                        {"body": "wheel", "point": [0, 0], "radius": 0.09},
+                    ],
+                ),
+                joint("K", "pin", "ground", [0.38, 0.2], True),
+                joint("F", "slider", "follower", [0, 0.08], True),
+                joint("P", "slotpin", "follower", [0, 0.04]),
+                joint("X", "clamp", "rod", [0.12, 0]),
+                joint("Q", "mark", "free", [0.03, 0]),
             ],
             "links": [
                 {
                     "name": "k",
-                    "kind": "spring",
+                    "symbol": "coil",
                     "i": {"body": "ground", "point": [0.45, 0.1]},
                     "j": {"body": "bob", "point": [0, 0]},
                 },
                 {
                     "name": "cylinder",
-                    "kind": "actuator",
+                    "symbol": "cylinder",
                     "i": {"body": "ground", "point": [0.5, -0.0]},
                     "j": {"body": "slider", "point": [0.04, 0]},
                 },
                 {
                     "name": "tie",
-                    "kind": "rigid",
+                    "symbol": "rod",
                     "i": {"body": "bob", "point": [0, 0]},
                     "j": {"body": "free", "point": [0, 0]},
                 },
                 {
                     "name": "bush",
-                    "kind": "bushing",
+                    "symbol": "sleeve",
                     "i": {"body": "ground", "point": [0.7, 0.28]},
                     "j": {"body": "free", "point": [0.0, 0]},
+                },
+            ],
+            "symbols": [
+                symbol("spiral", "ground", [0, 0], i="ground", j="crank"),
+                symbol("brake", "ground", [0.38, 0.2], i="ground", j="cam"),
+                symbol("motor", "ground", [0, 0.25], i="ground", j="gear"),
+                symbol("travel", "slider", [0, 0], on="ground", axis=[1, 0]),
+                symbol(
+                    "arrow",
+                    "bob",
+                    [0, 0],
+                    force_x=(10 * np.cos(turn)).tolist(),
+                    force_y=(10 * np.sin(turn)).tolist(),
+                ),
+                symbol("twist", "free", [0, 0], moment=np.sin(turn).tolist()),
+                {
+                    "name": "limit",
+                    "symbol": "limit",
+                    "x": (0.36 + zero).tolist(),
+                    "y": zero.tolist(),
+                    "normal_x": (-1 + zero).tolist(),
+                    "normal_y": zero.tolist(),
+                },
+                {
+                    "name": "belt",
+                    "symbol": "belt",
+                    "crossed": True,
+                    "wheels": [
+                        {"body": "wheel", "point": [0, 0], "radius": 0.04},
+                        {"body": "free", "point": [0, 0], "radius": 0.03},
+                    ],
                 },
             ],
             "points": [
@@ -365,7 +404,8 @@ def crowd(bodies: int = 80, frames: int = 4000) -> dict[str, Any]:
         joints.append(
             {
                 "name": f"J{k}",
-                "kind": "revolute",
+                "what": "revolute",
+                "symbol": "pin",
                 "body": "ground",
                 "point": [x0, y0],
                 "axis": None,

@@ -156,6 +156,10 @@ def second_rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) ->
     return ca.jtimes(first, state, speed)
 
 
+class Look:
+    """A primitive that pictures are made of; the file ``look`` has them."""
+
+
 @dataclass(eq=False)
 class Element:
     """Anything with a name that can be added to a system."""
@@ -199,6 +203,10 @@ class Element:
 
     def parts(self) -> list[Coordinates]:
         """The bodies (and own coordinates) this element ties together."""
+        return []
+
+    def look(self) -> list[Look]:
+        """What pictures show of it."""
         return []
 
 

@@ -12,8 +12,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Constraint, option
+from dalembert.elements.base import Constraint, Look, option
 from dalembert.elements.laws.base import GivenLaw, as_law
+from dalembert.elements.look import Cylinder
 from dalembert.elements.pair import PointJoint
 from dalembert.symbolic.expression import t
 
@@ -81,3 +82,6 @@ class DistanceDriver(Driver, PointJoint):
 
     def coordinate(self) -> ca.SX:
         return self.distance
+
+    def look(self) -> list[Look]:
+        return [Cylinder(self.point_i, self.point_j)]

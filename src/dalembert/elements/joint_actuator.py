@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.along_joint import AlongJoint
-from dalembert.elements.base import Constraint, Rate, Scalar, option, quantity
+from dalembert.elements.base import Constraint, Look, Rate, Scalar, option, quantity
+from dalembert.elements.look import Cylinder, Motor
+from dalembert.elements.pair import BetweenPoints, Pair
 
 
 @dataclass(eq=False)
@@ -28,6 +30,13 @@ class JointActuator(AlongJoint):
 
     def effort(self, speed: ca.SX) -> ca.SX:
         return self.value.sx
+
+    def look(self) -> list[Look]:
+        if self.sliding_unit == "rad" and isinstance(self.joint, Pair):
+            return [Motor(*self.joint.ends())]
+        if isinstance(self.joint, BetweenPoints):
+            return [Cylinder(self.joint.point_i, self.joint.point_j)]
+        return []
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         power = self.value.sx * rate(self.sliding)

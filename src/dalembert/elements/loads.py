@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates, ForceElement, Powers, Rate
+from dalembert.elements.base import Coordinates, ForceElement, Look, Powers, Rate
 from dalembert.elements.body import BodyElement
+from dalembert.elements.look import Arrow, Motor, Twist
 from dalembert.elements.pair import need_body, need_point, refuse_same_body
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
@@ -35,6 +36,9 @@ class PointForce(ForceElement):
 
     def powers(self, rate: Rate) -> Powers:
         return [(rate(self.point.position.sx), self.components())]
+
+    def look(self) -> list[Look]:
+        return [Arrow(self.point, self.components())]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         return {"force": (self.components(), "N")}
@@ -73,6 +77,10 @@ class Couple(ForceElement):
 
     def powers(self, rate: Rate) -> Powers:
         return [(self.turning, self.components())]
+
+    def look(self) -> list[Look]:
+        motor = [] if self.reaction_on is None else [Motor(self.reaction_on, self.body)]
+        return [*motor, Twist(self.body, self.components())]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         moment = self.components()

@@ -8,8 +8,9 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Element, rate_of
+from dalembert.elements.base import Constraint, Coordinates, Element, Look, rate_of
 from dalembert.elements.body import BodyElement
+from dalembert.elements.look import Mark
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, t
@@ -126,6 +127,9 @@ class Pair:
 @dataclass(eq=False)
 class PointJoint(BetweenPoints, Pair, Constraint):
     """Constraint between a point of one body and a point of another."""
+
+    def look(self) -> list[Look]:
+        return [Mark(self.point_j, self.point_i)]
 
     def place(self) -> ca.SX:
         return self.point_j.position.sx

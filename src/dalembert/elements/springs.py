@@ -8,7 +8,8 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import ForceElement, Powers, Rate, Scalar, option, quantity
+from dalembert.elements.base import ForceElement, Look, Powers, Rate, Scalar, option, quantity
+from dalembert.elements.look import Coil, Cylinder, Dashpot
 from dalembert.elements.pair import BetweenPoints
 from dalembert.symbolic.expression import Expression, as_expression
 
@@ -49,6 +50,12 @@ class SpringDamper(ForceElement):
         extension = Expression(s - self.relaxed(), "extension", self.coordinate_unit)
         value = self.law(extension, Expression(rate(s), "rate"))
         return linear + as_expression(value, f"{self.name}.law", self.force_unit).sx
+
+    def drawn(self, spring: type[Look], damper: type[Look], *ends: Any) -> list[Look]:
+        """A damper if it damps, and a spring if it is one."""
+        elastic = not self.stiffness.sx.is_zero() or self.law is not None
+        shown = [] if self.damping.sx.is_zero() else [damper]
+        return [kind(*ends) for kind in (*shown, *([spring] if elastic else []))]
 
     def powers(self, rate: Rate) -> Powers:
         return [(rate(self.coordinate()), -self.force(rate))]
@@ -102,6 +109,9 @@ class Spring(SpringDamper, PointPair):
     def relaxed(self) -> ca.SX:
         return self.free_length.sx
 
+    def look(self) -> list[Look]:
+        return self.drawn(Coil, Dashpot, self.point_i, self.point_j)
+
 
 @dataclass(eq=False)
 class Actuator(PointPair):
@@ -113,6 +123,9 @@ class Actuator(PointPair):
     """
 
     force: Scalar = quantity("N", "force, positive pushes apart")
+
+    def look(self) -> list[Look]:
+        return [Cylinder(self.point_i, self.point_j)]
 
     def powers(self, rate: Rate) -> Powers:
         return [(rate(self.coordinate()), self.force.sx)]

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import ForceElement, Powers, Rate, Scalar, quantity
+from dalembert.elements.base import ForceElement, Look, Powers, Rate, Scalar, quantity
+from dalembert.elements.look import Limit
 from dalembert.errors import ModelError
 
 
@@ -68,6 +69,10 @@ class Stop(ForceElement):
         depth = ((e + 1) * energy / k) ** (1 / (e + 1))
         elastic, viscous = e * k * depth ** (e - 1), self.damping.sx * k * depth**e
         return [(rate(s), -elastic * s - viscous * rate(s))]
+
+    def look(self) -> list[Look]:
+        s, given = self.coordinate.sx, ((self.lower, False), (self.upper, True))
+        return [Limit(s, value.sx, above) for value, above in given if value is not None]
 
     def potential(self) -> ca.SX:
         e = self.exponent.sx + 1

@@ -30,6 +30,7 @@ SCRIPTS = {
         "motion.js",
         "player.js",
         "symbols.js",
+        "looks.js",
         "scene.js",
         "plots.js",
         "picker.js",

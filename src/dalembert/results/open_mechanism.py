@@ -40,8 +40,8 @@ def open_payload(error: AssemblyError) -> dict[str, Any]:
     """What the page shows, as plain data."""
     found: OpenPosition = error.position
     drawn: Any = _Drawn(found)
-    scene = motion_scene(drawn, BEST)
-    guess = motion_scene(drawn, GUESS)["bodies"]
+    scene = motion_scene(drawn, BEST, loads=False)
+    guess = motion_scene(drawn, GUESS, loads=False)["bodies"]
     scene["ghosts"] = [
         {"shapes": b["shapes"], **{key: b[key][0] for key in ("x", "y", "angle")}} for b in guess
     ]
@@ -97,6 +97,10 @@ class _Drawn:
             },
             {"body": [body.name for body in d.bodies]},
         )
+
+    def columns(self, measures: list[Expression]) -> list[np.ndarray]:
+        """``values`` of several measures."""
+        return [self.values(measure) for measure in measures]
 
     def values(self, measure: Expression) -> np.ndarray:
         """(2,) or (2, size) values of a measure of positions."""

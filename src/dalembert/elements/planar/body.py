@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, Vector, quantity
+from dalembert.elements.base import Look, Scalar, Vector, quantity
 from dalembert.elements.body import BodyElement
+from dalembert.elements.look import Ball, Segment
 from dalembert.elements.point import Point, components
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression
@@ -185,6 +186,9 @@ class Bar(Body):
         self.start = self.add_point("start", (-half, 0.0))
         self.end = self.add_point("end", (half, 0.0))
 
+    def look(self) -> list[Look]:
+        return [Segment(self.start, self.end)]
+
 
 @dataclass(eq=False)
 class Particle(Body):
@@ -197,6 +201,9 @@ class Particle(Body):
             if getattr(self, field) is not None:
                 raise ModelError(f"a particle has no {field}; use a Body", self.name)
         super().__post_init__()
+
+    def look(self) -> list[Look]:
+        return [Ball(self.center)]
 
     def point(self, x, y=None, z=None) -> Point:
         """The particle itself: its only point is (0, 0).

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Vector, option, quantity
+from dalembert.elements.base import Constraint, Coordinates, Look, Vector, option, quantity
 from dalembert.elements.driver import Driver
 from dalembert.elements.laws.base import GivenLaw
+from dalembert.elements.look import Motor, Travel
 from dalembert.elements.pair import need_point
 from dalembert.elements.planar.body import Ground, unit_vector
 from dalembert.elements.planar.joint import BodyJoint
@@ -37,6 +38,9 @@ class RotationalDriver(Driver, BodyJoint):
     def coordinate(self) -> ca.SX:
         return self.body_j.pose_angle - self.body_i.pose_angle
 
+    def look(self) -> list[Look]:
+        return [Motor(self.body_i, self.body_j)]
+
 
 @dataclass(eq=False)
 class TranslationalDriver(Driver, SlidingJoint):
@@ -53,6 +57,9 @@ class TranslationalDriver(Driver, SlidingJoint):
 
     def coordinate(self) -> ca.SX:
         return self.displacement
+
+    def look(self) -> list[Look]:
+        return [Travel(self.point_j, self.point_i.body, self.axis.sx)]
 
 
 @dataclass(eq=False)
@@ -77,6 +84,9 @@ class CoordinateDriver(Driver, Constraint):
 
     def coordinate(self) -> ca.SX:
         return ca.dot(unit_vector(self.direction.sx, self.name), self.point.position.sx)
+
+    def look(self) -> list[Look]:
+        return [Travel(self.point, None, self.direction.sx)]
 
     def parts(self) -> list[Coordinates]:
         return [self.point.body]

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates, Scalar, option, quantity
+from dalembert.elements.base import Coordinates, Look, Scalar, option, quantity
+from dalembert.elements.look import Belt, Disc, Mesh
 from dalembert.elements.pair import initial_value, need_body
 from dalembert.elements.planar.body import Body, cross
 from dalembert.elements.planar.joint import BodyJoint, PinJoint
@@ -49,6 +50,10 @@ class GearPair(PinJoint):
         turn = rolled / self.centres - line
         return self.centres * (turn - 2 * math.pi * ca.floor(turn / (2 * math.pi) + 0.5))
 
+    def look(self) -> list[Look]:
+        i, j, radii = self.point_i, self.point_j, (self.radius_i.sx, self.radius_j.sx)
+        return [Disc(i, radii[0]), Disc(j, radii[1]), Mesh(j, i, radii[1], radii[0], self.internal)]
+
     @property
     def centres(self) -> ca.SX:
         """``r_i ± r_j``: distance of the centres, with its sign."""
@@ -85,6 +90,9 @@ class RackAndPinion(SlidingJoint):
 
     def residual(self) -> ca.SX:
         return self.no_slip
+
+    def look(self) -> list[Look]:
+        return [self.rail, Disc(self.point_j, self.radius.sx), *super().look()]
 
     def place(self) -> ca.SX:
         """The pitch point."""
@@ -127,6 +135,9 @@ class Coupling(BodyJoint):
         if self.carrier is not None:
             self.carrier = need_body(self.carrier, self.name, "carrier")
         super().__post_init__()
+
+    def look(self) -> list[Look]:
+        return [Belt(self.body_i, self.body_j, self.ratio.sx, self.carrier)]
 
     def parts(self) -> list[Coordinates]:
         return [*super().parts(), *([self.carrier] if self.carrier is not None else [])]

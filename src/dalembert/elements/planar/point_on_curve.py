@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Scalar, option, quantity
+from dalembert.elements.base import Constraint, Coordinates, Look, Scalar, option, quantity
 from dalembert.elements.curves import Curve
+from dalembert.elements.look import Disc, Mark, Path
 from dalembert.elements.pair import Pair, need_body, need_point, refuse_same_body
 from dalembert.elements.planar.body import Body, rotation
 from dalembert.elements.point import Point
@@ -73,6 +74,12 @@ class PointOnCurve(Pair, Constraint):
 
     def own_coordinates(self) -> list[Coordinates]:
         return [self._contact]
+
+    def look(self) -> list[Look]:
+        curve, roller = self.curve, self.radius.sx
+        path = Path(self.body_i, curve.position, curve.interval(), curve.closed)
+        wheel = [] if roller.is_zero() else [Disc(self.point_j, roller)]
+        return [path, *wheel, Mark(self.point_j, self.body_i)]
 
     def ends(self) -> tuple[Body, Body]:
         return self.body_i, self.point_j.body

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.base import Look
+from dalembert.elements.look import Pin
 from dalembert.elements.planar.joint import TreeJoint
 
 
@@ -17,6 +19,9 @@ class Revolute(TreeJoint):
 
     def residual(self) -> ca.SX:
         return self.between
+
+    def look(self) -> list[Look]:
+        return [Pin(self.point_j, self.point_i)]
 
     def opening(self, q: ca.SX, z: ca.SX, angle_i: ca.SX) -> ca.SX:
         return z

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.base import Look, Scalar, quantity
+from dalembert.elements.look import Rod
 from dalembert.elements.planar.joint import TreeJoint
 
 
@@ -27,6 +28,9 @@ class RigidLink(TreeJoint):
     def residual(self) -> ca.SX:
         distance, length = self.compared()
         return distance - length
+
+    def look(self) -> list[Look]:
+        return [Rod(self.point_i, self.point_j)]
 
     def compared(self) -> tuple[ca.SX, ca.SX]:
         return self.distance, self.length.sx

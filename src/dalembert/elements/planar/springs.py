@@ -9,6 +9,7 @@ import casadi as ca
 from dalembert.elements.base import (
     Coordinates,
     ForceElement,
+    Look,
     Powers,
     Rate,
     Scalar,
@@ -16,6 +17,7 @@ from dalembert.elements.base import (
     option,
     quantity,
 )
+from dalembert.elements.look import Brake, Sleeve, Spiral
 from dalembert.elements.pair import need_body, refuse_same_body
 from dalembert.elements.planar.body import Body, rotation
 from dalembert.elements.springs import ForceLaw, PointPair, SpringDamper
@@ -74,6 +76,9 @@ class RotationalSpring(SpringDamper, BodyPair):
     def relaxed(self) -> ca.SX:
         return self.free_angle.sx
 
+    def look(self) -> list[Look]:
+        return self.drawn(Spiral, Brake, self.body_i, self.body_j)
+
 
 @dataclass(eq=False)
 class Bushing(PointPair):
@@ -101,6 +106,9 @@ class Bushing(PointPair):
             (local[1], k[1], c[1]),
             (turn, self.rotational_stiffness.sx, self.rotational_damping.sx),
         ]
+
+    def look(self) -> list[Look]:
+        return [Sleeve(self.point_i, self.point_j)]
 
     def powers(self, rate: Rate) -> Powers:
         return [(rate(s), -(k * s + c * rate(s))) for s, k, c in self.coordinates()]

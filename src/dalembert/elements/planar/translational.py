@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, Vector, quantity
+from dalembert.elements.base import Look, Scalar, Vector, quantity
+from dalembert.elements.look import Block, Rail, Slider, SlotPin
 from dalembert.elements.planar.body import perpendicular, rotation, unit_vector
 from dalembert.elements.planar.joint import PinJoint, TreeJoint
 
@@ -37,6 +38,11 @@ class SlidingJoint(PinJoint):
     def displacement(self) -> ca.SX:
         """Distance travelled along the line from point_i to point_j."""
         return ca.dot(self.direction, self.between)
+
+    @property
+    def rail(self) -> Rail:
+        """The line, as pictures show it."""
+        return Rail(self.point_i, self.axis.sx, self.displacement)
 
     @property
     def offset(self) -> ca.SX:
@@ -76,6 +82,10 @@ class Translational(GuidingJoint):
     def units(self) -> list[str]:
         return ["m", "rad"]
 
+    def look(self) -> list[Look]:
+        along = ca.mtimes(rotation(-self.angle.sx), self.axis.sx)
+        return [self.rail, Block(self.point_j, along), Slider(self.point_j, self.point_i)]
+
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
         return {"displacement": (self.displacement, "m")}
 
@@ -94,6 +104,9 @@ class PinInSlot(GuidingJoint):
 
     def residual(self) -> ca.SX:
         return self.offset
+
+    def look(self) -> list[Look]:
+        return [self.rail, SlotPin(self.point_j, self.point_i)]
 
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
         return {"displacement": (self.displacement, "m"), **self.turning}

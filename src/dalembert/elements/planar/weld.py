@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.base import Look, Scalar, quantity
+from dalembert.elements.look import Clamp
 from dalembert.elements.planar.joint import TreeJoint
 
 
@@ -26,6 +27,9 @@ class Weld(TreeJoint):
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.between, self.turn - self.angle.sx)
+
+    def look(self) -> list[Look]:
+        return [Clamp(self.point_j, self.point_i)]
 
     def fixed_turn(self, z: ca.SX) -> ca.SX:
         return self.angle.sx + z[2]

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.base import Look
+from dalembert.elements.look import Pin
 from dalembert.elements.spatial.joint import FrameJoint
 
 
@@ -20,6 +22,9 @@ class Revolute(FrameJoint):
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.between, self.tilt)
+
+    def look(self) -> list[Look]:
+        return [Pin(self.frame_j, self.frame_i)]
 
     def units(self) -> list[str]:
         return ["m", "m", "m", "rad", "rad"]

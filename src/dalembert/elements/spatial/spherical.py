@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.base import Look
+from dalembert.elements.look import Socket
 from dalembert.elements.pair import PointJoint
 
 
@@ -14,6 +16,9 @@ class Spherical(PointJoint):
     """Ball and socket: two points coincide, ``Φ = r_jP − r_iP = 0``."""
 
     kind = "spherical"
+
+    def look(self) -> list[Look]:
+        return [Socket(self.point_j, self.point_i)]
 
     def residual(self) -> ca.SX:
         return self.between

@@ -22,16 +22,24 @@ class Motion {
     this.gravity = scene.gravity && Math.hypot(...xy(scene.gravity)) > 0 ? xy(scene.gravity) : null;
 
     this.joints = list(scene.joints).filter((j) => this.has(j.body)).map((j) => ({
-      name: String(j.name ?? ""), kind: String(j.kind || "other"), body: this.find(j.body),
-      point: xy(j.point), axis: Array.isArray(j.axis) ? xy(j.axis) : null, grounded: Boolean(j.grounded),
+      ...this.told(j), body: this.find(j.body), point: xy(j.point), grounded: Boolean(j.grounded),
+      mesh: this.wheels(j.mesh), internal: Boolean(j.internal),
       fx: j.force_x ? floats(j.force_x, this.n) : null,
       fy: j.force_y ? floats(j.force_y, this.n) : null,
       m: j.moment ? floats(j.moment, this.n) : null,
     }));
     this.links = list(scene.links).filter((l) => l.i && l.j && this.has(l.i.body) && this.has(l.j.body)).map((l) => ({
-      name: String(l.name ?? ""), kind: String(l.kind || "rigid"),
+      ...this.told(l),
       i: { body: this.find(l.i.body), point: xy(l.i.point) },
       j: { body: this.find(l.j.body), point: xy(l.j.point) },
+    }));
+    this.symbols = list(scene.symbols).filter((s) => s.body === undefined || this.has(s.body)).map((s) => ({
+      ...this.told(s), body: s.body === undefined ? null : this.find(s.body), point: xy(s.point),
+      i: this.find(s.i), j: this.find(s.j), on: this.find(s.on), axis: xy(s.axis),
+      wheels: this.wheels(s.wheels), crossed: Boolean(s.crossed),
+      x: floats(s.x, this.n), y: floats(s.y, this.n), nx: floats(s.normal_x, this.n), ny: floats(s.normal_y, this.n),
+      fx: s.force_x ? floats(s.force_x, this.n) : null, fy: s.force_y ? floats(s.force_y, this.n) : null,
+      m: s.moment ? floats(s.moment, this.n) : null,
     }));
     this.points = list(scene.points).filter((p) => this.has(p.body)).map((p, index) => ({
       name: String(p.name ?? ""), body: this.find(p.body), point: xy(p.point), index, traced: false,
@@ -57,6 +65,10 @@ class Motion {
     this.cursor = this.locate(t);
   }
 
+  told(item) { return { name: String(item.name ?? ""), what: String(item.what ?? item.symbol ?? ""), symbol: String(item.symbol ?? "") }; }
+  wheels(given) {
+    return list(given).filter((w) => this.has(w.body)).map((w) => ({ body: this.find(w.body), point: xy(w.point), radius: Math.abs(w.radius) || 0 }));
+  }
   has(name) { return name === "ground" || this.byName.has(String(name)); }
   find(name) { return this.byName.get(String(name)) || this.ground; }
 
@@ -121,6 +133,9 @@ class Motion {
     const marks = new Map(this.bodies.map((b) => [b, [[0, 0], ...b.shapes.flatMap(outline)]]));
     for (const b of this.bodies) if (b.shapes.length) marks.get(b).shift();
     for (const p of [...this.points, ...this.joints]) marks.get(p.body)?.push(p.point);
+    for (const { wheels } of this.symbols) for (const { body, point, radius } of wheels) {
+      for (const [u, v] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) (body.fixed ? { push: grow } : marks.get(body)).push([point[0] + u * radius, point[1] + v * radius]);
+    }
     for (const cursor of this.frames(240)) {
       for (const [body, points] of marks) {
         const pose = this.pose(body, cursor);

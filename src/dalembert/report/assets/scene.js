@@ -35,30 +35,11 @@ class Scene {
     return clamp(Math.min(0.0115 * whole, 0.16 * typical), 0.003 * whole, whole);
   }
 
-  // Straight guides: ground lines, and translational joints which have no line of their own.
-  // A guide through the middle of a block is drawn as two rails.
+  // Straight guides: ground lines. A guide through the middle of a block is drawn as two rails.
   findGuides() {
     const { motion } = this;
-    const near = 0.03 * Math.hypot(this.box.x1 - this.box.x0, this.box.y1 - this.box.y0);
     const frames = motion.frames(24);
     const guides = motion.ground.shapes.filter((s) => s.kind === "line").map((s) => ({ from: s.from, to: s.to, half: 0 }));
-    for (const joint of motion.joints) {
-      if (joint.kind !== "translational" || !joint.grounded || !joint.axis || !motion.n) continue;
-      const first = motion.at(joint.body, joint.point, frames[0]);
-      const pose = motion.pose(joint.body, frames[0]);
-      if (!pose || guides.some((g) => distanceToSegment(first, g.from, g.to) < near)) continue;
-      const size = Math.hypot(...joint.axis) || 1;
-      const way = [(pose.c * joint.axis[0] - pose.s * joint.axis[1]) / size, (pose.s * joint.axis[0] + pose.c * joint.axis[1]) / size];
-      let lo = 0, hi = 0;
-      for (const cursor of frames) {
-        const p = motion.at(joint.body, joint.point, cursor);
-        if (!p) continue;
-        const along = (p[0] - first[0]) * way[0] + (p[1] - first[1]) * way[1];
-        lo = Math.min(lo, along); hi = Math.max(hi, along);
-      }
-      const more = 6 * this.unit;
-      guides.push({ from: [first[0] + way[0] * (lo - more), first[1] + way[1] * (lo - more)], to: [first[0] + way[0] * (hi + more), first[1] + way[1] * (hi + more)], half: 0 });
-    }
     for (const guide of guides) {
       const angle = Math.atan2(guide.to[1] - guide.from[1], guide.to[0] - guide.from[0]);
       for (const body of motion.bodies) {
@@ -75,31 +56,24 @@ class Scene {
     return guides;
   }
 
-  // Discs which touch where a gear joint is get teeth, of one pitch each mesh.
+  // The discs of gears in mesh get teeth, of one pitch each mesh.
   findTeeth() {
     const { motion } = this;
-    const teeth = new Map();
-    const start = { i: 0, f: 0 };
-    for (const joint of motion.joints.filter((j) => j.kind === "gear")) {
-      const contact = motion.n ? motion.at(joint.body, joint.point, start) : null;
-      if (!contact) continue;
-      const mesh = [];
-      for (const body of motion.bodies) {
-        const pose = motion.pose(body, start);
-        if (!pose) continue;
-        for (const disc of body.shapes.filter((s) => s.kind === "disc" && s.radius > 0)) {
-          const c = toWorld(pose, disc.center);
-          const away = [contact[0] - c[0], contact[1] - c[1]];
-          if (Math.abs(Math.hypot(...away) - disc.radius) < 0.02 * disc.radius) mesh.push({ disc, angle: Math.atan2(away[1], away[0]) - pose.a });
-        }
-      }
-      if (mesh.length < 2) continue;
-      const known = mesh.find(({ disc }) => teeth.has(disc));
-      const least = Math.min(...mesh.map(({ disc }) => disc.radius));
-      const pitch = known ? (TAU * known.disc.radius) / teeth.get(known.disc).count : (TAU * least) / 20;
-      mesh.forEach(({ disc, angle }, k) => {
+    const teeth = new Map(), start = { i: 0, f: 0 };
+    for (const { mesh, internal } of motion.joints) {
+      const [p, q] = mesh.map(({ body, point }) => (motion.n ? motion.at(body, point, start) : null));
+      if (!p || !q) continue;
+      const line = Math.atan2(q[1] - p[1], q[0] - p[0]);
+      const wheels = mesh.map(({ body, point, radius }, k) => ({
+        disc: body.shapes.find((s) => s.kind === "disc" && Math.hypot(s.center[0] - point[0], s.center[1] - point[1]) < 1e-6 * radius && Math.abs(s.radius - radius) < 1e-6 * radius),
+        radius, angle: line + (k && !internal ? Math.PI : 0) - (body.fixed ? 0 : motion.pose(body, start).a),
+      }));
+      if (wheels.some(({ disc }) => !disc)) continue;
+      const known = wheels.find(({ disc }) => teeth.has(disc));
+      const pitch = known ? (TAU * known.radius) / teeth.get(known.disc).count : (TAU * Math.min(...wheels.map((w) => w.radius))) / 20;
+      wheels.forEach(({ disc, radius, angle }, k) => {
         if (teeth.has(disc)) return;
-        const count = Math.max(6, Math.round((TAU * disc.radius) / pitch));
+        const count = Math.max(6, Math.round((TAU * radius) / pitch));
         teeth.set(disc, { count, phase: angle + (k % 2 ? TAU / count / 2 : 0) });
       });
     }
@@ -138,7 +112,13 @@ class Scene {
         if (m && Math.abs(m[i]) > moment) moment = Math.abs(m[i]);
       }
     }
-    this.greatest = { force, moment };
+    this.greatest = { force, moment, load: 0, twist: 0 };
+    for (const { fx, fy, m } of this.motion.symbols) {
+      for (let i = 0; i < this.motion.n; i++) {
+        if (fx) this.greatest.load = Math.max(this.greatest.load, Math.hypot(fx[i], fy[i]) || 0);
+        if (m) this.greatest.twist = Math.max(this.greatest.twist, Math.abs(m[i]) || 0);
+      }
+    }
   }
 
   // The points asked for; else up to three moving ones; of many, the one with the longest way.
@@ -163,6 +143,7 @@ class Scene {
     this.colours = {
       ink: mix(ink, surface, 0.12), surface, ground: mix(surface, ink, 0.1),
       spring: Theme.colour(2), actuator: mix(surface, Theme.colour(4), 0.45), muted,
+      drive: mix(Theme.colour(4), ink, 0.2), load: ink,
     };
     this.looks = this.motion.bodies.map((_, i) => this.look(Theme.colour(i)));
     this.groundLook = { fill: mix(surface, ink, 0.13), edge: mix(surface, ink, 0.62), width: 1.5, text: muted };
@@ -278,19 +259,22 @@ class Scene {
     if (this.show.grid) this.drawGrid();
     this.drawGround();
     for (const joint of motion.joints) {
-      const p = joint.grounded && joint.kind === "revolute" && this.placeOf(joint.body, joint.point);
-      if (p) groundPivot(ctx, p, this.half, colours);
+      const p = joint.grounded && this.placeOf(joint.body, joint.point);
+      if (p && joint.symbol === "pin") groundPivot(ctx, p, this.half, colours);
+      if (p && joint.symbol === "clamp") this.drawAnchor(p, this.screen(motion.at(joint.body, [joint.point[0], joint.point[1] + 1])));
     }
     this.drawGhosts();
     this.drawBodies();
     this.drawTraces();
     for (const bundle of this.bundles) this.drawLink(bundle);
+    for (const item of motion.symbols) if (!item.fx && !item.m) LOOKS[item.symbol]?.(this, item);
     for (const joint of motion.joints) {
       const p = this.placeOf(joint.body, joint.point);
       if (!p) continue;
       if (this.hover?.item === joint) { circle(ctx, p, this.half + 5); stroke(ctx, Theme.accent, 2); }
       jointMark(ctx, joint, p, this.half, colours);
     }
+    for (const item of motion.symbols) if (item.fx || item.m) LOOKS[item.symbol]?.(this, item);
     this.drawPoints();
     this.drawGaps();
     if (this.show.forces) this.drawForces();
@@ -474,7 +458,7 @@ class Scene {
   drawLink({ link, rest, offset }) {
     const p = this.placeOf(link.i.body, link.i.point), q = this.placeOf(link.j.body, link.j.point);
     if (!p || !q) return;
-    linkSymbol(this.ctx, link.kind, p, q, this.half, rest * this.view.s, offset * this.half, this.colours);
+    linkSymbol(this.ctx, link.symbol, p, q, this.half, rest * this.view.s, offset * this.half, this.colours);
     for (const [end, at] of [[link.i, p], [link.j, q]]) {
       circle(this.ctx, at, clamp(0.32 * this.half, 1.8, 4));
       this.ctx.fillStyle = this.colours.ink;
@@ -517,15 +501,25 @@ class Scene {
     for (const joint of this.loaded) {
       const p = this.placeOf(joint.body, joint.point);
       if (!p) continue;
-      const { fx, fy, m } = this.reaction(joint);
+      const { fx, fy, m } = this.load(joint);
       if (fx === fx && fy === fy) arrow(ctx, p, [fx * scale, -fy * scale], Theme.force, Theme.surface);
       if (this.greatest.moment > 0 && m === m) momentArc(ctx, p, radius, (m / this.greatest.moment) * 0.8 * TAU, Theme.moment, Theme.surface);
     }
   }
 
-  reaction(joint) {
+  load(item) {
     const at = (column) => (column ? this.motion.sample(column, this.motion.cursor) : 0);
-    return { fx: at(joint.fx), fy: at(joint.fy), m: at(joint.m) };
+    return { fx: at(item.fx), fy: at(item.fy), m: at(item.m) };
+  }
+
+  angleOf(body) { return this.poses.get(body)?.a ?? null; }
+
+  // How far the second body has turned against the first since the start.
+  turn({ i, j }) {
+    const [a, b] = [this.angleOf(i), this.angleOf(j)], start = { i: 0, f: 0 };
+    if (a === null || b === null) return null;
+    const [from, to] = [i, j].map((body) => this.motion.pose(body, start)?.a ?? 0);
+    return b - a - (to - from);
   }
 
   drawLabels() {
@@ -652,6 +646,9 @@ class Scene {
       const p = this.placeOf(link.i.body, link.i.point), q = this.placeOf(link.j.body, link.j.point);
       if (p && q && distanceToSegment([px, py], p, q) < this.half * (1.3 + Math.abs(offset)) + 3) return { kind: "link", item: link };
     }
+    for (const item of this.motion.symbols) {
+      if (item.body && near(this.placeOf(item.body, item.point), 3 * this.half)) return { kind: "symbol", item };
+    }
     const order = ["bar", "line", "particle", "block", "polygon", "curve", "disc"];
     let best = null, rank = Infinity;
     for (const body of this.motion.bodies) {
@@ -681,15 +678,15 @@ class Scene {
       position([pose.x, pose.y]);
       rows.push(["angle", degrees(pose.a)]);
     } else if (kind === "link") {
-      what = item.kind;
+      what = item.what;
       const [p, q] = [item.i, item.j].map((end) => toWorld(this.poses.get(end.body), end.point));
       rows.push(["length", `${number(Math.hypot(q[0] - p[0], q[1] - p[1]))} m`]);
     } else {
       position(motion.at(item.body, item.point));
       if (kind === "point") rows.push(["on", item.body.name]);
-      if (kind === "joint") {
-        what = `${item.kind.replaceAll("_", " ")}${item.kind === "other" ? " joint" : ""}`;
-        const { fx, fy, m } = this.reaction(item);
+      if (kind === "joint" || kind === "symbol") {
+        what = item.what;
+        const { fx, fy, m } = this.load(item);
         if (item.fx || item.fy) rows.push(["force", `${number(Math.hypot(fx, fy))} N`], ["Fx, Fy", `${number(fx)}, ${number(fy)} N`]);
         if (item.m) rows.push(["moment", `${number(m)} N·m`]);
       }

@@ -129,23 +129,24 @@ function pin(ctx, [x, y], r, colours) {
 
 function jointMark(ctx, joint, p, h, colours) {
   const r = clamp(0.52 * h, 2, 7);
-  switch (joint.kind) {
-    case "revolute": return pin(ctx, p, r, colours);
-    case "pin_in_slot":
+  switch (joint.symbol) {
+    case "pin": return pin(ctx, p, r, colours);
+    case "slotpin":
       pin(ctx, p, r, colours);
       circle(ctx, p, 0.35 * r);
       ctx.fillStyle = colours.ink;
       return ctx.fill();
-    case "translational":
+    case "slider":
       circle(ctx, p, Math.max(1.5, 0.3 * r));
       ctx.fillStyle = colours.ink;
       return ctx.fill();
-    case "weld":
+    case "clamp":
       trace(ctx, [[p[0] - r, p[1] - r], [p[0] + r, p[1] + r]]);
       stroke(ctx, colours.ink, 1.8);
       trace(ctx, [[p[0] - r, p[1] + r], [p[0] + r, p[1] - r]]);
       return stroke(ctx, colours.ink, 1.8);
-    case "gear":
+    case "belt": return;
+    case "mesh":
       circle(ctx, p, Math.max(1.5, 0.35 * r));
       ctx.fillStyle = colours.ink;
       return ctx.fill();
@@ -175,7 +176,7 @@ function centreMark(ctx, [x, y], r, ink, surface) {
 
 // Elements between two points. `rest` is their usual length; it keeps rigid parts rigid.
 const LINKS = {
-  spring(ctx, L, h, rest, c) {
+  coil(ctx, L, h, rest, c) {
     const lead = Math.min(0.14 * rest, 0.3 * L), wide = 1.15 * h, coils = 8;
     const points = [[0, 0], [lead, 0]];
     for (let k = 0; k < 2 * coils; k++) {
@@ -187,7 +188,7 @@ const LINKS = {
     stroke(ctx, c.surface, 4);
     stroke(ctx, c.spring, 1.8);
   },
-  damper(ctx, L, h, rest, c) {
+  dashpot(ctx, L, h, rest, c) {
     const a = 0.28 * rest, b = a + 0.4 * rest, wide = 0.95 * h;
     const head = clamp(L - 0.48 * rest, a + 2, Math.max(a + 2, Math.min(b - 1, L - 1)));
     ctx.beginPath();
@@ -203,7 +204,7 @@ const LINKS = {
     trace(ctx, [[head, 0], [L, 0]]);
     stroke(ctx, c.ink, 1.6);
   },
-  actuator(ctx, L, h, rest, c) {
+  cylinder(ctx, L, h, rest, c) {
     const body = Math.min(0.58 * rest, 0.85 * L), wide = 0.9 * h;
     trace(ctx, [[0, 0], [L, 0]]);
     stroke(ctx, c.ink, Math.max(2.5, 0.6 * h));
@@ -217,7 +218,7 @@ const LINKS = {
     trace(ctx, [[body - 0.35 * h, -wide], [body - 0.35 * h, wide]]);
     stroke(ctx, c.ink, 1.1);
   },
-  bushing(ctx, L, h, rest, c) {
+  sleeve(ctx, L, h, rest, c) {
     trace(ctx, [[0, 0], [L, 0]]);
     stroke(ctx, c.ink, 1.4);
     for (const [r, fill] of [[1.5 * h, c.actuator], [0.75 * h, c.surface]]) {
@@ -227,7 +228,7 @@ const LINKS = {
       stroke(ctx, c.ink, 1.3);
     }
   },
-  rigid(ctx, L, h, rest, c) {
+  rod(ctx, L, h, rest, c) {
     trace(ctx, [[0, 0], [L, 0]]);
     stroke(ctx, c.ink, 4.5);
     stroke(ctx, c.surface, 1.8);
@@ -246,7 +247,7 @@ function linkSymbol(ctx, kind, p, q, h, rest, offset, colours) {
     }
     ctx.translate(0, offset);
   }
-  (LINKS[kind] || LINKS.rigid)(ctx, L, h, rest, colours);
+  (LINKS[kind] || LINKS.rod)(ctx, L, h, rest, colours);
   ctx.restore();
 }
 
@@ -268,14 +269,14 @@ function arrow(ctx, [x, y], [u, v], colour, surface, width = 2.4) {
 }
 
 // An arc with an arrow head; `sweep` > 0 turns counter-clockwise.
-function momentArc(ctx, [x, y], r, sweep, colour, surface) {
+function momentArc(ctx, [x, y], r, sweep, colour, surface, width = 2.2) {
   if (Math.abs(sweep) * r < 3) return;
   const from = -Math.PI / 2, to = from - sweep, back = sweep > 0;
   ctx.beginPath();
   ctx.arc(x, y, r, from, to, back);
-  stroke(ctx, surface, 4.5);
-  stroke(ctx, colour, 2.2);
-  const size = Math.min(8, Math.abs(sweep) * r), way = back ? -1 : 1;
+  stroke(ctx, surface, width + 2.3);
+  stroke(ctx, colour, width);
+  const size = Math.min(8, r, Math.abs(sweep) * r), way = back ? -1 : 1;
   const tip = [x + r * Math.cos(to), y + r * Math.sin(to)];
   const [tx, ty] = [-Math.sin(to) * way, Math.cos(to) * way];
   trace(ctx, [[tip[0] + tx * size * 0.6, tip[1] + ty * size * 0.6],

@@ -1,0 +1,157 @@
+"""Every element says what it looks like, and every primitive is drawn."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from importlib import resources
+
+import numpy as np
+import pytest
+from registry import CASES, model_of
+
+import dalembert as da
+from dalembert import planar
+from dalembert.elements import look, registry
+from dalembert.elements.base import Look
+from dalembert.elements.point import Point
+from dalembert.results.scene import motion_scene
+from dalembert.results.sketch import Sketch
+
+ELEMENTS = {n: c for table in registry.PLANAR.sections.values() for n, c in table.items()}
+UNSEEN = {planar.Body, planar.UserConstraint, planar.JointFriction}
+"""A plate over its points, a formula, and what its joint shows."""
+PRIMITIVES = {c for _, c in inspect.getmembers(look, inspect.isclass) if issubclass(c, Look)}
+SPATIAL = {look.Socket}
+"""Primitives that no planar element has."""
+PARTS = {look.Segment, look.Ball, look.Disc, look.Block, look.Rail, look.Path}
+ABSTRACT = {Look, look.Link, look.Rotary}
+
+
+def still(model: da.Model):
+    """The start, as a motion."""
+    return da.solve_dynamics(model, 1e-6, step=1e-6)
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_every_element_looks_like_something(name):
+    found = ELEMENTS[name]
+    made = [
+        element
+        for case in CASES
+        for element in model_of(case).parts.elements.values()
+        if type(element) is found
+    ]
+    assert made
+    for element in made:
+        shown = element.look()
+        assert all(isinstance(part, Look) for part in shown)
+        assert bool(shown) != (found in UNSEEN)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_case_can_be_drawn(name):
+    motion = still(model_of(name))
+    scene = motion_scene(motion, np.arange(motion.time.size))
+    drawn = [item for key in ("joints", "links", "symbols") for item in scene[key]]
+    assert all({"name", "what", "symbol"} <= item.keys() for item in drawn)
+    bodies = {"ground", *(b.name for b in motion.model.bodies)}
+    assert {item["body"] for item in drawn if "body" in item} <= bodies
+    known = set(motion.model.parts.elements)
+    assert {item["name"] for item in drawn} <= known
+    for item in drawn:
+        for key in ("force_x", "x", "moment"):
+            assert len(item.get(key, motion.time)) == motion.time.size
+
+
+def test_pages_draw_every_primitive():
+    assets = resources.files("dalembert.report") / "assets"
+    text = "".join((assets / name).read_text() for name in ("symbols.js", "looks.js"))
+    drawn = set(re.findall(r'case "(\w+)"|^  (\w+)\(', text, re.M))
+    names = {one or other for one, other in drawn} | {"mark"}  # a mark of no special kind
+    wanted = PRIMITIVES - ABSTRACT - PARTS - SPATIAL
+    assert {kind.__name__.lower() for kind in wanted} <= names
+    dispatch = vars(Sketch)["draw"].dispatcher.dispatch
+    assert all(dispatch(kind) is not dispatch(Look) for kind in PRIMITIVES - {Look})
+
+
+def test_places_are_points_whatever_their_dimension():
+    """So that a drawing in space is made from the same primitives."""
+    for case in CASES:
+        for element in model_of(case).parts.elements.values():
+            for part in element.look():
+                placed = [v for v in vars(part).values() if isinstance(v, Point)]
+                assert all(p.local.sx.numel() == p.body.dimension for p in placed)
+
+
+def slider_with_stop(**limits) -> da.System:
+    system = da.System("stopped")
+    slider = system.add(planar.Body("slider", mass=1, inertia=1, velocity=(1, 0)))
+    system.add(planar.Translational("S", system.ground.point(0, 0), slider.center))
+    system.add(planar.Stop("stop", slider.x, stiffness=1.0, **limits))
+    return system
+
+
+@pytest.mark.parametrize(("limits", "side"), [({"lower": -0.3}, 1), ({"upper": 0.3}, -1)])
+def test_a_wall_stands_where_the_stop_begins(limits, side):
+    motion = da.solve_dynamics(slider_with_stop(**limits).build(), 0.1, step=0.01)
+    scene = motion_scene(motion, np.arange(motion.time.size))
+    (wall,) = scene["symbols"]
+    (block,) = [s for s in scene["bodies"][0]["shapes"] if s["kind"] == "block"]
+    at = next(iter(limits.values())) - side * block["width"] / 2
+    assert np.allclose(wall["x"], at) and np.allclose(wall["y"], 0)
+    assert np.allclose(wall["normal_x"], side)
+
+
+def test_a_wall_of_an_angle_stands_across_the_limited_way():
+    system = da.System("gate")
+    gate = system.add(planar.Bar("gate", length=2.0, mass=1, angle=0.1, position=(1, 0)))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), gate.start))
+    system.add(planar.Stop("stop", gate.angle, upper=np.pi / 2, stiffness=1.0))
+    scene = motion_scene(still(system.build()), np.array([0]))
+    (wall,) = scene["symbols"]
+    assert abs(wall["x"][0]) < 1e-9 and 0 < wall["y"][0] < 2.0
+    assert np.allclose([wall["normal_x"][0], wall["normal_y"][0]], [1, 0])
+
+
+def test_rotary_looks_stand_on_the_pin_of_their_bodies():
+    system = da.System("arm")
+    one = system.add(planar.Bar("one", length=1.0, mass=1, position=(0.5, 0)))
+    two = system.add(planar.Bar("two", length=1.0, mass=1, position=(1.5, 0)))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), one.start))
+    system.add(planar.Revolute("A", one.end, two.start))
+    system.add(planar.RotationalSpring("k", one, two, stiffness=1.0, damping=0.1))
+    system.add(planar.Moment("m", two, 3.0, reaction_on=one))
+    scene = motion_scene(still(system.build()), np.array([0, 1]))
+    spots = {s["symbol"]: (s["body"], s["point"]) for s in scene["symbols"]}
+    assert spots.keys() == {"spiral", "brake", "motor", "twist"}
+    elbow = ("two", [-0.5, 0.0])
+    assert spots["spiral"] == spots["brake"] == spots["motor"] == elbow
+    assert scene["symbols"][-1]["moment"] == [3.0, 3.0]
+
+
+def test_loads_are_drawn_as_they_are():
+    system = da.System("pushed")
+    bar = system.add(planar.Bar("bar", length=1.0, mass=1, angle=np.pi / 2))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), bar.start))
+    system.add(planar.Force("dead", bar.end, (1.0, 2.0)))
+    system.add(planar.Force("follower", bar.end, (1.0, 2.0), following=True))
+    scene = motion_scene(still(system.build()), np.array([0]))
+    loads = {s["name"]: (s["force_x"][0], s["force_y"][0]) for s in scene["symbols"]}
+    assert np.allclose(loads["dead"], (1, 2)) and np.allclose(loads["follower"], (-2, 1))
+
+
+@pytest.mark.parametrize("ratio", [0.5, -2.0])
+def test_wheels_of_a_belt_have_its_ratio(ratio):
+    system = da.System("belt")
+    ground = system.ground
+    wheels = []
+    for k in (0, 1):
+        wheel = system.add(planar.Body(f"w{k}", mass=1, inertia=1, position=(k, 0)))
+        system.add(planar.Revolute(f"O{k}", ground.point(k, 0), wheel.center))
+        wheels.append(wheel)
+    system.add(planar.Coupling("belt", *wheels, ratio=ratio))
+    (belt,) = motion_scene(still(system.build()), np.array([0]))["symbols"]
+    one, two = (w["radius"] for w in belt["wheels"])
+    assert one / two == pytest.approx(abs(ratio)) and one + two < 1.0
+    assert belt["crossed"] == (ratio < 0)
