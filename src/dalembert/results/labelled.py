@@ -35,25 +35,14 @@ class LabelledRecording(Recording):
         KeyError
             Unknown name, with the nearest known ones.
         """
-        import xarray as xr
-
         if isinstance(measure, str) and measure in DATA_ONLY:
             return self.data[measure]
         expression = self.expression(measure)
-        values = self.values(expression)
-        dims = ["time"] if values.ndim == 1 else ["time", COMPONENTS[values.shape[1]][0]]
-        name = expression.name or (measure if isinstance(measure, str) else "measure")
         coords: dict[str, Any] = {"time": ("time", self.time, {"units": "s"})}
-        if values.ndim == 2:
-            dimension, names = COMPONENTS[values.shape[1]]
+        if len(expression) > 1:
+            dimension, names = COMPONENTS[len(expression)]
             coords[dimension] = list(names)
-        return xr.DataArray(
-            values,
-            dims=dims,
-            coords=coords,
-            name=name,
-            attrs={"units": expression.unit, "long_name": name},
-        )
+        return self.labelled(measure, coords)
 
     @cached_property
     def data(self) -> xr.Dataset:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -18,6 +17,7 @@ from dalembert.symbolic.expression import Expression, free_symbols
 from dalembert.symbolic.names import Names
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 REAL, IMAG = ca.SX.sym("eigenvalue_real"), ca.SX.sym("eigenvalue_imag")
@@ -141,17 +141,9 @@ class Modes(Numbered):
             "modes": [{"frequency [Hz]": float(f), "damping ratio": float(z)} for f, z in found],
         }
 
-    def save(self, path: str | Path) -> Path:
-        """Write ``data`` to a NetCDF file; ``load_results`` reads it back."""
-        from dalembert.results.store import save_dataset
-
-        return save_dataset(self.data, path)
-
-    def to_csv(self, path: str | Path) -> Path:
-        """Write frequencies and damping ratios as CSV."""
-        from dalembert.results.store import save_table
-
-        return save_table(self.data[["frequency", "damping_ratio"]].to_dataframe(), path)
+    def to_dataframe(self) -> pd.DataFrame:
+        """Frequencies and damping ratios."""
+        return self.data[["frequency", "damping_ratio"]].to_dataframe()
 
     def __repr__(self) -> str:
         rows = ", ".join(

@@ -40,26 +40,20 @@ class Motion(LabelledRecording):
         }
 
     # files and pictures ------------------------------------------------------------
-    def save(self, path: str | Path, plots: Groups = None, trace: Names = None) -> Path:
+    def save(  # type: ignore[override]
+        self, path: str | Path, plots: Groups = None, trace: Names = None
+    ) -> Path:
         """Write all results to a NetCDF file; ``load_results`` reads it back.
 
         ``plots`` and ``trace`` are kept for its report, as in ``report``.
         """
-        from dalembert.results.store import save_motion
-
-        return save_motion(self, path, plots, trace)
+        return super().save(path, plots=plots, trace=trace)
 
     def to_dataframe(self) -> pd.DataFrame:
         """One row per time, one column per scalar quantity."""
         from dalembert.results.store import flat_table
 
         return flat_table(self.data)
-
-    def to_csv(self, path: str | Path) -> Path:
-        """Write ``to_dataframe`` as CSV."""
-        from dalembert.results.store import save_csv
-
-        return save_csv(self.data, path)
 
     def plot(self, *measures: str | Expression, ax: Any = None) -> Any:
         """Draw measures over time with Matplotlib; returns the axes."""
@@ -73,12 +67,16 @@ class Motion(LabelledRecording):
 
         return animate(self, **options)
 
-    def report(self, path: str | Path, plots: Groups = None, trace: Names = None) -> Path:
+    def report(  # type: ignore[override]
+        self, path: str | Path, plots: Groups = None, trace: Names = None
+    ) -> Path:
         """Write the interactive report, one self-contained HTML file."""
-        from dalembert.report.page import write_page
+        return super().report(path, plots=plots, trace=trace)
+
+    def page(self, plots: Groups = None, trace: Names = None) -> dict[str, Any]:
         from dalembert.results.payload import report_payload
 
-        return write_page(report_payload(self, plots, trace), path)
+        return report_payload(self, plots, trace)
 
     def _repr_html_(self) -> str:
         return self.data._repr_html_()

@@ -80,14 +80,4 @@ class Numbered(Result):
 
     def __getitem__(self, measure: str | Expression) -> xr.DataArray:
         """A measure by name, or a formula of measures, as a labelled array over the modes."""
-        import xarray as xr
-
-        expression = self.expression(measure)
-        name = expression.name or (measure if isinstance(measure, str) else "measure")
-        return xr.DataArray(
-            self.values(expression),
-            dims="mode",
-            coords={"mode": self.numbers},
-            name=name,
-            attrs={"units": expression.unit},
-        )
+        return self.labelled(measure, {"mode": self.numbers})

@@ -13,7 +13,7 @@ from dalembert.errors import AssemblyError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly_failure import OpenPosition
 from dalembert.report.page import write_page
-from dalembert.results.payload import parameter_rows
+from dalembert.results.page_parts import diagnosis, parameter_rows
 from dalembert.results.scene import motion_scene
 from dalembert.symbolic.expression import Expression, stack, t
 
@@ -49,6 +49,8 @@ def open_payload(error: AssemblyError) -> dict[str, Any]:
         start, end = found.ends.tolist()
         scene["gaps"] = [{"from": start, "to": end, "text": found.gap}]
     parameters = found.parts.parameters
+    loop = "–".join(found.loop) or "none"
+    items = [("stays open", found.joint), ("gap", found.gap), ("loop", loop)]
     return {
         "format": 1,
         "title": found.parts.name,
@@ -57,15 +59,7 @@ def open_payload(error: AssemblyError) -> dict[str, Any]:
         "scene": scene,
         "series": [],
         "events": [],
-        "diagnosis": {
-            "summary": "cannot be assembled",
-            "items": [
-                {"label": "stays open", "value": found.joint},
-                {"label": "gap", "value": found.gap},
-                {"label": "loop", "value": "–".join(found.loop) or "none"},
-            ],
-            "messages": [{"level": "error", "text": str(error)}],
-        },
+        "diagnosis": diagnosis("cannot be assembled", items, [("error", str(error))]),
         "statistics": [],
         "parameters": parameter_rows(parameters, found.parameters),
     }

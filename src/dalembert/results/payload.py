@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.results.labelled import DATA_ONLY, LabelledRecording
+from dalembert.results.page_parts import diagnosis, parameter_rows, statistics
 from dalembert.results.scene import motion_scene
-from dalembert.symbolic.parameter import Parameter
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 MAX_FRAMES = 4000
 
@@ -70,20 +67,14 @@ def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]
     found: list[dict[str, Any]] = []
 
     def put(name: str, variable: str, group: str, **where: Any) -> None:
-        if variable not in data:
-            return
-        column = data[variable].sel(**where) if where else data[variable]
-        values = column.values[keep]
-        if np.all(np.isnan(values)):
-            return
-        found.append(
-            {
-                "name": name,
-                "unit": _unit(motion, str(data[variable].attrs.get("units", "")), name),
-                "group": group,
-                "values": [None if not np.isfinite(v) else float(v) for v in values],
-            }
-        )
+        if variable in data:
+            column = data[variable].sel(**where)
+            unit = _unit(motion, str(column.attrs.get("units", "")), name)
+            add(name, unit, group, column.values[keep])
+
+    def add(name: str, unit: str, group: str, values: np.ndarray) -> None:
+        if not np.all(np.isnan(values)):
+            found.append({"name": name, "unit": unit, "group": group, "values": values})
 
     for body in data["body"].values:
         for group, rows in BODY_SERIES.items():
@@ -96,7 +87,8 @@ def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]
     for joint in data["joint"].values if "joint" in data.coords else ():
         put(f"{joint}.force.x", "reaction_force", "reactions", joint=joint, axis="x")
         put(f"{joint}.force.y", "reaction_force", "reactions", joint=joint, axis="y")
-        _put_norm(found, data, joint, keep)
+        force = data["reaction_force"].sel(joint=joint).values[keep]
+        add(f"{joint}.force_norm", "N", "reactions", np.linalg.norm(force, axis=1))
         put(f"{joint}.moment", "reaction_moment", "reactions", joint=joint)
     for driver in data["driver"].values if "driver" in data.coords else ():
         put(f"{driver}.effort", "driver_effort", "drivers", driver=driver)
@@ -137,18 +129,8 @@ def _asked(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, 
         "name": name,
         "unit": str(measure.attrs.get("units", "")),
         "group": "formulas",
-        "values": [float(v) if np.isfinite(v) else None for v in measure.values[keep]],
+        "values": measure.values[keep],
     }
-
-
-def _put_norm(found: list, data: xr.Dataset, joint: str, keep: np.ndarray) -> None:
-    force = data["reaction_force"].sel(joint=joint).values[keep]
-    if not np.all(np.isnan(force)):
-        norm = np.linalg.norm(force, axis=1)
-        values = [None if not np.isfinite(v) else float(v) for v in norm]
-        found.append(
-            {"name": f"{joint}.force_norm", "unit": "N", "group": "reactions", "values": values}
-        )
 
 
 BODY_SERIES = {
@@ -212,15 +194,8 @@ def _diagnosis(motion: LabelledRecording) -> dict[str, Any]:
         ("redundant equations", len(d.redundancies)),
         ("loops", "; ".join("–".join(loop) for loop in d.topology.loops) or "none"),
     ]
-    messages = [{"level": level, "text": text} for level, text in d.messages]
-    messages[:0] = [{"level": "warning", "text": text} for text in motion.warnings]
-    level = "info" if motion.status.success else "error"
-    messages.insert(0, {"level": level, "text": str(motion.status)})
-    return {
-        "summary": d.summary,
-        "items": [{"label": label, "value": str(value)} for label, value in items],
-        "messages": messages,
-    }
+    doubts = [("warning", text) for text in motion.warnings]
+    return diagnosis(d.summary, items, [*doubts, *d.messages], motion.status)
 
 
 def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:
@@ -235,24 +210,4 @@ def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:
     error = np.abs(data["balance_error"].values)
     if error.size and np.isfinite(error).all():
         rows.append(("largest energy balance error [J]", f"{error.max():.3g}"))
-    return [
-        {"label": str(k), "value": f"{v:.6g}" if isinstance(v, float) else str(v)} for k, v in rows
-    ]
-
-
-def parameter_rows(parameters: Mapping[str, Parameter], values: np.ndarray) -> list[dict[str, Any]]:
-    """Parameters with their values and bounds."""
-    rows = []
-    for parameter, value in zip(parameters.values(), values, strict=True):
-        low, high = parameter.bounds
-        rows.append(
-            {
-                "name": parameter.name,
-                "value": float(value),
-                "unit": parameter.unit,
-                "lower": low if np.isfinite(low) else None,
-                "upper": high if np.isfinite(high) else None,
-                "description": parameter.description,
-            }
-        )
-    return rows
+    return statistics(rows)

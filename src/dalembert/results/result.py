@@ -15,6 +15,10 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.status import Status
 from dalembert.symbolic.expression import Expression
 
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
 
 class Result(Protocol):
     """States at instants, or by number, and any measure of them.
@@ -67,22 +71,60 @@ class Result(Protocol):
         """The same where integrals look at it."""
         return self
 
+    def labelled(self, measure: str | Expression, coords: Mapping[str, Any]) -> xr.DataArray:
+        """Values of a measure or formula along named coordinates, in their order.
+
+        Raises
+        ------
+        KeyError
+            Unknown name, with the nearest known ones.
+        """
+        import xarray as xr
+
+        expression = self.expression(measure)
+        name = expression.name or (measure if isinstance(measure, str) else "measure")
+        about = {"units": expression.unit, "long_name": name}
+        return xr.DataArray(self.values(expression), coords, list(coords), name, about)
+
     # for people ----------------------------------------------------------------------------
+    @property
+    def data(self) -> xr.Dataset:
+        """All that is kept of it, with names."""
+        ...
+
     def summary(self) -> dict[str, Any]:
         """``status`` and the numbers to tell."""
         ...
 
-    def save(self, path: str | Path) -> Path:
-        """Write all results to a NetCDF file; ``load_results`` reads it back."""
-        ...
+    def page(self) -> dict[str, Any]:
+        """What its report shows, as plain data, where ``has_page``."""
+        raise UnsupportedError(f"there is no report of {type(self).__name__}; save or draw it")
+
+    def save(self, path: str | Path, **first_view: Any) -> Path:
+        """Write all results, its page too, to a NetCDF file; ``load_results`` reads it back."""
+        from dalembert.report.page import as_json
+        from dalembert.results.store import save_dataset
+
+        data = self.data
+        if self.has_page:
+            data = data.assign(report=((), as_json(self.page(**first_view))))
+        return save_dataset(data, path)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A table of ``data``."""
+        return self.data.to_dataframe()
 
     def to_csv(self, path: str | Path) -> Path:
-        """Write a table."""
-        ...
+        """Write ``to_dataframe`` as CSV."""
+        from dalembert.results.store import save_table
 
-    def report(self, path: str | Path) -> Path:
+        return save_table(self.to_dataframe(), path)
+
+    def report(self, path: str | Path, **first_view: Any) -> Path:
         """Write the interactive report, one self-contained HTML file, where ``has_page``."""
-        raise UnsupportedError(f"there is no report of {type(self).__name__}; save or draw it")
+        from dalembert.report.page import write_page
+
+        return write_page(self.page(**first_view), path)
 
     def write(self, base: Path, report: bool, csv: bool, **first_view: Any) -> list[Path]:
         """Results (.nc), and if asked for a table (.csv) and a report (.report.html)."""

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import xarray as xr
 
@@ -13,29 +12,9 @@ from dalembert.atomic import atomic_path
 from dalembert.budget import afford
 from dalembert.errors import DalembertError, FileError
 from dalembert.readable import readable
-from dalembert.results.labelled import LabelledRecording
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-def save_motion(
-    motion: LabelledRecording,
-    path: str | Path,
-    plots: Sequence[Sequence[str]] | None = None,
-    trace: Sequence[str] | None = None,
-) -> Path:
-    """NetCDF with the dataset and, as the text ``report``, what its report is drawn from."""
-    from dalembert.results.payload import report_payload
-
-    return save_with_report(motion.data, report_payload(motion, plots, trace), path)
-
-
-def save_with_report(data: xr.Dataset, payload: dict[str, Any], path: str | Path) -> Path:
-    """Write a dataset with, as the text ``report``, what its report is drawn from."""
-    from dalembert.report.page import as_json
-
-    return save_dataset(data.assign(report=((), as_json(payload))), path)
 
 
 def save_dataset(data: xr.Dataset, path: str | Path) -> Path:
@@ -118,11 +97,6 @@ def flat_table(data: xr.Dataset) -> pd.DataFrame:
             suffix = f".{axis[0]}" if axis else ""
             columns[f"{name}[{entity}]{suffix}"] = stacked.values[:, k]
     return pd.DataFrame(columns, index=pd.Index(data["time"].values, name="time"))
-
-
-def save_csv(data: xr.Dataset, path: str | Path) -> Path:
-    """Write the flat table as CSV, whole or not at all."""
-    return save_table(flat_table(data), path)
 
 
 def save_table(table: pd.DataFrame, path: str | Path) -> Path:

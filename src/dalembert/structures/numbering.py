@@ -33,6 +33,11 @@ class Numbering(Mapping[tuple[str, str], int]):
         self.rotations = self._direction >= dimension
         """(displacements,) whether they are rotations."""
 
+    @property
+    def names(self) -> list[str]:
+        """Of the displacements, ``"n2.uy"``."""
+        return [f"{node}.{direction}" for node, direction in self]
+
     def place(self, degree: int) -> tuple[str, str]:
         """Node and direction of a displacement."""
         return self.nodes.name(int(self._owner[degree])), self.directions[self._direction[degree]]

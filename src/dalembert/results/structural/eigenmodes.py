@@ -197,9 +197,8 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
         import xarray as xr
 
         found = {name: self[name] for name in self.named}
-        names = [f"{node}.{direction}" for node, direction in self.model.degrees]
         about = {"units": "m or rad"}
-        coords = {"degree": names, "mode": self.numbers}
+        coords = {"degree": self.model.degrees.names, "mode": self.numbers}
         found["shape"] = xr.DataArray(self.shapes, coords, ("degree", "mode"), attrs=about)
         return xr.Dataset(found, attrs={"model": self.model.name, "status": str(self.status)})
 

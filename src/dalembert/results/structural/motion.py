@@ -95,17 +95,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
         KeyError
             Unknown name, with the nearest known ones.
         """
-        import xarray as xr
-
-        expression = self.expression(measure)
-        name = expression.name or (measure if isinstance(measure, str) else "measure")
-        return xr.DataArray(
-            self.values(expression),
-            coords={"time": ("time", self.time, {"units": "s"})},
-            dims="time",
-            name=name,
-            attrs={"units": expression.unit, "long_name": name},
-        )
+        return self.labelled(measure, {"time": ("time", self.time, {"units": "s"})})
 
     @cached_property
     def data(self) -> xr.Dataset:
@@ -124,8 +114,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
         }
         for name in ("kinetic_energy", "strain_energy"):
             found[name] = ("time", self.values(name), {"units": "J"})
-        names = [f"{node}.{direction}" for node, direction in self.model.degrees]
-        coords = {"degree": names, "time": ("time", self.time, {"units": "s"})}
+        coords = {"degree": self.model.degrees.names, "time": ("time", self.time, {"units": "s"})}
         about = {"model": self.model.name, "status": str(self.status)}
         return xr.Dataset(found, coords, about)
 

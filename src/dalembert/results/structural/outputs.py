@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dalembert.results.structural.states import StructuralStates
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 class StructuralOutputs(StructuralStates):
@@ -80,26 +76,7 @@ class StructuralOutputs(StructuralStates):
 
         return structural_summary(self)
 
-    def report(self, path: str | Path) -> Path:
-        """Write the interactive report, one self-contained HTML file."""
-        from dalembert.report.page import write_page
+    def page(self) -> dict[str, Any]:
         from dalembert.results.structural.payload import structural_payload
 
-        return write_page(structural_payload(self), path)
-
-    def save(self, path: str | Path) -> Path:
-        """Write all results to a NetCDF file; ``load_results`` reads it back."""
-        from dalembert.results.store import save_with_report
-        from dalembert.results.structural.payload import structural_payload
-
-        return save_with_report(self.data, structural_payload(self), path)
-
-    def to_dataframe(self) -> pd.DataFrame:
-        """One row per case and displacement."""
-        return self.data.to_dataframe()
-
-    def to_csv(self, path: str | Path) -> Path:
-        """Write ``to_dataframe`` as CSV."""
-        from dalembert.results.store import save_table
-
-        return save_table(self.to_dataframe(), path)
+        return structural_payload(self)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.results.payload import parameter_rows
+from dalembert.results.page_parts import diagnosis, parameter_rows, statistics
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.plot import automatic_scale
 from dalembert.results.structural.shapes import Shapes
@@ -140,20 +140,14 @@ def _diagnosis(result: StructuralStates, left_out: int) -> dict[str, Any]:
         ("prescribed displacements", held),
         (f"{result.kind_of_state}s", len(result.cases)),
     ]
-    level = "info" if result.status.success else "error"
-    messages = [{"level": level, "text": str(result.status)}]
+    messages = []
     if left_out:
         kept = "are left out of this page; the result file has them all"
-        text = f"{left_out} {result.kind_of_state}s {kept}"
-        messages.append({"level": "info", "text": text})
+        messages.append(("info", f"{left_out} {result.kind_of_state}s {kept}"))
     elements = sum(block.count for block in model.blocks)
     counted = f"{len(model.degrees.nodes)} nodes, {elements} elements"
     summary = f"{counted}, {result.status.outcome.value}"
-    return {
-        "summary": summary,
-        "items": [{"label": label, "value": str(value)} for label, value in items],
-        "messages": messages,
-    }
+    return diagnosis(summary, items, messages, result.status)
 
 
 def _statistics(result: StructuralStates) -> list[dict[str, str]]:
@@ -167,6 +161,4 @@ def _statistics(result: StructuralStates) -> list[dict[str, str]]:
             shown = np.unique(values) if name == "mass" else values
             text = ", ".join(f"{v:.6g}" for v in shown[:6]) + (", …" if shown.size > 6 else "")
             rows.append((f"{name.replace('_', ' ')} [{unit}]", text))
-    return [
-        {"label": str(k), "value": f"{v:.4g}" if isinstance(v, float) else str(v)} for k, v in rows
-    ]
+    return statistics(rows)

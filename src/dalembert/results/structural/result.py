@@ -79,8 +79,7 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
         """Displacements and forces with names."""
         import xarray as xr
 
-        names = [f"{node}.{direction}" for node, direction in self.model.degrees]
-        coords = {"degree": names, "case": self.cases}
+        coords = {"degree": self.model.degrees.names, "case": self.cases}
         return xr.Dataset(
             {
                 "displacement": (("degree", "case"), self.displacements, {"units": "m or rad"}),
