@@ -84,6 +84,16 @@ def test_places_are_points_whatever_their_dimension():
                 assert all(p.local.sx.numel() == p.body.dimension for p in placed)
 
 
+def test_what_lies_on_a_bar_is_drawn_over_it():
+    system = da.System("lever")
+    lever = system.add(planar.Bar("lever", length=2.0, mass=1))
+    pin = system.add(planar.Bar("pin", length=0.5, mass=1))
+    system.add(planar.Revolute("O", system.ground.point(-1, 0), lever.start))
+    system.add(planar.PinInSlot("A", lever.center, pin.center))
+    scene = motion_scene(still(system.build()), np.array([0]))
+    assert [s["kind"] for s in scene["bodies"][0]["shapes"]] == ["bar", "line"]
+
+
 def slider_with_stop(**limits) -> da.System:
     system = da.System("stopped")
     slider = system.add(planar.Body("slider", mass=1, inertia=1, velocity=(1, 0)))

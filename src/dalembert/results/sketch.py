@@ -98,7 +98,7 @@ class Sketch:
     @draw.register
     def _(self, look: Segment, element: Any) -> None:
         ends = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
-        self.shapes[look.point_i.body.name].append({"kind": "bar", **ends})
+        self.shapes[look.point_i.body.name].insert(0, {"kind": "bar", **ends})
 
     @draw.register
     def _(self, look: Ball, element: Any) -> None:
