@@ -23,13 +23,15 @@ from dalembert.analysis.events import Event, Events
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
+from dalembert.elements.frame import Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.planar.springs import ForceLaw
-from dalembert.elements.registry import CURVES, LAWS, PLANAR
+from dalembert.elements.registry import CURVES, LAWS, PLANAR, SPATIAL
+from dalembert.elements.rotation import Orientation
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
-from dalembert.io import fields, schema, tables
+from dalembert.io import fields, orientations, schema, tables
 from dalembert.io.fields import FROM_FILE, connected, written
 from dalembert.io.strategies import (
     ANALYSES,
@@ -47,7 +49,6 @@ ROOT = DOCS.parent
 
 HOLDS: dict[object, str] = {
     fields.Quantity: "formula",
-    fields.Quantities: "two formulas",
     ForceLaw: "formula",
     fields.Measured: "measure",
     Event: "name of an event",
@@ -62,6 +63,8 @@ HOLDS: dict[object, str] = {
     fields.CountOrTimes: "count or list of times",
     fields.Interval: "two numbers",
     fields.Points: "table",
+    Frames: "table",
+    Orientation: "orientation",
     Law: "law",
     Curve: "curve",
     fields.Names: "list of names",
@@ -81,8 +84,11 @@ NEEDED = {
     "Stop.stiffness",
 }
 """Keys that their class refuses to miss, although the field has a default."""
-REFUSED = {"Particle": {"inertia", "angle", "angular_velocity"}}
+REFUSED = {
+    "Particle": {"inertia", "angle", "angular_velocity", "rotation", "center_of_mass"},
+}
 """Keys that a class inherits and refuses."""
+COUNTS = {2: "two", 3: "three", 6: "six"}
 FIELD = re.compile(r"^(\w+(?:, \w+)*) : (.*)$")
 
 
@@ -144,9 +150,9 @@ def shown_default(field: dataclasses.Field, needed: bool) -> str:
 
 
 # tables ----------------------------------------------------------------------------------
-def record(name: str, cls: type) -> str:
+def record(name: str, cls: type, heading: str = "###") -> str:
     """Heading, text and keys of one class of the registry."""
-    parts = [f"### {name}", summary(cls)]
+    parts = [f"{heading} {name}", summary(cls)]
     ties = connected(cls)
     if ties:
         listed = ", ".join(f.name for f in ties)
@@ -160,13 +166,15 @@ def record(name: str, cls: type) -> str:
         named = field.holds is fields.Points
         if named:
             text = "named points: coordinates in the body frame"
+        if field.holds is Frames:
+            text = "named frames, tables as below without `body`"
         unit = meta.get("unit") or ("m" if named else "")
         needed = field.is_needed and field.name not in from_file
         needed = needed or f"{name}.{field.name}" in NEEDED
         rows.append(
             (
                 f"`{field.name}`",
-                HOLDS[field.holds],
+                held(field),
                 unit.replace(" | ", " or "),
                 shown_default(field.field, needed),
                 text,
@@ -183,8 +191,16 @@ def record(name: str, cls: type) -> str:
     return "\n\n".join(parts)
 
 
-def records(registry: dict[str, type]) -> str:
-    return "\n\n".join(record(name, cls) for name, cls in registry.items())
+def held(field: fields.FileField) -> str:
+    """What a key holds, in words."""
+    if field.holds is not fields.Quantities:
+        return HOLDS[field.holds]
+    fewer = f"{COUNTS[field.least]} or " if field.least else ""
+    return f"{fewer}{COUNTS[field.size]} formulas"
+
+
+def records(registry: dict[str, type], heading: str = "###") -> str:
+    return "\n\n".join(record(name, cls, heading) for name, cls in registry.items())
 
 
 def section(model: type, texts: dict[str, str]) -> str:
@@ -222,7 +238,7 @@ FIXED = {
             "description": ABOUT,
             "parameters": "name → number, or a table as below",
             "derived": "name → formula of parameters, or a table as below",
-            "ground": "named points of the ground, in `[ground.points]`",
+            "ground": "named points and frames, in `[ground.points]` and `[ground.frames]`",
             "bodies": "name → body; the type `Body` may be left out",
             "joints": "name → joint",
             "drivers": "name → driver",
@@ -253,7 +269,8 @@ FIXED = {
             "description": ABOUT,
         },
     ),
-    "inline": (tables.inline(2), {"body": "name of a body", "at": "its coordinates there [m]"}),
+    "inline": (tables.InlinePoint, {"body": "name of a body", "at": "its coordinates there [m]"}),
+    "frame": (orientations.InlineFrame, {}),
     "event": (
         tables.EventTable,
         {
@@ -320,6 +337,8 @@ NAMED = {
     "u": "parameter of a curve that is written as formulas",
     "laws": "motion laws for drivers",
     "planar": "planar bodies, joints, drivers and forces",
+    "spatial": "bodies, joints, drivers and forces in space",
+    "rotation": "orientations: `axis_angle`, `euler`, `bryant`, `from_matrix`",
     "absolute": "absolute value",
     "where": "`where(condition, a, b)`: a where the condition holds, else b",
     "sign": "−1, 0 or 1",
@@ -374,6 +393,10 @@ PARTS: dict[str, Callable[[], str]] = {
     "joints": lambda: records(PLANAR.sections["joints"]),
     "drivers": lambda: records(PLANAR.sections["drivers"]),
     "forces": lambda: records(PLANAR.sections["forces"]),
+    **{
+        f"spatial_{name}": (lambda name=name: records(SPATIAL.sections[name], "####"))
+        for name in SPATIAL.sections
+    },
     "laws": lambda: records(LAWS),
     "curves": lambda: records(CURVES),
     "analyses": lambda: records(ANALYSES),

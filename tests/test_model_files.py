@@ -359,7 +359,7 @@ def schema():
         {"bodies": {"a": {"mass": True}}},
         {"joints": {"A": {"type": "Revolute", "connect": ["a"]}}},
         {"joints": {"A": {"type": "Revolut", "connect": ["a", "b"]}}},
-        {"gravity": [0, 0, 0]},
+        {"gravity": [0, 0, 0, 0]},
     ],
 )
 def test_schema_refuses(change, schema):

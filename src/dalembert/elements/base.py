@@ -41,11 +41,14 @@ def quantity(
     *,
     default: Any = dataclasses.MISSING,
     size: int = 1,
+    least: int = 0,
     minimum: float = -math.inf,
     above: float = -math.inf,
     keyword: bool = False,
 ) -> Any:
     """Field that holds a number (or ``size`` numbers) or a formula.
+
+    Fewer numbers, ``least``, are enough in a file where the class completes them.
 
     ``keyword`` makes a field without default one that must be given by name.
 
@@ -56,6 +59,7 @@ def quantity(
         "unit": unit,
         "description": description,
         "size": size,
+        "least": least,
         "minimum": minimum,
         "above": above,
     }

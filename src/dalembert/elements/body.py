@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
 import casadi as ca
@@ -33,8 +32,7 @@ class BodyElement(Element, Coordinates):
     mass_center: ca.SX
     initial: tuple[Any, ...]
     points: dict[str, Point]
-    frames: Mapping[str, Frame] = MappingProxyType({})
-    """Named frames."""
+    frames: dict[str, Frame]
     _measures: dict[str, tuple[ca.SX, str]]
 
     # where things on it are -------------------------------------------------------------------
@@ -65,7 +63,7 @@ class BodyElement(Element, Coordinates):
         self._measures = named
         for name, (sx, unit) in named.items():
             setattr(self, name, Expression(sx, f"{self.name}.{name}", unit))
-        self.points = {}
+        self.points, self.frames = {}, {}
         for name, local in given.items():
             self.add_point(name, local)
 
@@ -76,12 +74,26 @@ class BodyElement(Element, Coordinates):
 
     def add_point(self, name: str, local: Vector) -> Point:
         """Name a point of the body, so that results list it."""
-        if not isinstance(name, str) or not name.isidentifier():
-            raise ModelError(f"point name {name!r} is not an identifier", self.name)
-        if name in self._measures or name in self.points:
-            raise ModelError(f"point name {name!r} is taken; choose another", self.name)
+        self._claim("point", name)
         self.points[name] = Point(self, local, name)
         return self.points[name]
+
+    def add_frame(self, name: str, place: Vector = (0.0, 0.0, 0.0), **axes) -> Frame:
+        """Name a frame of the body; it takes what ``frame`` takes."""
+        self._claim("frame", name)
+        self.frames[name] = Frame(self, place, **axes, name=name)
+        return self.frames[name]
+
+    def _claim(self, kind: str, name: str) -> None:
+        if not isinstance(name, str) or not name.isidentifier():
+            raise ModelError(f"{kind} name {name!r} is not an identifier", self.name)
+        if name in self._measures or name in self.places:
+            raise ModelError(f"{kind} name {name!r} is taken; choose another", self.name)
+
+    @property
+    def places(self) -> dict[str, Point]:
+        """Named points and frames."""
+        return self.points | self.frames
 
     def point(self, x, y=None, z=None) -> Point:
         """Point at body coordinates [m], or the named point ``point("P")``."""
@@ -95,17 +107,22 @@ class BodyElement(Element, Coordinates):
             raise ModelError("a point of a body in space has three coordinates", self.name)
         return Point(self, given)
 
-    def frame(self, place: Vector = (0.0, 0.0, 0.0), **axes) -> Frame:
+    def frame(self, place: Vector | str = (0.0, 0.0, 0.0), **axes) -> Frame:
         """Frame fixed in the body; its z axis is the axis of a joint.
 
         Parameters
         ----------
-        place : (3,) its origin in the body frame [m]
+        place : (3,) its origin in the body frame [m], or the name of a frame
         axis : (3,) its z axis; x and y are chosen
         x : (3,) its x axis, beside ``axis``
         axes : (3, 3) its axes as columns
         rotation : its orientation, as that of a body
         """
+        if isinstance(place, str):
+            if place not in self.frames:
+                known = ", ".join(self.frames) or "none"
+                raise ModelError(f"no frame {place!r} (known: {known})", self.name)
+            return self.frames[place]
         return Frame(self, place, **axes)
 
     @property
@@ -121,7 +138,7 @@ class BodyElement(Element, Coordinates):
             if isinstance(value, Expression):
                 found.append((f"{self.name}.{field}", value, meta))
         where = {"unit": "m", "minimum": -math.inf, "above": -math.inf}
-        return found + [(p.name, p.local, where) for p in self.points.values()]
+        return found + [(p.name, p.local, where) for p in self.places.values()]
 
     def parts(self) -> list[Coordinates]:
         return [self]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import casadi as ca
@@ -13,6 +14,8 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.expression import as_expression, as_sx
 
 PARALLEL = 1e-9
+Frames = Mapping[str, Mapping[str, Any]]
+"""Name → keywords of a frame: ``place``, ``axis``, ``x``, ``axes``, ``rotation``."""
 
 
 class Frame(Point):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dalembert.elements import planar
+from dalembert.elements import planar, spatial
 from dalembert.elements.curves import FormulaCurve, SplineCurve
 from dalembert.elements.laws.base import Formula, Product, Sum
 from dalembert.elements.laws.harmonic import Harmonic
@@ -81,7 +81,36 @@ PLANAR = Space(
         ),
     },
 )
-SPACES = {space.dimension: space for space in (PLANAR,)}
+SPATIAL = Space(
+    "spatial",
+    3,
+    {
+        "bodies": named(spatial.Body, spatial.Particle),
+        "joints": named(
+            spatial.Spherical,
+            spatial.Revolute,
+            spatial.Cylindrical,
+            spatial.Prismatic,
+            spatial.Universal,
+            spatial.Screw,
+            spatial.Planar,
+            spatial.Weld,
+            spatial.RollingDisc,
+            spatial.KnifeEdge,
+        ),
+        "drivers": named(spatial.DistanceDriver),
+        "forces": named(
+            spatial.Force,
+            spatial.Torque,
+            spatial.Spring,
+            spatial.Actuator,
+            spatial.JointFriction,
+            spatial.JointActuator,
+            spatial.Stop,
+        ),
+    },
+)
+SPACES = {space.dimension: space for space in (PLANAR, SPATIAL)}
 """Dimension → the elements there are in it."""
 
 

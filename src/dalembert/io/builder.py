@@ -11,12 +11,13 @@ from pydantic import BaseModel
 from dalembert.elements.base import Constraint, ForceElement
 from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
-from dalembert.elements.frame import Frame
+from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.planar.springs import ForceLaw
 from dalembert.elements.planar.user_constraint import UserConstraint
 from dalembert.elements.point import Point
 from dalembert.elements.registry import elements_of
+from dalembert.elements.rotation import Orientation
 from dalembert.io.fields import (
     FileField,
     Points,
@@ -29,6 +30,7 @@ from dalembert.io.fields import (
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
 from dalembert.io.order import dependency_order
+from dalembert.io.orientations import read_frame, read_orientation
 from dalembert.io.parameters import declare_parameters
 from dalembert.io.references import References
 from dalembert.io.schema import DerivedTable, Document
@@ -73,6 +75,9 @@ class Builder:
         for name, at in self.document.ground.points.items():
             with self.located("ground", "points", name):
                 self.system.ground.add_point(name, self.vector(at, Scope.PARAMETERS))
+        for name, frame in self.document.ground.frames.items():
+            with self.located("ground", "frames", name):
+                self.system.ground.add_frame(name, **read_frame(frame, self.formulas))
         for name in self.document.bodies:
             self.add("bodies", name)
         for name in self.document.joints:
@@ -140,6 +145,8 @@ class Builder:
             Quantity: lambda: self.formulas.read(given, scope),
             Quantities: lambda: self.vector(given, scope),
             Points: lambda: {n: self.vector(at, Scope.PARAMETERS) for n, at in given.items()},
+            Frames: lambda: {n: read_frame(at, self.formulas) for n, at in given.items()},
+            Orientation: lambda: read_orientation(given, self.formulas),
             Law: lambda: self.shapes.law(given, where),
             Curve: lambda: self.shapes.curve(given, where),
             ForceLaw: lambda: self.force_law(given, scope),

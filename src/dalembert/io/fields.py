@@ -21,10 +21,11 @@ from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows, Vector
 from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
-from dalembert.elements.frame import Frame
+from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.planar.springs import ForceLaw
 from dalembert.elements.point import Point
+from dalembert.elements.rotation import Orientation
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
@@ -56,6 +57,7 @@ KNOWN: dict[Any, Any] = {
     for kind in (
         *(bool, int, float, str, Rows, Points, Names, Interval, Measured, Events, CountOrTimes),
         *(Constraint, Law, Laws, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
+        *(Frames, Orientation),
         *(Coordinates, Formulation, Stabilization, Integrator),
     )
 } | {
@@ -88,6 +90,11 @@ class FileField:
     @property
     def size(self) -> int:
         return self.field.metadata.get("size", 1)
+
+    @property
+    def least(self) -> int:
+        """How many are enough, where the rest follows; 0 if all are needed."""
+        return self.field.metadata.get("least", 0)
 
     @property
     def is_needed(self) -> bool:

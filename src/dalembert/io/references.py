@@ -8,8 +8,8 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
 from dalembert.errors import ModelError
 from dalembert.io.formulas import Formulas
+from dalembert.io.orientations import FrameTable, read_frame
 from dalembert.io.schema import Document
-from dalembert.io.tables import Inline
 from dalembert.model.system import System
 from dalembert.text import listed, nearest, unknown
 
@@ -41,7 +41,7 @@ class References:
             raise ModelError(unknown("joint", name, known))
         return self.system.elements[name]
 
-    def end(self, kind: type, given: str | Inline) -> Any:
+    def end(self, kind: type, given: Any) -> Any:
         """The body, point or frame behind ``"crank"``, ``"crank.end"`` or an inline place.
 
         Raises
@@ -49,7 +49,7 @@ class References:
         ModelError
             Unknown names, or a point where a body is needed.
         """
-        if isinstance(given, Inline):
+        if not isinstance(given, str):
             return self._placed(kind, given)
         owner, _, name = given.partition(".")
         body = self.body(owner)
@@ -57,7 +57,8 @@ class References:
             return body
         if kind is BodyElement:
             raise ModelError(f"expected a body, got the point {given!r}; write {owner!r}")
-        places, what = (body.frames, "frame") if kind is Frame else (body.points, "point")
+        frame = kind is Frame
+        places, what = (body.frames, "frame") if frame else (body.places, "point")
         if name not in places:
             known = [f"{owner}.{p}" for p in places]
             told = listed(known) if known else f"none, name one in its {what}s"
@@ -70,8 +71,7 @@ class References:
         """The point, or the frame, that a table describes."""
         if kind is BodyElement:
             raise ModelError(f"expected the name of a body, e.g. {given.body!r}; got a point")
-        body, at = self.body(given.body), [self.formulas.read(x) for x in given.at]
-        if kind is not Frame:
-            return body.point(*at)
-        axis = None if given.axis is None else [self.formulas.read(x) for x in given.axis]
-        return body.frame(at) if axis is None else body.frame(at, axis=axis)
+        body = self.body(given.body)
+        if kind is Frame and isinstance(given, FrameTable):
+            return body.frame(**read_frame(given, self.formulas))
+        return body.point(*(self.formulas.read(x) for x in given.at))

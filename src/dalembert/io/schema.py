@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, cre
 
 from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
+from dalembert.io.orientations import FrameTable
 from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES_OF
 from dalembert.io.tables import point_type, strategy_type, table_of
 from dalembert.io.values import Bound, Entry, Integer, Number, Text, list_of, shown
@@ -56,9 +57,10 @@ class DerivedTable(Record):
 
 
 class GroundTable(Record):
-    """Named points of the ground [m]."""
+    """Named points [m] and frames of the ground."""
 
     points: dict[str, Any] = Field(default_factory=dict)
+    frames: dict[str, FrameTable] = Field(default_factory=dict)
 
 
 class SensitivityTable(Record):

@@ -14,11 +14,12 @@ from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
-from dalembert.elements.frame import Frame
+from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law, Product, Sum
 from dalembert.elements.planar.springs import ForceLaw
 from dalembert.elements.point import Point
 from dalembert.elements.registry import CURVES, LAWS
+from dalembert.elements.rotation import Orientation
 from dalembert.io import fields
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.fields import (
@@ -34,6 +35,7 @@ from dalembert.io.fields import (
     connected,
     written,
 )
+from dalembert.io.orientations import FrameTable, InlineFrame, OrientationType
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.values import (
     CountOrTimes,
@@ -50,28 +52,20 @@ from dalembert.results.structural.result import StructuralResult
 from dalembert.text import unknown
 
 
-class Inline(Record):
-    """A point, or a frame, that needs no name."""
-
-    body: Text
-    at: Any
-
-
-@cache
-def inline(dimension: int) -> type[Inline]:
-    """Its table, by the numbers a place has."""
-    place = (point_type(dimension), Field(description="coordinates in the axes of its body [m]"))
-    if dimension == 2:
-        about = "A point that needs no name: coordinates in the frame of its body [m]."
-        return create_model("InlinePoint", __base__=Inline, __doc__=about, at=place)
-    axis = (point_type(dimension), Field(default=None, description="its z axis, of a frame"))
-    about = "A point or frame that needs no name, in the axes of its body."
-    return create_model("InlineFrame", __base__=Inline, __doc__=about, at=place, axis=axis)
-
-
 def point_type(dimension: int) -> Any:
     """The coordinates of a point."""
     return list_of(Entry, dimension, ", ".join("xyz"[:dimension]))
+
+
+class InlinePoint(Record):
+    """A point that needs no name: coordinates in the frame of its body [m]."""
+
+    body: Text
+    at: point_type(2)  # type: ignore[valid-type]
+
+
+INLINE: dict[int, type[Record]] = {2: InlinePoint, 3: InlineFrame}
+"""Dimension → a point, or a frame, that needs no name."""
 
 
 class EventTable(Record):
@@ -106,7 +100,7 @@ def named(known: dict[str, type]) -> Any:
 
 def reference(dimension: int) -> Any:
     """A point or frame, by name or on the spot."""
-    return table_or(inline(dimension), Text)
+    return table_or(INLINE[dimension], Text)
 
 
 def _connection(ties: list[FileField], dimension: int) -> Any:
@@ -126,6 +120,8 @@ VALUES: dict[Any, Any] = {
     Interval: list_of(Number, 2, "start, end"),
     Names: list[Text],
     Rayleigh: RayleighTable,
+    Orientation: OrientationType,
+    Frames: dict[str, FrameTable],
     Events: dict[str, table_or(EventTable, Entry)],  # type: ignore[misc]
 }
 """What a field holds → what stands for it in a file."""
@@ -141,7 +137,7 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
     if field.holds in VALUES:
         return VALUES[field.holds]
     made: dict[Any, Callable[[], Any]] = {
-        Quantities: lambda: list_of(Entry, field.size),
+        Quantities: lambda: list_of(Entry, field.size, least=field.least),
         Points: lambda: dict[str, point_type(dimension)],  # type: ignore[misc]
         **dict.fromkeys((Point, Frame), lambda: reference(dimension)),
         Law: law_type,
@@ -209,6 +205,8 @@ def about_field(field: FileField) -> str | None:
     text, unit = metadata.get("description"), metadata.get("unit")
     if field.holds is Points:
         return "name of a point: its coordinates in the body frame [m]"
+    if field.holds is Frames:
+        return "name of a frame: where it is in the body frame"
     return f"{text} [{unit}]" if text and unit else text
 
 

@@ -140,14 +140,16 @@ ListOfRows = Annotated[
 ]
 
 
-def list_of(item: Any, size: int, what: str = "numbers or formulas") -> Any:
-    """A list with exactly ``size`` entries; ``what`` names them in messages."""
+def list_of(item: Any, size: int, what: str = "numbers or formulas", least: int = 0) -> Any:
+    """A list with ``size`` entries, or with ``least``; ``what`` names them in messages."""
+    sizes = f"{least} or {size}" if least else f"{size}"
 
     def check(value: Any) -> Any:
         if not isinstance(value, list):
-            raise ValueError(f"expected a list of {size} entries ({what}), got {shown(value)}")
-        if len(value) != size:
-            raise ValueError(f"expected {size} entries ({what}), got {len(value)}")
+            raise ValueError(f"expected a list of {sizes} entries ({what}), got {shown(value)}")
+        if len(value) not in (least or size, size):
+            raise ValueError(f"expected {sizes} entries ({what}), got {len(value)}")
         return value
 
-    return Annotated[list[item], BeforeValidator(check), Field(min_length=size, max_length=size)]
+    limits = Field(min_length=least or size, max_length=size)
+    return Annotated[list[item], BeforeValidator(check), limits]

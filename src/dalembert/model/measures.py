@@ -30,7 +30,7 @@ def element_measures(element: Element, everything: list[Coordinates]) -> Measure
 
     if isinstance(element, BodyElement):
         own = element.measures()
-        for name in element.points:
+        for name in element.places:
             own |= _about(element, everything, name)
         return own
     if isinstance(element, ForceElement):
@@ -58,8 +58,8 @@ def constraint_measures(constraint: Constraint, rate) -> Measures:
 def _about(element: Element, everything: list[Coordinates], quantity: str) -> Measures:
     """Measures of an element among which this one is, if there is one: not all points of a body."""
     name = quantity.partition(".")[0]
-    if isinstance(element, BodyElement) and name in element.points:
-        return {f"{name}.{q}": m for q, m in element.points[name].measures().items()}
+    if isinstance(element, BodyElement) and name in element.places:
+        return {f"{name}.{q}": m for q, m in element.places[name].measures().items()}
     return element_measures(element, everything)
 
 

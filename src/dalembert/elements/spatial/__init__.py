@@ -1,10 +1,44 @@
 """Elements in space: one file per concept, listed once in ``registry``."""
 
+from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.frame import Frame
+from dalembert.elements.joint_actuator import JointActuator
+from dalembert.elements.joint_friction import JointFriction
 from dalembert.elements.spatial.body import Body, Particle
+from dalembert.elements.spatial.cylindrical import Cylindrical
 from dalembert.elements.spatial.knife_edge import KnifeEdge
+from dalembert.elements.spatial.loads import Force, Torque
+from dalembert.elements.spatial.planar_joint import Planar
+from dalembert.elements.spatial.prismatic import Prismatic
 from dalembert.elements.spatial.revolute import Revolute
 from dalembert.elements.spatial.rolling_disc import RollingDisc
+from dalembert.elements.spatial.screw import Screw
 from dalembert.elements.spatial.spherical import Spherical
+from dalembert.elements.spatial.universal import Universal
+from dalembert.elements.spatial.weld import Weld
+from dalembert.elements.springs import Actuator, Spring
+from dalembert.elements.stop import Stop
 
-__all__ = ["Body", "Frame", "KnifeEdge", "Particle", "Revolute", "RollingDisc", "Spherical"]
+__all__ = [
+    "Actuator",
+    "Body",
+    "Cylindrical",
+    "DistanceDriver",
+    "Force",
+    "Frame",
+    "JointActuator",
+    "JointFriction",
+    "KnifeEdge",
+    "Particle",
+    "Planar",
+    "Prismatic",
+    "Revolute",
+    "RollingDisc",
+    "Screw",
+    "Spherical",
+    "Spring",
+    "Stop",
+    "Torque",
+    "Universal",
+    "Weld",
+]

@@ -16,6 +16,7 @@ import casadi as ca
 
 from dalembert.elements.base import Scalar, Vector, option, quantity, rate_of, second_rate_of
 from dalembert.elements.body import BodyElement
+from dalembert.elements.frame import Frames
 from dalembert.elements.point import components
 from dalembert.elements.rotation import Orientation, as_orientation
 from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
@@ -45,6 +46,7 @@ class Body(BodyElement):
     velocity : (3,) initial velocity of the origin, inertial axes [m/s]
     angular_velocity : (3,) initial, inertial axes [rad/s]
     points : name → (3,) coordinates in the body frame [m]
+    frames : name → keywords of ``frame``: place, axis, x, axes, rotation
 
     Raises
     ------
@@ -54,7 +56,11 @@ class Body(BodyElement):
 
     mass: Scalar = quantity("kg", "mass", default=None, minimum=0.0)
     inertia: Vector = quantity(
-        "kg m^2", "about the mass centre: Ixx, Iyy, Izz, Ixy, Iyz, Ixz", default=None, size=6
+        "kg m^2",
+        "about the mass centre: Ixx, Iyy, Izz, Ixy, Iyz, Ixz",
+        default=None,
+        size=6,
+        least=3,
     )
     center_of_mass: Vector = quantity("m", "mass centre in the body frame", default=None, size=3)
     position: Vector = quantity("m", "initial position of the origin", default=None, size=3)
@@ -64,6 +70,7 @@ class Body(BodyElement):
         "rad/s", "initial angular velocity, inertial axes", default=None, size=3
     )
     points: dict[str, Vector] = None  # type: ignore[assignment]
+    frames: Frames = None  # type: ignore[assignment]
 
     dimension = 3
     initial_fields = ("position", "rotation", "velocity", "angular_velocity")
@@ -80,14 +87,16 @@ class Body(BodyElement):
                 "centre, or use a Particle",
                 self.name,
             )
-        given = dict(self.points or {})
+        points, frames = dict(self.points or {}), dict(self.frames or {})
         self.initial = (self.position, self.rotation, self.velocity, self.angular_velocity)
         self.mass = self.mass if self.mass is not None else Expression(0)
         self.inertia = self.inertia if self.inertia is not None else Expression(ca.SX.zeros(6))
         if self.center_of_mass is None:
             self.center_of_mass = Expression(ca.SX.zeros(3))
         self._make_coordinates()
-        self._declare(given)
+        self._declare(points)
+        for name, keys in frames.items():
+            self.add_frame(name, **keys)
 
     def _make_coordinates(self) -> None:
         turns = 3 if self.rotates else 0

@@ -1,8 +1,14 @@
-"""What joints between frames share: the frames they hold on and the primitive constraints."""
+"""What joints between frames share: the frames they hold on and the primitive constraints.
+
+Joints are made of a few equations between the frames i and j, with ``d = r_j − r_i``:
+two directions perpendicular (dot-1, ``aᵀ b = 0``, radians), a direction perpendicular to ``d``
+(dot-2, ``aᵀ d = 0``, metres), coincident origins (``d = 0``) and their constant distance.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -10,18 +16,24 @@ import casadi as ca
 from dalembert.elements.base import Constraint, Coordinates
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
-from dalembert.elements.pair import Pair, refuse_same_body
+from dalembert.elements.pair import Pair, initial_value, refuse_same_body
+from dalembert.elements.spatial.turn import Turn
 from dalembert.errors import ModelError
 
 
 def need_frame(value: Any, owner: str, field: str) -> Frame:
     """Check that a joint was given a frame of a body."""
     if isinstance(value, BodyElement):
-        return Frame(value)
+        value = Frame(value)
     if not isinstance(value, Frame):
         raise ModelError(
             f"{field} must be a frame of a body, e.g. crank.frame((0, 0, 0.1), axis=(0, 0, 1)); "
             f"got {value!r}",
+            owner,
+        )
+    if not value.body.rotates:
+        raise ModelError(
+            f"{value.body.name} is a particle and has no axes; use a Body, or a joint on points",
             owner,
         )
     return value
@@ -54,13 +66,51 @@ class FrameJoint(Pair, Constraint):
     def place(self) -> ca.SX:
         return self.frame_j.position.sx
 
+    # primitives -------------------------------------------------------------------------------
     @property
     def between(self) -> ca.SX:
         """Vector from the first to the second origin, inertial axes."""
         return self.frame_j.position.sx - self.frame_i.position.sx
 
     @property
+    def travel(self) -> ca.SX:
+        """(3,) the same in the axes of the first frame."""
+        return ca.mtimes(self.frame_i.axes.T, self.between)
+
+    @property
     def tilt(self) -> ca.SX:
         """(2,) components of the second z axis along the first x and y axes; zero if parallel."""
-        axes = self.frame_i.axes
-        return ca.mtimes(axes[:, :2].T, self.frame_j.axis)
+        return ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axis)
+
+    @cached_property
+    def turn(self) -> Turn:
+        """How far the second x axis has turned about the first z axis.
+
+        It is counted from where the x axes coincide or, unless both were given, from the initial
+        poses.
+        """
+        now = Turn(*ca.vertsplit(ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axes[:, 0])))
+        return now if self.complete else self.since_start(now)
+
+    @property
+    def complete(self) -> bool:
+        """The x axes of both frames were given."""
+        return self.frame_i.complete and self.frame_j.complete
+
+    def since_start(self, turn: Turn) -> Turn:
+        """A turn counted from the initial poses."""
+        start = initial_value(turn.pair, self.ends()).sx
+        return turn.after(Turn(*ca.vertsplit(start / ca.sqrt(ca.sumsqr(start)))))
+
+    # free motions -----------------------------------------------------------------------------
+    def turns(self) -> dict[str, Turn]:
+        """The rotations it leaves free, by name."""
+        return {}
+
+    def travels(self) -> dict[str, ca.SX]:
+        """The displacements it leaves free, by name [m]."""
+        return {}
+
+    def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
+        slides = {name: (travel, "m") for name, travel in self.travels().items()}
+        return slides | {name: (turn.angle, "rad") for name, turn in self.turns().items()}

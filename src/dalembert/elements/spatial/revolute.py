@@ -9,6 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Look
 from dalembert.elements.look import Pin
 from dalembert.elements.spatial.joint import FrameJoint
+from dalembert.elements.spatial.turn import Turn
 
 
 @dataclass(eq=False)
@@ -28,3 +29,6 @@ class Revolute(FrameJoint):
 
     def units(self) -> list[str]:
         return ["m", "m", "m", "rad", "rad"]
+
+    def turns(self) -> dict[str, Turn]:
+        return {"angle": self.turn}

@@ -1,0 +1,32 @@
+"""Cylindrical joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.spatial.joint import FrameJoint
+from dalembert.elements.spatial.turn import Turn
+
+
+@dataclass(eq=False)
+class Cylindrical(FrameJoint):
+    """Sleeve on a shaft: the z axes are one line; it slides and turns.
+
+    ``Φ = [x_iᵀ d; y_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
+    """
+
+    kind = "cylindrical"
+
+    def residual(self) -> ca.SX:
+        return ca.vertcat(self.travel[:2], self.tilt)
+
+    def units(self) -> list[str]:
+        return ["m", "m", "rad", "rad"]
+
+    def travels(self) -> dict[str, ca.SX]:
+        return {"displacement": self.travel[2]}
+
+    def turns(self) -> dict[str, Turn]:
+        return {"angle": self.turn}

@@ -1,0 +1,32 @@
+"""Planar joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.spatial.joint import FrameJoint
+from dalembert.elements.spatial.turn import Turn
+
+
+@dataclass(eq=False)
+class Planar(FrameJoint):
+    """The x-y planes of both frames are one; they slide and turn on each other.
+
+    ``Φ = [z_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
+    """
+
+    kind = "planar"
+
+    def residual(self) -> ca.SX:
+        return ca.vertcat(self.travel[2], self.tilt)
+
+    def units(self) -> list[str]:
+        return ["m", "rad", "rad"]
+
+    def travels(self) -> dict[str, ca.SX]:
+        return {"displacement_x": self.travel[0], "displacement_y": self.travel[1]}
+
+    def turns(self) -> dict[str, Turn]:
+        return {"angle": self.turn}

@@ -1,0 +1,30 @@
+"""Prismatic joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.spatial.fixed_turn import FixedTurn
+
+
+@dataclass(eq=False)
+class Prismatic(FixedTurn):
+    """Slider: the second origin on the first z axis, no relative rotation.
+
+    ``Φ = [x_iᵀ d; y_iᵀ d; x_iᵀ z_j; y_iᵀ z_j; sin(turn − angle)] = 0`` with ``d = r_j − r_i``. The
+    turn is that of the x axes about z if both frames have one of their own, else that from the
+    initial poses.
+    """
+
+    kind = "translational"
+
+    def residual(self) -> ca.SX:
+        return ca.vertcat(self.travel[:2], self.orientation)
+
+    def units(self) -> list[str]:
+        return ["m", "m", "rad", "rad", "rad"]
+
+    def travels(self) -> dict[str, ca.SX]:
+        return {"displacement": self.travel[2]}

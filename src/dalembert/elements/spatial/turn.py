@@ -1,0 +1,42 @@
+"""A rotation about an axis, by the cosine and the sine of its angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A rotation that may go round for ever: nothing here jumps but ``angle`` itself.
+
+    Attributes
+    ----------
+    cosine, sine : of the angle, both times any positive length
+    """
+
+    cosine: ca.SX
+    sine: ca.SX
+
+    @classmethod
+    def of(cls, angle: ca.SX) -> Turn:
+        """The turn by an angle."""
+        return cls(ca.cos(angle), ca.sin(angle))
+
+    @property
+    def pair(self) -> ca.SX:
+        """(2,) cosine and sine."""
+        return ca.vertcat(self.cosine, self.sine)
+
+    @property
+    def angle(self) -> ca.SX:
+        """The angle in (−π, π]."""
+        return ca.atan2(self.sine, self.cosine)
+
+    def after(self, other: Turn) -> Turn:
+        """What is left of it after another turn."""
+        return Turn(
+            self.cosine * other.cosine + self.sine * other.sine,
+            self.sine * other.cosine - self.cosine * other.sine,
+        )

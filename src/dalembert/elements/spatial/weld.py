@@ -1,0 +1,26 @@
+"""Rigid connection of two frames."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.spatial.fixed_turn import FixedTurn
+
+
+@dataclass(eq=False)
+class Weld(FixedTurn):
+    """Two frames are one, ``Φ = [r_j − r_i; x_iᵀ z_j; y_iᵀ z_j; sin(turn − angle)] = 0``.
+
+    The turn is that of the x axes about z if both frames have one of their own, else that from the
+    initial poses.
+    """
+
+    kind = "weld"
+
+    def residual(self) -> ca.SX:
+        return ca.vertcat(self.between, self.orientation)
+
+    def units(self) -> list[str]:
+        return ["m", "m", "m", "rad", "rad", "rad"]
