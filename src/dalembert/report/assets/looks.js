@@ -77,7 +77,7 @@ const LOOKS = {
   arrow(scene, item) {
     const p = scene.placeOf(item.body, item.point), load = scene.load(item);
     if (!p || load.fx !== load.fx) return;
-    const scale = (0.16 * Math.min(scene.w, scene.h)) / (scene.greatest.load || 1);
+    const scale = scene.loadScale();
     arrow(scene.ctx, p, [load.fx * scale, -load.fy * scale], scene.colours.load, Theme.surface, 2.8);
   },
   twist(scene, item) {

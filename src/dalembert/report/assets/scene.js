@@ -493,6 +493,7 @@ class Scene {
     }
   }
 
+  loadScale() { return (0.16 * Math.min(this.w, this.h)) / (this.greatest.load || 1); }
   forceScale() { return (0.26 * Math.min(this.w, this.h)) / (this.greatest.force || 1); }
 
   drawForces() {
@@ -605,7 +606,6 @@ class Scene {
     ctx.font = `12px ${Theme.font}`;
     label(ctx, metres(size), [x + length / 2, y - 11], ink, Theme.surface);
     if (this.ratio && this.motion.moves) label(ctx, `t = ${clock(this.motion.now, this.motion.span)} s`, [w - 16, 24], ink, Theme.surface, "right");
-    if (!this.show.forces) return;
     let right = w - 18;
     const legend = (text, draw, width) => {
       const room = Math.max(width, ctx.measureText(text).width);
@@ -613,6 +613,11 @@ class Scene {
       label(ctx, text, [right - room / 2, y - 17], ink, Theme.surface);
       right -= room + 26;
     };
+    if (this.greatest.load > 0) {
+      const n = niceAbove(this.greatest.load * 0.2), length = n * this.loadScale();
+      legend(`${number(n, 2)} N applied`, (p) => arrow(ctx, p, [length, 0], this.colours.load, Theme.surface, 2.8), length);
+    }
+    if (!this.show.forces) return;
     if (this.greatest.force > 0) {
       const n = niceAbove(this.greatest.force * 0.2);
       legend(`${number(n, 2)} N`, (p) => arrow(ctx, p, [n * this.forceScale(), 0], Theme.force, Theme.surface), n * this.forceScale());
