@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal, overload
 
 import numpy as np
 
+from dalembert.model.assemblies import Assemblies
+from dalembert.model.closure import AssembledState
 from dalembert.model.model import Model
 
 
@@ -44,23 +47,68 @@ class Assembly:
         return found
 
 
+@overload
 def solve_assembly(
-    model: Model, parameters: Mapping[str, float] | None = None, time: float = 0.0
-) -> Assembly:
+    model: Model,
+    parameters: Mapping[str, float] | None = None,
+    time: float = 0.0,
+    *,
+    all: Literal[False] = False,
+) -> Assembly: ...
+
+
+@overload
+def solve_assembly(
+    model: Model,
+    parameters: Mapping[str, float] | None = None,
+    time: float = 0.0,
+    *,
+    all: Literal[True],
+    count: int | None = None,
+    rng: np.random.Generator | int | None = None,
+) -> list[Assembly]: ...
+
+
+def solve_assembly(
+    model: Model,
+    parameters: Mapping[str, float] | None = None,
+    time: float = 0.0,
+    *,
+    all: bool = False,
+    count: int | None = None,
+    rng: np.random.Generator | int | None = None,
+) -> Assembly | list[Assembly]:
     """Consistent positions and speeds at one time, ``Φ(y, t) = 0`` and ``C v = −Φ_t``.
+
+    What the joints and drivers leave free stays where it was given. With ``all`` every other way
+    in which the mechanism closes is looked for, too, from random starts: the assembly on the branch
+    of the given poses comes first. Each leaves residuals below 1e-10 of their natural sizes.
+    That none is missing cannot be proved by numbers; the search ends when many starts in a row
+    lead to nothing new.
 
     Parameters
     ----------
     model : Model
     parameters : new values of parameters, without rebuilding
     time : [s]
+    all : find all assemblies
+    count : stop at so many
+    rng : of the random starts, or its seed
 
     Raises
     ------
     AssemblyError
         It cannot be assembled; names the worst joint and its residual.
     """
-    state = model.assemble(model.values(parameters), time)
-    return Assembly(
-        model, time, state.y, state.v, state.residual, state.corrections, state.velocity_corrections
-    )
+    p = model.values(parameters)
+    first = model.assemble(p, time)
+    if not all:
+        return _assembly(model, time, first)
+    found = Assemblies(model.closure, time, p)
+    found.search(first.y, count, np.random.default_rng(0 if rng is None else rng))
+    others = (model.closure.state(y, p, time) for y in found.known[1:])
+    return [_assembly(model, time, state) for state in (first, *others)]
+
+
+def _assembly(model: Model, time: float, s: AssembledState) -> Assembly:
+    return Assembly(model, time, s.y, s.v, s.residual, s.corrections, s.velocity_corrections)

@@ -158,7 +158,7 @@ class Closure:
             chosen = free_columns(jacobian[[*self.recipe.position_rows, *conditions]], priority)
             held = HeldPlaces(tuple(chosen), tuple(given[k] for k in chosen), y)
             self.recipe = replace(self.recipe, positions=held)
-            self._pinned = Pinned(self._assembler, self.recipe)
+            self.pinned = Pinned(self._assembler, self.recipe)
             wanted = [k for k in chosen if given[k]]
             found, reached = self._approach(p, y, p, 0.0)
             if reached == 1.0:
@@ -195,18 +195,10 @@ class Closure:
         everything = HeldSpeeds.of(list(range(n)), given, v)
         self.recipe = replace(self.recipe, speeds=everything, projected=True)
 
-    def assemble(self, p: np.ndarray, time: float = 0.0) -> AssembledState:
-        """Consistent initial state for parameter values ``p``, on the branch of the nominal one.
-
-        Raises
-        ------
-        AssemblyError
-            Names the worst joint and its residual.
-        """
-        anchor_p, anchor_y = self._anchor
-        y = self._follow(anchor_p, anchor_y, p, time)
+    def state(self, y: np.ndarray, p: np.ndarray, time: float) -> AssembledState:
+        """The start at an assembled position."""
         v = self.recipe.speeds_at(time, y, p)
-        residual = np.abs(self._pinned.at(time, p).residual(y).value).max(initial=0.0)
+        residual = np.abs(self.pinned.at(time, p).residual(y).value).max(initial=0.0)
         guess_y, guess_v = self.guesses.values(p)[0], self.guesses.speeds(y, p)
         projected = self.recipe.projected
         known = [speed is not None for speed in self.guesses.twist]
@@ -218,6 +210,17 @@ class Closure:
             self._changes(known, v - guess_v) if projected else {},
             projected,
         )
+
+    def assemble(self, p: np.ndarray, time: float = 0.0) -> AssembledState:
+        """Consistent initial state for parameter values ``p``, on the branch of the nominal one.
+
+        Raises
+        ------
+        AssemblyError
+            Names the worst joint and its residual.
+        """
+        anchor_p, anchor_y = self._anchor
+        return self.state(self._follow(anchor_p, anchor_y, p, time), p, time)
 
     def _changes(self, given: list[bool], change: np.ndarray) -> dict[str, float]:
         names = zip(self.guesses.speed_names, given, change, strict=True)
@@ -247,7 +250,7 @@ class Closure:
         while reached < 1.0:
             target = min(1.0, reached + step)
             p = p0 + target * (p1 - p0)
-            found = newton.solve(self._pinned.at(target * time, p), y, FOLLOWED)
+            found = newton.solve(self.pinned.at(target * time, p), y, FOLLOWED)
             if found.accepted:
                 reached, y, step = target, found.x, 2 * step
                 continue

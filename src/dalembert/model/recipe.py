@@ -223,7 +223,7 @@ class Pattern:
 
 
 @dataclass(frozen=True)
-class _Square(newton.Residual):
+class Square(newton.Residual):
     """Residuals of a square system; ``entries`` are those of its Jacobian."""
 
     scale: np.ndarray
@@ -280,11 +280,11 @@ class Pinned(newton.Equations[np.ndarray]):
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         return self.assembler.moved(x, step)
 
-    def residual(self, x: np.ndarray) -> _Square:
+    def residual(self, x: np.ndarray) -> Square:
         value, scale, rounding, entries = self.assembler.violations(self.t, x, self.p)
         away, held, far = (found.full().ravel() for found in self._held_at(x, self.p))
         rows = self.rows
-        return _Square(
+        return Square(
             np.concatenate([value[rows], away]),
             np.concatenate([scale[rows], self._sizes]),
             np.concatenate([rounding[rows], ROUNDING * far]),
@@ -292,7 +292,7 @@ class Pinned(newton.Equations[np.ndarray]):
         )
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
-        assert isinstance(residual, _Square)
+        assert isinstance(residual, Square)
         columns, at = self.assembler.scales.displacements, self._pattern
         scaled = residual.entries / residual.scale[at.rows] * columns[at.columns]
         return -columns * factorised(at.matrix(scaled))(residual.value / residual.scale)
