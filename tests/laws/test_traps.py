@@ -101,18 +101,29 @@ def test_friction_by_the_load_is_refused():
 
 
 def test_start_in_a_singular_position():
-    """An aligned parallelogram is refused with the reason: its motion is not determined."""
+    """An aligned parallelogram is taken by what passes such positions, and by nothing else."""
     system = da.System("parallelogram")
+    mass = system.parameter("m", 1.0)
     cranks = [
-        system.add(planar.Bar(f"crank{k}", length=1.0, mass=1, angle=0.0, angular_velocity=0.5))
+        system.add(planar.Bar(f"crank{k}", length=1.0, mass=mass, angle=0.0, angular_velocity=0.5))
         for k in range(2)
     ]
     coupler = system.add(planar.Bar("coupler", length=2.0, mass=1, angle=0.0))
     for k, crank in enumerate(cranks):
         system.add(planar.Revolute(f"O{k}", system.ground.point(2 * k, 0), crank.start))
         system.add(planar.Revolute(f"A{k}", crank.end, coupler.point(2 * k - 1, 0)))
-    with pytest.raises(da.SingularityError, match="singular"):
-        system.build()
+    model = system.build()
+    assert model.diagnosis.degrees_of_freedom == 1
+    assert any("singular position" in text for _, text in model.diagnosis.messages)
+    alone = (da.solve_equilibrium, da.linearize, lambda m: da.solve_dynamics(m, 1.0, step=0.01))
+    for refusing in alone:
+        with pytest.raises(da.SingularityError, match="A1 lose their independence"):
+            refusing(model)
+    motion = da.solve_dynamics(model, 1.0, step=0.01, formulation=da.AugmentedLagrangian())
+    for crank in ("crank0", "crank1"):
+        np.testing.assert_allclose(motion[f"{crank}.angle"], 0.5 * motion.time, atol=1e-8)
+    with pytest.raises(da.SingularityError, match="singular position"):
+        da.sensitivity(motion, da.final("crank0.angle"))
 
 
 def _body(system: da.System, name="b"):

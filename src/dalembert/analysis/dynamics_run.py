@@ -41,6 +41,7 @@ SHORTEST = 1e-12
 """Step length, relative to the time, at which an adaptive run is asked why it ended."""
 REFUSED = (Outcome.VIOLATED, Outcome.UNBALANCED)
 """Runs to the end that are no motion of the model: which steps would do is told there too."""
+PASSING = ", or use formulation=AugmentedLagrangian(), which passes through such positions"
 
 
 class DynamicsRun:
@@ -65,6 +66,8 @@ class DynamicsRun:
                 f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; "
                 "give mass and inertia to the bodies that move there, or constrain them"
             )
+        if not analysis.formulation.every_equation:
+            model.closure.refuse_singular_start(PASSING)
         check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
         self._refuse_lost_mass()
         self.kernel = analysis.kernel(model)

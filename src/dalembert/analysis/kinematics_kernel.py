@@ -28,6 +28,7 @@ class KinematicsKernel:
     def __init__(self, model: Model):
         self.model = model
         self.e: Equations = model.equations
+        model.closure.refuse_singular_start()
         free = model.diagnosis.free
         if free:
             n = "degree" if free == 1 else "degrees"

@@ -36,6 +36,7 @@ class LinearizationKernel:
             raise SingularityError(
                 f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; no modes"
             )
+        model.closure.refuse_singular_start()
         self.model, self.view = model, coordinates.view(model)
         self.e = self.view.equations
 

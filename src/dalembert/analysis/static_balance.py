@@ -31,6 +31,7 @@ class StaticsKernel:
     """Compiled static equations of a model."""
 
     def __init__(self, model: Model):
+        model.closure.refuse_singular_start()
         e = model.equations
         self.model = model
         at_rest = ca.substitute(e.force - e.bias, e.v, ca.SX.zeros(e.speed_count))

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.driver import Driver
-from dalembert.errors import AssemblyError
+from dalembert.errors import AssemblyError, SingularityError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly import Assembler
 from dalembert.model.assembly_failure import failure
@@ -25,8 +25,8 @@ from dalembert.model.recipe import INCONSISTENT, HeldPlaces, HeldSpeeds, Pinned,
 from dalembert.model.regularity import (
     Definedness,
     Owners,
+    generic_rows,
     refuse_over_driving,
-    refuse_singular,
 )
 from dalembert.symbolic import newton
 from dalembert.symbolic.expression import stack
@@ -35,6 +35,8 @@ from dalembert.symbolic.implicit import ImplicitFunction
 FOLLOWED = newton.NewtonSettings(
     tolerance=1e-14, max_iterations=25, slack=1e3, halvings=0, growth=4.0
 )
+STAYS_CLOSED = 1e-9
+"""Violation, by natural sizes, of an equation that others imply."""
 SHORTEST = 1e-3
 """Shortest step from one position to another, in natural units of time."""
 
@@ -71,14 +73,16 @@ class Closure:
     Attributes
     ----------
     owners : (m,) constraint and component behind each row
-    rows : independent constraint rows
+    rows : independent constraint rows at the start
+    generic : those that are independent nearly everywhere, more of them where the start is a
+        singular position
     recipe : Recipe of the start
     jacobian : ``C`` of all rows at the assembled position, sparse, in natural units
 
     Raises
     ------
-    AssemblyError, SingularityError, ModelError
-        It cannot be closed, stands in a singular position, is over-driven or undefined.
+    AssemblyError, ModelError
+        It cannot be closed, is over-driven or undefined.
     """
 
     def __init__(
@@ -124,9 +128,10 @@ class Closure:
         self.jacobian = self._assembler.scaled_jacobian(0.0, y, p)[: len(self.owners)]
         self.independence = rows_of(self.jacobian)
         self.rows = self.independence.pivots
+        self.generic = self.rows
         if len(self.rows) < len(self.owners):
-            refuse_singular(self._assembler, self.owners, self.rows, y, p)
-        refuse_over_driving(self.owners, self.rows)
+            self.generic = generic_rows(self._assembler, self.owners, self.rows, y, p)
+        refuse_over_driving(self.owners, self.generic)
         self.recipe = Recipe(e, self.guesses, self.scales, self.rows, positions, speeds)
         self._anchor = p.copy(), self._hold_positions(y, p)
         self._hold_speeds(strict)
@@ -220,7 +225,32 @@ class Closure:
             Names the worst joint and its residual.
         """
         anchor_p, anchor_y = self._anchor
-        return self.state(self._follow(anchor_p, anchor_y, p, time), p, time)
+        y = self._follow(anchor_p, anchor_y, p, time)
+        if self.lost:  # equations left out at the start need not hold with other parameters
+            left = self._assembler.closeness(time, y, p)
+            if np.max(np.abs(left.value) / left.scale, initial=0.0) > STAYS_CLOSED:
+                raise self._failure(time, y, p)
+        return self.state(y, p, time)
+
+    @property
+    def lost(self) -> str:
+        """Joints that lose their independence in a singular position at the start; mostly none."""
+        rows = sorted(set(self.generic) - set(self.rows))
+        return ", ".join(dict.fromkeys(self.owners[k][0].name for k in rows))
+
+    def refuse_singular_start(self, cure: str = "") -> None:
+        """For what needs independent equations at the start.
+
+        Raises
+        ------
+        SingularityError
+            The start is a singular position: the motion from there is not determined.
+        """
+        if self.lost:
+            raise SingularityError(
+                "the start is a singular position (dead centre or branch point): "
+                f"{self.lost} lose their independence there; start a little beside it{cure}"
+            )
 
     def _changes(self, given: list[bool], change: np.ndarray) -> dict[str, float]:
         names = zip(self.guesses.speed_names, given, change, strict=True)
@@ -228,7 +258,14 @@ class Closure:
 
     @property
     def initial_state(self) -> ImplicitFunction:
-        """``(t, y_start, p) → (y0, v0)`` as an implicit function of the parameters."""
+        """``(t, y_start, p) → (y0, v0)`` as an implicit function of the parameters.
+
+        Raises
+        ------
+        SingularityError
+            In a singular position, where there is none.
+        """
+        self.refuse_singular_start()
         return self.recipe.initial_state
 
     def _follow(self, p0: np.ndarray, y0: np.ndarray, p1: np.ndarray, time: float) -> np.ndarray:

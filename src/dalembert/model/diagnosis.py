@@ -52,6 +52,7 @@ class Diagnosis:
     gruebler : coordinates − joint equations, the count that ignores redundancy
     driven : number of driver equations
     free : degrees of freedom that the drivers leave
+    lost : joints that lose their independence in a singular position at the start
     corrections : given coordinate → change that assembly made; ``moved`` lists those to be told
     """
 
@@ -71,6 +72,7 @@ class Diagnosis:
     corrections: dict[str, float]
     moved: tuple[str, ...]
     velocity_corrections: dict[str, float]
+    lost: str = ""
 
     @property
     def summary(self) -> str:
@@ -86,6 +88,14 @@ class Diagnosis:
         found = []
         for redundancy in self.redundancies:
             found.append(("warning", f"redundant: {redundancy}; these reactions are not unique"))
+        if self.lost:
+            found.append(
+                (
+                    "warning",
+                    f"the start is a singular position (dead centre or branch point): {self.lost} "
+                    "lose their independence there; AugmentedLagrangian() passes through it",
+                )
+            )
         if self.massless:
             found.append(
                 (
@@ -116,7 +126,7 @@ def diagnose(d: Description, closure: Closure, mass: sparse.csc_array) -> Diagno
     """Examine a closed mechanism; ``mass`` is its mass matrix."""
     is_driver = np.array([isinstance(c, Driver) for c, _ in closure.owners], dtype=bool)
     kept = np.zeros(len(closure.owners), dtype=bool)
-    kept[closure.rows] = True
+    kept[closure.generic] = True
     n = closure.all_equations.speed_count
     own = sum(c.twist.numel() for k in d.constraints for c in k.own_coordinates())
     joint_rows = int(np.sum(~is_driver))
@@ -130,7 +140,7 @@ def diagnose(d: Description, closure: Closure, mass: sparse.csc_array) -> Diagno
         driver_equations=int(np.sum(is_driver)),
         degrees_of_freedom=n - independent_joint_rows,
         gruebler=n - joint_rows,
-        free=n - len(closure.rows),
+        free=n - len(closure.generic),
         redundancies=redundancies,
         topology=analyse_topology(d.bodies, d.constraints, touched),
         massless=_massless(closure, mass),
@@ -141,6 +151,7 @@ def diagnose(d: Description, closure: Closure, mass: sparse.csc_array) -> Diagno
         corrections=closure.start.corrections,
         moved=_moved(closure),
         velocity_corrections=closure.start.velocity_corrections,
+        lost=closure.lost,
     )
 
 

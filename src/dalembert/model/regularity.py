@@ -7,7 +7,7 @@ import numpy as np
 
 from dalembert.elements.base import Constraint, Element, ForceElement, rate_of
 from dalembert.elements.driver import Driver
-from dalembert.errors import ModelError, SingularityError
+from dalembert.errors import ModelError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly import Assembler
 from dalembert.model.description import Description
@@ -40,15 +40,17 @@ def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
             )
 
 
-def refuse_singular(
+def generic_rows(
     assembler: Assembler, owners: Owners, rows: list[int], y: np.ndarray, p: np.ndarray
-) -> None:
-    """Tell redundancy, which stays, from a singular position, which a small motion leaves.
+) -> list[int]:
+    """Rows that are independent nearly everywhere, of which some may not be so at a position.
 
-    Raises
-    ------
-    SingularityError
-        The start is a singular position: the motion from there is not determined.
+    Tells redundancy, which stays, from a singular position, which a small motion leaves.
+
+    Parameters
+    ----------
+    rows : independent at the position
+    y, p : position and parameter values
     """
     joints = [k for k, (c, _) in enumerate(owners) if not isinstance(c, Driver)]
     motions = columns_of(assembler.scaled_jacobian(0.0, y, p)[joints])
@@ -61,12 +63,8 @@ def refuse_singular(
         jacobian = assembler.scaled_jacobian(0.0, found.x, p)[: len(owners)]
         generic = independent_rows(jacobian, CLEARLY_INDEPENDENT)
         if len(generic) > len(rows):
-            lost = sorted(set(generic) - set(rows))
-            extra = ", ".join(dict.fromkeys(owners[k][0].name for k in lost))
-            raise SingularityError(
-                "the start is a singular position (dead centre or branch point): "
-                f"{extra} lose their independence there; start a little beside it"
-            )
+            return generic
+    return rows
 
 
 class Definedness:

@@ -1,0 +1,122 @@
+"""All ways in which a mechanism closes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, spatial
+
+LEGS = {"one": ((0, 0), (0, 0), 5.0), "two": ((5, 0), (3, 0), 5.0), "three": ((0, 6), (3, 3), 3.0)}
+ANGLES = (-0.7208492045, -0.3310051843, 1.1436855178, 2.1159090141)
+PLACES = (
+    (-1.3783796, 4.8062532),
+    (-0.9147087, 4.9156188),
+    (4.4817501, 2.2167355),
+    (4.5718302, 2.0244428),
+)
+
+
+def platform() -> da.Model:
+    """Planar platform on three legs (T. Sauer, *Numerical Analysis*, reality check 1)."""
+    system = da.System("platform")
+    plate = system.add(planar.Body("plate", mass=1, inertia=1, position=(4.5, 2.2), angle=1.1))
+    for name, (base, place, length) in LEGS.items():
+        ends = system.ground.point(*base), plate.point(*place)
+        system.add(planar.RigidLink(name, *ends, length=length))
+    return system.build()
+
+
+def test_platform_closes_in_four_ways():
+    """Angles and places to the ten and eight digits of an independent computation."""
+    found = da.solve_assembly(platform(), all=True, count=4)
+    turns = [np.remainder(one.y[2] + np.pi, 2 * np.pi) - np.pi for one in found]
+    order = np.argsort(turns)
+    np.testing.assert_allclose(np.sort(turns), ANGLES, atol=1e-9)
+    np.testing.assert_allclose([found[k].y[:2] for k in order], PLACES, atol=1e-7)
+    assert max(one.residual for one in found) < 1e-10
+    np.testing.assert_array_equal(found[0].y, da.solve_assembly(platform()).y)
+
+
+def four_bar(rocker: float) -> da.Model:
+    system = da.System("four-bar")
+    crank = system.add(planar.Bar("crank", length=0.3, mass=1, angle=1.0))
+    coupler = system.add(planar.Bar("coupler", length=1.0, mass=1, angle=0.1))
+    swing = system.add(planar.Bar("rocker", length=rocker, mass=1, angle=1.4))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
+    system.add(planar.Revolute("A", crank.end, coupler.start))
+    system.add(planar.Revolute("B", coupler.end, swing.end))
+    system.add(planar.Revolute("C", system.ground.point(1, 0), swing.start))
+    return system.build()
+
+
+def test_held_crank_leaves_an_open_and_a_crossed_four_bar():
+    """Mirror images on the line from the crank pin to the fixed pin; whole turns do not count."""
+    one, other = da.solve_assembly(four_bar(0.6), all=True)
+    assert one.y[2] == other.y[2] == 1.0  # the crank's angle is held
+    pin, pivot = 0.3 * np.exp(1j), 1.0 + 0.0j
+    ends = [pivot + 0.6 * np.exp(1j * found.pose("rocker")["angle"]) for found in (one, other)]
+    line = (pivot - pin) / abs(pivot - pin)
+    mirrored = pin + line**2 * np.conj(ends[0] - pin)
+    np.testing.assert_allclose(mirrored, ends[1], atol=1e-12)
+
+
+def hexapod() -> tuple[da.Model, np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(3)
+    base, top = (
+        np.column_stack([r * np.cos(a), r * np.sin(a), 0.1 * rng.uniform(size=6)])
+        for r, a in ((1.0, [0, 0.4, 2.1, 2.5, 4.2, 4.6]), (0.6, [-0.5, 0.9, 1.6, 3.0, 3.7, 5.1]))
+    )
+    system = da.System("hexapod")
+    place = np.array([0.1, 0.05, 1.0])
+    plate = system.add(spatial.Body("plate", mass=1, inertia=(1, 1, 1), position=place))
+    lengths = np.linalg.norm(place + top - base, axis=1)
+    for k in range(6):
+        ends = system.ground.point(*base[k]), plate.point(*top[k])
+        system.add(planar.DistanceDriver(f"leg{k}", *ends, lengths[k]))
+    return system.build(), base, top, lengths
+
+
+def test_hexapod_closes_in_several_ways_each_of_which_closes():
+    model, base, top, lengths = hexapod()
+    found = da.solve_assembly(model, all=True, count=4)
+    assert len(found) == 4
+    for one in found:
+        turned = rotation_of(one.y[3:7])
+        reached = np.linalg.norm(one.y[:3] + top @ turned.T - base, axis=1)
+        np.testing.assert_allclose(reached, lengths, atol=1e-10)
+    places = np.array([one.y[:3] for one in found])
+    apart = np.linalg.norm(places[:, None] - places[None], axis=2)
+    assert apart[np.triu_indices(4, 1)].min() > 1e-3
+
+
+def rotation_of(e: np.ndarray) -> np.ndarray:
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_quat(np.roll(e, -1)).as_matrix()
+
+
+def test_the_same_seed_finds_the_same_order():
+    one, other = (da.solve_assembly(four_bar(0.6), all=True, count=2, rng=7) for _ in range(2))
+    np.testing.assert_array_equal([a.y for a in one], [a.y for a in other])
+
+
+def test_no_other_way():
+    """A pendulum whose angle is given closes in one way only."""
+    system = da.System("pendulum")
+    bar = system.add(planar.Bar("bar", length=1.0, mass=1.0, angle=0.3))
+    system.add(planar.Revolute("pin", system.ground.center, bar.start))
+    assert len(da.solve_assembly(system.build(), all=True)) == 1
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.4])
+def test_speeds_come_along(shift):
+    """Each assembly has speeds of its own, consistent with its joints."""
+    model = four_bar(0.6 + shift)
+    for one in da.solve_assembly(model, all=True, count=2):
+        e = model.all_equations
+        import casadi as ca
+
+        psi = ca.Function("psi", [e.t, e.y, e.v, e.p], [e.velocity_constraints])
+        np.testing.assert_allclose(psi(0, one.y, one.v, model.nominal), 0.0, atol=1e-12)
