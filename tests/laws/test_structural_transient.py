@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.integrate import solve_ivp
 
 import dalembert as da
 from dalembert import structures
+from dalembert.analysis.structural import transient_step
 from dalembert.analysis.structural.transient_equation import Motions
 from dalembert.structures.cells import CELLS
 from dalembert.structures.registry import ELEMENTS, cell_of
@@ -299,6 +301,35 @@ def test_gradients_of_a_body_that_tumbles(lumped):
 
 
 # what goes wrong ---------------------------------------------------------------------------------
+def swung(fast: float, monkeypatch):
+    """A strip of frames that falls about its pin, and how often its equations were factorised."""
+    s = da.Structure("strip")
+    nodes = [s.node(f"n{k}", 0.25 * k, 0.0) for k in range(5)]
+    for k, (i, j) in enumerate(itertools.pairwise(nodes)):
+        numbers = {"area": 0.01, "second_moment": 1e-6, "modulus": 1e7, "density": 1e3}
+        s.add(structures.Frame(f"f{k}", i, j, **numbers))
+    s.support(nodes[0], ux=0.0, uy=0.0)
+    s.gravity(0.0, -9.81)
+    monkeypatch.setattr(transient_step, "FAST", fast)
+    made, factors = [], transient_step.factors
+    monkeypatch.setattr(
+        transient_step, "factors", lambda *a, **k: made.append(1) or factors(*a, **k)
+    )
+    return da.solve_transient(s.build(), 0.4, step=0.005, nonlinear=True), len(made)
+
+
+def test_factors_that_are_taken_again_change_nothing(monkeypatch):
+    """Newton's method with the factors of the step before ends where it ends with new ones."""
+    with monkeypatch.context() as patch:
+        every, often = swung(0.0, patch)
+    with monkeypatch.context() as patch:
+        kept, seldom = swung(transient_step.FAST, patch)
+    assert every.status.success and kept.status.success
+    scale = abs(every.displacements).max()
+    np.testing.assert_allclose(kept.displacements, every.displacements, atol=1e-10 * scale)
+    assert 2 * seldom < often
+
+
 def test_a_failed_step_keeps_what_it_had():
     integrator = da.Newmark(max_iterations=1, tolerance=1e-14)
     motion = da.solve_transient(

@@ -219,6 +219,26 @@ def test_large_displacements_leave_rigid_motions_without_force(name):
 
 
 @pytest.mark.parametrize("name", CASES)
+def test_tangents_are_the_slopes_of_forces_wherever_elements_are(name):
+    """Of strain by displacements, of inertia by displacements, velocities and accelerations."""
+    model = CASES[name][1]()[0].build()
+    rng, p, size = np.random.default_rng(3), model.nominal, len(model.degrees)
+    motion = list(0.3 * rng.standard_normal((3, size)))
+    inertia = functools.partial(model.assembly.inertia_forces, p=p, lumped=False)
+    slopes = model.assembly.inertia_slopes(motion, p, lumped=False)
+    for which, exact in enumerate([model.assembly.stiffness(motion[0], p), *slopes]):
+        columns = []
+        for shift in 1e-5 * np.eye(size):
+            ahead, behind = list(motion), list(motion)
+            ahead[max(which - 1, 0)] = ahead[max(which - 1, 0)] + shift
+            behind[max(which - 1, 0)] = behind[max(which - 1, 0)] - shift
+            force = inertia if which else lambda m: model.assembly.internal_forces(m[0], p)
+            columns.append((force(ahead) - force(behind)) / 2e-5)
+        found = np.stack(columns, axis=1)
+        np.testing.assert_allclose(exact.toarray(), found, atol=1e-7 * max(1, abs(found).max()))
+
+
+@pytest.mark.parametrize("name", CASES)
 def test_masses(name):
     """Both mass matrices: symmetric, positive, the whole mass in every direction."""
     dimension, make = CASES[name]
