@@ -74,10 +74,6 @@ class Numbered(Result):
         """A measure by name, or a formula of measures and parameters."""
         return self.formula(self.model, measure)
 
-    def values(self, measure: str | Expression) -> np.ndarray:
-        """(k,) values of a measure or formula."""
-        raise NotImplementedError
-
     def __getitem__(self, measure: str | Expression) -> xr.DataArray:
         """A measure by name, or a formula of measures, as a labelled array over the modes."""
         return self.labelled(measure, {"mode": self.numbers})

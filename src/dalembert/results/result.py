@@ -169,9 +169,9 @@ class Analysis(ABC, Generic[M, R]):
         """Option → what tells, before a run and without compiling it, that it cannot work."""
         return {}
 
-    @abstractmethod
     def replay(self, result: R, p: np.ndarray) -> R:
         """The same at other parameter values: same steps, same branch."""
+        return self.run(result.model, p)  # type: ignore[attr-defined]
 
     def resample(self, result: R, times: np.ndarray) -> R:
         """The same at other instants."""

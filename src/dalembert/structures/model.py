@@ -124,7 +124,6 @@ class StructuralModel(ParametricModel):
     # access ---------------------------------------------------------------------------------
     @cached_property
     def names(self) -> Names:
-        """Names of measures and parameters, as formulas use them."""
         return Names(self._find, lambda: [*self.measures.names(), *self.parameters])
 
     def _find(self, name: str) -> Expression | None:

@@ -7,19 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.structural.modal import status_of
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
+from dalembert.analysis.structural.spectral import SpectralAnalysis
 from dalembert.analysis.structural.spectrum import Spectrum, largest
 from dalembert.analysis.structural.statics import Statics, factorised
-from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
+from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
-from dalembert.results.result import Analysis
 from dalembert.results.structural.buckling_modes import BucklingModes
 from dalembert.structures.model import StructuralModel
 
 
 @options
-class Buckling(Analysis[StructuralModel, BucklingModes]):
+class Buckling(SpectralAnalysis[BucklingModes]):
     """Linear buckling as a strategy object.
 
     The exact strain energies of the elements give ``K_g = ∂³W/∂u³ (0) · u₀``. What is true of the
@@ -40,15 +39,12 @@ class Buckling(Analysis[StructuralModel, BucklingModes]):
     """
 
     spoken = "linear buckling"
+    makes = BucklingModes
 
     count: int = 3
     case: str = ""
     constant: str | None = None
     negative: bool = False
-
-    def __post_init__(self) -> None:
-        if not self.count > 0:
-            raise UnsupportedError(f"Buckling: count is {self.count}; it must be positive")
 
     def run(
         self,
@@ -65,18 +61,9 @@ class Buckling(Analysis[StructuralModel, BucklingModes]):
         AnalysisError
             Unknown load case; no load factor of the sign asked for.
         """
-        p = model.values(parameters)
-        pencil = self._pencil(model, p)
-        return self._modes(pencil, p, self._spectrum(pencil))
+        return super().run(model, parameters)
 
-    def replay(self, result: BucklingModes, p: np.ndarray) -> BucklingModes:
-        """The same modes at other parameter values, by their order."""
-        pencil = self._pencil(result.model, p)
-        spectrum = self._spectrum(pencil)
-        spectrum.align(result.record.shapes)
-        return self._modes(pencil, p, spectrum)
-
-    def _pencil(self, model: StructuralModel, p: np.ndarray) -> Pencil:
+    def pencil(self, model: StructuralModel, p: np.ndarray) -> Pencil:
         statics = Statics().run(model, p)
 
         def loaded(case: str) -> Loaded:
@@ -87,7 +74,7 @@ class Buckling(Analysis[StructuralModel, BucklingModes]):
             stiffness.append(Geometric(loaded(self.constant)))
         return Pencil(model, [Geometric(loaded(self.case), -1.0)], stiffness)
 
-    def _spectrum(self, pencil: Pencil) -> Spectrum:
+    def spectrum(self, pencil: Pencil) -> Spectrum:
         a, b = pencil.matrices()
         factor = factorised(pencil.model, b)
         if factor is None:
@@ -103,21 +90,6 @@ class Buckling(Analysis[StructuralModel, BucklingModes]):
                 "negative=True finds factors of the load turned round"
             )
         return Spectrum(pencil, (a, b), values, vectors)
-
-    def _modes(self, pencil: Pencil, p: np.ndarray, spectrum: Spectrum) -> BucklingModes:
-        count = min(self.count, spectrum.values.size)
-        return BucklingModes(
-            pencil.model,
-            self,
-            p,
-            np.arange(1, count + 1),
-            spectrum.values[:count],
-            spectrum.shapes[:, :count],
-            status_of(spectrum, f"{count} mode(s) of buckling"),
-            np.arange(count),
-            spectrum,
-            {"displacements": pencil.model.assembly.size, "free": int(pencil.free.size)},
-        )
 
 
 def solve_buckling(

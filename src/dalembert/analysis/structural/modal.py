@@ -10,22 +10,18 @@ import numpy as np
 import scipy.sparse.linalg as linalg
 
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
+from dalembert.analysis.structural.spectral import SpectralAnalysis
 from dalembert.analysis.structural.spectrum import Spectrum, nearest
 from dalembert.analysis.structural.statics import factorised
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
-from dalembert.results.result import Analysis
-from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.results.structural.vibration_modes import VibrationModes
 from dalembert.structures.model import StructuralModel
 
-CONVERGED = 1e-6
-"""Largest residual of eigenpairs that counts as none."""
-
 
 @options
-class Modal(Analysis[StructuralModel, VibrationModes]):
+class Modal(SpectralAnalysis[VibrationModes]):
     """Modes of vibration as a strategy object.
 
     Parameters
@@ -43,6 +39,7 @@ class Modal(Analysis[StructuralModel, VibrationModes]):
     """
 
     spoken = "modes of vibration"
+    makes = VibrationModes
 
     count: int = 6
     lumped: bool = False
@@ -50,8 +47,7 @@ class Modal(Analysis[StructuralModel, VibrationModes]):
     about: StructuralResult | None = None
 
     def __post_init__(self) -> None:
-        if not self.count > 0:
-            raise UnsupportedError(f"Modal: count is {self.count}; it must be positive")
+        super().__post_init__()
         if self.about is None:
             return
         if not self.about.analysis.at_rest:
@@ -78,24 +74,18 @@ class Modal(Analysis[StructuralModel, VibrationModes]):
         AnalysisError
             Nothing has mass; ``about`` is of another structure, or failed.
         """
-        if self.about is None:
-            p = model.values(parameters)
-        else:
-            p = self._loaded_parameters(self.about, model, parameters)
-        pencil = self._pencil(model, p)
-        return self._modes(pencil, p, self._spectrum(pencil))
+        if self.about is not None:
+            parameters = self._loaded_parameters(self.about, model, parameters)
+        return super().run(model, parameters)
 
     def replay(self, result: VibrationModes, p: np.ndarray) -> VibrationModes:
         """The same modes at other parameter values, by their order."""
-        analysis = self
-        if self.about is not None:
-            again = self.about.analysis.replay(self.about, p)
-            analysis = replace(self, about=again.at([again.case(self.about.cases[0])]))
-            self._loaded_parameters(again, result.model, None)
-        pencil = analysis._pencil(result.model, p)
-        spectrum = analysis._spectrum(pencil)
-        spectrum.align(result.record.shapes)
-        return analysis._modes(pencil, p, spectrum)
+        if self.about is None:
+            return super().replay(result, p)
+        again = self.about.analysis.replay(self.about, p)
+        self._loaded_parameters(again, result.model, None)
+        analysis = replace(self, about=again.at([again.case(self.about.cases[0])]))
+        return super(Modal, analysis).replay(result, p)
 
     @staticmethod
     def _loaded_parameters(about: StructuralResult, model: StructuralModel, given) -> np.ndarray:
@@ -107,7 +97,7 @@ class Modal(Analysis[StructuralModel, VibrationModes]):
             raise AnalysisError(f"about is no equilibrium: {about.status}", about.status.residual)
         return about.parameters
 
-    def _pencil(self, model: StructuralModel, p: np.ndarray) -> Pencil:
+    def pencil(self, model: StructuralModel, p: np.ndarray) -> Pencil:
         rest = Loaded(model.linearized, p)
         stiffness: list[Term] = [Tangent(rest)]
         mass = Mass(rest, self.lumped)
@@ -119,7 +109,7 @@ class Modal(Analysis[StructuralModel, VibrationModes]):
                 stiffness, mass = [Tangent(loaded)], Mass(loaded, self.lumped)
         return Pencil(model, stiffness, [mass])
 
-    def _spectrum(self, pencil: Pencil) -> Spectrum:
+    def spectrum(self, pencil: Pencil) -> Spectrum:
         a, b = pencil.matrices()
         if not a.shape[0]:
             raise AnalysisError("nothing in the structure can move; release a support")
@@ -143,29 +133,6 @@ class Modal(Analysis[StructuralModel, VibrationModes]):
                 "lowest ω² of interest"
             ) from None
         return factor.solve  # type: ignore[union-attr]
-
-    def _modes(self, pencil: Pencil, p: np.ndarray, spectrum: Spectrum) -> VibrationModes:
-        count = min(self.count, spectrum.values.size)
-        return VibrationModes(
-            pencil.model,
-            self,
-            p,
-            np.arange(1, count + 1),
-            spectrum.values[:count],
-            spectrum.shapes[:, :count],
-            status_of(spectrum, f"{count} mode(s) of vibration"),
-            np.arange(count),
-            spectrum,
-            {"displacements": pencil.model.assembly.size, "free": int(pencil.free.size)},
-        )
-
-
-def status_of(spectrum: Spectrum, told: str) -> Status:
-    """How well the eigenpairs fulfil their equation."""
-    residual = spectrum.residual
-    if not residual < CONVERGED:
-        return Status(Outcome.NOT_CONVERGED, f"residual {residual:.3g}", 0.0, residual)
-    return Status(Outcome.COMPLETED, told, 0.0, residual)
 
 
 def solve_modes(

@@ -95,10 +95,6 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
             model, self, p, list(model.loads), u, forces, status, statistics, record
         )
 
-    def replay(self, result: StructuralResult, p: np.ndarray) -> StructuralResult:
-        """The same analysis at other parameter values."""
-        return self.run(result.model, p)
-
 
 class LoadPath:
     """One load case on its way from rest."""

@@ -88,10 +88,6 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
             left.append(np.abs(rest[free]).max(initial=0.0))
         return float(max(left, default=0.0) / max(np.abs(forces).max(initial=0.0), 1e-300))
 
-    def replay(self, result: StructuralResult, p: np.ndarray) -> StructuralResult:
-        """The same analysis at other parameter values."""
-        return self.run(result.model, p)
-
 
 def factorised(model: StructuralModel, matrix) -> linalg.SuperLU | None:
     """Sparse factors of the stiffness of the free displacements.

@@ -51,7 +51,7 @@ class Eigenvalue(Measure):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
+class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
     """Eigenvalues and shapes of ``A φ = λ B φ``, scaled to ``φᵀ B φ = 1`` in SI units.
 
     Measures are those in ``named``, displacements of a shape such as ``"n2.uy"``, quantities of
@@ -106,10 +106,6 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
             cls._behind(model, name)
         return found
 
-    def expression(self, measure: str | Expression) -> Expression:
-        """A measure by name, or a formula; see ``formula``."""
-        return self.formula(self.model, measure)
-
     @classmethod
     def _find(cls, model: StructuralModel, name: str) -> Expression | None:
         if name in cls.named:
@@ -119,7 +115,6 @@ class EigenModes(MeasuredStates, Numbered, StructuralOutputs):
         return model.linearized.measures.find(name)
 
     def measure(self, name: str) -> Measure:
-        """What a symbol in a formula stands for."""
         return self._behind(self.model, name)
 
     @classmethod

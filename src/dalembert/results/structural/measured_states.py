@@ -27,7 +27,6 @@ class MeasuredStates(Result):
 
     model: StructuralModel
     parameters: np.ndarray
-    time: np.ndarray
 
     def state(self, k: int) -> State:
         """What a measure sees."""
@@ -47,8 +46,7 @@ class MeasuredStates(Result):
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """(K,) values of a scalar measure or formula."""
-        formula = Formula(self, self.expression(measure).sx)
-        return formula.values
+        return Formula(self, self.expression(measure).sx).values
 
     def weights(self, sx: ca.SX, k: int) -> Weights:
         """What a formula weighs the state ``k`` and the parameters."""

@@ -16,7 +16,7 @@ from dalembert.structures.nodes import Nodes
 from dalembert.symbolic.expression import Expression
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 
 class StructuralStates(Result):
@@ -56,11 +56,6 @@ class StructuralStates(Result):
 
     def state(self, case: int) -> State:
         """Displacements and forces of one case."""
-        raise NotImplementedError
-
-    @property
-    def data(self) -> xr.Dataset:
-        """Displacements and forces with names."""
         raise NotImplementedError
 
     def case(self, name: str | int) -> int:
