@@ -10,6 +10,7 @@ from newton_euler import Snapshot
 from registry import CASES, CONSTRAINED, model_of
 
 import dalembert as da
+from dalembert import spatial
 from dalembert.elements.driver import Driver
 from dalembert.elements.planar import UserConstraint
 
@@ -49,3 +50,27 @@ def test_drivers_give_the_power_they_report(name):
             assert isinstance(driver, Driver)
             told = float(now.data.driver_power.sel(driver=driver.name))
             assert now.power(now.reaction(driver)) == pytest.approx(told, rel=1e-10, abs=1e-10)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_reaction_on_the_ground_is_whole(turned):
+    """The second body may be the ground, which stands in the plane as in space."""
+    system = da.System("door", gravity=(0.3, 0.2, -9.81))
+    rotation = da.rotation.identity()
+    door = spatial.Body("door", mass=2.0, inertia=(0.1, 0.2, 0.15), rotation=rotation)
+    system.add(door)
+    hinge = [system.ground.frame(axis=(0, 1, 0.2)), door.frame((-0.5, 0, 0), axis=(0, 1, 0.2))]
+    system.add(spatial.Revolute("A", *(reversed(hinge) if turned else hinge)))
+    motion = da.solve_dynamics(system.build(), 0.1, step=0.01)
+    on_door = np.array([2.0 * motion["door.acceleration"].values[-1] - [0.6, 0.4, -19.62]])
+    sign = -1 if turned else 1
+    np.testing.assert_allclose(motion["A.force"].values[-1:], sign * on_door, atol=1e-9)
+    turn = motion["door.rotation"].values[-1].reshape(3, 3)
+    spin = motion["door.angular_velocity_local"].values[-1]
+    inertia = np.diag([0.1, 0.2, 0.15])
+    speeding = turn.T @ motion["door.angular_acceleration"].values[-1]
+    moment = turn @ (inertia @ speeding + np.cross(spin, inertia @ spin))
+    arm = turn @ [-0.5, 0, 0]
+    np.testing.assert_allclose(
+        sign * motion["A.moment"].values[-1], moment - np.cross(arm, on_door[0]), atol=1e-9
+    )

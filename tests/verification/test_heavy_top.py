@@ -2,8 +2,8 @@
 
 Sources: Z. Terze, A. Müller, D. Zlatar, *Singularity-free time integration of rotational
 quaternions using non-redundant ordinary differential equations*, Multibody System Dynamics 38,
-2016, after O. Brüls, A. Cardona and M. Arnold; Euler parameters at 0.2 s as printed there (to 5e-5),
-all other numbers from independent integrations of Euler's equations, printed to their last digit.
+2016, after O. Brüls, A. Cardona and M. Arnold; Euler parameters at 0.2 s as printed there, to 5e-5.
+All other numbers are of independent integrations of Euler's equations.
 """
 
 from __future__ import annotations
@@ -81,5 +81,5 @@ def test_reaction_carries_the_weight_and_accelerates_the_mass(motion):
     """Newton's equation of the mass centre."""
     acceleration = np.stack([motion[f"rotor.C.a{axis}"].values for axis in "xyz"], axis=1)
     np.testing.assert_allclose(
-        motion["O.force"].values, MASS * (acceleration + [0, 0, G]), rtol=1e-9, atol=1e-7
+        motion["O.force"].values, MASS * (acceleration + np.array([0, 0, G])), rtol=1e-9, atol=1e-7
     )

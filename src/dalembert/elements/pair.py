@@ -117,7 +117,13 @@ class Pair:
 
     def reaction(self) -> tuple[ca.SX, ca.SX]:
         """Force [N] and moment [N m] on the second body at the joint point."""
-        body = self.ends()[1]
+        first, second = self.ends()
+        if first.dimension > second.dimension:  # what moves in a plane feels not all of it
+            force, moment = self._action_on(first)
+            return -force, -moment
+        return self._action_on(second)
+
+    def _action_on(self, body: Any) -> tuple[ca.SX, ca.SX]:
         rates = ca.vertcat(rate_of(self.equations, [body], t.sx), self.slip)
         power = -ca.dot(self.multiplier, rates)
         force, moment, origin = body.wrench(ca.gradient(power, body.twist))
