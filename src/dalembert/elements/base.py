@@ -223,8 +223,6 @@ class Constraint(Element):
     The multiplier follows (4.22), ``M v̇ + d = f − Cᵀλ``.
     """
 
-    kind = "constraint"
-
     def __post_init__(self) -> None:
         super().__post_init__()
         self.equations = ca.densify(self.residual())

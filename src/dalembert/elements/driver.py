@@ -77,7 +77,6 @@ class DistanceDriver(Driver, PointJoint):
     """
 
     law: GivenLaw = option("motion law")
-    kind = "driver"
     positive = True
 
     def coordinate(self) -> ca.SX:

@@ -28,7 +28,6 @@ class RotationalDriver(Driver, BodyJoint):
     """
 
     law: GivenLaw = option("motion law")
-    kind = "driver"
 
     @property
     def measured(self) -> str:
@@ -53,7 +52,6 @@ class TranslationalDriver(Driver, SlidingJoint):
     """
 
     law: GivenLaw = option("motion law", default=None)
-    kind = "driver"
 
     def coordinate(self) -> ca.SX:
         return self.displacement
@@ -76,7 +74,6 @@ class CoordinateDriver(Driver, Constraint):
     point: Point
     law: GivenLaw = option("motion law")
     direction: Vector = quantity("", "direction in inertial axes", default=(1.0, 0.0), size=2)
-    kind = "driver"
 
     def __post_init__(self) -> None:
         self.point = need_point(self.point, self.name, "point")

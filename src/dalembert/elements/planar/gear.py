@@ -34,7 +34,6 @@ class GearPair(PinJoint):
     radius_i: Scalar = quantity("m", "pitch radius of the first gear", above=0.0, keyword=True)
     radius_j: Scalar = quantity("m", "pitch radius of the second gear", above=0.0, keyword=True)
     internal: bool = option("the second gear is a ring with inner teeth", default=False)
-    kind = "gear"
 
     def residual(self) -> ca.SX:
         bodies = list(self.ends())
@@ -76,7 +75,6 @@ class RackAndPinion(SlidingJoint):
 
     radius: Scalar = quantity("m", "pitch radius", above=0.0, keyword=True)
     side: int = option("+1: left of the axis, -1: right of it", default=1)
-    kind = "rack"
 
     def __post_init__(self) -> None:
         if self.side not in (1, -1):
@@ -108,8 +106,6 @@ class RollingDisc(RackAndPinion):
     ``x − x0 = −r (φ − φ0)``. The multipliers are the normal and the friction force.
     """
 
-    kind = "rolling"
-
     def residual(self) -> ca.SX:
         return ca.vertcat(self.offset - self.side * self.radius.sx, self.no_slip)
 
@@ -129,7 +125,6 @@ class Coupling(BodyJoint):
 
     ratio: Scalar = quantity("", "turns of the second body per turn of the first", default=1.0)
     carrier: Body = option("body that carries both axes", default=None)
-    kind = "coupling"
 
     def __post_init__(self) -> None:
         if self.carrier is not None:

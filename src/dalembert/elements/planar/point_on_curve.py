@@ -49,7 +49,6 @@ class PointOnCurve(Pair, Constraint):
     curve: Curve = option("the curve", default=None)
     radius: Scalar = quantity("m", "roller radius", default=0.0, minimum=0.0)
     parameter: Scalar = quantity("", "initial guess of the curve parameter", default=None)
-    kind = "curve"
 
     def __post_init__(self) -> None:
         self.body_i = need_body(self.body_i, self.name, "body_i")

@@ -15,8 +15,6 @@ from dalembert.elements.planar.joint import TreeJoint
 class Revolute(TreeJoint):
     """Pin: two points coincide, ``Φ = r_j + A_j s_j' − r_i − A_i s_i' = 0`` (1.18)."""
 
-    kind = "revolute"
-
     def residual(self) -> ca.SX:
         return self.between
 

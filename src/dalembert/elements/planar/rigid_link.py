@@ -23,7 +23,6 @@ class RigidLink(TreeJoint):
     """
 
     length: Scalar = quantity("m", "distance of the two points", above=0.0, keyword=True)
-    kind = "rigid_link"
 
     def residual(self) -> ca.SX:
         distance, length = self.compared()

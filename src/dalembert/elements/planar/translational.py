@@ -74,7 +74,6 @@ class Translational(GuidingJoint):
     """
 
     angle: Scalar = quantity("rad", "angle of the second body relative to the first", default=0.0)
-    kind = "translational"
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.offset, self.turn - self.angle.sx)
@@ -99,8 +98,6 @@ class PinInSlot(GuidingJoint):
 
     ``Φ = n_iᵀ (r_jP − r_iP) = 0``; the bodies may turn against each other.
     """
-
-    kind = "pin_in_slot"
 
     def residual(self) -> ca.SX:
         return self.offset

@@ -25,7 +25,6 @@ class UserConstraint(Constraint):
 
     formula: Scalar = quantity("", "formula that must be zero")
     unit: str = option("m or rad", default="m")
-    kind = "user"
 
     def residual(self) -> ca.SX:
         return stack([self.formula.sx])

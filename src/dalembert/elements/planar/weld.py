@@ -23,7 +23,6 @@ class Weld(TreeJoint):
     """
 
     angle: Scalar = quantity("rad", "angle of the second body relative to the first", default=0.0)
-    kind = "weld"
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.between, self.turn - self.angle.sx)

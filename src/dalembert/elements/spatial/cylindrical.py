@@ -17,8 +17,6 @@ class Cylindrical(FrameJoint):
     ``Φ = [x_iᵀ d; y_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
     """
 
-    kind = "cylindrical"
-
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[:2], self.tilt)
 

@@ -13,9 +13,10 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates
+from dalembert.elements.base import Constraint, Coordinates, Look
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
+from dalembert.elements.look import Mark
 from dalembert.elements.pair import Pair, initial_value, refuse_same_body
 from dalembert.elements.spatial.turn import Turn
 from dalembert.errors import ModelError
@@ -62,6 +63,9 @@ class FrameJoint(Pair, Constraint):
 
     def parts(self) -> list[Coordinates]:
         return list(self.ends())
+
+    def look(self) -> list[Look]:
+        return [Mark(self.frame_j, self.frame_i)]
 
     def place(self) -> ca.SX:
         return self.frame_j.position.sx

@@ -28,7 +28,6 @@ class KnifeEdge(Pair, Constraint):
 
     frame: Frame
     plane: Frame
-    kind = "knife_edge"
 
     def __post_init__(self) -> None:
         self.frame = need_frame(self.frame, self.name, "frame")

@@ -18,8 +18,6 @@ class Prismatic(FixedTurn):
     initial poses.
     """
 
-    kind = "translational"
-
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[:2], self.orientation)
 

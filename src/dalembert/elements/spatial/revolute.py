@@ -19,8 +19,6 @@ class Revolute(FrameJoint):
     ``Φ = [r_j − r_i; x_iᵀ z_j; y_iᵀ z_j] = 0``.
     """
 
-    kind = "revolute"
-
     def residual(self) -> ca.SX:
         return ca.vertcat(self.between, self.tilt)
 

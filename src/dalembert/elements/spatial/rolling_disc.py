@@ -39,7 +39,6 @@ class RollingDisc(Pair, Constraint):
     radius: Scalar = quantity("m", "radius", above=0.0, keyword=True)
     axis: Vector = quantity("", "axle in the body frame", default=(0.0, 1.0, 0.0), size=3)
     center: Vector = quantity("m", "centre in the body frame", default=(0.0, 0.0, 0.0), size=3)
-    kind = "rolling"
 
     def __post_init__(self) -> None:
         self.body = need_body(self.body, self.name, "body")

@@ -30,7 +30,6 @@ class Screw(Cylindrical):
     """
 
     pitch: Scalar = quantity("m", "displacement per full turn", keyword=True)
-    kind = "screw"
 
     def residual(self) -> ca.SX:
         along = self.travel[2]

@@ -15,8 +15,6 @@ from dalembert.elements.pair import PointJoint
 class Spherical(PointJoint):
     """Ball and socket: two points coincide, ``Φ = r_jP − r_iP = 0``."""
 
-    kind = "spherical"
-
     def look(self) -> list[Look]:
         return [Socket(self.point_j, self.point_i)]
 

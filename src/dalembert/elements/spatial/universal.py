@@ -28,8 +28,6 @@ class Universal(FrameJoint):
         The arms are parallel at the initial poses.
     """
 
-    kind = "universal"
-
     def residual(self) -> ca.SX:
         return ca.vertcat(self.between, ca.dot(self.frame_i.axis, self.frame_j.axis))
 

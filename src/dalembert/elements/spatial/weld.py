@@ -17,8 +17,6 @@ class Weld(FixedTurn):
     initial poses.
     """
 
-    kind = "weld"
-
     def residual(self) -> ca.SX:
         return ca.vertcat(self.between, self.orientation)
 
