@@ -66,10 +66,10 @@ def quantity(
     return dataclasses.field(default=default, metadata=metadata, kw_only=keyword)
 
 
-def option(description: str, *, default: Any = dataclasses.MISSING) -> Any:
+def option(description: str, *, default: Any = dataclasses.MISSING, keyword: bool = False) -> Any:
     """Field that is not a number: a switch, a law, a curve, a formula with own variables."""
     metadata = {"kind": "option", "description": description}
-    return dataclasses.field(default=default, metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata, kw_only=keyword)
 
 
 class Coordinates:

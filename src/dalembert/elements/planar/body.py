@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.bar import SlenderBar
 from dalembert.elements.base import Look, Scalar, Vector, quantity
 from dalembert.elements.body import BodyElement
-from dalembert.elements.look import Ball, Segment
+from dalembert.elements.look import Ball
 from dalembert.elements.point import Point, components
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression
@@ -165,7 +166,7 @@ class Ground(Body):
 
 
 @dataclass(eq=False)
-class Bar(Body):
+class Bar(SlenderBar, Body):
     """Uniform slender bar along its x axis, mass centre at the middle.
 
     ``inertia`` defaults to ``m l²/12``. Its ends are the points ``start`` and ``end``.
@@ -178,16 +179,12 @@ class Bar(Body):
     length: Scalar = quantity("m", "length", above=0.0, keyword=True)
 
     def __post_init__(self) -> None:
-        length = as_expression(self.length, f"{self.name}.length", "m")
+        self.length = as_expression(self.length, f"{self.name}.length", "m")
         if self.mass is not None and self.inertia is None:
-            self.inertia = as_expression(self.mass, f"{self.name}.mass") * length**2 / 12
+            mass = as_expression(self.mass, f"{self.name}.mass", "kg")
+            self.inertia = Expression(self.slender_inertia(mass.sx))
         super().__post_init__()
-        half = length / 2  # one node, so that both ends share their trigonometry
-        self.start = self.add_point("start", (-half, 0.0))
-        self.end = self.add_point("end", (half, 0.0))
-
-    def look(self) -> list[Look]:
-        return [Segment(self.start, self.end)]
+        self.add_ends()
 
 
 @dataclass(eq=False)

@@ -8,11 +8,13 @@ from dalembert.elements.spatial.body import Body, Particle
 from dalembert.elements.spatial.cylindrical import Cylindrical
 from dalembert.elements.spatial.knife_edge import KnifeEdge
 from dalembert.elements.spatial.loads import Force, Torque
+from dalembert.elements.spatial.mesh import Mesh
 from dalembert.elements.spatial.planar_joint import Planar
 from dalembert.elements.spatial.prismatic import Prismatic
 from dalembert.elements.spatial.revolute import Revolute
 from dalembert.elements.spatial.rolling_disc import RollingDisc
 from dalembert.elements.spatial.screw import Screw
+from dalembert.elements.spatial.shapes import Bar, Box, Capsule, Cylinder, Sphere
 from dalembert.elements.spatial.spherical import Spherical
 from dalembert.elements.spatial.universal import Universal
 from dalembert.elements.spatial.weld import Weld
@@ -21,7 +23,11 @@ from dalembert.elements.stop import Stop
 
 __all__ = [
     "Actuator",
+    "Bar",
     "Body",
+    "Box",
+    "Capsule",
+    "Cylinder",
     "Cylindrical",
     "DistanceDriver",
     "Force",
@@ -29,12 +35,14 @@ __all__ = [
     "JointActuator",
     "JointFriction",
     "KnifeEdge",
+    "Mesh",
     "Particle",
     "Planar",
     "Prismatic",
     "Revolute",
     "RollingDisc",
     "Screw",
+    "Sphere",
     "Spherical",
     "Spring",
     "Stop",

@@ -1,0 +1,165 @@
+"""Bodies of simple shapes: box, cylinder, sphere, capsule, bar."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.bar import SlenderBar
+from dalembert.elements.base import Look, Scalar, Vector, quantity
+from dalembert.elements.point import Point
+from dalembert.elements.spatial.shape import Shape, moments
+from dalembert.elements.spatial.solids import Cuboid, Drum, Orb, Pill
+from dalembert.errors import ModelError
+
+
+@dataclass(eq=False)
+class Box(Shape):
+    """Box about the origin of its body frame.
+
+    Parameters
+    ----------
+    size : (3,) lengths along x, y and z [m]
+    """
+
+    size: Vector = quantity("m", "lengths along x, y, z", size=3, above=0.0, keyword=True)
+
+    def volume(self) -> ca.SX:
+        x, y, z = ca.vertsplit(self.size.sx)
+        return x * y * z
+
+    def gyration(self) -> ca.SX:
+        x, y, z = ca.vertsplit(self.size.sx**2 / 12)
+        return moments(y + z, x + z, x + y)
+
+    def look(self) -> list[Look]:
+        return [Cuboid(self.center, self.size.sx)]
+
+
+@dataclass(eq=False)
+class Cylinder(Shape):
+    """Cylinder about the z axis of its body frame, solid or a tube; the origin is its middle.
+
+    Parameters
+    ----------
+    radius, length : [m]
+    inner_radius : of a tube [m]
+    """
+
+    radius: Scalar = quantity("m", "radius", above=0.0, keyword=True)
+    length: Scalar = quantity("m", "length along z", above=0.0, keyword=True)
+    inner_radius: Scalar = quantity("m", "inner radius of a tube", default=0.0, minimum=0.0)
+
+    def volume(self) -> ca.SX:
+        return math.pi * (self.radius.sx**2 - self.inner_radius.sx**2) * self.length.sx
+
+    def gyration(self) -> ca.SX:
+        axial = (self.radius.sx**2 + self.inner_radius.sx**2) / 2
+        across = axial / 2 + self.length.sx**2 / 12
+        return moments(across, across, axial)
+
+    def conditions(self) -> list[tuple[ca.SX, str]]:
+        wall = self.radius.sx - self.inner_radius.sx
+        return [*super().conditions(), (wall, "inner_radius is larger than radius")]
+
+    def look(self) -> list[Look]:
+        return [Drum(*ends_of(self), self.radius.sx)]
+
+
+@dataclass(eq=False)
+class Sphere(Shape):
+    """Ball about the origin of its body frame.
+
+    Parameters
+    ----------
+    radius : [m]
+    """
+
+    radius: Scalar = quantity("m", "radius", above=0.0, keyword=True)
+
+    def volume(self) -> ca.SX:
+        return 4 / 3 * math.pi * self.radius.sx**3
+
+    def gyration(self) -> ca.SX:
+        about = 2 / 5 * self.radius.sx**2
+        return moments(about, about, about)
+
+    def look(self) -> list[Look]:
+        return [Orb(self.center, self.radius.sx)]
+
+
+@dataclass(eq=False)
+class Capsule(Shape):
+    """Cylinder about the z axis with half a ball on either end; the origin is its middle.
+
+    Parameters
+    ----------
+    radius : of the cylinder and the balls [m]
+    length : of the cylinder, from centre to centre of the balls [m]
+    """
+
+    radius: Scalar = quantity("m", "radius", above=0.0, keyword=True)
+    length: Scalar = quantity("m", "length between its ends' centres", above=0.0, keyword=True)
+
+    def _shares(self) -> tuple[ca.SX, ca.SX]:
+        """Volumes of the cylinder and of both ends."""
+        disc = math.pi * self.radius.sx**2
+        return disc * self.length.sx, 4 / 3 * disc * self.radius.sx
+
+    def volume(self) -> ca.SX:
+        cylinder, ends = self._shares()
+        return cylinder + ends
+
+    def gyration(self) -> ca.SX:
+        r, l, (cylinder, ends) = self.radius.sx, self.length.sx, self._shares()
+        axial = cylinder * r**2 / 2 + ends * 2 / 5 * r**2
+        across = cylinder * (r**2 / 4 + l**2 / 12)
+        across += ends * (2 / 5 * r**2 + l**2 / 4 + 3 / 8 * l * r)
+        return moments(across, across, axial) / (cylinder + ends)
+
+    def look(self) -> list[Look]:
+        return [Pill(*ends_of(self), self.radius.sx)]
+
+
+def ends_of(body: Cylinder | Capsule) -> tuple[Point, Point]:
+    """Where its length begins and ends on the z axis."""
+    half = body.length / 2
+    return Point(body, (0.0, 0.0, -half)), Point(body, (0.0, 0.0, half))
+
+
+@dataclass(eq=False)
+class Bar(SlenderBar, Shape):
+    """Uniform round bar along its x axis, mass centre at the middle; ends ``start`` and ``end``.
+
+    Without a radius it is slender, ``m l²/12`` across and nothing about its own axis: then joints
+    must hold that turn, or it has to be given one.
+
+    Parameters
+    ----------
+    length : [m]
+    radius : [m]
+    """
+
+    length: Scalar = quantity("m", "length along x", above=0.0, keyword=True)
+    radius: Scalar = quantity("m", "radius; 0 if slender", default=0.0, minimum=0.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.density is not None and self.radius.sx.is_zero():
+            raise ModelError("density= needs a radius; or give mass=", self.name)
+        self.add_ends()
+
+    def volume(self) -> ca.SX:
+        return math.pi * self.radius.sx**2 * self.length.sx
+
+    def gyration(self) -> ca.SX:
+        axial = self.radius.sx**2 / 2
+        across = axial / 2 + self.slender_inertia(ca.SX(1))
+        return moments(axial, across, across)
+
+    def look(self) -> list[Look]:
+        if self.radius.sx.is_zero():
+            return super().look()
+        return [Drum(self.start, self.end, self.radius.sx)]
