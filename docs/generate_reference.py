@@ -56,6 +56,7 @@ HOLDS: dict[object, str] = {
     int: "whole number",
     bool: "true or false",
     str: "text",
+    Path: "path beside the model file",
     BodyElement: "name of a body",
     Constraint: "name of a joint",
     Rows: "list",

@@ -100,7 +100,7 @@ def test_a_file_of_the_plane_may_hold_elements_of_space(read, sign):
         (PLANAR.replace("Q = [1, 2]", "Q = [1, 2, 3]"), "expected 2 entries"),
         ("dimension = 3" + SPATIAL.replace("P = [1, 2, 3]", "P = [1, 2]"), "expected 3 entries"),
         ("dimension = 3" + SPATIAL.replace("[1, 2, 2]", "[1, 2]"), "expected 3 or 6 entries"),
-        (PLANAR.replace("spatial.Body", "spatial.Bar"), "unknown type 'spatial.Bar'"),
+        (PLANAR.replace("spatial.Body", "spatial.Rod"), "unknown type 'spatial.Rod'"),
         ("[bodies.a]\ntype = 'Body'\nframes = {}", "bodies.a.frames: unknown key"),
     ],
 )

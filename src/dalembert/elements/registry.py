@@ -85,7 +85,16 @@ SPATIAL = Space(
     "spatial",
     3,
     {
-        "bodies": named(spatial.Body, spatial.Particle),
+        "bodies": named(
+            spatial.Body,
+            spatial.Particle,
+            spatial.Bar,
+            spatial.Box,
+            spatial.Cylinder,
+            spatial.Sphere,
+            spatial.Capsule,
+            spatial.Mesh,
+        ),
         "joints": named(
             spatial.Spherical,
             spatial.Revolute,

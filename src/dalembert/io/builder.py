@@ -151,6 +151,7 @@ class Builder:
             Curve: lambda: self.shapes.curve(given, where),
             ForceLaw: lambda: self.force_law(given, scope),
             Constraint: lambda: self.references.joint(given),
+            Path: lambda: self.source.parent / given,
             **dict.fromkeys(
                 (BodyElement, Point, Frame), lambda: self.references.end(field.holds, given)
             ),

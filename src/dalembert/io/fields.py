@@ -12,6 +12,7 @@ import types
 import typing
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -55,9 +56,9 @@ ATTACHED = (BodyElement, Point, Frame, Node, Nodes)
 KNOWN: dict[Any, Any] = {
     kind: kind
     for kind in (
-        *(bool, int, float, str, Rows, Points, Names, Interval, Measured, Events, CountOrTimes),
+        *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
         *(Constraint, Law, Laws, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
-        *(Frames, Orientation),
+        *(Frames, Orientation, CountOrTimes),
         *(Coordinates, Formulation, Stabilization, Integrator),
     )
 } | {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, Field, create_model
@@ -111,7 +112,7 @@ def _connection(ties: list[FileField], dimension: int) -> Any:
 
 VALUES: dict[Any, Any] = {
     **dict.fromkeys((Quantity, ForceLaw, Measured), Entry),
-    **dict.fromkeys((str, Event, StructuralResult, BodyElement, Constraint), Text),
+    **dict.fromkeys((str, Path, Event, StructuralResult, BodyElement, Constraint), Text),
     float: Number,
     int: Integer,
     bool: Flag,
