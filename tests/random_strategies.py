@@ -20,7 +20,7 @@ COORDINATES = (
 LEVELS = (da.Dae(index=2), da.Dae(index=2, stabilized=True), da.Dae(index=1))
 EVERY_FORMULATION = (*FORMULATIONS.values(), *SOFT.values(), *LEVELS)
 STEP, STEPS = 0.01, 10
-EQUATIONS = ("Φ", "Ψ", "C v̇ − ξ", "M v̇ − f")
+EQUATIONS = ("Φ", "Ψ", "C v̇ − ξ", "C v̇ − ξ as fed back", "M v̇ − f")
 EXACT, NEARLY = 1e-6, 0.1
 """Of the size of the terms: where a level is held, and where it is so nearly only."""
 
@@ -81,23 +81,43 @@ def judged(seed: int, tries: int = 20) -> Judged:
 
 def faults(m: Mechanism, motion) -> list[str]:
     """What the twin says against a motion."""
-    found, a = [], motion.analysis
+    found, s = [], motion.trajectory
+    table = [terms_of(m, motion, k) for k in range(s.t.size)]
+    for n, (name, limit) in enumerate(zip(EQUATIONS, limits(motion), strict=True)):
+        residuals, sizes = (np.array([row[n][part] for row in table]) for part in (0, 1))
+        if limit == NEARLY:
+            sizes = sizes_of_what_moves(motion, sizes, n)
+        shares = np.abs(residuals) / (sizes if limit == NEARLY else 1 + sizes)
+        shares = np.where(np.isfinite(shares), shares, np.inf).max(axis=1, initial=0.0)
+        k = int(np.argmax(shares))
+        if not shares[k] <= limit:
+            found.append(f"{name} open by {shares[k]:.2g} at {s.t[k]:g} s")
+    return found + energy_faults(m, motion)
+
+
+def limits(motion) -> tuple[float, ...]:
+    """How far positions, speeds, accelerations, those as fed back, and forces may be open."""
+    a, made = motion.analysis, motion.model.diagnosis.redundancies
     projected = isinstance(a.stabilization, da.Projection)
     soft = isinstance(a.formulation, da.Penalty)
     fed_back = isinstance(a.stabilization, da.Baumgarte)
-    redundant = bool(motion.model.diagnosis.redundancies) and not projected
-    exactness = (
-        EXACT if projected else NEARLY,
-        EXACT if projected else NEARLY,
-        NEARLY if soft or fed_back or redundant else 1e2 * EXACT,
-        EXACT,
-    )
-    s = motion.trajectory
-    for k, t in enumerate(s.t):
-        shares = open_shares(m, t, s.y[:, k], s.v[:, k], s.a[:, k], s.multiplier[:, k])
-        for name, share, limit in zip(EQUATIONS, shares, exactness, strict=True):
-            if not share <= limit:
-                found.append(f"{name} open by {share:.2g} at {t:g} s")
+    redundant = bool(made) and not projected
+    drifts = EXACT if projected else NEARLY
+    sharp = NEARLY if soft or redundant else 1e2 * EXACT
+    return drifts, drifts, NEARLY if fed_back else sharp, sharp, EXACT
+
+
+def sizes_of_what_moves(motion, sizes: np.ndarray, level: int) -> np.ndarray:
+    """Of a constraint that drifts: lengths, and the largest term of any constraint at any time."""
+    scales = motion.model.scales
+    if not level or not sizes.size:
+        return scales.rows
+    least = 1e-3 * scales.time ** -min(level, 2)
+    return scales.rows * max((sizes / scales.rows).max(), least)
+
+
+def energy_faults(m: Mechanism, motion) -> list[str]:
+    found, s = [], motion.trajectory
     energy = np.array([m.kinetic(v) + m.potential(y) for y, v in zip(s.y.T, s.v.T, strict=True)])
     told = motion.values("kinetic_energy") + motion.values("potential_energy")
     if not np.allclose(energy, told, rtol=1e-9, atol=1e-9):
@@ -110,28 +130,23 @@ def faults(m: Mechanism, motion) -> list[str]:
     return found
 
 
-def open_shares(m: Mechanism, t: float, y, v, a, multiplier) -> tuple[float, ...]:
-    """Residuals of positions, speeds, accelerations and forces, over the size of their terms."""
-    jacobian = complex_step(lambda x: m.constraints(x, t), y)
-    if not jacobian.size:
-        jacobian = np.zeros((0, y.size))
+def terms_of(m: Mechanism, motion, k: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Residuals of positions, speeds, accelerations, those as fed back, and forces; their terms."""
+    s, feedback = motion.trajectory, motion.analysis.stabilization.feedback or (0.0, 0.0)
+    t, y, v, a, multiplier = s.t[k], s.y[:, k], s.v[:, k], s.a[:, k], s.multiplier[:, k]
+    jacobian = complex_step(lambda x: m.constraints(x, t), y).reshape(multiplier.size, y.size)
+    size = np.abs(jacobian)
     positions = m.constraints(y, t)
-    speeds = rate(lambda s: m.constraints(y + s * v, t + s))
+    speeds = rate(lambda s: m.constraints(y + s * v, t + s)) + np.zeros(multiplier.size)
     way = 2e-3 / (1 + np.abs(v).max(initial=0.0))  # differences see fast motions, too
-    accelerations = second_rate(lambda s: m.constraints(y + s * v + s**2 / 2 * a, t + s), way)
-    force, pull = m.forces(y, v, t), jacobian.T @ multiplier
-    push = np.array(m.masses) * a
-    return (
-        largest(positions, 1.0),
-        largest(speeds, 1 + np.abs(jacobian) @ np.abs(v)),
-        largest(accelerations, 1 + np.abs(jacobian) @ np.abs(a) + np.abs(v).max() ** 2),
-        largest(
-            push - force + pull,
-            1 + np.abs(push) + np.abs(force) + np.abs(jacobian.T) @ np.abs(multiplier),
-        ),
-    )
-
-
-def largest(residual: np.ndarray, terms) -> float:
-    shares = np.abs(residual) / terms
-    return float(np.max(np.where(np.isfinite(shares), shares, np.inf), initial=0.0))
+    xi = -second_rate(lambda s: m.constraints(y + s * v, t + s), way)
+    accelerations = jacobian @ a - xi
+    drawn = size @ np.abs(a) + np.abs(xi)
+    force, pull, push = m.forces(y, v, t), jacobian.T @ multiplier, m.inertia * a
+    return [
+        (positions, np.zeros(multiplier.size)),
+        (speeds, size @ np.abs(v)),
+        (accelerations, drawn),
+        (accelerations + feedback[0] * speeds + feedback[1] * positions, drawn),
+        (push - force + pull, np.abs(push) + np.abs(force) + size.T @ np.abs(multiplier)),
+    ]

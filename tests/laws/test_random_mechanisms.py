@@ -19,8 +19,10 @@ from twins import cross
 
 import dalembert as da
 from dalembert import planar
+from dalembert.elements.base import Constraint, ForceElement
 
-MECHANISMS, PARTS = int(os.environ.get("DALEMBERT_RANDOM_MECHANISMS", "240")), 8
+MECHANISMS, PARTS = int(os.environ.get("DALEMBERT_RANDOM_MECHANISMS", "1000")), 20
+EQUATIONS_OR_FORCES = (Constraint, ForceElement)
 GRAVITY = (0.3, -9.81)
 counts = st.integers(2, 5)
 seeds = st.integers(0, 10_000)
@@ -144,6 +146,12 @@ def test_what_is_completed_is_right(part):
         assert found.verdict == "completed" or found.message, str(found)
         verdicts[found.verdict] += 1
     assert verdicts["completed"] > 0.85 * verdicts.total(), verdicts
+
+
+def test_every_joint_and_force_takes_part():
+    seen = {kind for seed in range(60) for kind in random_mechanism(seed)[1].kinds}
+    elements = {n for n in planar.__all__ if issubclass(getattr(planar, n), EQUATIONS_OR_FORCES)}
+    assert elements == seen
 
 
 @pytest.mark.parametrize(

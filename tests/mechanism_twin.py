@@ -1,0 +1,163 @@
+"""A planar mechanism under construction, and its mechanics in plain NumPy.
+
+Every element added notes its twin: joints and drivers their residual, springs and stops their
+energy, everything else the coordinate it works along and its force. A twin takes the frames of the
+bodies and the time and may be complex, so all derivatives are taken by the complex step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from twins import Frame, complex_step, turn
+
+import dalembert as da
+from dalembert import planar
+
+GROUND = Frame(np.zeros(3))
+
+
+def direction_of(rng: np.random.Generator) -> np.ndarray:
+    return direction_at(rng.uniform(-np.pi, np.pi))
+
+
+def direction_at(angle: float) -> np.ndarray:
+    return np.array([np.cos(angle), np.sin(angle)])
+
+
+@dataclass
+class MechanismTwin:
+    """A system, the poses of its bodies, and what its elements are by hand.
+
+    Attributes
+    ----------
+    poses : name → (x, y, φ) of every body
+    bodies : in the order of their coordinates; the twin of all that is noted below takes a
+        dictionary of their frames and the time
+    contacts : parameters of curves, coordinates that follow those of the bodies
+    masses : per coordinate of the bodies
+    residuals : per equation set, in the order of the model
+    energies : potential energies
+    loads : (coordinate, force along it), the force of (frames, rate of the coordinate, t)
+    """
+
+    rng: np.random.Generator
+    system: da.System
+    gravity: np.ndarray
+    poses: dict[str, np.ndarray] = field(default_factory=dict)
+    bodies: dict[str, planar.Body] = field(default_factory=dict)
+    contacts: list[str] = field(default_factory=list)
+    masses: list[float] = field(default_factory=list)
+    residuals: list[Callable] = field(default_factory=list)
+    energies: list[Callable] = field(default_factory=list)
+    loads: list[tuple[Callable, Callable]] = field(default_factory=list)
+    kinds: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.poses["ground"] = np.zeros(3)
+        self.bodies["ground"] = self.system.ground
+
+    # bodies ----------------------------------------------------------------------------
+    def body(self, pose=None, massless: bool = False) -> str:
+        rng, name = self.rng, f"b{len(self.bodies) - 1}"
+        pose = np.append(rng.uniform(-1, 1, 2), rng.uniform(-3, 3)) if pose is None else pose
+        mass, inertia = (0.0, 0.0) if massless else (rng.uniform(0.5, 2), rng.uniform(0.05, 0.5))
+        speeds = {} if massless else {"angular_velocity": rng.uniform(-1, 1)}
+        if not massless:
+            speeds["velocity"] = tuple(rng.uniform(-1, 1, 2))
+        made = planar.Body(
+            name, mass=mass, inertia=inertia, position=tuple(pose[:2]), angle=pose[2], **speeds
+        )
+        self._grow(name, made, np.asarray(pose), [mass, mass, inertia])
+        return name
+
+    def particle(self) -> str:
+        rng, name = self.rng, f"b{len(self.bodies) - 1}"
+        pose, mass = rng.uniform(-1, 1, 2), rng.uniform(0.5, 2)
+        made = planar.Particle(
+            name, mass=mass, position=tuple(pose), velocity=tuple(rng.uniform(-1, 1, 2))
+        )
+        self._grow(name, made, np.append(pose, 0.0), [mass, mass])
+        return name
+
+    def _grow(self, name: str, made: planar.Body, pose: np.ndarray, masses: list[float]) -> None:
+        self.bodies[name] = self.system.add(made)
+        self.poses[name] = pose
+        self.masses += masses
+
+    def turns(self, name: str) -> bool:
+        return not isinstance(self.bodies[name], planar.Particle)
+
+    # places ----------------------------------------------------------------------------
+    def local(self, name: str, place) -> np.ndarray:
+        pose = self.poses[name]
+        return turn(-pose[2], np.asarray(place) - pose[:2])
+
+    def point(self, name: str, place) -> tuple[planar.Point, Callable]:
+        """Point of a body at a place, and its twin."""
+        body, local = self.bodies[name], self.local(name, place)
+        if not self.turns(name):
+            return body.center, lambda f: f[name].r
+        return body.point(*local), lambda f: f[name].at(local)
+
+    def place(self) -> np.ndarray:
+        return self.rng.uniform(-1, 1, 2)
+
+    def at(self, name: str) -> np.ndarray:
+        """Some place of a body; the only one of a particle."""
+        return self.place() if self.turns(name) else self.poses[name][:2]
+
+    def axis(self, i: str, a, b) -> np.ndarray:
+        """The direction from a to b, in the frame of a body."""
+        along = turn(-self.poses[i][2], np.subtract(b, a))
+        return along / np.linalg.norm(along)
+
+    def turned(self, i: str, j: str) -> float:
+        """Angle of body j relative to i."""
+        return self.poses[j][2] - self.poses[i][2]
+
+    def add(self, kind: type, *given, **more):
+        """An element of a kind, with a name of its own."""
+        self.kinds.append(kind.__name__)
+        return self.system.add(kind(f"{kind.__name__}{len(self.kinds)}", *given, **more))
+
+    # twin ------------------------------------------------------------------------------
+    def frames(self, y: np.ndarray) -> dict[str, Frame]:
+        """Of all bodies; and the parameters of curves."""
+        found, k = {"ground": GROUND}, 0
+        for name in self.bodies:
+            if name != "ground":
+                n = 3 if self.turns(name) else 2
+                found[name] = Frame(y[k : k + n])
+                k += n
+        return found | dict(zip(self.contacts, y[k:], strict=True))
+
+    def constraints(self, y: np.ndarray, t) -> np.ndarray:
+        f = self.frames(y)
+        return np.concatenate([np.atleast_1d(r(f, t)) for r in self.residuals] or [np.zeros(0)])
+
+    def potential(self, y: np.ndarray):
+        f, k, weight = self.frames(y), 0, 0.0
+        for name in self.bodies:
+            if name != "ground":
+                weight = weight - self.masses[k] * (self.gravity @ f[name].r)
+                k += 3 if self.turns(name) else 2
+        return weight + sum(energy(f) for energy in self.energies)
+
+    @property
+    def inertia(self) -> np.ndarray:
+        """Per coordinate; those of contacts have none."""
+        return np.array(self.masses + [0.0] * len(self.contacts))
+
+    def kinetic(self, v: np.ndarray) -> float:
+        return float(self.inertia @ v**2 / 2)
+
+    def forces(self, y: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
+        """All but constraint forces: −∂V/∂y, and loads along their coordinates."""
+        total = -complex_step(lambda x: np.atleast_1d(self.potential(x)), y)[0]
+        for along, load in self.loads:
+            slope = complex_step(lambda x, along=along: along(self.frames(x)), y)[0]
+            total += load(self.frames(y), slope @ v, t) * slope
+        return total
