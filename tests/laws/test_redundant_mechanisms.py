@@ -83,3 +83,23 @@ def test_gradients_pass_through_a_change_of_equations():
     assert motion["bar.angle"].values[-1] - 0.4 == pytest.approx(turned, rel=1e-8)
     expected = [-0.7 * 2.0**2 / inertia / 0.5, 2.0**2 / (2 * inertia)]
     np.testing.assert_allclose(direct, expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("coordinates", [da.AbsoluteCoordinates(), da.JointCoordinates()])
+def test_what_moves_twice_must_move_alike(coordinates):
+    """Two formulas of time hold one coordinate: at one speed that is a redundancy, else refused."""
+    for rate, alike in ((0.7, True), (0.5, False)):
+        system = da.System("moved twice")
+        body = system.add(planar.Body("b", mass=1.0, inertia=0.1, position=(0.3, 0.0)))
+        system.add(planar.UserConstraint("first", body.x - 0.3 - 0.7 * da.t))
+        system.add(planar.UserConstraint("second", 2 * (body.x - 0.3 - rate * da.t)))
+        if alike:
+            model = system.build()
+            assert [r.joint for r in model.diagnosis.redundancies] == ["second"]
+            motion = da.solve_dynamics(model, 0.1, step=0.01, coordinates=coordinates)
+            assert motion.status.success
+        else:
+            with pytest.raises(
+                da.ModelError, match=r"second: .* another speed than first.*0\.4 m/s"
+            ):
+                system.build()

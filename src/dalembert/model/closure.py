@@ -26,6 +26,7 @@ from dalembert.model.regularity import (
     Definedness,
     Owners,
     generic_rows,
+    refuse_contradiction,
     refuse_over_driving,
 )
 from dalembert.symbolic import newton
@@ -136,6 +137,19 @@ class Closure:
         self._anchor = p.copy(), self._hold_positions(y, p)
         self._hold_speeds(strict)
         self.start = self.assemble(p)
+        left_out = sorted(set(range(len(self.owners))) - set(self.generic))
+        if left_out and ca.depends_on(e.constraints, e.t):
+            self._refuse_contradiction(left_out)
+
+    def _refuse_contradiction(self, left_out: list[int]) -> None:
+        """What is left out as redundant must move as what it follows from."""
+        e, start = self.all_equations, self.start
+        psi = ca.Function("speeds", [e.t, e.y, e.v, e.p], [e.velocity_constraints[left_out]])
+        open_by = np.abs(psi(0.0, start.y, start.v, self.nominal).full().ravel())
+        shares = open_by * self.scales.time / self.scales.rows[left_out]
+        worst = int(np.argmax(shares))
+        if not shares[worst] <= INCONSISTENT:
+            refuse_contradiction(self.owners, self.independence, left_out[worst], open_by[worst])
 
     def _projected(self) -> np.ndarray:
         """The guesses, moved onto all constraints."""

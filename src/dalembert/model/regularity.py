@@ -12,7 +12,7 @@ from dalembert.model.absolute import at_ground
 from dalembert.model.assembly import Assembler
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
-from dalembert.model.independence import columns_of, independent_rows
+from dalembert.model.independence import Echelon, columns_of, independent_rows
 from dalembert.symbolic.expression import free_symbols, stack, t
 
 Owners = list[tuple[Constraint, int]]
@@ -20,6 +20,8 @@ Owners = list[tuple[Constraint, int]]
 NEARBY = (1e-2, 1e-3)
 """Largest changes, in natural units, by which a motion leaves a singular position."""
 CLEARLY_INDEPENDENT = 1e-7
+SHARED = 1e-9
+"""Share of an equation in another, from which on it is told."""
 
 
 def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
@@ -38,6 +40,25 @@ def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
                 "(over-driven mechanism); remove this driver or another one",
                 constraint.name,
             )
+
+
+def refuse_contradiction(owners: Owners, independence: Echelon, row: int, open_by: float) -> None:
+    """A row that depends on others prescribes another speed than they do.
+
+    Raises
+    ------
+    ModelError
+        Always; names its constraint and those it contradicts.
+    """
+    weights, (constraint, component) = independence.kernel({row: -1.0}), owners[row]
+    others = (owners[k][0] for k in independence.pivots if abs(weights[k]) > SHARED)
+    names = dict.fromkeys(other.name for other in others if other is not constraint)
+    raise ModelError(
+        f"prescribes another speed than {', '.join(names)}, which determine the same coordinate "
+        f"(by {open_by:.3g} {constraint.units()[component]}/s at the start): over-driven "
+        "mechanism; remove one of them, or let them move alike",
+        constraint.name,
+    )
 
 
 def generic_rows(
