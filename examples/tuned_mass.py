@@ -76,7 +76,7 @@ def main(folder=None) -> dict[str, float]:
         draw(folder, bare, motion, sweep)
     at = int(np.argmin(abs(STIFFNESSES - motion.parameters[0])))
     h = 1e-4 * STIFFNESSES[at]
-    around = [swept(model, STIFFNESSES[at] + side * h)[0, 1] for side in (-1, 1)]
+    around = [rms(model, STIFFNESSES[at] + side * h) for side in (-1, 1)]
     return {
         "without": without[0],
         "with": values[0],
@@ -90,6 +90,12 @@ def swept(model, stiffness: float) -> np.ndarray:
     motion, responses = run(model, stiffness=stiffness)
     slopes = da.sensitivity(motion, responses, ["stiffness"], "adjoint").values[:, 0]
     return np.array([[da.evaluate(motion, r) for r in responses], slopes])
+
+
+def rms(model, stiffness: float) -> float:
+    """Root mean square of the sway at a stiffness of the spring [m]."""
+    motion, responses = run(model, stiffness=stiffness)
+    return da.evaluate(motion, responses[1])
 
 
 def draw(folder, bare, motion, sweep) -> None:
