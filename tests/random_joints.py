@@ -25,7 +25,7 @@ class JointTwin(MechanismTwin):
     def revolute(self, i: str, j: str, place) -> None:
         made = self.join(planar.Revolute, i, j, lambda f, p, q: q - p, place, place)
         if self.turns(i) and self.turns(j):
-            self.rub(made, {"angle": lambda f: f[j].phi - f[i].phi})
+            self.work_in(made, {"angle": lambda f: f[j].phi - f[i].phi})
 
     def weld(self, i: str, j: str, place) -> None:
         angle = self.turned(i, j)
@@ -44,7 +44,7 @@ class JointTwin(MechanismTwin):
             return np.array([offset, f[j].phi - f[i].phi - angle])
 
         made = self.join(planar.Translational, i, j, residual, a, b, axis=tuple(axis), angle=angle)
-        self.rub(made, {"displacement": self._travel(i, j, a, b, axis)})
+        self.work_in(made, {"displacement": self._travel(i, j, a, b, axis)})
 
     def slot(self, i: str, j: str, a, b) -> None:
         axis = self.axis(i, a, b)
@@ -54,17 +54,23 @@ class JointTwin(MechanismTwin):
 
         made = self.join(planar.PinInSlot, i, j, residual, a, b, axis=tuple(axis))
         free = {"displacement": self._travel(i, j, a, b, axis)}
-        self.rub(made, free | {"angle": lambda f: f[j].phi - f[i].phi})
+        self.work_in(made, free | {"angle": lambda f: f[j].phi - f[i].phi})
 
     def _travel(self, i: str, j: str, a, b, axis) -> Callable:
         (_, at_p), (_, at_q) = self.point(i, a), self.point(j, b)
         return lambda f: f[i].vector(axis) @ (at_q(f) - at_p(f))
 
-    def rub(self, joint: Constraint, free: dict[str, Callable]) -> None:
-        """Friction in a free motion of a joint, of some of them."""
-        if self.rng.random() < 0.85:
+    def work_in(self, joint: Constraint, free: dict[str, Callable]) -> None:
+        """Friction or an actuator in a free motion of a joint, of some of them."""
+        chance = self.rng.random()
+        if chance < 0.78:
             return
         motion = str(self.rng.choice(list(free)))
+        if chance < 0.85:
+            push = self.rng.uniform(-2, 2)
+            self.add(planar.JointActuator, joint, push * cos(5 * da.t), motion=motion)
+            self.loads.append((free[motion], lambda f, rate, t: push * np.cos(5 * t)))
+            return
         dry, viscous, at = self.rng.uniform((0.1, 0.0, 0.2), (1.0, 0.3, 1.0))
         values = {"coulomb": dry, "viscous": viscous, "transition": at}
         self.add(planar.JointFriction, joint, motion=motion, **values)
