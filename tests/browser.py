@@ -15,8 +15,12 @@ import pytest
 
 ARGS = (
     "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
-    "--disable-background-networking --disable-component-update --disable-sync"
+    "--disable-background-networking --disable-component-update --disable-sync "
+    "--use-angle=swiftshader --enable-unsafe-swiftshader"
 ).split()
+
+DRIVER = "GL Driver Message"
+"""In what the machine's graphics driver says of itself, as when pixels are read back."""
 
 
 def _missing(what: str) -> None:
@@ -60,8 +64,11 @@ class Visit:
         """Return how many colours a canvas shows: one means blank."""
         return self.js(
             f"""(() => {{
-                const canvas = document.querySelector({selector!r});
+                const shown = document.querySelector({selector!r});
+                const canvas = Object.assign(document.createElement("canvas"),
+                    {{ width: shown.width, height: shown.height }});
                 const ctx = canvas.getContext("2d");
+                ctx.drawImage(shown, 0, 0);
                 const data = ctx.getImageData(0, 0, canvas.width, canvas.height).data;
                 return new Set(new Uint32Array(data.buffer)).size;
             }})()"""
@@ -98,9 +105,14 @@ def visit(
     viewport: tuple[int, int] = (1440, 900),
     scheme: str = "light",
     still: bool = True,
+    before: str = "",
     **more: Any,
 ) -> Iterator[Visit]:
-    """Open a file; ``still`` asks for reduced motion, so that nothing plays by itself."""
+    """Open a file.
+
+    ``still`` asks for reduced motion, so that nothing plays by itself; the script ``before`` runs
+    ahead of the page's.
+    """
     context = browser.new_context(
         viewport={"width": viewport[0], "height": viewport[1]},
         color_scheme=scheme,
@@ -109,6 +121,7 @@ def visit(
     )
     try:
         page = context.new_page()
+        page.add_init_script(before)
         url = path.resolve().as_uri()
         found = Visit(page)
         page.on(
@@ -119,7 +132,7 @@ def visit(
                 else found.requests.append(r.url)
             ),
         )
-        page.on("console", lambda m: found.console.append(m.text))
+        page.on("console", lambda m: DRIVER in m.text or found.console.append(m.text))
         page.on("pageerror", lambda e: found.console.append(str(e)))
         page.goto(url)
         found.until("window.dalembert !== undefined")

@@ -15,8 +15,10 @@ from dalembert import planar
 from dalembert.elements import look, registry
 from dalembert.elements.base import Look
 from dalembert.elements.point import Point
+from dalembert.results.planar_sketch import PlanarSketch
 from dalembert.results.scene import motion_scene
 from dalembert.results.sketch import Sketch
+from dalembert.results.spatial_sketch import SpatialSketch
 
 ELEMENTS = {n: c for table in registry.PLANAR.sections.values() for n, c in table.items()}
 UNSEEN = {planar.Body, planar.UserConstraint, planar.JointFriction}
@@ -24,6 +26,8 @@ UNSEEN = {planar.Body, planar.UserConstraint, planar.JointFriction}
 PRIMITIVES = {c for _, c in inspect.getmembers(look, inspect.isclass) if issubclass(c, Look)}
 SPATIAL = {look.Socket}
 """Primitives that no planar element has."""
+FLAT = {look.Arrow, look.Twist, look.Limit}
+"""Arrows that move by themselves, and walls, which space does not show."""
 PARTS = {look.Segment, look.Ball, look.Disc, look.Block, look.Rail, look.Path}
 ABSTRACT = {Look, look.Link, look.Rotary}
 
@@ -71,8 +75,23 @@ def test_pages_draw_every_primitive():
     names = {one or other for one, other in drawn} | {"mark"}  # a mark of no special kind
     wanted = PRIMITIVES - ABSTRACT - PARTS - SPATIAL
     assert {kind.__name__.lower() for kind in wanted} <= names
-    dispatch = vars(Sketch)["draw"].dispatcher.dispatch
-    assert all(dispatch(kind) is not dispatch(Look) for kind in PRIMITIVES - {Look})
+    assert undrawn(PlanarSketch) == set()
+
+
+def test_pages_of_space_draw_every_primitive():
+    """By the tables of solids, where there is one of its name; the rest are shapes and loads."""
+    assets = resources.files("dalembert.report") / "assets"
+    text = "".join((assets / name).read_text() for name in ("space_symbols.js", "solids.js"))
+    drawn = set(re.findall(r"^  (\w+): \(", text, re.M))
+    wanted = PRIMITIVES - ABSTRACT - PARTS - FLAT
+    assert {kind.__name__.lower() for kind in wanted} <= drawn
+    assert undrawn(SpatialSketch) == set()
+
+
+def undrawn(sketch: type[Sketch]) -> set[type]:
+    """Primitives for which a sketch has no drawing."""
+    tables = [vars(kind)["draw"].dispatcher.dispatch for kind in (sketch, Sketch)]
+    return {k for k in PRIMITIVES - {Look} if all(d(k) is d(Look) for d in tables)}
 
 
 def test_places_are_points_whatever_their_dimension():

@@ -24,18 +24,36 @@ from dalembert.text import visible
 __all__ = ["as_json", "render_page", "write_page"]
 
 #: The scripts of each kind of page, in the order in which they are joined into one scope.
+_FRAME = ("player.js", "plots.js", "picker.js", "panels.js", "page.js")
 SCRIPTS = {
     "mechanism": (
         "util.js",
+        "timeline.js",
+        "hull.js",
         "motion.js",
-        "player.js",
         "symbols.js",
         "looks.js",
         "scene.js",
-        "plots.js",
-        "picker.js",
-        "panels.js",
-        "page.js",
+        "plane.js",
+        *_FRAME,
+    ),
+    "spatial": (
+        "vendor/three.js",
+        "util.js",
+        "timeline.js",
+        "symbols.js",
+        "hull.js",
+        "space_motion.js",
+        "solids.js",
+        "space_symbols.js",
+        "space_view.js",
+        "space_wires.js",
+        "space_trace.js",
+        "space_overlay.js",
+        "space_scene.js",
+        "space_tools.js",
+        "space.js",
+        *_FRAME,
     ),
     "structure": (
         "util.js",

@@ -14,7 +14,7 @@ from dalembert.model.absolute import at_ground
 from dalembert.model.assembly_failure import OpenPosition
 from dalembert.report.page import write_page
 from dalembert.results.page_parts import diagnosis, parameter_rows
-from dalembert.results.scene import motion_scene
+from dalembert.results.scene import is_spatial, motion_scene
 from dalembert.symbolic.expression import Expression, stack, t
 
 GUESS, BEST = np.array([0]), np.array([1])
@@ -42,8 +42,9 @@ def open_payload(error: AssemblyError) -> dict[str, Any]:
     drawn: Any = _Drawn(found)
     scene = motion_scene(drawn, BEST, loads=False)
     guess = motion_scene(drawn, GUESS, loads=False)["bodies"]
+    still = ("name", "shapes")
     scene["ghosts"] = [
-        {"shapes": b["shapes"], **{key: b[key][0] for key in ("x", "y", "angle")}} for b in guess
+        {"shapes": b["shapes"], **{key: b[key][0] for key in b if key not in still}} for b in guess
     ]
     if found.ends is not None:
         start, end = found.ends.tolist()
@@ -53,6 +54,7 @@ def open_payload(error: AssemblyError) -> dict[str, Any]:
     items = [("stays open", found.joint), ("gap", found.gap), ("loop", loop)]
     return {
         "format": 1,
+        "kind": "spatial" if is_spatial(found.parts) else "mechanism",
         "title": found.parts.name,
         "subtitle": "cannot be assembled: the best position, and faint where it was given",
         "time": [found.time],
@@ -82,15 +84,25 @@ class _Drawn:
             forces=d.forces,
             equations=SimpleNamespace(p=self._p),
         )
-        places = [self.values(body.position) for body in d.bodies]
-        angles = [self.values(body.angle) for body in d.bodies]
-        self.data = xr.Dataset(
-            {
-                "position": (("time", "body", "axis"), np.stack(places, axis=1)),
-                "angle": (("time", "body"), np.stack(angles, axis=1)),
-            },
-            {"body": [body.name for body in d.bodies]},
-        )
+        width = 3 if is_spatial(d) else 2
+        sizes = {
+            "position": (width, "axis"),
+            "euler_parameters": (4, "component"),
+            "angle": (1, ""),
+        }
+        self.data = xr.Dataset(coords={"body": [body.name for body in d.bodies]})
+        for name, (size, along) in sizes.items():
+            rows = [self.column(getattr(body, name, None), size) for body in d.bodies]
+            dims = ("time", "body", along) if along else ("time", "body")
+            self.data[name] = (dims, np.stack(rows, axis=1))
+
+    def column(self, measure: Expression | None, size: int) -> np.ndarray:
+        """(2,) or (2, size), zero where a body of the plane has less, else not a number."""
+        table = np.full((2, size), np.nan)
+        if measure is not None:
+            found = self.values(measure).reshape(2, -1)
+            table[:] = np.pad(found, ((0, 0), (0, size - found.shape[1])))
+        return table if size > 1 else table[:, 0]
 
     def columns(self, measures: list[Expression]) -> list[np.ndarray]:
         """``values`` of several measures."""

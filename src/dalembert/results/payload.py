@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.results.labelled import DATA_ONLY, LabelledRecording
 from dalembert.results.page_parts import diagnosis, parameter_rows, statistics
-from dalembert.results.scene import motion_scene
+from dalembert.results.scene import is_spatial, motion_scene
 
 MAX_FRAMES = 4000
 
@@ -37,6 +37,7 @@ def report_payload(
     wanted = [list(group) for group in plots] if plots else None
     payload = {
         "format": 1,
+        "kind": "spatial" if is_spatial(motion.model) else "mechanism",
         "title": motion.model.name,
         "subtitle": _subtitle(motion),
         "time": motion.time[keep].tolist() if count else [],
@@ -76,20 +77,24 @@ def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]
         if not np.all(np.isnan(values)):
             found.append({"name": name, "unit": unit, "group": group, "values": values})
 
+    def put_all(owner: str, quantity: str, variable: str, group: str, **where: Any) -> None:
+        """One of a scalar, one for each axis of a vector."""
+        axes = data[variable].coords.get("axis", [None]) if variable in data else ()
+        for axis in np.asarray(axes):
+            along = where | ({} if axis is None else {"axis": axis})
+            put(f"{owner}.{quantity.format(axis or '')}".rstrip("."), variable, group, **along)
+
     for body in data["body"].values:
-        for group, rows in BODY_SERIES.items():
-            for quantity, variable, axis in rows:
-                where = {"body": body} | ({"axis": axis} if axis else {})
-                put(f"{body}.{quantity}", variable, group, **where)
+        for quantity, variable, group in BODY_SERIES:
+            put_all(body, quantity, variable, group, body=body)
     for point in data["point"].values if "point" in data.coords else ():
-        for quantity, variable, axis in POINT_SERIES:
-            put(f"{point}.{quantity}", variable, "points", point=point, axis=axis)
+        for quantity, variable in POINT_SERIES:
+            put_all(point, quantity, variable, "points", point=point)
     for joint in data["joint"].values if "joint" in data.coords else ():
-        put(f"{joint}.force.x", "reaction_force", "reactions", joint=joint, axis="x")
-        put(f"{joint}.force.y", "reaction_force", "reactions", joint=joint, axis="y")
+        put_all(joint, "force.{}", "reaction_force", "reactions", joint=joint)
         force = data["reaction_force"].sel(joint=joint).values[keep]
         add(f"{joint}.force_norm", "N", "reactions", np.linalg.norm(force, axis=1))
-        put(f"{joint}.moment", "reaction_moment", "reactions", joint=joint)
+        put_all(joint, "moment.{}", "reaction_moment", "reactions", joint=joint)
     for driver in data["driver"].values if "driver" in data.coords else ():
         put(f"{driver}.effort", "driver_effort", "drivers", driver=driver)
         put(f"{driver}.power", "driver_power", "drivers", driver=driver)
@@ -133,27 +138,16 @@ def _asked(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, 
     }
 
 
-BODY_SERIES = {
-    "position": [("x", "position", "x"), ("y", "position", "y"), ("angle", "angle", None)],
-    "velocity": [
-        ("vx", "velocity", "x"),
-        ("vy", "velocity", "y"),
-        ("angular_velocity", "angular_velocity", None),
-    ],
-    "acceleration": [
-        ("ax", "acceleration", "x"),
-        ("ay", "acceleration", "y"),
-        ("angular_acceleration", "angular_acceleration", None),
-    ],
-}
-POINT_SERIES = [
-    ("x", "point_position", "x"),
-    ("y", "point_position", "y"),
-    ("vx", "point_velocity", "x"),
-    ("vy", "point_velocity", "y"),
-    ("ax", "point_acceleration", "x"),
-    ("ay", "point_acceleration", "y"),
-]
+BODY_SERIES = (
+    ("{}", "position", "position"),
+    ("angle", "angle", "position"),
+    ("v{}", "velocity", "velocity"),
+    ("angular_velocity.{}", "angular_velocity", "velocity"),
+    ("a{}", "acceleration", "acceleration"),
+    ("angular_acceleration.{}", "angular_acceleration", "acceleration"),
+)
+"""Name of a quantity, with the axis if it is a vector; its variable; its group."""
+POINT_SERIES = (("{}", "point_position"), ("v{}", "point_velocity"), ("a{}", "point_acceleration"))
 ENERGIES = (
     "kinetic_energy",
     "potential_energy",
@@ -166,10 +160,11 @@ ENERGIES = (
 
 def _default_plots(motion: LabelledRecording, names: set[str]) -> list[list[str]]:
     diagnosis = motion.model.diagnosis
-    rotating = [b.name for b in motion.model.bodies if b.rotates]
-    angles = [f"{b}.angle" for b in rotating[:4] if f"{b}.angle" in names]
-    if not angles:
-        angles = [f"{b}.{c}" for b in diagnosis.bodies[:2] for c in "xy"]
+    angles = [f"{b.name}.angle" for b in motion.model.bodies]
+    turning = [f"{b}.angular_velocity.{axis}" for b in diagnosis.bodies[:1] for axis in "xyz"]
+    places = [f"{b}.{c}" for b in diagnosis.bodies[:2] for c in "xyz"]
+    choices = ([n for n in some if n in names][:4] for some in (angles, turning, places))
+    angles = next((some for some in choices if some), [])
     plots = [angles]
     efforts = [f"{d}.effort" for d in diagnosis.drivers if f"{d}.effort" in names]
     reactions = [f"{j}.force_norm" for j in diagnosis.joints[:4] if f"{j}.force_norm" in names]

@@ -1,4 +1,7 @@
-"""The primitives of a mechanism in the plane, each as plain data with where and how it moves."""
+"""The primitives of a mechanism, each as plain data with where and how it moves.
+
+Here are those that look alike in the plane and in space.
+"""
 
 from __future__ import annotations
 
@@ -10,24 +13,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Look
-from dalembert.elements.look import (
-    Arrow,
-    Ball,
-    Belt,
-    Block,
-    Disc,
-    Limit,
-    Link,
-    Mark,
-    Mesh,
-    Path,
-    Rail,
-    Rotary,
-    Segment,
-    Travel,
-    Twist,
-)
-from dalembert.elements.point import Point
+from dalembert.elements.body import BodyElement
+from dalembert.elements.look import Arrow, Ball, Link, Path, Rail, Segment, Twist
+from dalembert.elements.point import AXES, Point
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pivots import Pivots
 from dalembert.symbolic.expression import Expression
@@ -53,6 +41,7 @@ class Sketch:
     """
 
     size = 1.0
+    dimension: int
 
     def __init__(self, motion: LabelledRecording, keep: np.ndarray, loads: bool):
         self.motion, self.model, self.keep, self.loads = motion, motion.model, keep, loads
@@ -73,13 +62,25 @@ class Sketch:
         return np.asarray(value(self.motion.parameters).full()).ravel()
 
     def size_of(self, sx: ca.SX) -> float:
+        """A formula of parameters with one value."""
         return float(self.number(sx)[0])
 
+    def widened(self, sx: ca.SX) -> ca.SX:
+        """A vector of the plane in as many components as the drawing has."""
+        return ca.vertcat(sx, ca.SX.zeros(max(0, self.dimension - sx.numel())))
+
     def local(self, point: Point) -> list[float]:
-        return self.number(point.local.sx).tolist()
+        """Coordinates of a point in its body."""
+        return self.number(self.widened(point.local.sx)).tolist()
 
     def place(self, point: Point) -> Place:
+        """A point, as pages read it."""
         return {"body": point.body.name, "point": self.local(point)}
+
+    def components(self, name: str, vector: ca.SX) -> tuple[str, ...]:
+        """Names of a vector's columns; in the plane a moment has only one."""
+        axes = AXES[: vector.numel()]
+        return tuple(f"{name}_{axis}" for axis in axes) if len(axes) > 1 else (name,)
 
     def fill_in(self) -> None:
         """Columns of what moves by itself, all in one pass over the states."""
@@ -93,7 +94,8 @@ class Sketch:
     # primitives ------------------------------------------------------------------------
     @singledispatchmethod
     def draw(self, look: Look, element: Any) -> None:
-        raise NotImplementedError(f"{type(look).__name__} has no drawing in the plane")
+        """Note what a primitive of an element needs to be drawn."""
+        raise NotImplementedError(f"{type(look).__name__} has no drawing")
 
     @draw.register
     def _(self, look: Segment, element: Any) -> None:
@@ -106,24 +108,11 @@ class Sketch:
         self.shapes[look.point.body.name].append(shape)
 
     @draw.register
-    def _(self, look: Disc, element: Any) -> None:
-        shape = {"center": self.local(look.point), "radius": self.size_of(look.radius)}
-        self.shapes[look.point.body.name].append({"kind": "disc", **shape})
-
-    @draw.register
-    def _(self, look: Block, element: Any) -> None:
-        x, y = self.number(look.direction)
-        wide = 0.12 * self.size
-        shape: dict[str, Any] = {"kind": "block", "center": self.local(look.point)}
-        shape |= {"width": wide, "height": 0.6 * wide, "angle": float(np.arctan2(y, x))}
-        self.shapes[look.point.body.name].append(shape)
-
-    @draw.register
     def _(self, look: Rail, element: Any) -> None:
         travel = self.motion.values(Expression(look.travel))[self.keep]
         travel = travel[np.isfinite(travel)]
         low, high = (float(travel.min()), float(travel.max())) if travel.size else (0.0, 0.0)
-        margin, axis = 0.12 * self.size, self.number(look.direction)
+        margin, axis = 0.12 * self.size, self.number(self.widened(look.direction))
         axis, origin = axis / np.linalg.norm(axis), np.array(self.local(look.point))
         ends = [(origin + s * axis).tolist() for s in (low - margin, high + margin)]
         shape = {"kind": "line", "from": ends[0], "to": ends[1]}
@@ -132,7 +121,8 @@ class Sketch:
     @draw.register
     def _(self, look: Path, element: Any) -> None:
         u = ca.SX.sym("u")
-        place = ca.Function("path", [u, self.parameters], [look.position(u)])
+        where = self.widened(look.position(u))
+        place = ca.Function("path", [u, self.parameters], [where])
         samples = np.linspace(*look.interval, CURVE_SAMPLES)[None, :]
         parameters = np.tile(self.motion.parameters[:, None], CURVE_SAMPLES)
         points = place.map(CURVE_SAMPLES)(samples, parameters).full().T.tolist()
@@ -140,88 +130,30 @@ class Sketch:
         self.shapes[look.body.name].append(shape)
 
     @draw.register
-    def _(self, look: Mark, element: Any) -> None:
-        point, base = look.point, look.base
-        bodies = [point.body.name, base.body.name if isinstance(base, Point) else base.name]
-        if bodies[0] == "ground" and isinstance(base, Point):
-            point = base
-        described = _named(look, element) | self.place(point) | {"grounded": "ground" in bodies}
-        self.joints.append(described | self.reaction(element))
-
-    @draw.register
-    def _(self, look: Mesh, element: Any) -> None:
-        described = _named(look, element) | self.place(look.point) | self.reaction(element)
-        described["mesh"] = [
-            self.place(p) | {"radius": self.size_of(r)}
-            for p, r in ((look.point, look.radius), (look.base, look.base_radius))
-            if isinstance(p, Point)
-        ]
-        self.joints.append(described | {"grounded": False, "internal": look.internal})
-
-    @draw.register
     def _(self, look: Link, element: Any) -> None:
         ends = {"i": self.place(look.point_i), "j": self.place(look.point_j)}
-        self.links.append(_named(look, element) | ends)
-
-    @draw.register
-    def _(self, look: Rotary, element: Any) -> None:
-        pivot = self.pivots.between(look.body_i, look.body_j)
-        ends = [b.name if b is not None else "ground" for b in (look.body_i, look.body_j)]
-        described = _named(look, element) | self.place(pivot) | dict(zip("ij", ends, strict=True))
-        self.symbols.append(described)
-
-    @draw.register
-    def _(self, look: Belt, element: Any) -> None:
-        pivots = [self.pivots.between(look.carrier, b) for b in (look.body_i, look.body_j)]
-        ratio, (p, q) = self.size_of(look.ratio), [self.start(pivot) for pivot in pivots]
-        unit = 0.3 * float(np.hypot(*(q - p))) / (abs(ratio) + 1)
-        wheels = [
-            self.place(pivot) | {"radius": unit * turns}
-            for pivot, turns in zip(pivots, (abs(ratio), 1.0), strict=True)
-        ]
-        described = _named(look, element) | {"wheels": wheels, "crossed": ratio < 0}
-        self.symbols.append(described)
-        self.joints.append(described | wheels[1] | {"grounded": False} | self.reaction(element))
-
-    @draw.register
-    def _(self, look: Travel, element: Any) -> None:
-        on = look.body.name if look.body is not None else "ground"
-        described = _named(look, element) | self.place(look.point)
-        self.symbols.append(described | {"on": on, "axis": self.number(look.direction).tolist()})
-
-    @draw.register
-    def _(self, look: Limit, element: Any) -> None:
-        blocks = [(name, s) for name, shapes in self.shapes.items() for s in shapes]
-        reach = {name: s["width"] / 2 for name, s in blocks if s["kind"] == "block"}
-        found = self.pivots.wall(look, self.model.bodies, reach)
-        if found is not None and self.loads:
-            self.symbols.append(_named(look, element))
-            self.later.append((self.symbols[-1], ("x", "y", "normal_x", "normal_y"), found))
+        self.links.append(named(look, element) | ends)
 
     @draw.register
     def _(self, look: Arrow, element: Any) -> None:
-        if self.loads:
-            self.symbols.append(_named(look, element) | self.place(look.point))
-            self.later.append((self.symbols[-1], ("force_x", "force_y"), look.force))
+        self.load("force", self.widened(look.force), named(look, element) | self.place(look.point))
 
     @draw.register
     def _(self, look: Twist, element: Any) -> None:
+        pivot = self.pivots.between(None, look.body)
+        self.load("moment", self.moment(look.moment), named(look, element) | self.place(pivot))
+
+    def load(self, name: str, vector: ca.SX, described: Place) -> None:
+        """An applied force or moment, over time."""
         if self.loads:
-            pivot = self.pivots.between(None, look.body)
-            self.symbols.append(_named(look, element) | self.place(pivot))
-            self.later.append((self.symbols[-1], ("moment",), look.moment))
+            self.symbols.append(described)
+            self.later.append((described, self.components(name, vector), vector))
 
-    def start(self, point: Point) -> np.ndarray:
-        """Where a point is at the first instant."""
-        local = np.array(self.local(point))
-        if point.body.name == "ground":
-            return local
-        at = self.data.sel(body=point.body.name)
-        (x, y), angle = at["position"].values[self.keep[0]], at["angle"].values[self.keep[0]]
-        c, s = np.cos(angle), np.sin(angle)
-        return np.array([x, y]) + np.array([[c, -s], [s, c]]) @ local
+    def moment(self, sx: ca.SX) -> ca.SX:
+        """A moment, about as many axes as the drawing has to turn about."""
+        return sx
 
-    def reaction(self, joint: Any) -> dict:
+    def reaction(self, joint: Any) -> dict[str, list[float]]:
         """Columns of the force and moment that the joint bears."""
         if "joint" not in self.data.coords or joint.name not in self.data["joint"].values:
             return {}
@@ -231,11 +163,19 @@ class Sketch:
             return {}
         lever = 1e-9 * self.size * np.nanmax(np.abs(force))
         moment = np.where(np.abs(moment) > lever, moment, 0.0)
-        columns = {"force_x": force[:, 0], "force_y": force[:, 1], "moment": moment}
-        return {name: column.tolist() for name, column in columns.items()}
+        found: dict[str, list[float]] = {}
+        for name, table in (("force", force), ("moment", moment.reshape(len(self.keep), -1))):
+            columns = self.components(name, ca.SX(table.shape[1], 1))
+            found |= dict(zip(columns, table.T.tolist(), strict=True))
+        return found
 
 
-def _named(look: Look, element: Any) -> dict[str, Any]:
+def named(look: Look, element: Any) -> dict[str, Any]:
     """Name of the element, what it is in words, and the symbol of the primitive."""
     what = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(element).__name__).lower()
     return {"name": element.name, "what": what, "symbol": type(look).__name__.lower()}
+
+
+def ends_of(point: Point, base: Point | BodyElement) -> tuple[str, str]:
+    """Names of the bodies that a mark stands on."""
+    return point.body.name, base.body.name if isinstance(base, Point) else base.name

@@ -1,24 +1,13 @@
-// The data of the report in typed columns, and what they say at any time.
+// A motion in the plane: poses of bodies, and what they carry.
 
-class Motion {
+class Motion extends Timeline {
   constructor(payload) {
+    super(payload);
     const scene = payload.scene || {};
-    this.title = String(payload.title || "mechanism");
-    this.time = Float64Array.from(list(payload.time), (t, i, all) => (isNum(t) ? t : NaN)).filter((t) => !Number.isNaN(t));
-    this.n = this.time.length;
-    this.start = this.n ? this.time[0] : 0;
-    this.end = this.n ? this.time[this.n - 1] : 0;
-    this.span = this.end - this.start;
-    this.moves = this.n > 1 && this.span > 0;
-
-    this.bodies = list(scene.bodies).map((body, index) => ({
-      name: String(body.name ?? `body ${index + 1}`), index,
-      x: floats(body.x, this.n), y: floats(body.y, this.n), a: floats(body.angle, this.n),
-      shapes: readShapes(body.shapes),
+    this.setBodies(scene.bodies, (body) => ({
+      x: floats(body.x, this.n), y: floats(body.y, this.n), a: floats(body.angle, this.n), shapes: readShapes(body.shapes),
     }));
-    for (const body of this.bodies) body.label = body.name.length > 28 ? `${body.name.slice(0, 27)}…` : body.name;
-    this.byName = new Map(this.bodies.map((body) => [body.name, body]));
-    this.ground = { name: "ground", fixed: true, shapes: readShapes((scene.ground || {}).shapes) };
+    this.ground.shapes = readShapes((scene.ground || {}).shapes);
     this.gravity = scene.gravity && Math.hypot(...xy(scene.gravity)) > 0 ? xy(scene.gravity) : null;
 
     this.joints = list(scene.joints).filter((j) => this.has(j.body)).map((j) => ({
@@ -50,49 +39,12 @@ class Motion {
       return { pose: { x, y, a, c: Math.cos(a), s: Math.sin(a) }, shapes: readShapes(ghost.shapes) };
     });
     this.gaps = list(scene.gaps).map((gap) => ({ from: xy(gap.from), to: xy(gap.to), text: String(gap.text ?? "") }));
-    this.asked = Array.isArray(payload.trace) ? payload.trace.map(String) : null;
-    this.series = list(payload.series).map((s) => ({
-      name: String(s.name ?? ""), unit: unitOf(s), group: String(s.group || "other"), values: floats(s.values, this.n),
-    }));
-    this.seriesByName = new Map(this.series.map((s) => [s.name, s]));
-    this.events = list(payload.events).filter((e) => isNum(e.time)).map((e) => ({ name: String(e.name ?? "event"), time: e.time }));
     this.still = { x: 0, y: 0, c: 1, s: 0, a: 0 };
-    this.setTime(this.start);
   }
 
-  setTime(t) {
-    this.now = t;
-    this.cursor = this.locate(t);
-  }
-
-  told(item) { return { name: String(item.name ?? ""), what: String(item.what ?? item.symbol ?? ""), symbol: String(item.symbol ?? "") }; }
   wheels(given) {
     return list(given).filter((w) => this.has(w.body)).map((w) => ({ body: this.find(w.body), point: xy(w.point), radius: Math.abs(w.radius) || 0 }));
   }
-  has(name) { return name === "ground" || this.byName.has(String(name)); }
-  find(name) { return this.byName.get(String(name)) || this.ground; }
-
-  // The frame at or before t, and how far it is to the next one.
-  locate(t) {
-    let lo = 0, hi = this.n - 1;
-    if (hi < 1) return { i: 0, f: 0 };
-    while (hi - lo > 1) {
-      const mid = (lo + hi) >> 1;
-      if (this.time[mid] <= t) lo = mid; else hi = mid;
-    }
-    const step = this.time[hi] - this.time[lo];
-    return { i: lo, f: step > 0 ? clamp((t - this.time[lo]) / step, 0, 1) : 0 };
-  }
-
-  // Linear between two frames; next to a gap, the nearer frame has the word.
-  sample(column, { i, f }) {
-    const a = column[i];
-    if (f === 0 || i + 1 >= column.length) return a;
-    const b = column[i + 1];
-    if (a !== a || b !== b) return f < 0.5 ? a : b;
-    return a + (b - a) * f;
-  }
-
   pose(body, cursor = this.cursor) {
     if (body.fixed) return this.still;
     const x = this.sample(body.x, cursor), y = this.sample(body.y, cursor), a = this.sample(body.a, cursor);
@@ -104,20 +56,6 @@ class Motion {
   at(body, point, cursor = this.cursor) {
     const pose = this.pose(body, cursor);
     return pose && toWorld(pose, point);
-  }
-
-  // The way of a point over the whole motion, thinned to some 2000 points.
-  path(body, point) {
-    const stride = Math.max(1, Math.ceil(this.n / 2000));
-    const out = [];
-    for (let i = 0; i < this.n; i += stride) out.push({ t: this.time[i], p: this.at(body, point, { i, f: 0 }) });
-    if (this.n && (this.n - 1) % stride) out.push({ t: this.end, p: this.at(body, point, { i: this.n - 1, f: 0 }) });
-    return out;
-  }
-
-  frames(most) {
-    const count = Math.min(this.n, most);
-    return Array.from({ length: count }, (_, k) => ({ i: count > 1 ? Math.round((k * (this.n - 1)) / (count - 1)) : 0, f: 0 }));
   }
 
   // The box which the whole motion fills.
@@ -197,8 +135,6 @@ function outline(shape) {
   }
 }
 
-const cross = (o, a, b) => (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
-
 // A plate whose edges cross each other is drawn as the hull of its points.
 function untangle(points) {
   const n = points.length;
@@ -211,17 +147,4 @@ function untangle(points) {
     }
   }
   return points;
-}
-
-function hull(points) {
-  const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
-  const half = (order) => {
-    const chain = [];
-    for (const p of order) {
-      while (chain.length > 1 && cross(chain.at(-2), chain.at(-1), p) <= 0) chain.pop();
-      chain.push(p);
-    }
-    return chain.slice(0, -1);
-  };
-  return [...half(sorted), ...half(sorted.reverse())];
 }

@@ -6,9 +6,9 @@ byId("subtitle").textContent = payload.subtitle || "";
 byId("subtitle").hidden = !payload.subtitle;
 
 Theme.read();
-const motion = new Motion(payload);
+const motion = readMotion(payload);
 const player = new Player(motion);
-const scene = new Scene(motion, byId("scene"), byId("tip"));
+const scene = drawScene(motion);
 const picker = new Picker(byId("picker"), motion);
 const board = motion.moves && motion.series.length ? new Board(byId("board"), motion, player, picker) : null;
 
@@ -23,16 +23,18 @@ function buildToolbar() {
     toggles.unshift(toggleButton("Reactions", false, show("forces"), { id: "reactions", title: "Reaction forces and moments at the joints" }));
     toggles[0].prepend(legend);
   }
-  byId("toolbar").append(el("div", { class: "chips" }, toggles));
+  const chips = el("div", { class: "chips" }, toggles);
+  byId("toolbar").append(chips);
+  moreTools(scene, chips);
   if (!motion.points.length || !motion.moves) return;
-  const chips = motion.points.map((point) => {
+  const traces = motion.points.map((point) => {
     const swatch = el("i", { class: "swatch" });
     point.swatch = swatch;
     const chip = toggleButton(swatch, point.traced, (on) => { point.traced = on; scene.invalidate(); }, { class: "chip trace", title: `Trace ${point.name}` });
     chip.append(el("span", {}, point.name));
     return chip;
   });
-  byId("toolbar").append(el("div", { class: "chips traces", role: "group", "aria-label": "Traced points" }, el("span", { class: "caption" }, "Trace"), chips));
+  byId("toolbar").append(el("div", { class: "chips traces", role: "group", "aria-label": "Traced points" }, el("span", { class: "caption" }, "Trace"), traces));
 }
 
 function buildFrame() {
@@ -44,7 +46,7 @@ function buildFrame() {
     iconButton("theme", "Light or dark", () => setTheme(Theme.name === "dark" ? "light" : "dark"), { id: "theme" }),
     iconButton("print", "Print", () => window.print()));
   byId("scene").setAttribute("aria-label",
-    `Drawing of ${motion.title}: ${motion.bodies.length} bodies, ${motion.joints.length} joints. Wheel zooms, drag pans.`);
+    `Drawing of ${motion.title}: ${motion.bodies.length} bodies, ${motion.joints.length} joints. ${scene.hint}`);
   const hints = motion.moves ? [["Space", "play"], ["← →", "step"], ["F", "fit"], ["+ −", "zoom"]] : [["F", "fit"], ["+ −", "zoom"]];
   byId("footer").append(
     el("span", {}, "Made with dalembert. Lengths in metres, forces in newtons, SI throughout."),

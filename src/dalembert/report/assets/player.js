@@ -155,7 +155,7 @@ function bindKeys(player, scene) {
       Home: () => player.seek(player.motion.start),
       End: () => player.seek(player.motion.end),
     };
-    const views = { "+": () => scene.zoom(1.25), "-": () => scene.zoom(0.8), 0: () => scene.fit(), f: () => scene.fit() };
+    const views = { "+": () => scene.zoom(1.25), "-": () => scene.zoom(0.8), 0: () => scene.fit(), f: () => scene.fit(), ...scene.keys };
     const action = (player.motion.moves && actions[event.key]) || views[event.key];
     if (!action) return;
     event.preventDefault();

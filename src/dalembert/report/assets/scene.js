@@ -15,7 +15,7 @@ class Scene {
     this.teeth = this.findTeeth();
     this.bundles = this.bundleLinks();
     this.scaleForces();
-    this.defaultTraces();
+    motion.chooseTraces(this.box.x1 - this.box.x0);
     this.bindPointer();
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
@@ -121,23 +121,6 @@ class Scene {
     }
   }
 
-  // The points asked for; else up to three moving ones; of many, the one with the longest way.
-  defaultTraces() {
-    for (const point of this.motion.points) {
-      point.way = this.motion.path(point.body, point.point);
-      point.length = 0;
-      let last = null;
-      for (const { p } of point.way) {
-        if (p && last) point.length += Math.hypot(p[0] - last[0], p[1] - last[1]);
-        last = p || last;
-      }
-    }
-    const moving = this.motion.points.filter((p) => p.length > 1e-6 * (this.box.x1 - this.box.x0));
-    const asked = this.motion.asked;
-    const chosen = asked ? this.motion.points.filter((p) => asked.includes(p.name)) : moving.length <= 3 ? moving : [...moving].sort((a, b) => b.length - a.length).slice(0, 1);
-    for (const point of chosen) point.traced = true;
-  }
-
   restyle() {
     const { ink, surface, muted } = Theme;
     this.colours = {
@@ -159,6 +142,8 @@ class Scene {
       width: 1.6,
     };
   }
+
+  get hint() { return "Wheel zooms, drag pans."; }
 
   // View ------------------------------------------------------------------
 

@@ -1,0 +1,35 @@
+// Controls that only a drawing in space has: directions of view, see-through, section, length of arrows.
+
+function buildSpaceTools(scene, toolbar) {
+  const [zoom, view] = [byId("zoom"), byId("view")];
+  const see = [["x", "along x (1)"], ["y", "along y (2)"], ["z", "along z (3)"]];
+  zoom.append(...see.map(([axis, what]) => el("button", { type: "button", class: "icon axis", id: `look-${axis}`, title: `Look ${what}`, "aria-label": `Look ${what}`, onclick: () => scene.look(axis) }, axis)),
+    el("button", { type: "button", class: "icon axis", id: "look-all", title: "Look from obliquely above (4)", "aria-label": "Look from obliquely above", onclick: () => scene.look(null) }, "3D"));
+  const box = sectionBox(scene);
+  view.append(box.node);
+  toolbar.append(
+    toggleButton("See-through", false, (on) => scene.setClear(on), { id: "clear", title: "Bodies let what is behind them be seen" }),
+    toggleButton("Section", false, (on) => box.show(on), { id: "section", title: "Cut the bodies open" }));
+  if (!scene.loaded.length) return;
+  const size = el("input", { type: "range", min: "-1", max: "1", step: "0.01", value: "0", id: "arrow-size", "aria-label": "Length of the arrows", title: "Length of the arrows",
+    oninput: () => { scene.size = 10 ** size.valueAsNumber; size.style.setProperty("--p", (size.valueAsNumber + 1) / 2); scene.invalidate(); } });
+  size.style.setProperty("--p", 0.5);
+  const row = el("label", { class: "chooser", hidden: true }, el("span", { class: "caption" }, "Arrows"), el("div", { class: "track short" }, size));
+  byId("reactions").addEventListener("click", () => { row.hidden = !scene.show.forces; });
+  toolbar.append(row);
+}
+
+// Where the section lies: along which axis, how far, which side is left out.
+function sectionBox(scene) {
+  const axis = el("select", { id: "section-axis", "aria-label": "Axis of the section" }, Object.keys(AXES).map((a) => el("option", { value: a }, a)));
+  const place = el("input", { type: "range", min: "-1", max: "1", step: "0.005", value: "0", id: "section-place", "aria-label": "Place of the section" });
+  const flip = toggleButton("Other side", false, () => update(), { id: "section-flip" });
+  const node = el("div", { class: "section-box", hidden: true }, el("span", { class: "caption" }, "Section along"), axis, el("div", { class: "track" }, place), flip);
+  const update = () => {
+    place.style.setProperty("--p", (place.valueAsNumber + 1) / 2);
+    scene.setSection(node.hidden ? null : axis.value, place.valueAsNumber, flip.getAttribute("aria-pressed") === "true");
+  };
+  axis.addEventListener("change", update);
+  place.addEventListener("input", update);
+  return { node, show: (on) => { node.hidden = !on; update(); } };
+}

@@ -1,0 +1,85 @@
+"""The drawing of a mechanism: its bodies, what ties them, and how they move."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dalembert.elements.point import Point
+from dalembert.results.labelled import LabelledRecording
+from dalembert.results.sketch import Sketch
+
+
+class Drawing:
+    """Collects what is drawn; how bodies lie and look is said for the plane and for space.
+
+    Parameters
+    ----------
+    motion : what is drawn
+    keep : instants
+    loads : applied forces and moments, and stops, are drawn too
+    """
+
+    kind: type[Sketch]
+
+    def __init__(self, motion: LabelledRecording, keep: np.ndarray, loads: bool):
+        self.model, self.keep, self.data = motion.model, keep, motion.data
+        self.sketch = self.kind(motion, keep, loads)
+        self.points: dict[str, list[tuple[float, ...]]] = {n: [] for n in self.sketch.shapes}
+
+    def build(self) -> dict[str, Any]:
+        """The scene of a page."""
+        sketch = self.sketch
+        self.collect_points()
+        self.size = sketch.size = self.extent()
+        for element in sketch.elements:
+            for look in element.look():
+                sketch.draw(look, element)
+        for body in self.model.bodies:
+            self.outline(body)
+        sketch.fill_in()
+        gravity = self.model.parts.gravity
+        return {
+            "gravity": None if gravity is None else sketch.number(gravity.sx).tolist(),
+            "bodies": [
+                {"name": b.name, **self.poses(b), "shapes": sketch.shapes[b.name]}
+                for b in self.model.bodies
+            ],
+            "ground": {"shapes": sketch.shapes["ground"]},
+            "joints": sketch.joints,
+            "links": sketch.links,
+            "symbols": sketch.symbols,
+            "points": [
+                {"name": p.name, **sketch.place(p)}
+                for b in self.model.bodies
+                for p in b.points.values()
+            ],
+        }
+
+    def poses(self, body: Any) -> dict[str, list[float]]:
+        """Columns of a body's pose."""
+        raise NotImplementedError
+
+    def outline(self, body: Any) -> None:
+        """Draw what a body looks like itself, or what its points suggest."""
+        raise NotImplementedError
+
+    def collect_points(self) -> None:
+        """Places on each body, named ones first."""
+        for body in self.model.bodies:
+            self.points[body.name] = [tuple(self.sketch.local(p)) for p in body.points.values()]
+        for element in self.sketch.elements:
+            for point in vars(element).values():
+                if isinstance(point, Point):
+                    spot = tuple(self.sketch.local(point))
+                    if spot not in self.points[point.body.name]:
+                        self.points[point.body.name].append(spot)
+
+    def extent(self) -> float:
+        """Size of the mechanism, for symbols without a size of their own."""
+        local = [np.linalg.norm(p) for points in self.points.values() for p in points]
+        position = self.data["position"].values[self.keep[:1]]
+        position = position.reshape(-1, position.shape[-1])
+        spread = np.ptp(position, axis=0).max() if position.size else 0.0
+        return float(max([spread, *local])) or 1.0

@@ -1,0 +1,88 @@
+"""Primitives as they stand in space.
+
+What has an axis shows the z axis of its frame; a point without axes of its own, that of its body.
+"""
+
+from __future__ import annotations
+
+from functools import singledispatchmethod
+from typing import Any
+
+import casadi as ca
+
+from dalembert.elements.base import Look
+from dalembert.elements.frame import Frame
+from dalembert.elements.look import Belt, Block, Disc, Limit, Mark, Mesh, Rotary, Travel
+from dalembert.elements.point import Point
+from dalembert.results.sketch import Place, Sketch, ends_of, named
+
+
+class SpatialSketch(Sketch):
+    """Solids and symbols about axes."""
+
+    dimension = 3
+
+    def seat(self, point: Point) -> Place:
+        """A point with an axis."""
+        axis = [0.0, 0.0, 1.0]
+        if isinstance(point, Frame):
+            axis = self.number(point.local_axes[:, 2]).tolist()
+        return self.place(point) | {"axis": axis}
+
+    # primitives ------------------------------------------------------------------------
+    @singledispatchmethod
+    def draw(self, look: Look, element: Any) -> None:
+        super().draw(look, element)
+
+    @draw.register
+    def _(self, look: Disc, element: Any) -> None:
+        seat = self.seat(look.point)
+        shape = {"center": seat["point"], "axis": seat["axis"], "radius": self.size_of(look.radius)}
+        self.shapes[look.point.body.name].append({"kind": "disc", **shape})
+
+    @draw.register
+    def _(self, look: Block, element: Any) -> None:
+        axis = self.number(self.widened(look.direction)).tolist()
+        shape = {"kind": "block", "center": self.local(look.point), "axis": axis}
+        self.shapes[look.point.body.name].append(shape)
+
+    @draw.register
+    def _(self, look: Mark, element: Any) -> None:
+        point, base = look.point, look.base
+        bodies = ends_of(point, base)
+        described = named(look, element) | self.seat(point) | {"grounded": "ground" in bodies}
+        if isinstance(base, Point):
+            described["base"] = self.seat(base)
+        if bodies[0] == "ground" and isinstance(base, Point):
+            described |= self.seat(base) | {"base": self.seat(point)}
+        self.joints.append(described | self.reaction(element))
+
+    @draw.register
+    def _(self, look: Mesh, element: Any) -> None:
+        described = named(look, element) | self.seat(look.point) | {"grounded": False}
+        self.joints.append(described | self.reaction(element))
+
+    @draw.register
+    def _(self, look: Rotary, element: Any) -> None:
+        pivot = self.pivots.between(look.body_i, look.body_j)
+        self.symbols.append(named(look, element) | self.seat(pivot))
+
+    @draw.register
+    def _(self, look: Belt, element: Any) -> None:
+        pivot = self.pivots.between(look.carrier, look.body_j)
+        described = named(look, element) | self.seat(pivot) | {"grounded": False}
+        self.joints.append(described | self.reaction(element))
+
+    @draw.register
+    def _(self, look: Travel, element: Any) -> None:
+        on = look.body.name if look.body is not None else "ground"
+        axis = self.number(self.widened(look.direction)).tolist()
+        described = named(look, element) | self.place(look.point)
+        self.symbols.append(described | {"on": on, "axis": axis})
+
+    @draw.register
+    def _(self, look: Limit, element: Any) -> None:
+        """Seen in what it does to its coordinate alone."""
+
+    def moment(self, sx: ca.SX) -> ca.SX:
+        return sx if sx.numel() == 3 else ca.vertcat(0, 0, sx)

@@ -1,0 +1,245 @@
+"""The page of a mechanism in space: what it draws, and how one looks at it."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import Visit, chromium, visit
+from scipy.spatial.transform import Rotation, Slerp
+
+import dalembert as da
+from dalembert import spatial
+from dalembert.elements.springs import Spring
+from dalembert.report.page import render_page
+
+TILT = 0.6
+SMALL = (1000, 560)
+"""Size of a window in which software draws fast."""
+
+
+@functools.cache
+def heavy_top() -> da.Motion:
+    """A disc on a stick whose foot stays where it is."""
+    system = da.System("heavy top", gravity=(0, 0, -9.81))
+    spin = 60 * np.array([0, -np.sin(TILT), np.cos(TILT)])
+    rotor = spatial.Body(
+        "rotor",
+        mass=15.0,
+        inertia=(0.23, 0.23, 0.46),
+        center_of_mass=(0, 0, 1),
+        points={"tip": (0, 0, 0), "head": (0, 0, 1.2)},
+        rotation=da.rotation.axis_angle((1, 0, 0), TILT),
+        angular_velocity=tuple(spin),
+    )
+    system.add(rotor)
+    system.add(spatial.Spherical("O", system.ground.point(0, 0, 0), rotor.point("tip")))
+    return da.solve_dynamics(system.build(), duration=1.0, step=0.01)
+
+
+@functools.cache
+def hinges() -> da.Motion:
+    """Three bars on hinges about two axes, the last on a spring."""
+    system = da.System("hinges", gravity=(0, 0, -9.81))
+    last, axes = system.ground.frame((0, 0, 0), axis=(0, 1, 0)), [(0, 1, 0), (0, 0, 1), (0, 1, 0)]
+    for k, axis in enumerate(axes):
+        shape = {"mass": 2.0, "inertia": (0.01, 0.08, 0.08), "position": (0.7 * k + 0.35, 0, 0)}
+        bar = system.add(spatial.Body(f"bar{k}", points={"end": (0.35, 0, 0)}, **shape))
+        system.add(spatial.Revolute("ABC"[k], last, bar.frame((-0.35, 0, 0), axis=axis)))
+        last = bar.frame((0.35, 0, 0), axis=axes[(k + 1) % 3])
+    post = system.ground.point(1.4, 0.6, -0.2)
+    tie = Spring("tie", post, bar.point("end"), stiffness=60, damping=1, free_length=0.5)
+    system.add(tie)
+    return da.solve_dynamics(system.build(), duration=0.6, step=0.01)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture
+def show(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """Open the page of a motion; in the end no request and no console line may have come."""
+    pages = []
+
+    def opened(motion: da.Motion, **options: Any) -> Visit:
+        page = motion.report(tmp_path / f"{len(pages)}.html")
+        manager = visit(browser, page, **{"viewport": SMALL, **options})
+        found = manager.__enter__()
+        pages.append((manager, found))
+        return found
+
+    yield opened
+    seen = [(found.requests, found.console) for _, found in pages]
+    for manager, _ in pages:
+        manager.__exit__(None, None, None)
+    assert seen == [([], [])] * len(seen)
+
+
+def matrices(found: Visit, time: float) -> dict[str, np.ndarray]:
+    """What the page draws at a time: placement of each body by its name."""
+    found.js(f"dalembert.player.seek({time!r})")
+    found.frames()
+    read = """[...dalembert.scene.groups].filter(([body]) => !body.fixed)
+        .map(([body, group]) => [body.name, (group.updateMatrix(), group.matrix.elements)])"""
+    return {name: np.reshape(m, (4, 4)).T for name, m in found.js(read)}
+
+
+def test_page_is_one_file_with_the_library_inside() -> None:
+    text = render_page(heavy_top().page())
+    assert "three.js authors, MIT licence" in text
+    assert len(text) < 1.5e6
+    assert len(render_page({"format": 1, "title": "plane", "time": [], "scene": {}})) < 2e5
+
+
+@pytest.mark.parametrize(
+    ("make", "viewport", "scheme"),
+    [(heavy_top, (1440, 900), "light"), (hinges, (390, 844), "dark")],
+)
+def test_draws(show: Any, make: Any, viewport: tuple[int, int], scheme: str) -> None:
+    found = show(make(), viewport=viewport, scheme=scheme)
+    assert found.ink("#scene") > 200
+    assert found.ink("#overlay") > 20
+    assert found.ink(".plot .base") > 5
+    assert found.js("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize("make", [heavy_top, hinges])
+def test_bodies_stand_where_the_data_say(show: Any, make: Any) -> None:
+    motion = make()
+    found = show(motion)
+    for k in (0, 17, motion.time.size - 1):
+        for name, drawn in matrices(found, float(motion.time[k])).items():
+            at = motion.data.isel(time=k).sel(body=name)
+            turn = Rotation.from_quat(at["euler_parameters"].values, scalar_first=True)
+            assert np.allclose(drawn[:3, 3], at["position"], atol=1e-6)
+            assert np.allclose(drawn[:3, :3], turn.as_matrix(), atol=1e-6)
+
+
+def test_between_frames_bodies_turn_about_one_axis(show: Any) -> None:
+    motion = heavy_top()
+    (drawn,) = matrices(show(motion), 0.2 + 0.01 * 0.3).values()
+    parameters = motion.data["euler_parameters"].values[20:22, 0]
+    turn = Slerp([0, 1], Rotation.from_quat(parameters, scalar_first=True))(0.3)
+    assert np.allclose(drawn[:3, :3], turn.as_matrix(), atol=1e-6)
+
+
+def test_turns_zooms_pans_and_fits(show: Any) -> None:
+    found = show(heavy_top())
+    state = """(({ camera: { position: eye }, controls: { target } }) =>
+        [eye.toArray(), target.toArray(), eye.distanceTo(target)])(dalembert.scene.view)"""
+    home, (x, y), mouse = found.js(state), (350, 250), found.page.mouse
+    mouse.move(x, y)
+    mouse.down()
+    mouse.move(x + 80, y + 30, steps=3)
+    mouse.up()
+    turned = found.js(state)
+    assert np.allclose(turned[1], home[1]) and not np.allclose(turned[0], home[0])
+    mouse.wheel(0, -400)
+    found.frames()
+    assert found.js(state)[2] < 0.95 * turned[2]
+    before = found.js(state)
+    mouse.down(button="right")
+    mouse.move(x, y, steps=3)
+    mouse.up(button="right")
+    assert not np.allclose(found.js(state)[1], before[1])
+    found.page.keyboard.press("4")
+    assert np.allclose(found.js(state)[0], home[0])
+
+
+def test_looks_along_the_axes(show: Any) -> None:
+    found = show(hinges())
+    for key, axis in {"1": (1, 0, 0), "2": (0, -1, 0), "3": (0, 0, 1)}.items():
+        found.page.keyboard.press(key)
+        way = found.js("""(({ camera, controls }) => camera.position.clone()
+            .sub(controls.target).normalize().toArray())(dalembert.scene.view)""")
+        assert np.allclose(way, axis, atol=1e-4)
+        title = found.page.get_attribute(f"#look-{'xyz'[int(key) - 1]}", "title")
+        assert title.endswith(f"({key})")
+
+
+def test_toggles_change_the_picture_and_back(show: Any) -> None:
+    found = show(hinges())
+    found.js("dalembert.player.seek(0.5)")
+    found.frames(3)
+    start = found.picture("#scene")
+    for control in ("#reactions", "#grid", "#clear", "#section", ".trace >> nth=2"):
+        for changed in (True, False):
+            found.page.click(control)
+            found.frames(3)
+            assert (found.picture("#scene") != start) is changed, control
+
+
+def test_arrows_are_as_long_as_asked_and_point_along_the_reaction(show: Any) -> None:
+    motion = heavy_top()
+    found = show(motion)
+    found.page.click("#reactions")
+    read = """dalembert.scene.arrows.map(({ shown: { group, heads } }) => {
+        group.updateMatrixWorld(); const e = group.matrixWorld.elements;
+        return [e[8], e[9], e[10], heads[0].position.z]; })"""
+    found.js("dalembert.player.seek(0.5)")
+    found.frames()
+    *way, length = found.js(read)[0]
+    force = motion["O.force"].values[50]
+    assert np.allclose(way, force / np.linalg.norm(force), atol=1e-5)
+    found.js("""(() => { const size = document.getElementById("arrow-size");
+        size.value = 0.5; size.dispatchEvent(new Event("input")); })()""")
+    found.frames()
+    assert found.js(read)[0][3] == pytest.approx(length * 10**0.5, rel=1e-3)
+
+
+def test_section_leaves_out_one_side(show: Any) -> None:
+    found = show(hinges())
+    found.page.click("#section")
+    found.page.select_option("#section-axis", "z")
+    plane = "[...dalembert.scene.cut.normal.toArray(), dalembert.scene.cut.constant]"
+    *normal, constant = found.js(plane)
+    assert normal == [0, 0, -1]
+    found.page.click("#section-flip")
+    assert found.js(plane) == [0, 0, 1, pytest.approx(-constant)]
+
+
+def test_tooltip_names_what_is_under_the_pointer(show: Any) -> None:
+    found = show(hinges())
+    box = found.page.locator("#scene").bounding_box()
+    for joint, text in ((0, "force"), (2, "revolute")):
+        found.js("dalembert.player.seek(0)")
+        at = found.js(f"""(() => {{ const {{ motion, scene: {{ view }} }} = dalembert;
+            const joint = motion.joints[{joint}], place = motion.at(joint.body, joint.point);
+            const p = view.screen(view.centre.clone().set(...place)); return [p.x, p.y]; }})()""")
+        found.page.mouse.move(box["x"] + at[0], box["y"] + at[1])
+        found.frames(3)
+        tip = found.page.inner_text("#tip")
+        assert tip.startswith("ABC"[joint]) and text in tip
+    found.page.mouse.move(box["x"] + 15, box["y"] + 90)
+    found.frames(3)
+    assert not found.page.is_visible("#tip")
+
+
+def test_without_webgl_lines_are_drawn(show: Any) -> None:
+    refuse = """const get = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+            return kind.startsWith("webgl") ? null : get.call(this, kind, ...more); };"""
+    found = show(hinges(), before=refuse)
+    assert found.ink("#scene") > 5
+    drawn = found.picture("#scene")
+    found.js("dalembert.player.seek(0.4)")
+    found.frames(3)
+    assert found.picture("#scene") != drawn
+
+
+def test_paper_is_light_and_sharp(show: Any) -> None:
+    found = show(heavy_top(), scheme="dark")
+    found.js("window.dispatchEvent(new Event('beforeprint'))")
+    assert found.js("document.documentElement.dataset.theme") == "light"
+    canvas = "(({ width, clientWidth }) => width / clientWidth)(document.getElementById('scene'))"
+    assert found.js(canvas) == pytest.approx(3, rel=0.01)
+    assert found.ink("#scene") > 200
+    found.js("window.dispatchEvent(new Event('afterprint'))")
+    assert found.js("document.documentElement.dataset.theme") == "dark"
