@@ -2,10 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import casadi as ca
 
 from dalembert.elements.base import Constraint, Coordinates, ForceElement, Powers, Rate
 from dalembert.errors import ModelError
+
+
+def free_motion(
+    joint: Any, free: Mapping[str, Any], motion: str | None, owner: str, what: str = "motion"
+) -> str:
+    """The motion meant, the first where none is named, of those that a joint leaves free.
+
+    Raises
+    ------
+    ModelError
+        It leaves none free, or not this one.
+    """
+    if not free:
+        given = f"{type(joint).__name__} {joint.name}" if isinstance(joint, Constraint) else joint
+        raise ModelError(f"joint must leave a {what} free; got {given!s}", owner)
+    if motion is not None and motion not in free:
+        raise ModelError(f"{joint.name} has no {what} {motion!r}; it has {', '.join(free)}", owner)
+    return motion or next(iter(free))
 
 
 class AlongJoint(ForceElement):
@@ -18,17 +39,7 @@ class AlongJoint(ForceElement):
     def __post_init__(self) -> None:
         super().__post_init__()
         free = self.joint.freedoms() if isinstance(self.joint, Constraint) else {}
-        if not free:
-            raise ModelError(
-                f"joint must leave a motion free, as a revolute does; got {self.joint!r}", self.name
-            )
-        if self.motion is None:
-            self.motion = next(iter(free))
-        if self.motion not in free:
-            raise ModelError(
-                f"{self.joint.name} has no motion {self.motion!r}; it has {', '.join(free)}",
-                self.name,
-            )
+        self.motion = free_motion(self.joint, free, self.motion, self.name)
         self.sliding, self.sliding_unit = free[self.motion]
 
     def effort(self, speed: ca.SX) -> ca.SX:

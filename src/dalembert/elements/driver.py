@@ -12,10 +12,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Constraint, Look, option
+from dalembert.elements.base import Constraint, Coordinates, Look, option
 from dalembert.elements.laws.base import GivenLaw, as_law
-from dalembert.elements.look import Cylinder
-from dalembert.elements.pair import PointJoint
+from dalembert.elements.look import Cylinder, Travel
+from dalembert.elements.pair import PointJoint, need_point
+from dalembert.elements.point import Point
+from dalembert.elements.rotation import unit
 from dalembert.symbolic.expression import t
 
 LEAST = float(np.finfo(float).tiny)
@@ -41,6 +43,10 @@ class Driver(Constraint):
 
     def residual(self) -> ca.SX:
         self.law = as_law(self.law, f"{self.name}.law")
+        return self.missed()
+
+    def missed(self) -> ca.SX:
+        """By how much the coordinate is off the law."""
         coordinate, value = self.compared()
         return coordinate - value
 
@@ -84,3 +90,24 @@ class DistanceDriver(Driver, PointJoint):
 
     def look(self) -> list[Look]:
         return [Cylinder(self.point_i, self.point_j)]
+
+
+class AlongDirection(Driver):
+    """Prescribes how far a point is along a direction in inertial axes."""
+
+    point: Point
+    direction: Any
+
+    def __post_init__(self) -> None:
+        self.point = need_point(self.point, self.name, "point")
+        super().__post_init__()
+
+    def coordinate(self) -> ca.SX:
+        along = unit(self.direction.sx, f"{self.name}.direction")
+        return ca.dot(along, self.point.position.sx)
+
+    def look(self) -> list[Look]:
+        return [Travel(self.point, None, self.direction.sx)]
+
+    def parts(self) -> list[Coordinates]:
+        return [self.point.body]

@@ -127,7 +127,7 @@ class Pair:
         rates = ca.vertcat(rate_of(self.equations, [body], t.sx), self.slip)
         power = -ca.dot(self.multiplier, rates)
         force, moment, origin = body.wrench(ca.gradient(power, body.twist))
-        return force, moment - moment_of(self.place() - origin, force)
+        return force, moment - moment_of(self.place()[: origin.numel()] - origin, force)
 
 
 @dataclass(eq=False)

@@ -107,7 +107,12 @@ SPATIAL = Space(
             spatial.RollingDisc,
             spatial.KnifeEdge,
         ),
-        "drivers": named(spatial.DistanceDriver),
+        "drivers": named(
+            spatial.RotationalDriver,
+            spatial.TranslationalDriver,
+            spatial.DistanceDriver,
+            spatial.CoordinateDriver,
+        ),
         "forces": named(
             spatial.Force,
             spatial.Torque,

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Look, Vector, option, quantity
-from dalembert.elements.driver import Driver
+from dalembert.elements.base import Look, Vector, option, quantity
+from dalembert.elements.driver import AlongDirection, Driver
 from dalembert.elements.laws.base import GivenLaw
 from dalembert.elements.look import Motor, Travel
-from dalembert.elements.pair import need_point
-from dalembert.elements.planar.body import Ground, unit_vector
+from dalembert.elements.planar.body import Ground
 from dalembert.elements.planar.joint import BodyJoint
 from dalembert.elements.planar.translational import SlidingJoint
 from dalembert.elements.point import Point
@@ -61,7 +60,7 @@ class TranslationalDriver(Driver, SlidingJoint):
 
 
 @dataclass(eq=False)
-class CoordinateDriver(Driver, Constraint):
+class CoordinateDriver(AlongDirection):
     """Prescribes a coordinate of a point, ``Φ = uᵀ r_P − f(t)``.
 
     Parameters
@@ -74,16 +73,3 @@ class CoordinateDriver(Driver, Constraint):
     point: Point
     law: GivenLaw = option("motion law")
     direction: Vector = quantity("", "direction in inertial axes", default=(1.0, 0.0), size=2)
-
-    def __post_init__(self) -> None:
-        self.point = need_point(self.point, self.name, "point")
-        super().__post_init__()
-
-    def coordinate(self) -> ca.SX:
-        return ca.dot(unit_vector(self.direction.sx, self.name), self.point.position.sx)
-
-    def look(self) -> list[Look]:
-        return [Travel(self.point, None, self.direction.sx)]
-
-    def parts(self) -> list[Coordinates]:
-        return [self.point.body]

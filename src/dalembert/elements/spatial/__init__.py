@@ -6,6 +6,11 @@ from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
 from dalembert.elements.spatial.body import Body, Particle
 from dalembert.elements.spatial.cylindrical import Cylindrical
+from dalembert.elements.spatial.drivers import (
+    CoordinateDriver,
+    RotationalDriver,
+    TranslationalDriver,
+)
 from dalembert.elements.spatial.knife_edge import KnifeEdge
 from dalembert.elements.spatial.loads import Force, Torque
 from dalembert.elements.spatial.mesh import Mesh
@@ -27,6 +32,7 @@ __all__ = [
     "Body",
     "Box",
     "Capsule",
+    "CoordinateDriver",
     "Cylinder",
     "Cylindrical",
     "DistanceDriver",
@@ -41,12 +47,14 @@ __all__ = [
     "Prismatic",
     "Revolute",
     "RollingDisc",
+    "RotationalDriver",
     "Screw",
     "Sphere",
     "Spherical",
     "Spring",
     "Stop",
     "Torque",
+    "TranslationalDriver",
     "Universal",
     "Weld",
 ]

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.base import Look
+from dalembert.elements.look import SlotPin
 from dalembert.elements.spatial.joint import FrameJoint
 from dalembert.elements.spatial.turn import Turn
 
@@ -17,14 +19,16 @@ class Cylindrical(FrameJoint):
     ``Φ = [x_iᵀ d; y_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
     """
 
+    slides = {"displacement": 2}
+
+    def look(self) -> list[Look]:
+        return [SlotPin(self.frame_j, self.frame_i)]
+
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[:2], self.tilt)
 
     def units(self) -> list[str]:
         return ["m", "m", "rad", "rad"]
-
-    def travels(self) -> dict[str, ca.SX]:
-        return {"displacement": self.travel[2]}
 
     def turns(self) -> dict[str, Turn]:
         return {"angle": self.turn}

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 
+from dalembert.elements.along_joint import free_motion
 from dalembert.elements.base import Constraint, Coordinates, Look
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
@@ -40,6 +41,18 @@ def need_frame(value: Any, owner: str, field: str) -> Frame:
     return value
 
 
+def turn_of(joint: Any, motion: str | None, owner: str) -> Turn:
+    """A turn that a joint leaves free, its first if none is named."""
+    free = joint.turns() if isinstance(joint, FrameJoint) else {}
+    return free[free_motion(joint, free, motion, owner, "turn")]
+
+
+def slide_of(joint: Any, motion: str | None, owner: str) -> int:
+    """The axis of a displacement that a joint leaves free, of its first if none is named."""
+    free = joint.slides if isinstance(joint, FrameJoint) else {}
+    return free[free_motion(joint, free, motion, owner, "displacement")]
+
+
 @dataclass(eq=False)
 class FrameJoint(Pair, Constraint):
     """Constraint between a frame of one body and a frame of another.
@@ -51,6 +64,8 @@ class FrameJoint(Pair, Constraint):
 
     frame_i: Frame
     frame_j: Frame
+    slides: ClassVar[dict[str, int]] = {}
+    """Displacements it leaves free, by name: which axis of the first frame they are along."""
 
     def __post_init__(self) -> None:
         self.frame_i = need_frame(self.frame_i, self.name, "frame_i")
@@ -111,10 +126,6 @@ class FrameJoint(Pair, Constraint):
         """The rotations it leaves free, by name."""
         return {}
 
-    def travels(self) -> dict[str, ca.SX]:
-        """The displacements it leaves free, by name [m]."""
-        return {}
-
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
-        slides = {name: (travel, "m") for name, travel in self.travels().items()}
-        return slides | {name: (turn.angle, "rad") for name, turn in self.turns().items()}
+        travels = {name: (self.travel[axis], "m") for name, axis in self.slides.items()}
+        return travels | {name: (turn.angle, "rad") for name, turn in self.turns().items()}

@@ -17,14 +17,13 @@ class Planar(FrameJoint):
     ``Φ = [z_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
     """
 
+    slides = {"displacement_x": 0, "displacement_y": 1}
+
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[2], self.tilt)
 
     def units(self) -> list[str]:
         return ["m", "rad", "rad"]
-
-    def travels(self) -> dict[str, ca.SX]:
-        return {"displacement_x": self.travel[0], "displacement_y": self.travel[1]}
 
     def turns(self) -> dict[str, Turn]:
         return {"angle": self.turn}

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.base import Look
+from dalembert.elements.look import Slider
 from dalembert.elements.spatial.fixed_turn import FixedTurn
 
 
@@ -18,11 +20,13 @@ class Prismatic(FixedTurn):
     initial poses.
     """
 
+    slides = {"displacement": 2}
+
+    def look(self) -> list[Look]:
+        return [Slider(self.frame_j, self.frame_i)]
+
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[:2], self.orientation)
 
     def units(self) -> list[str]:
         return ["m", "m", "rad", "rad", "rad"]
-
-    def travels(self) -> dict[str, ca.SX]:
-        return {"displacement": self.travel[2]}

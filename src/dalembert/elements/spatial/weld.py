@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.base import Look
+from dalembert.elements.look import Clamp
 from dalembert.elements.spatial.fixed_turn import FixedTurn
 
 
@@ -16,6 +18,9 @@ class Weld(FixedTurn):
     The turn is that of the x axes about z if both frames have one of their own, else that from the
     initial poses.
     """
+
+    def look(self) -> list[Look]:
+        return [Clamp(self.frame_j, self.frame_i)]
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.between, self.orientation)

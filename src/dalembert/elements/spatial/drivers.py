@@ -1,0 +1,114 @@
+"""Drivers in space: they move what a joint leaves free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Coordinates, Look, Vector, option, quantity
+from dalembert.elements.driver import AlongDirection, Driver
+from dalembert.elements.laws.base import GivenLaw
+from dalembert.elements.look import Motor, Travel
+from dalembert.elements.pair import Pair
+from dalembert.elements.point import Point
+from dalembert.elements.spatial.joint import FrameJoint, slide_of, turn_of
+from dalembert.elements.spatial.turn import Turn
+from dalembert.symbolic.expression import t
+
+
+class JointDriver(Driver, Pair):
+    """Prescribes a motion that a joint between frames leaves free."""
+
+    joint: FrameJoint
+    motion: str | None
+
+    def ends(self):
+        return self.joint.ends()
+
+    def parts(self) -> list[Coordinates]:
+        return self.joint.parts()
+
+    def place(self) -> ca.SX:
+        return self.joint.place()
+
+
+@dataclass(eq=False)
+class RotationalDriver(JointDriver):
+    """Prescribes a turn of a joint, ``Φ = angle − f(t)``, for any number of turns.
+
+    The angle is counted near the law, ``Φ = atan2(s cos f − c sin f, c cos f + s sin f)`` with its
+    cosine c and sine s, so that the measure ``coordinate`` goes on after a full turn.
+
+    Parameters
+    ----------
+    joint : joint between frames that leaves a turn free
+    law : Law, number or formula in t [rad]
+    motion : which turn, where the joint has several (``angle_i`` or ``angle_j``)
+    """
+
+    joint: FrameJoint
+    law: GivenLaw = option("motion law")
+    motion: str = option("which free motion, where there are several", default=None)
+
+    @property
+    def ahead(self) -> ca.SX:
+        """How far the turn is ahead of the law, less than half a turn."""
+        wanted = Turn.of(self.law.value(t.sx))
+        return turn_of(self.joint, self.motion, self.name).after(wanted).angle
+
+    def coordinate(self) -> ca.SX:
+        return self.law.value(t.sx) + self.ahead
+
+    def missed(self) -> ca.SX:
+        return self.ahead
+
+    def units(self) -> list[str]:
+        return ["rad"]
+
+    def look(self) -> list[Look]:
+        return [Motor(*self.ends())]
+
+
+@dataclass(eq=False)
+class TranslationalDriver(JointDriver):
+    """Prescribes a displacement of a joint, ``Φ = displacement − f(t)``.
+
+    Parameters
+    ----------
+    joint : joint between frames that leaves a displacement free
+    law : Law, number or formula in t [m]
+    motion : which displacement, where the joint has several (``displacement_x`` …)
+    """
+
+    joint: FrameJoint
+    law: GivenLaw = option("motion law")
+    motion: str = option("which free motion, where there are several", default=None)
+
+    @property
+    def along(self) -> int:
+        """Axis of the first frame."""
+        return slide_of(self.joint, self.motion, self.name)
+
+    def coordinate(self) -> ca.SX:
+        return self.joint.travel[self.along]
+
+    def look(self) -> list[Look]:
+        frame = self.joint.frame_i
+        return [Travel(self.joint.frame_j, frame.body, frame.local_axes[:, self.along])]
+
+
+@dataclass(eq=False)
+class CoordinateDriver(AlongDirection):
+    """Prescribes a coordinate of a point, ``Φ = uᵀ r_P − f(t)``.
+
+    Parameters
+    ----------
+    point : point of a body
+    law : Law, number or formula in t [m]
+    direction : (3,) direction in inertial axes
+    """
+
+    point: Point
+    law: GivenLaw = option("motion law")
+    direction: Vector = quantity("", "direction in inertial axes", default=(1.0, 0.0, 0.0), size=3)
