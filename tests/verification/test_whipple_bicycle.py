@@ -1,8 +1,8 @@
 """Whipple's bicycle: eigenvalues of lean and steer about straight running, at several speeds.
 
 Source: J. P. Meijaard, J. M. Papadopoulos, A. Ruina, A. L. Schwab, *Linearized dynamics equations
-for the balance and steer of a bicycle*, Proceedings of the Royal Society A 463, 2007: the bicycle of
-its table 1, its matrices ``M q̈ + v C1 q̇ + (g K0 + v² K2) q = 0`` and its table 2. Here four bodies,
+for the balance and steer of a bicycle*, Proceedings of the Royal Society A 463, 2007: the bicycle
+of table 1, its matrices ``M q̈ + v C1 q̇ + (g K0 + v² K2) q = 0`` and table 2. Here four bodies,
 three hinges and two wheels that roll without slip are linearised. Tolerance 1e-6; x points forward
 and z down.
 """
