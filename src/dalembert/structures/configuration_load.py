@@ -76,6 +76,9 @@ class Expansion:
         self.held, self.depends_on_time = held, held.depends_on_time
         self.rest = np.zeros(held.assembly.size)
 
+    def __bool__(self) -> bool:
+        return bool(self.held)
+
     def values(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) forces."""
         return -self.held.forces(self.rest, p, time)

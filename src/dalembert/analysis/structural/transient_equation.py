@@ -15,7 +15,7 @@ import scipy.sparse.linalg as linalg
 
 from dalembert.elements.base import Scalar
 from dalembert.errors import ModelError, SingularityError, UnsupportedError
-from dalembert.structures.configuration_load import Expansion
+from dalembert.structures.configuration_load import ConfigurationLoad, Expansion
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.pattern import combined
 from dalembert.symbolic.expression import as_expression, free_symbols
@@ -113,9 +113,9 @@ class EquationOfMotion:
                 f"temperatures or moments about fixed axes of load case {case!r} depend on time, "
                 "which nonlinear transients do not take; take nonlinear=False, or constant ones"
             )
-        nothing = self.assembly.split(lambda _: False)[1]
-        self.expansion = Expansion(moving) if moving and self.linear else None
-        self.heated = nothing if self.linear else moving.assembly
+        nothing = ConfigurationLoad([], [], self.assembly.size, self.held, self.linear)
+        self.expansion = Expansion(moving if self.linear else nothing)
+        self.heated = nothing.assembly if self.linear else moving.assembly
         self.alpha, self.beta = (float(c) for c in self.damping.values(p))
         rest = np.zeros(self.assembly.size)
         self.mass = self.assembly.mass(p, lumped)
@@ -158,12 +158,10 @@ class EquationOfMotion:
     @cached_property
     def _constant_load(self) -> np.ndarray | None:
         changing = self.load_case.depends_on_time
-        changing |= self.expansion is not None and self.expansion.depends_on_time
-        return None if changing else self._loads(0.0)
+        return None if changing or self.expansion.depends_on_time else self._loads(0.0)
 
     def _loads(self, time: float) -> np.ndarray:
-        found = self.load_case.values(self.p, time)
-        return found if self.expansion is None else found + self.expansion.values(self.p, time)
+        return self.load_case.values(self.p, time) + self.expansion.values(self.p, time)
 
     def loads(self, time: float) -> np.ndarray:
         """(n,) applied forces, and those of hindered expansion."""
@@ -218,7 +216,7 @@ class EquationOfMotion:
     def external_forces(self, motion: Motions, time: float) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
         loads = self.loads(time)
-        found = loads.copy() if self.expansion is None else self.load_case.values(self.p, time)
+        found = self.load_case.values(self.p, time) if self.expansion else loads.copy()
         found[self.held] = (self.forces(motion) - loads)[self.held]
         return found
 

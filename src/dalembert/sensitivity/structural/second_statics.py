@@ -51,7 +51,7 @@ class SecondStatics(StaticsTangent):
         """Change of ``pulled`` when what is seen changes by ``moved``, the state by ``change``."""
         loads, stiffness, held = self._loads(case), self.stiffness(case), self.model.prescribed
         u, p, d = self.result.displacements[:, case], self.p, self.direction
-        reactions, applied = self._split(seen.forces)
+        reactions, applied = self.split(seen.forces)
         u_bar = seen.u + stiffness.T @ reactions
         multiplier = self.multiplier(case, u_bar, np.zeros(1))
         u_bar = u_bar - stiffness.T @ multiplier
@@ -60,7 +60,7 @@ class SecondStatics(StaticsTangent):
         moved_there = np.zeros_like(u) if hot.linear else change.u
         stiffer, more_p = hot.assembly.turn(there, p, reactions - multiplier, moved_there, d)
         softer, p_bar = softer + (0.0 if hot.linear else 1.0) * stiffer, p_bar + more_p
-        reactions, more = self._split(moved.forces)
+        reactions, more = self.split(moved.forces)
         u_turn = moved.u + stiffness.T @ reactions + softer
         turned = self.multiplier(case, u_turn, np.zeros(1))
         u_turn = u_turn - stiffness.T @ turned
@@ -74,12 +74,6 @@ class SecondStatics(StaticsTangent):
             + held.turn(p, u_bar[self.held], d)
             + held.pull(p, u_turn[self.held])
         )
-
-    def _split(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Weights of forces: those of reactions, and those of applied ones."""
-        reactions, applied = np.zeros_like(forces), np.zeros_like(forces)
-        reactions[self.held], applied[self.free] = forces[self.held], forces[self.free]
-        return reactions, applied - reactions
 
 
 def _sum(one: Weights, other: Weights) -> Weights:

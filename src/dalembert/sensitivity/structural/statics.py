@@ -54,15 +54,12 @@ class StaticsTangent:
         seen_u, forces, p_bar = (
             np.stack([getattr(one, name) for one in seen], axis=1) for name in ("u", "forces", "p")
         )
-        reactions, applied = np.zeros_like(forces), np.zeros_like(forces)
-        reactions[self.held], applied[self.free] = forces[self.held], forces[self.free]
-        applied -= reactions  # what acts on a support itself, its reaction does not see
+        reactions, applied = self.split(forces)
         u_bar = seen_u + stiffness.T @ reactions
         u, hot = self.result.displacements[:, case], loads.configuration
         factor_bar = np.array([one.load_factor for one in seen]) + applied.T @ loads.values(self.p)
         factor_bar += u_bar[self.held].T @ self.model.prescribed.values(self.p)
-        if hot:
-            factor_bar += reactions.T @ hot.forces(u, self.p)
+        factor_bar += reactions.T @ hot.forces(u, self.p)
         multiplier = self.multiplier(case, u_bar, factor_bar)
         u_bar = u_bar - stiffness.T @ multiplier  # free entries vanish: equilibrium takes care
         internal, heated = (Pulls(a, self.p, len(seen)) for a in (self.assembly, hot.assembly))
@@ -83,16 +80,22 @@ class StaticsTangent:
         held = np.zeros_like(u)
         held[self.held] = share * self.model.prescribed.push(self.p, dp)
         applied = share * loads.push(self.p, dp)
-        internal, hot = self.assembly.push(u, self.p, dp), loads.configuration
-        if hot:
-            internal += share * hot.push(u, self.p, dp)
+        hot = loads.configuration
+        internal = self.assembly.push(u, self.p, dp) + share * hot.push(u, self.p, dp)
         moved, dfactor = self.moved(case, applied - internal - stiffness @ held)
         du = held + moved
-        forces = applied + (dfactor * loads.values(self.p) if dfactor else 0.0)
-        if dfactor and hot:
+        forces = applied
+        if dfactor:
+            forces = forces + dfactor * loads.values(self.p)
             internal += dfactor * hot.forces(u, self.p)
         forces[self.held] = (internal + stiffness @ du - forces)[self.held]
         return du, forces, dfactor
+
+    def split(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Weights of forces: those of reactions, and those of applied ones."""
+        reactions, applied = np.zeros_like(forces), np.zeros_like(forces)
+        reactions[self.held], applied[self.free] = forces[self.held], forces[self.free]
+        return reactions, applied - reactions  # what acts on a support, its reaction does not see
 
     def _loads(self, case: int):
         return self.model.loads[self.result.cases[case]]

@@ -77,7 +77,7 @@ class ParameterWeights:
         self._inertia, self._springs = Products(e.steady, rows), Products(self._linear, rows)
         self._at_rest = np.zeros((e.assembly.size, rows))
         self._loads = TimedPull(e.load_case, e.p)
-        self._expansion = None if e.expansion is None else TimedPull(e.expansion, e.p)
+        self._expansion = TimedPull(e.expansion, e.p)
         self._heated = Pulls(e.heated, e.p, rows)
         self._supports = [TimedPull(array, e.p) for array in e.supports]
         self._damping = np.zeros((2, rows))
@@ -107,8 +107,7 @@ class ParameterWeights:
 
     def expansion(self, weights: np.ndarray, time: float) -> None:
         """Add weights (n, rows) of the forces of hindered expansion."""
-        if self._expansion is not None:
-            self._expansion.add(weights, time)
+        self._expansion.add(weights, time)
 
     def supports(self, weights: Motions, time: float) -> None:
         """Add weights (held, rows) of prescribed displacements, velocities, accelerations."""
@@ -125,12 +124,9 @@ class ParameterWeights:
         if e.linear:
             rest = np.zeros((e.assembly.size, 1))
             self._small.forces(rest, self._at_rest[:, None, :])
-        sums: tuple[Pulls | TimedPull, ...]
-        sums = self._exact, self._small, self._steady, self._turning, self._heated
-        sums = *sums, self._loads, *self._supports
-        if self._expansion is not None:
-            sums = *sums, self._expansion
-        found = self._own + sum(pull.total for pull in sums)
+        pulls = self._exact, self._small, self._steady, self._turning, self._heated
+        timed = self._loads, self._expansion, *self._supports
+        found = self._own + sum(pull.total for pull in pulls) + sum(pull.total for pull in timed)
         damping = [e.damping.pull(e.p, w) for w in self._damping.T]
         return found + np.stack(damping, axis=1)
 
@@ -207,10 +203,9 @@ class ParameterChanges:
         """(n, c) changes of the applied forces."""
         return self._timed(self.equation.load_case, time)
 
-    def expansion(self, time: float) -> np.ndarray | float:
+    def expansion(self, time: float) -> np.ndarray:
         """(n, c) changes of the forces of hindered expansion."""
-        e = self.equation
-        return 0.0 if e.expansion is None else self._timed(e.expansion, time)
+        return self._timed(self.equation.expansion, time)
 
     def supports(self, time: float) -> Motions:
         """(held, c) changes of prescribed displacements, velocities and accelerations."""
