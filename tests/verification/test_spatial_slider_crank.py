@@ -125,3 +125,34 @@ def test_crank_and_energy(motion):
     found, turns = motion["A.angle"].values, 2 * np.pi
     np.testing.assert_allclose((found - ANGLE + np.pi) % turns, np.pi, atol=1e-6)
     np.testing.assert_allclose(motion["energy"] - motion["energy"][0], 0.0, atol=1e-7)
+
+
+SHORTEST = math.hypot(0.1, 0.12) + 0.08
+"""√(0.1² + 0.12²) + 0.08 = 0.236204993518, the greatest distance of the crank pin from the axis."""
+
+
+def driven(rod_length: float) -> da.Motion:
+    """One turn of the crank, begun from where the axis is nearest to it."""
+    angle = math.pi + math.atan2(-0.1, 0.12)
+    system = mechanism(rod_length, angle, None)
+    hinge = next(e for e in system.elements.values() if e.name == "A")
+    system.add(spatial.RotationalDriver("motor", hinge, angle + 2 * np.pi * da.t))
+    return da.solve_kinematics(system.build(), 1.0, step=0.01)
+
+
+def test_short_rod_locks_up():
+    """Haug, ch. 10: the book prints 0.2362 m."""
+    length = SHORTEST - 1e-4
+    motion = driven(length)
+    assert motion.status.outcome is da.Outcome.LOCKED
+    turned = np.pi - np.arccos((length**2 - 0.0308) / np.hypot(0.016, 0.0192))
+    assert motion.events[-1].time == pytest.approx(turned / (2 * np.pi), abs=1e-6)
+
+
+def test_longer_rod_runs_through():
+    length = SHORTEST + 1e-4
+    motion = driven(length)
+    assert motion.status.outcome is da.Outcome.COMPLETED
+    angle = motion["motor.coordinate"].values + np.pi / 2  # from the y axis
+    square = 0.0308 + 0.016 * np.cos(angle) + 0.0192 * np.sin(angle)
+    np.testing.assert_allclose(motion["slider.x"], np.sqrt(length**2 - square), atol=1e-9)
