@@ -25,9 +25,9 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
 from dalembert.elements.frame import Frames
 from dalembert.elements.laws.base import Law
-from dalembert.elements.planar.springs import ForceLaw
 from dalembert.elements.registry import CURVES, LAWS, PLANAR, SPATIAL
 from dalembert.elements.rotation import Orientation
+from dalembert.elements.springs import ForceLaw
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator

@@ -30,6 +30,9 @@ frames = { F = { axis = [0, 0, 1], x = [1, 0, 0] } }
 [joints.J]
 type = "Revolute"
 connect = ["ground.G", "a.F"]
+[joints.S]
+type = "Cylindrical"
+connect = ["a.F", "b.F"]
 """
 POINTS, FRAMES = 'connect = ["a.P", "b"]\n', 'connect = ["a.F", "b.F"]\n'
 OBJ = """\
@@ -65,11 +68,18 @@ ELEMENTS = {
         "RollingDisc": "connect = ['a', 'ground.G']\nradius = 'k'",
         "KnifeEdge": "connect = ['a.F', 'ground.G']",
     },
-    "drivers": {"DistanceDriver": POINTS + "law = '1 + 0.1*sin(t)'"},
+    "drivers": {
+        "RotationalDriver": "joint = 'J'\nlaw = 'k*t'",
+        "TranslationalDriver": "joint = 'S'\nlaw = 'k*t'\nmotion = 'displacement'",
+        "DistanceDriver": POINTS + "law = '1 + 0.1*sin(t)'",
+        "CoordinateDriver": "connect = ['b']\ndirection = [0, 1, 0]\nlaw = 0",
+    },
     "forces": {
         "Force": "connect = ['a.P']\nvector = ['k*sin(t)', '-b.vx', 0]\nfollows = 'b'",
         "Torque": "connect = ['a']\nvector = ['k', 0, 't']\nreaction_on = 'b'\nfollows = 'a'",
         "Spring": POINTS + "stiffness = 'k'\nfree_length = 0.5",
+        "TorsionSpring": FRAMES + "stiffness = 'k'\nfree_angle = 0.1\nlaw = 'k*extension**3'",
+        "Bushing": FRAMES + "stiffness = [1, 2, 'k']\nrotational_stiffness = [1, 1, 'k']",
         "Actuator": POINTS + "force = 't'",
         "JointFriction": "joint = 'J'\ncoulomb = '0.1*J.force_norm'\nviscous = 0.1",
         "JointActuator": "joint = 'J'\nvalue = '3*cos(t)'\nmotion = 'angle'",

@@ -18,7 +18,7 @@ from dalembert import planar, t, u
 from dalembert.elements.base import Constraint, Element
 from dalembert.elements.curves import Curve, FormulaCurve
 from dalembert.elements.laws.base import Law
-from dalembert.elements.planar.springs import SpringDamper
+from dalembert.elements.springs import SpringDamper
 from dalembert.symbolic.expression import Expression
 
 DIMENSIONS = {

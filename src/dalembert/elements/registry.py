@@ -117,6 +117,8 @@ SPATIAL = Space(
             spatial.Force,
             spatial.Torque,
             spatial.Spring,
+            spatial.TorsionSpring,
+            spatial.Bushing,
             spatial.Actuator,
             spatial.JointFriction,
             spatial.JointActuator,

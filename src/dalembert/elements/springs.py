@@ -77,6 +77,23 @@ class SpringDamper(ForceElement):
 
 
 @dataclass(eq=False)
+class AngularSpring(SpringDamper):
+    """A spring and damper along an angle."""
+
+    stiffness: Scalar = quantity("N m/rad", "stiffness", default=0.0)
+    damping: Scalar = quantity("N m s/rad", "damping", default=0.0)
+    free_angle: Scalar = quantity("rad", "angle without moment", default=0.0)
+    law: ForceLaw | None = option("additional moment, formula of extension and rate", default=None)
+    coordinate_name = "angle"
+    coordinate_unit = "rad"
+    force_name = "moment"
+    force_unit = "N m"
+
+    def relaxed(self) -> ca.SX:
+        return self.free_angle.sx
+
+
+@dataclass(eq=False)
 class PointPair(BetweenPoints, ForceElement):
     """Force element between two points; its coordinate is their distance."""
 

@@ -24,9 +24,9 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
-from dalembert.elements.planar.springs import ForceLaw
 from dalembert.elements.point import Point
 from dalembert.elements.rotation import Orientation
+from dalembert.elements.springs import ForceLaw
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator

@@ -17,10 +17,10 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law, Product, Sum
-from dalembert.elements.planar.springs import ForceLaw
 from dalembert.elements.point import Point
 from dalembert.elements.registry import CURVES, LAWS
 from dalembert.elements.rotation import Orientation
+from dalembert.elements.springs import ForceLaw
 from dalembert.io import fields
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.fields import (

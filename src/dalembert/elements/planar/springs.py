@@ -10,17 +10,15 @@ from dalembert.elements.base import (
     Coordinates,
     ForceElement,
     Look,
-    Powers,
-    Rate,
     Scalar,
     Vector,
-    option,
     quantity,
 )
+from dalembert.elements.elastic_bearing import ElasticBearing
 from dalembert.elements.look import Brake, Sleeve, Spiral
-from dalembert.elements.pair import need_body, refuse_same_body
+from dalembert.elements.pair import BetweenPoints, need_body, refuse_same_body
 from dalembert.elements.planar.body import Body, rotation
-from dalembert.elements.springs import ForceLaw, PointPair, SpringDamper
+from dalembert.elements.springs import AngularSpring
 from dalembert.errors import ModelError
 
 
@@ -53,8 +51,8 @@ class BodyPair(ForceElement):
 
 
 @dataclass(eq=False)
-class RotationalSpring(SpringDamper, BodyPair):
-    """Rotational spring and damper between two bodies.
+class RotationalSpring(AngularSpring, BodyPair):
+    """Rotational spring and damper between two bodies; the coordinate is ``φ_j − φ_i``.
 
     Parameters
     ----------
@@ -64,24 +62,12 @@ class RotationalSpring(SpringDamper, BodyPair):
     law : function (extension, rate) → additional moment [N m]
     """
 
-    stiffness: Scalar = quantity("N m/rad", "stiffness", default=0.0)
-    damping: Scalar = quantity("N m s/rad", "damping", default=0.0)
-    free_angle: Scalar = quantity("rad", "angle without moment", default=0.0)
-    law: ForceLaw | None = option("additional moment, formula of extension and rate", default=None)
-    coordinate_name = "angle"
-    coordinate_unit = "rad"
-    force_name = "moment"
-    force_unit = "N m"
-
-    def relaxed(self) -> ca.SX:
-        return self.free_angle.sx
-
     def look(self) -> list[Look]:
         return self.drawn(Spiral, Brake, self.body_i, self.body_j)
 
 
 @dataclass(eq=False)
-class Bushing(PointPair):
+class Bushing(ElasticBearing, BetweenPoints):
     """Elastic bearing: stiffness and damping along two axes of body i and about the pin.
 
     Parameters
@@ -96,34 +82,10 @@ class Bushing(PointPair):
     rotational_stiffness: Scalar = quantity("N m/rad", "rotational stiffness", default=0.0)
     rotational_damping: Scalar = quantity("N m s/rad", "rotational damping", default=0.0)
 
-    def coordinates(self) -> list[tuple[ca.SX, ca.SX, ca.SX]]:
-        """(coordinate, stiffness, damping) of the three deformations."""
-        local = ca.mtimes(rotation(self.point_i.body.pose_angle).T, self.between)
+    def deformation(self) -> ca.SX:
+        turned = rotation(self.point_i.body.pose_angle)
         turn = self.point_j.body.pose_angle - self.point_i.body.pose_angle
-        k, c = self.stiffness.sx, self.damping.sx
-        return [
-            (local[0], k[0], c[0]),
-            (local[1], k[1], c[1]),
-            (turn, self.rotational_stiffness.sx, self.rotational_damping.sx),
-        ]
+        return ca.vertcat(ca.mtimes(turned.T, self.between), turn)
 
     def look(self) -> list[Look]:
         return [Sleeve(self.point_i, self.point_j)]
-
-    def powers(self, rate: Rate) -> Powers:
-        return [(rate(s), -(k * s + c * rate(s))) for s, k, c in self.coordinates()]
-
-    def potential(self) -> ca.SX:
-        return sum((k * s**2 / 2 for s, k, _ in self.coordinates()), ca.SX(0))
-
-    def dissipation(self, rate: Rate) -> Powers:
-        return [(rate(s), -c * rate(s)) for s, _, c in self.coordinates()]
-
-    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        (x, kx, cx), (y, ky, cy), (a, ka, cra) = self.coordinates()
-        force = ca.vertcat(kx * x + cx * rate(x), ky * y + cy * rate(y))
-        return {
-            "deflection": (ca.vertcat(x, y), "m"),
-            "force": (force, "N"),
-            "moment": (ka * a + cra * rate(a), "N m"),
-        }

@@ -21,6 +21,7 @@ from dalembert.elements.spatial.rolling_disc import RollingDisc
 from dalembert.elements.spatial.screw import Screw
 from dalembert.elements.spatial.shapes import Bar, Box, Capsule, Cylinder, Sphere
 from dalembert.elements.spatial.spherical import Spherical
+from dalembert.elements.spatial.springs import Bushing, TorsionSpring
 from dalembert.elements.spatial.universal import Universal
 from dalembert.elements.spatial.weld import Weld
 from dalembert.elements.springs import Actuator, Spring
@@ -31,6 +32,7 @@ __all__ = [
     "Bar",
     "Body",
     "Box",
+    "Bushing",
     "Capsule",
     "CoordinateDriver",
     "Cylinder",
@@ -54,6 +56,7 @@ __all__ = [
     "Spring",
     "Stop",
     "Torque",
+    "TorsionSpring",
     "TranslationalDriver",
     "Universal",
     "Weld",

@@ -8,37 +8,16 @@ two directions perpendicular (dot-1, ``aᵀ b = 0``, radians), a direction perpe
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, ClassVar
 
 import casadi as ca
 
 from dalembert.elements.along_joint import free_motion
-from dalembert.elements.base import Constraint, Coordinates, Look
-from dalembert.elements.body import BodyElement
-from dalembert.elements.frame import Frame
+from dalembert.elements.base import Constraint, Look
 from dalembert.elements.look import Mark
-from dalembert.elements.pair import Pair, initial_value, refuse_same_body
+from dalembert.elements.pair import Pair
+from dalembert.elements.spatial.frame_pair import BetweenFrames
 from dalembert.elements.spatial.turn import Turn
-from dalembert.errors import ModelError
-
-
-def need_frame(value: Any, owner: str, field: str) -> Frame:
-    """Check that a joint was given a frame of a body."""
-    if isinstance(value, BodyElement):
-        value = Frame(value)
-    if not isinstance(value, Frame):
-        raise ModelError(
-            f"{field} must be a frame of a body, e.g. crank.frame((0, 0, 0.1), axis=(0, 0, 1)); "
-            f"got {value!r}",
-            owner,
-        )
-    if not value.body.rotates:
-        raise ModelError(
-            f"{value.body.name} is a particle and has no axes; use a Body, or a joint on points",
-            owner,
-        )
-    return value
 
 
 def turn_of(joint: Any, motion: str | None, owner: str) -> Turn:
@@ -54,7 +33,7 @@ def slide_of(joint: Any, motion: str | None, owner: str) -> int:
 
 
 @dataclass(eq=False)
-class FrameJoint(Pair, Constraint):
+class FrameJoint(BetweenFrames, Pair, Constraint):
     """Constraint between a frame of one body and a frame of another.
 
     Parameters
@@ -62,64 +41,14 @@ class FrameJoint(Pair, Constraint):
     frame_i, frame_j : frames of the first and the second body
     """
 
-    frame_i: Frame
-    frame_j: Frame
     slides: ClassVar[dict[str, int]] = {}
     """Displacements it leaves free, by name: which axis of the first frame they are along."""
-
-    def __post_init__(self) -> None:
-        self.frame_i = need_frame(self.frame_i, self.name, "frame_i")
-        self.frame_j = need_frame(self.frame_j, self.name, "frame_j")
-        refuse_same_body(self.frame_i.body, self.frame_j.body, self.name)
-        super().__post_init__()
-
-    def ends(self) -> tuple[BodyElement, BodyElement]:
-        return self.frame_i.body, self.frame_j.body
-
-    def parts(self) -> list[Coordinates]:
-        return list(self.ends())
 
     def look(self) -> list[Look]:
         return [Mark(self.frame_j, self.frame_i)]
 
     def place(self) -> ca.SX:
         return self.frame_j.position.sx
-
-    # primitives -------------------------------------------------------------------------------
-    @property
-    def between(self) -> ca.SX:
-        """Vector from the first to the second origin, inertial axes."""
-        return self.frame_j.position.sx - self.frame_i.position.sx
-
-    @property
-    def travel(self) -> ca.SX:
-        """(3,) the same in the axes of the first frame."""
-        return ca.mtimes(self.frame_i.axes.T, self.between)
-
-    @property
-    def tilt(self) -> ca.SX:
-        """(2,) components of the second z axis along the first x and y axes; zero if parallel."""
-        return ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axis)
-
-    @cached_property
-    def turn(self) -> Turn:
-        """How far the second x axis has turned about the first z axis.
-
-        It is counted from where the x axes coincide or, unless both were given, from the initial
-        poses.
-        """
-        now = Turn(*ca.vertsplit(ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axes[:, 0])))
-        return now if self.complete else self.since_start(now)
-
-    @property
-    def complete(self) -> bool:
-        """The x axes of both frames were given."""
-        return self.frame_i.complete and self.frame_j.complete
-
-    def since_start(self, turn: Turn) -> Turn:
-        """A turn counted from the initial poses."""
-        start = initial_value(turn.pair, self.ends()).sx
-        return turn.after(Turn(*ca.vertsplit(start / ca.sqrt(ca.sumsqr(start)))))
 
     # free motions -----------------------------------------------------------------------------
     def turns(self) -> dict[str, Turn]:

@@ -10,7 +10,7 @@ from dalembert.elements.base import Constraint, Coordinates
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
 from dalembert.elements.pair import Pair, refuse_same_body
-from dalembert.elements.spatial.joint import need_frame
+from dalembert.elements.spatial.frame_pair import need_frame
 
 
 @dataclass(eq=False)

@@ -11,7 +11,7 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
 from dalembert.elements.pair import Pair, need_body, refuse_same_body
 from dalembert.elements.rotation import unit
-from dalembert.elements.spatial.joint import need_frame
+from dalembert.elements.spatial.frame_pair import need_frame
 
 
 @dataclass(eq=False)
