@@ -152,6 +152,45 @@ def test_chaplygin_sledge():
     np.testing.assert_allclose(speed, known[0], atol=1e-9)
 
 
+def skater(speeds: bool = True, bent: bool = False) -> da.Model:
+    """A skate on a plane, in the plane: ``ẏ cos φ − ẋ sin φ = 0`` at its mass centre."""
+    system = da.System("skater", gravity=(0.0, -1.0))
+    body = system.add(
+        da.planar.Body(
+            "b",
+            mass=1.0,
+            inertia=0.5,
+            position=(0, 0),
+            angle=0.0,
+            velocity=(0, 0),
+            angular_velocity=1.5,
+        )
+    )
+    across = body.velocity[1] * da.cos(body.angle) - body.velocity[0] * da.sin(body.angle)
+    formula = across * abs(across) if bent else across
+    system.add(da.planar.UserConstraint("skate", formula, speeds=speeds))
+    return system.build()
+
+
+@pytest.mark.parametrize("name", ["RangeSpace", "Projection", "index 3", "AugmentedLagrangian"])
+def test_skate_on_a_slope(name):
+    """With φ = ω t and u̇ = −g sin φ along the skate: ẋ = u cos φ, ẏ = u sin φ."""
+    choice = {"integrator": da.RK4(), **CHOICES[name]}
+    motion = da.solve_dynamics(skater(), 2.0, step=1e-3, outputs=[0.5, 1.0, 2.0], **choice)
+    turn, w = 1.5 * motion.time, 1.5
+    np.testing.assert_allclose(motion["b.angle"], turn, atol=1e-9)
+    x = (turn / 2 + np.sin(2 * turn) / 4 - np.sin(turn)) / w**2
+    y = (np.sin(turn) ** 2 / 2 + np.cos(turn) - 1) / w**2
+    np.testing.assert_allclose(motion["b.position"], np.column_stack([x, y]), atol=1e-6)
+
+
+def test_equations_of_speeds_are_linear_in_them():
+    with pytest.raises(da.ModelError, match="skate: an equation of speeds must be linear"):
+        skater(bent=True)
+    with pytest.raises(da.ExpressionError, match="skate: depends on"):
+        skater(speeds=False)
+
+
 def test_kinematics_says_that_positions_depend_on_the_way():
     system = da.System("driven", gravity=(0, 0, -G))
     body = system.add(spatial.Body("disc", mass=M, inertia=(A, C, A), position=(0, 0, R)))

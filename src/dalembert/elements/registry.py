@@ -106,6 +106,7 @@ SPATIAL = Space(
             spatial.Weld,
             spatial.RollingDisc,
             spatial.KnifeEdge,
+            spatial.UserConstraint,
         ),
         "drivers": named(
             spatial.RotationalDriver,

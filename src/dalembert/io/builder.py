@@ -13,11 +13,11 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
-from dalembert.elements.planar.user_constraint import UserConstraint
 from dalembert.elements.point import Point
 from dalembert.elements.registry import elements_of
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
+from dalembert.elements.user_constraint import UserConstraint
 from dalembert.io.fields import (
     FileField,
     Points,

@@ -58,8 +58,20 @@ def check_symbols(d: Description) -> None:
         elif not isinstance(element, Constraint):
             lengths += [(entity, f.sx) for entity, f, _ in element.checked_quantities()]
     _allow(positions, poses, ", positions and t")
+    _refuse_bent_speeds(d)
     _allow(efforts, states, ", positions, speeds and t")
     _allow(lengths, parameters, "")
+
+
+def _refuse_bent_speeds(d: Description) -> None:
+    """Nonholonomic equations are linear in speeds: their forces do not depend on how fast it is."""
+    twists = stack(c.twist for c in (*d.coordinates, d.ground))
+    for constraint in d.constraints:
+        if ca.depends_on(ca.jacobian(constraint.slip, twists), twists):
+            raise ModelError(
+                "an equation of speeds must be linear in them; divide by a speed or write its root",
+                constraint.name,
+            )
 
 
 def _allow(formulas: Formulas, allowed: set[str], also: str) -> None:

@@ -16,11 +16,11 @@ from dalembert.elements.planar.revolute import Revolute
 from dalembert.elements.planar.rigid_link import RigidLink
 from dalembert.elements.planar.springs import Bushing, RotationalSpring
 from dalembert.elements.planar.translational import PinInSlot, Translational
-from dalembert.elements.planar.user_constraint import UserConstraint
 from dalembert.elements.planar.weld import Weld
 from dalembert.elements.point import Point
 from dalembert.elements.springs import Actuator, Spring
 from dalembert.elements.stop import Stop
+from dalembert.elements.user_constraint import UserConstraint
 
 __all__ = [
     "Actuator",

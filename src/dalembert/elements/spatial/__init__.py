@@ -26,6 +26,7 @@ from dalembert.elements.spatial.universal import Universal
 from dalembert.elements.spatial.weld import Weld
 from dalembert.elements.springs import Actuator, Spring
 from dalembert.elements.stop import Stop
+from dalembert.elements.user_constraint import UserConstraint
 
 __all__ = [
     "Actuator",
@@ -59,5 +60,6 @@ __all__ = [
     "TorsionSpring",
     "TranslationalDriver",
     "Universal",
+    "UserConstraint",
     "Weld",
 ]

@@ -14,20 +14,25 @@ from dalembert.symbolic.expression import stack
 class UserConstraint(Constraint):
     """Any formula of poses, ``t`` and parameters, set to zero.
 
-    ``Φ = formula = 0``. Multipliers have the dual unit of the formula: written in metres they
-    are newtons, in radians newton metres.
+    ``Φ = formula = 0``, or ``Ψ = formula = 0`` of speeds. Multipliers have the dual unit of the
+    formula: written in metres (or metres per second) they are newtons, in radians newton metres.
 
     Parameters
     ----------
-    formula : Expression of positions and angles (no speeds)
-    unit : ``m`` or ``rad``
+    formula : Expression of positions and angles, or one that is linear in speeds
+    unit : ``m`` or ``rad``; of a formula of speeds, what it is per second
+    speeds : it is a formula of speeds, which no formula of positions can replace
     """
 
     formula: Scalar = quantity("", "formula that must be zero")
     unit: str = option("m or rad", default="m")
+    speeds: bool = option("a formula of speeds, linear in them", default=False)
 
     def residual(self) -> ca.SX:
-        return stack([self.formula.sx])
+        return stack([] if self.speeds else [self.formula.sx])
+
+    def slipping(self) -> ca.SX:
+        return stack([self.formula.sx] if self.speeds else [])
 
     def units(self) -> list[str]:
         return [self.unit]
