@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from registry import CASES, FORMULATIONS, INTEGRATORS, Builder, Observer, model_of
+from spatial_trees import KINDS, hanging_in_space
 from test_random_mechanisms import tree as random_tree
 
 import dalembert as da
@@ -18,7 +19,7 @@ from dalembert.elements.planar.joint import TreeJoint
 from dalembert.io.model_file import load_model_file
 from dalembert.io.tasks import make_analysis
 from dalembert.model.joint_coordinates import JointCoordinates, JointView
-from dalembert.model.kinematic_tree import carried_link
+from dalembert.model.planar_link import planar_link
 from dalembert.model.spanning_tree import Edge, spanning_tree
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -70,10 +71,11 @@ def at_state(view: JointView, outputs: list, seed: int | None = 0) -> list[np.nd
     model, e = view.model, view.equations
     start, p = model.start, model.nominal
     q, u = (x.full().ravel() for x in view.reduce.function(0.0, start.y, start.v, p))
-    a = np.zeros(q.size)
+    a = np.zeros(u.size)
     if seed is not None:
         rng = np.random.default_rng(seed)
-        q, u, a = (x + 0.1 * rng.standard_normal(q.size) for x in (q, u, a))
+        dq, du, a = (0.1 * rng.standard_normal(u.size) for _ in range(3))
+        q, u = e.manifold.go(q, dq), u + du
     function = ca.Function("f", [e.t, e.y, e.v, e.a, e.p], [ca.densify(out) for out in outputs])
     return [out.full() for out in function.call([0.13, q, u, a, p])]
 
@@ -148,16 +150,16 @@ def test_a_joint_says_the_same_explicitly_and_implicitly(name, forward, absolute
     builder = Builder("joint", False, Observer())
     joint = JOINTS[name](builder)
     ends = joint.ends() if forward else joint.ends()[::-1]
-    link = carried_link(joint, *ends, absolute)
-    assert link.q.numel() == link.pose.numel() - joint.equations.numel()
+    link = planar_link(joint, *ends, absolute)
+    assert link.space.pose.numel() == link.pose.numel() - joint.equations.numel()
     pose = ca.substitute(link.pose, link.own, link.own_value)
-    placed = ca.substitute([joint.equations, link.reading], [link.group.pose], [pose])
+    placed = ca.substitute([joint.equations, link.space.reading], [link.group.pose], [pose])
     p = [x.sx for x in builder.system.parameters.values()]
-    function = ca.Function("joint", [ends[0].pose, link.q, link.z, ca.vertcat(*p)], placed)
+    function = ca.Function("joint", [ends[0].pose, link.space.pose, link.z, ca.vertcat(*p)], placed)
     values = [x.value for x in builder.system.parameters.values()]
     rng = np.random.default_rng(3)
     for _ in range(3):
-        base, q = rng.uniform(-1, 1, ends[0].pose.numel()), rng.uniform(-1, 1, link.q.numel())
+        base, q = (rng.uniform(-1, 1, x.numel()) for x in (ends[0].pose, link.space.pose))
         z = rng.uniform(-0.3, 0.3, link.z.numel())
         opened, _ = function(base, q, z, values)
         np.testing.assert_allclose(opened.full().ravel(), z, atol=1e-14)
@@ -167,17 +169,23 @@ def test_a_joint_says_the_same_explicitly_and_implicitly(name, forward, absolute
 
 # a tree ---------------------------------------------------------------------------------------
 
+TREES = {name: functools.partial(model_of, name) for name in CASES}
+for _kind in KINDS:
+    for _ends in ((0, 1), (1, 0)):
+        _parts = _kind, _ends
+        TREES[f"spatial {_kind} {_ends}"] = functools.partial(hanging_in_space, *_parts)
+
 
 @pytest.mark.parametrize("angles", ["relative", "absolute"])
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", TREES)
 def test_tree_satisfies_its_joints_at_every_level(name, angles):
     """Φ_I(g(q)) = 0, C_I D = 0, C_I γ = ξ_I (4.18)–(4.19) and C_I E = I (7.9)."""
-    view = JointCoordinates(angles=angles).view(model_of(name))
-    e, m, rows = model_of(name).all_equations, view.motion, view.tree_rows
+    view = JointCoordinates(angles=angles).view(TREES[name]())
+    e, m, rows = view.bodies, view.motion, view.tree_rows
     phi, c, xi = view.moved(
         [x[rows, :] for x in (e.constraints, e.jacobian, e.constraint_acceleration)]
     )
-    d = m.basis.times(ca.SX.eye(m.q.numel()))
+    d = m.basis.times(ca.SX.eye(m.u.numel()))
     forced = m.basis.opened_times(ca.SX.eye(len(rows)))
     products = [phi, ca.mtimes(c, d), ca.mtimes(c, m.gamma) - xi, ca.mtimes(c, forced)]
     *zeros, unit = at_state(view, products)
@@ -187,17 +195,18 @@ def test_tree_satisfies_its_joints_at_every_level(name, angles):
 
 
 @pytest.mark.parametrize("angles", ["relative", "absolute"])
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", TREES)
 def test_operators_of_the_tree(name, angles):
     """D = ∂g/∂q by differentiation, DᵀMD, its products and solutions, and q read off the poses."""
-    view = JointCoordinates(angles=angles).view(model_of(name))
-    m, inertia, k = view.motion, view.equations.inertia, view.motion.q.numel()
-    e = model_of(name).all_equations
+    view = JointCoordinates(angles=angles).view(TREES[name]())
+    m, inertia, k = view.motion, view.equations.inertia, view.motion.u.numel()
+    e = view.bodies
     x = ca.SX(np.random.default_rng(1).standard_normal((k, 2)))
     w = ca.SX(np.random.default_rng(2).standard_normal((e.speed_count, 2)))
     q, u = ca.substitute(view.reduce.outputs, [e.y, e.v], [m.pose, m.speed])
-    d = ca.jacobian(m.pose, m.q)
-    rate = ca.jtimes(m.speed, ca.vertcat(m.q, m.u), ca.vertcat(m.u, m.a))
+    (by_pose,) = view.moved([e.manifold.reading])
+    d = ca.mtimes([by_pose, ca.jacobian(m.pose, m.q), view.equations.lift])
+    rate = ca.jtimes(m.speed, ca.vertcat(m.q, m.u), ca.vertcat(m.rate, m.a))
     full = ca.mtimes([d.T, view.moved([e.mass])[0], d])
     pairs = [
         (q, m.q),

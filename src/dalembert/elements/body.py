@@ -45,6 +45,11 @@ class BodyElement(Element, Coordinates):
         raise NotImplementedError
 
     @property
+    def orientation(self) -> ca.SX:
+        """(4,) Euler parameters."""
+        raise NotImplementedError
+
+    @property
     def turning(self) -> ca.SX:
         """(3,) angular velocity in inertial axes."""
         raise NotImplementedError

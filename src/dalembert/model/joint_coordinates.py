@@ -18,6 +18,8 @@ from dalembert.model.coordinates import Coordinates, CoordinateView
 from dalembert.model.equations import Equations
 from dalembert.model.independence import independent_rows
 from dalembert.model.kinematic_tree import links_of
+from dalembert.model.link import Link
+from dalembert.model.manifold import Manifold
 from dalembert.model.model import Model
 from dalembert.model.tree_inertia import TreeInertia
 from dalembert.model.tree_motion import TreeMotion
@@ -74,17 +76,19 @@ class JointView(CoordinateView):
     Attributes
     ----------
     motion : TreeMotion, how the bodies move with q
+    manifold : of q
     tree_rows, loop_rows : rows of ``Φ`` that the tree satisfies (in its order), and the others
     """
 
     def __init__(self, model: Model, choice: JointCoordinates, every_equation: bool):
         self.model, self.reactions = model, choice.reactions
         self.bodies = model.all_equations
-        if not self.bodies.lift.is_eye():
-            raise UnsupportedError("JointCoordinates needs bodies whose speeds are rates of poses")
-        self.links = links_of(model.parts, choice.cut, choice.angles == "absolute")
-        self.names = [name for link in self.links for name in link.names]
+        self.links = self._as_at_start(
+            links_of(model.parts, choice.cut, choice.angles == "absolute")
+        )
+        self.names = [name for link in self.links for name in link.space.coordinate_names]
         self.motion = TreeMotion(self.links, model.coordinates)
+        self.manifold = Manifold.of([link.space for link in self.links])
         first: dict[str, int] = {}
         for k, (constraint, _) in enumerate(model.closure.owners):
             first.setdefault(constraint.name, k)
@@ -98,14 +102,21 @@ class JointView(CoordinateView):
         self.whole = e = e.with_rows(self._not_satisfied_by_the_tree(e))
         self.rows = tuple(range(e.constraint_count) if every_equation else self._independent(e))
 
+    def _as_at_start(self, links: list[Link]) -> list[Link]:
+        """On the branches of their joints on which the assembled start is."""
+        standing = self.model.at_ground(ca.horzcat(*(link.standing for link in links)))
+        found = ca.Function("standing", [self.bodies.t, self.bodies.y, self.bodies.p], [standing])
+        at_start = found(0.0, self.model.start.y, self.model.nominal).full()
+        return [link.on_branch(at_start[:, k]) for k, link in enumerate(links)]
+
     @cached_property
     def _exchange(self) -> tuple[ca.SX, ca.SX]:
-        """``y, v, v̇`` of the bodies, as symbols and by ``q, q̇, q̈``."""
+        """``y, v, v̇`` of the bodies, as symbols and by ``q, u, u̇``."""
         e, m = self.bodies, self.motion
         return ca.vertcat(e.y, e.v, e.a), ca.vertcat(m.pose, m.speed, m.acceleration)
 
     def moved(self, expressions: list[ca.SX]) -> list[ca.SX]:
-        """Expressions of ``y, v, v̇`` of the bodies in ``q, q̇, q̈``."""
+        """Expressions of ``y, v, v̇`` of the bodies in ``q, u, u̇``."""
         symbols, known = self._exchange
         return ca.substitute(expressions, [symbols], [known])
 
@@ -125,7 +136,7 @@ class JointView(CoordinateView):
             p=e.p,
             a=m.a,
             multiplier=e.multiplier[self.loop_rows, :],
-            pose_rate=m.u,
+            pose_rate=m.rate,
             inertia=inertia,
             bias=ca.densify(m.basis.transposed(ca.mtimes(mass, m.gamma) + bias)),
             force=ca.densify(m.basis.transposed(force)),
@@ -134,30 +145,46 @@ class JointView(CoordinateView):
             potential=potential,
             powers=powers,
             scales=replace(
-                e.scales.with_rows(self.loop_rows), coordinates=sizes, displacements=sizes
+                e.scales.with_rows(self.loop_rows),
+                coordinates=self._reach(sizes),
+                displacements=sizes,
             ),
+            manifold=self.manifold,
         )
         return replace(made, massless=self._massless(inertia)) if e.massless else made
 
     @cached_property
     def reduce(self) -> ImplicitFunction:
         e = self.bodies
-        q = self.model.at_ground(stack(link.reading for link in self.links))
-        return ImplicitFunction("reduce", [e.t, e.y, e.v, e.p], [], [q, e.rate(q)])
+        q = self.model.at_ground(stack(link.space.reading for link in self.links))
+        u = ca.mtimes(ca.substitute(self.manifold.reading, self.manifold.y, q), e.rate(q))
+        return ImplicitFunction("reduce", [e.t, e.y, e.v, e.p], [], [q, u])
 
     def _sizes(self) -> np.ndarray:
-        """Natural sizes of the joint coordinates: how far those of the bodies take them."""
+        """Natural sizes of the joint speeds: how fast those of the bodies make them."""
         e, start = self.bodies, self.model.start
-        reach = ca.Function("reach", [e.t, e.y, e.p], [ca.jacobian(self.reduce.outputs[0], e.y)])
+        reach = ca.Function("reach", [e.t, e.y, e.p], [ca.jacobian(self.reduce.outputs[1], e.v)])
         by_body = reach(0.0, start.y, self.model.nominal).full()
-        return np.abs(by_body * e.scales.coordinates).max(axis=1, initial=0.0)
+        return np.abs(by_body * e.scales.displacements).max(axis=1, initial=0.0)
 
-    def _at_start(self, expression: ca.SX, moved: np.ndarray | float = 0.0) -> np.ndarray:
+    def _reach(self, sizes: np.ndarray) -> np.ndarray:
+        """Natural sizes of the joint coordinates, by those of their displacements."""
+        found: list[float] = []
+        for link, columns in zip(self.links, self.motion.columns, strict=True):
+            space, own = link.space, sizes[columns]
+            metres = own.max(initial=0.0)
+            by_unit = [metres if unit == "m" else 1.0 for unit in space.coordinate_units]
+            found += list(own) if space.flat else by_unit
+        return np.array(found)
+
+    def _at_start(self, expression: ca.SX, moved: np.ndarray | None = None) -> np.ndarray:
         """An expression of t, q and p at the assembled start, or some way off."""
         start, p = self.model.start, self.model.nominal
-        q, _ = self.reduce.function(0.0, start.y, start.v, p)
+        q = self.reduce.function(0.0, start.y, start.v, p)[0].full().ravel()
+        if moved is not None:
+            q = self.manifold.go(q, moved)
         function = ca.Function("start", [self.bodies.t, self.motion.q, self.bodies.p], [expression])
-        return function(0.0, q.full().ravel() + moved, p).full()
+        return function(0.0, q, p).full()
 
     def _not_satisfied_by_the_tree(self, e: Equations) -> list[int]:
         """Loop equations but those that hold wherever the tree stands, such as of a doubled pin.
@@ -197,7 +224,7 @@ class JointView(CoordinateView):
 
     @cached_property
     def tree_reactions(self) -> ca.SX:
-        """``λ_I`` of the joints in the tree, of ``q, q̇, q̈`` and ``λ_II``."""
+        """``λ_I`` of the joints in the tree, of ``q, u, u̇`` and ``λ_II``."""
         e, m = self.bodies, self.motion
         pull = ca.SX.zeros(e.speed_count)
         if self.loop_rows:  # C_IIᵀ λ_II
@@ -205,7 +232,7 @@ class JointView(CoordinateView):
         transmitted = self.moved([e.force - e.bias - pull - ca.mtimes(e.mass, e.a)])[0]
         if self.reactions == "augmented":  # (7.13)
             return ca.densify(m.basis.opened_transposed(transmitted))
-        held = ca.jacobian(e.constraints[self.tree_rows, :], e.y)
+        held = e.by_displacement(e.constraints[self.tree_rows, :])
         c, mass = self.moved([held, e.metric])
         spread = ca.mtimes(block_inverse(mass), c.T)
         return LdlFactor(ca.mtimes(c, spread)).solve(ca.mtimes(spread.T, transmitted))

@@ -1,8 +1,9 @@
 """Motion of a tree of bodies as a recursion: the operators D and E of (6.1) and (7.8).
 
-    v_i = X_i v_parent + S_i (q̇_i + N_i v_parent) (+ E_i ż_i)
+    v_i = X_i v_parent + S_i (u_i + N_i v_parent) (+ E_i ż_i)
 
-where ``q̇ + N v_parent`` takes a body's own angular velocity in the place of the relative one.
+where ``u + N v_parent`` takes a body's own angular velocity in the place of the relative one. In
+space the recursion goes by angular velocities in inertial axes, and ``T_i v_i`` are the speeds.
 Products with D, Dᵀ and Eᵀ pass once along the tree; the matrices are never formed.
 """
 
@@ -20,8 +21,9 @@ class Branch:
     Attributes
     ----------
     parent : index of the branch it is carried by; None on the ground, or free
-    rows, columns, opened : its part of ``v``, ``q̇`` and ``z``
+    rows, columns, opened : its part of ``v``, ``u`` and ``z``
     carried, moved, turned, forced : SX ``X``, ``S``, ``N`` and ``E``
+    seen : SX ``T``, orthogonal
     """
 
     parent: int | None
@@ -32,6 +34,7 @@ class Branch:
     moved: ca.SX
     turned: ca.SX
     forced: ca.SX
+    seen: ca.SX
 
     @property
     def across(self) -> ca.SX:
@@ -64,12 +67,12 @@ class TreeBasis:
             if drift is not None:
                 twist += drift[k]
             found.append(twist)
-            result[b.rows, :] = twist
+            result[b.rows, :] = ca.mtimes(b.seen, twist)
         return result
 
     def wrenches(self, w: ca.SX) -> list[ca.SX]:
         """What each branch carries of ``w``: its own part and that of all bodies behind it."""
-        carried = [w[b.rows, :] for b in self.branches]
+        carried = [ca.mtimes(b.seen.T, w[b.rows, :]) for b in self.branches]
         for k, b in reversed(list(enumerate(self.branches))):
             if b.parent is not None:
                 along = ca.mtimes(b.moved.T, carried[k])
@@ -97,7 +100,7 @@ class TreeBasis:
         """The same at other values of some symbols."""
         made = []
         for b in self.branches:
-            parts = [b.carried, b.moved, b.turned, b.forced]
+            parts = [b.carried, b.moved, b.turned, b.forced, b.seen]
             parts = ca.substitute(parts, [symbols], [values])
             made.append(Branch(b.parent, b.rows, b.columns, b.opened, *parts))
         return TreeBasis(made, self.speed_count)

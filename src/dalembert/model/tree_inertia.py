@@ -28,6 +28,12 @@ class TreeInertia(Inertia):
     def __init__(self, basis: TreeBasis, masses: list[ca.SX]):
         self.basis, self.masses = basis, masses
 
+    @cached_property
+    def _bodies(self) -> list[ca.SX]:
+        """``M_i`` for the twists of the recursion."""
+        pairs = zip(self.basis.branches, self.masses, strict=True)
+        return [_congruent(mass, b.seen) for b, mass in pairs]
+
     @property
     def size(self) -> int:
         branches = self.basis.branches
@@ -37,7 +43,7 @@ class TreeInertia(Inertia):
     def matrix(self) -> ca.SX:
         """Composite bodies: what hangs on a joint moves as one, ``M̄_ji = S_jᵀ X…ᵀ I_i S_i``."""
         branches, n = self.basis.branches, self.size
-        composite = list(self.masses)
+        composite = list(self._bodies)
         result = ca.SX(n, n)
         for k, b in reversed(list(enumerate(branches))):
             if b.parent is not None:
@@ -63,7 +69,7 @@ class TreeInertia(Inertia):
     @cached_property
     def _elimination(self) -> tuple[list[ca.SX], list[ca.SX]]:
         """``(Sᵀ I S)⁻¹`` and ``I S (Sᵀ I S)⁻¹`` of every joint, I the articulated inertia."""
-        articulated = list(self.masses)
+        articulated = list(self._bodies)
         inverses: list[ca.SX] = []
         gains: list[ca.SX] = []
         for k, b in reversed(list(enumerate(self.basis.branches))):

@@ -28,6 +28,11 @@ def matrix(e: ca.SX) -> ca.SX:
     )
 
 
+def about_z(angle: ca.SX) -> ca.SX:
+    """A turn about the z axis."""
+    return ca.vertcat(ca.cos(angle / 2), 0, 0, ca.sin(angle / 2))
+
+
 def product(a: ca.SX, b: ca.SX) -> ca.SX:
     """``a ⊗ b``: the turn b, seen in the frame that a has turned; ``R(a ⊗ b) = R(a) R(b)``."""
     vector = a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:])

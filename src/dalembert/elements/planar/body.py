@@ -17,6 +17,7 @@ from dalembert.elements.look import Ball
 from dalembert.elements.point import Point, components
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.symbolic.rotation import about_z
 
 
 def rotation(angle: ca.SX) -> ca.SX:
@@ -130,6 +131,10 @@ class Body(BodyElement):
     def turned(self, local: ca.SX) -> ca.SX:
         in_plane = ca.mtimes(rotation(self.pose_angle), local[:2])
         return in_plane if local.numel() == 2 else ca.vertcat(in_plane, local[2])
+
+    @property
+    def orientation(self) -> ca.SX:
+        return about_z(self.pose_angle)
 
     @property
     def turning(self) -> ca.SX:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Constraint
+from dalembert.elements.body import BodyElement
 from dalembert.elements.pair import Pair, PointJoint, need_body, refuse_same_body
 from dalembert.elements.planar.body import Body
 from dalembert.errors import ModelError
@@ -47,6 +48,10 @@ class TreeJoint(PinJoint):
 
         φ_j = φ_i + turn,      r_jP = r_iP + opening(q, z, φ_i),      Φ(y(q, z)) = z.
     """
+
+    def carries(self, child: BodyElement) -> bool:
+        """Whether it can place a body; those of the plane all."""
+        return isinstance(child, Body)
 
     def joint_coordinates(self) -> dict[str, tuple[ca.SX, str]]:
         """What it leaves free beside a turn: name → (expression of the poses, unit)."""

@@ -162,6 +162,10 @@ class Body(BodyElement):
         return ca.mtimes(self.axes, local)
 
     @property
+    def orientation(self) -> ca.SX:
+        return self.euler if self.rotates else ca.SX(list(rotation.IDENTITY))
+
+    @property
     def turning(self) -> ca.SX:
         return self.turned(self.spin) if self.rotates else ca.SX.zeros(3)
 

@@ -80,8 +80,17 @@ class BetweenFrames(Element):
         It is counted from where the x axes coincide or, unless both were given, from the initial
         poses.
         """
-        now = Turn(*ca.vertsplit(ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axes[:, 0])))
-        return now if self.complete else self.since_start(now)
+        return self._turn if self.complete else self.since_start(self._turn)
+
+    @property
+    def first_turn(self) -> ca.SX:
+        """The turn of the x axes where it counts as none."""
+        return ca.SX(0) if self.complete else self.at_start(self._turn).angle
+
+    @property
+    def _turn(self) -> Turn:
+        """That of the x axes."""
+        return Turn(*ca.vertsplit(ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axes[:, 0])))
 
     @property
     def complete(self) -> bool:
@@ -90,5 +99,9 @@ class BetweenFrames(Element):
 
     def since_start(self, turn: Turn) -> Turn:
         """A turn counted from the initial poses."""
+        return turn.after(self.at_start(turn))
+
+    def at_start(self, turn: Turn) -> Turn:
+        """The turn at the initial poses."""
         start = initial_value(turn.pair, self.ends()).sx
-        return turn.after(Turn(*ca.vertsplit(start / ca.sqrt(ca.sumsqr(start)))))
+        return Turn(*ca.vertsplit(start / ca.sqrt(ca.sumsqr(start))))

@@ -7,12 +7,16 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look
+from dalembert.elements.joint_space import JointSpace, Rotation
 from dalembert.elements.look import Socket
 from dalembert.elements.pair import PointJoint
+from dalembert.elements.point import Point
+from dalembert.elements.spatial.tree_joint import TreeJoint
+from dalembert.symbolic import rotation
 
 
 @dataclass(eq=False)
-class Spherical(PointJoint):
+class Spherical(PointJoint, TreeJoint):
     """Ball and socket: two points coincide, ``Φ = r_jP − r_iP = 0``."""
 
     def look(self) -> list[Look]:
@@ -20,3 +24,22 @@ class Spherical(PointJoint):
 
     def residual(self) -> ca.SX:
         return self.between
+
+    # as a carrier -----------------------------------------------------------------------------
+    def sides(self) -> tuple[Point, Point]:
+        return self.point_i, self.point_j
+
+    def joint_space(self) -> JointSpace:
+        """Euler parameters of the second body in the first, ``ω'`` of one relative to the other."""
+        first, second = (body.orientation for body in self.ends())
+        reading = rotation.product(rotation.conjugate(first), second)
+        return JointSpace.of(Rotation(self.name), reading)
+
+    def turned(self, q: ca.SX) -> ca.SX:
+        return q
+
+    def subspace(self, q: ca.SX, axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
+        return ca.vertcat(ca.SX(3, 3), axes_j)
+
+    def opened(self, q: ca.SX, axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
+        return ca.vertcat(ca.SX.eye(3), ca.SX(3, 3))

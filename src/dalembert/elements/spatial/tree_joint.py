@@ -1,0 +1,79 @@
+"""What a joint in space says of the motion it leaves free, so that it can carry a body."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+
+from dalembert.elements.frame import Frame
+from dalembert.elements.joint_space import JointSpace
+from dalembert.elements.point import Point
+from dalembert.elements.spatial.body import Body
+from dalembert.symbolic import rotation
+from dalembert.symbolic.expression import stack
+
+
+class TreeJoint:
+    """A joint that can carry a body: its constraint equations are known explicitly, too.
+
+    With the joint coordinates q and their speeds u the second frame stands and moves to the first:
+
+        R_j = R_i R(turned),      r_j = r_i + offset,
+        ω_j = ω_i + S_ω u,        ṙ_j = ṙ_i + ω_i × offset + S_v u.
+
+    Vectors are in inertial axes; a joint states them by those of both frames, which it is given as
+    ``axes_i`` and ``axes_j`` (3, 3). What opens its equations, z in ``Φ = z`` (7.7), it states as
+    motions too.
+    """
+
+    name: str
+    equations: ca.SX
+    frame_i: Frame
+    frame_j: Frame
+
+    def ends(self) -> tuple[Any, Any]:
+        """First and second body."""
+        raise NotImplementedError
+
+    def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
+        """Relative motions that are left free: name → (coordinate, unit)."""
+        raise NotImplementedError
+
+    def sides(self) -> tuple[Point, Point]:
+        """What it holds on; a point has the axes of its body."""
+        return self.frame_i, self.frame_j
+
+    def joint_space(self) -> JointSpace:
+        """The joint coordinates; those of ``freedoms`` by default."""
+        free = self.freedoms()
+        names = [f"{self.name}.{name}" for name in free]
+        return JointSpace(names, [u for _, u in free.values()], stack(s for s, _ in free.values()))
+
+    def turned(self, q: ca.SX) -> ca.SX:
+        """(4,) Euler parameters of the second frame in the first."""
+        return ca.SX(list(rotation.IDENTITY))
+
+    def offset(self, q: ca.SX, axes_i: ca.SX) -> ca.SX:
+        """(3,) vector from the first to the second origin."""
+        return ca.SX(3, 1)
+
+    def subspace(self, q: ca.SX, axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
+        """(6, k) motion subspace ``[S_v; S_ω]``."""
+        raise NotImplementedError
+
+    def opened(self, q: ca.SX, axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
+        """(6, m) motions ``[E_v; E_ω]`` that open one equation each, ``Φ̇ = ż`` (7.9)."""
+        raise NotImplementedError
+
+    def carries(self, child: Any) -> bool:
+        """Whether a body has just the freedoms that the joint takes and those it leaves."""
+        if not isinstance(child, Body):
+            return False
+        free = self.joint_space().twist.numel() if child.rotates else 0
+        return child.twist.numel() == free + self.equations.numel()
+
+
+def opened_tilt(axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
+    """(3, 2) turns that open ``x_iᵀ z_j`` and ``y_iᵀ z_j`` where the z axes are parallel."""
+    return ca.horzcat(*(ca.cross(axes_j[:, 2], axes_i[:, k]) for k in range(2)))

@@ -1,0 +1,146 @@
+"""Trees and loops in space in joint coordinates: the same mechanics as in those of the bodies."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from spatial_trees import KINDS, SpatialTree
+from test_joint_coordinates import accelerations, assert_same
+
+import dalembert as da
+from dalembert import spatial
+from dalembert.model.joint_coordinates import JointCoordinates
+
+REACTIONS = ("augmented", "projected")
+
+
+def assert_absolute(model: da.Model, reactions: str, formulation=None) -> None:
+    """Poses, speeds, v̇ and every λ at the start are those of absolute coordinates."""
+    view = JointCoordinates(reactions=reactions).view(model)
+    expected = accelerations(da.AbsoluteCoordinates().view(model))
+    assert_same(accelerations(view, formulation or da.RangeSpace()), expected)
+
+
+@pytest.mark.parametrize("reactions", REACTIONS)
+@pytest.mark.parametrize("seed", range(6))
+def test_random_trees(seed, reactions):
+    """Fixed and floating, joints from either end, gravity, springs between any two bodies."""
+    tree = SpatialTree(seed).grow(2 + seed % 4, list(KINDS), floating=bool(seed % 2)).springs()
+    model = tree.system.build()
+    assert JointCoordinates().view(model).equations.constraint_count == 0
+    assert_absolute(model, reactions)
+
+
+@pytest.mark.parametrize("reactions", REACTIONS)
+@pytest.mark.parametrize("seed", range(6))
+def test_random_loops(seed, reactions):
+    tree = SpatialTree(seed).grow(4, ["Spherical", "Revolute", *KINDS]).springs()
+    tree.joint("Spherical", 4, seed % 2, "closing")
+    model = tree.system.build()
+    assert JointCoordinates().view(model).equations.constraint_count > 0
+    assert_absolute(model, reactions)
+
+
+def closed_chain(seed: int) -> da.Model:
+    """A mass, a place of a joint and a stiffness are parameters."""
+    tree = SpatialTree(seed, ("m2", "closing_x", "k0")).grow(3, ["Spherical", "Revolute"]).springs()
+    tree.joint("Spherical", 3, 0, "closing")
+    return tree.system.build()
+
+
+def test_motion_is_the_absolute_one():
+    """Tight error control: y, v, v̇ and λ to 1e-9, and the work, whose error nobody controls."""
+    model = closed_chain(2)
+    one, other = (
+        da.solve_dynamics(
+            model,
+            0.3,
+            coordinates=coordinates,
+            integrator=da.DormandPrince853(1e-12, 1e-12),
+            outputs=4,
+        ).trajectory
+        for coordinates in (JointCoordinates(), da.AbsoluteCoordinates())
+    )
+    assert_same(
+        [one.y, one.v, one.a, one.multiplier], [other.y, other.v, other.a, other.multiplier]
+    )
+    assert_same([one.work], [other.work], 1e-8)
+
+
+def test_gradients():
+    """Of a closed chain, through a reaction in the tree too: direct = adjoint = differences."""
+    model = closed_chain(1)
+    motion = da.solve_dynamics(model, 0.2, step=0.01, coordinates=JointCoordinates())
+    responses = [da.final("b3.x"), da.mean(f"{model.constraints[0].name}.force_norm")]
+    direct, adjoint, differences = (
+        da.sensitivity(motion, responses, method=method).values
+        for method in ("direct", "adjoint", "finite-difference")
+    )
+    scale = np.abs(direct).max(axis=1, keepdims=True)
+    assert np.abs((direct - adjoint) / scale).max() < 1e-9
+    assert np.abs((direct - differences) / scale).max() < 1e-6
+
+
+def test_a_particle_on_a_string_of_bodies():
+    """A particle at either end of a ball joint, which leaves it no rotation."""
+    tree = SpatialTree(3).grow(2, ["Revolute"])
+    for k, end in enumerate((tree.system.elements["b2"], tree.system.ground)):
+        place = end.point(0.3, 0.1, -0.2)
+        at = np.array([0.3, 0.1, -0.2])
+        if k == 0:
+            at = tree.places[2][1] + tree.places[2][2] @ at
+        dot = tree.system.add(spatial.Particle(f"dot{k}", mass=0.7, position=tuple(at)))
+        ends = (place, dot.center)[:: 1 if k else -1]
+        tree.system.add(spatial.Spherical(f"P{k}", *ends))
+    bob = tree.system.add(
+        spatial.Body("bob", mass=0.4, inertia=(0.1, 0.2, 0.15), position=(0.3, 0.3, -0.2))
+    )
+    tree.system.add(spatial.Spherical("Q", dot.center, bob.point(0, -0.2, 0)))
+    assert_absolute(tree.system.build(), "augmented")
+
+
+def arm(count: int, full_turns: float = 0.0) -> da.System:
+    """Hinges about z and y in turn."""
+    system = da.System("arm", gravity=(0.0, 0.0, -9.81))
+    last, at, place = system.ground, (0.0, 0.0, 0.0), np.zeros(3)
+    for k in range(count):
+        axis = (0, k % 2, 1 - k % 2)
+        link = spatial.Body(
+            f"b{k}",
+            mass=1.0,
+            inertia=(0.02, 0.03, 0.01),
+            center_of_mass=(0, 0, 0.15),
+            position=tuple(place),
+            rotation=da.rotation.axis_angle((0, 0, 1), 0.0),
+            angular_velocity=(0, 0, full_turns),
+        )
+        system.add(link)
+        hinge = spatial.Revolute(f"J{k}", last.frame(at, axis=axis), link.frame(axis=axis))
+        system.add(hinge)
+        last, at = link, (0.0, 0.05, 0.3)
+        place = place + at
+    return system
+
+
+def test_cost_grows_with_the_number_of_bodies():
+    """Operations of one acceleration: linear, and fewer than in absolute coordinates."""
+    count = {}
+    for n in (5, 10, 20):
+        model = arm(n).build()
+        for coordinates in (JointCoordinates(), da.AbsoluteCoordinates()):
+            e = coordinates.view(model).equations
+            made = da.RangeSpace().acceleration(e, e.constraint_acceleration).function
+            count[type(coordinates), n] = made.n_nodes()
+    own, all_bodies = JointCoordinates, da.AbsoluteCoordinates
+    first, second = count[own, 10] - count[own, 5], count[own, 20] - count[own, 10]
+    assert second == pytest.approx(2 * first, rel=0.01)
+    assert count[own, 20] < count[all_bodies, 20] / 2
+
+
+def test_angles_go_round():
+    """A joint coordinate counts turns; its first reading is in (−π, π]."""
+    system = arm(1, full_turns=30.0)
+    motion = da.solve_dynamics(system.build(), 1.0, step=0.01, coordinates=JointCoordinates())
+    assert motion.status.success
+    turned = float(motion["b0.euler_parameters"][-1][0])
+    assert turned == pytest.approx(np.cos(15.0), abs=1e-9)

@@ -1,0 +1,116 @@
+"""Forward dynamics of random trees against Pinocchio's articulated-body algorithm."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from spatial_trees import SpatialTree
+from test_joint_coordinates import accelerations
+
+import dalembert as da
+from dalembert import spatial
+from dalembert.model.kinematic_tree import links_of
+
+pin = pytest.importorskip("pinocchio", exc_type=ImportError)
+
+
+class Twin:
+    """The same tree in Pinocchio; every body has its joint's frame for its own."""
+
+    def __init__(self, model: da.Model):
+        self.model = model
+        start = model.start
+        self.state = {}
+        y, v = iter(start.y), iter(start.v)
+        for body in model.bodies:
+            pose = np.array([next(y) for _ in range(7)])
+            twist = np.array([next(v) for _ in range(6)])
+            axes = Rotation.from_quat(np.roll(pose[3:], -1)).as_matrix()
+            self.state[body.name] = pose[:3], axes, twist[:3], twist[3:]
+        self.state["ground"] = np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3)
+        self.tree, self.q, self.v = pin.Model(), [], []
+        self.tree.gravity.linear = value(model.parts.gravity.sx)
+        self.joints = {"ground": (0, np.eye(3), np.zeros(3))}
+        for link in links_of(model.parts, (), False):
+            self.add(link)
+
+    def add(self, link) -> None:
+        """One body, by the place of its joint in the carrier and in itself."""
+        body, at_rest = link.group, (np.eye(3), np.zeros(3))
+        carrier, near, far, kind = "ground", at_rest, at_rest, pin.JointModelFreeFlyer()
+        if link.joint is not None:
+            carrier = link.carrier.name
+            sides = link.joint.sides()
+            sides = sides if link.joint.ends()[1] is body else sides[::-1]
+            near, far = (in_body(point) for point in sides)
+            hinge = isinstance(link.joint, spatial.Revolute)
+            kind = pin.JointModelRZ() if hinge else pin.JointModelSpherical()
+        parent, axes, origin = self.joints[carrier]
+        place = pin.SE3(axes.T @ near[0], axes.T @ (near[1] - origin))
+        index = self.tree.addJoint(parent, kind, place, body.name)
+        moments = value(body.inertia.sx)
+        (xx, yy, zz, xy, yz, xz), axes = moments, far[0]
+        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        centre = axes.T @ (value(body.center_of_mass.sx) - far[1])
+        mass = float(value(body.mass.sx)[0])
+        self.tree.appendBodyToJoint(
+            index, pin.Inertia(mass, centre, axes.T @ inertia @ axes), pin.SE3.Identity()
+        )
+        self.joints[body.name] = index, *far
+        self.read(kind, carrier, body, near[0], far)
+
+    def read(self, kind, carrier: str, body, near: np.ndarray, far) -> None:
+        """Position and speeds in the joint, from those of the bodies."""
+        _, axes, _, spin = self.state[carrier]
+        place, own, velocity, turning = self.state[body.name]
+        relative = (axes @ near).T @ own @ far[0]
+        rate = far[0].T @ (turning - own.T @ axes @ spin)
+        quaternion = Rotation.from_matrix(relative).as_quat()
+        if isinstance(kind, pin.JointModelRZ):
+            self.q.append(np.arctan2(relative[1, 0], relative[0, 0]))
+            self.v.append(rate[2])
+        elif isinstance(kind, pin.JointModelSpherical):
+            self.q += list(quaternion)
+            self.v += list(rate)
+        else:
+            arm = own @ value(body.center_of_mass.sx)
+            self.q += [*(place - arm), *quaternion]
+            self.v += [*(own.T @ (velocity - own @ np.cross(turning, own.T @ arm))), *turning]
+
+    def accelerations(self) -> np.ndarray:
+        """``(r̈_C, ω̇')`` of every body, one after the other."""
+        q, v, data = np.array(self.q), np.array(self.v), self.tree.createData()
+        a = pin.aba(self.tree, data, q, v, np.zeros(v.size))
+        pin.forwardKinematics(self.tree, data, q, v, a)
+        found = []
+        for body in self.model.bodies:
+            index, _, origin = self.joints[body.name]
+            _, axes, _, spin = self.state[body.name]
+            moved = pin.getClassicalAcceleration(
+                self.tree, data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            )
+            arm, w = axes @ (value(body.center_of_mass.sx) - origin), axes @ spin
+            centre = moved.linear + np.cross(moved.angular, arm) + np.cross(w, np.cross(w, arm))
+            found += [*centre, *(axes.T @ moved.angular)]
+        return np.array(found)
+
+
+def value(sx) -> np.ndarray:
+    return np.array([float(x) for x in np.ravel(sx.elements() if hasattr(sx, "elements") else sx)])
+
+
+def in_body(point) -> tuple[np.ndarray, np.ndarray]:
+    axes = np.eye(3)
+    if isinstance(point, spatial.Frame):
+        axes = value(point.local_axes).reshape(3, 3, order="F")
+    return axes, value(point.local.sx)
+
+
+@pytest.mark.parametrize("floating", [False, True])
+@pytest.mark.parametrize("seed", range(5))
+def test_random_trees(seed, floating):
+    model = SpatialTree(seed).grow(7, ["Revolute", "Spherical"], floating).system.build()
+    _, _, found, _ = accelerations(da.JointCoordinates().view(model), da.RangeSpace())
+    expected = Twin(model).accelerations()
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
