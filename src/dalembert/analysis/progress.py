@@ -8,12 +8,12 @@ from contextlib import contextmanager
 
 PATIENCE = 1.0
 """Time without a bar [s]: most runs are over by then."""
+Reported = bool | Callable[[float], None]
+"""True for a bar, or a function of the fraction done."""
 
 
 @contextmanager
-def progress_reporter(
-    progress: bool | Callable[[float], None], text: str
-) -> Iterator[Callable[[float], None]]:
+def progress_reporter(progress: Reported, text: str) -> Iterator[Callable[[float], None]]:
     """A function of the fraction done: the user's own, a bar on the terminal, or nothing."""
     if callable(progress) or not progress:
         yield progress or (lambda fraction: None)

@@ -136,6 +136,8 @@ class Result(Protocol):
         return files
 
 
+Given = Mapping[str, float] | np.ndarray | None
+"""Values of parameters: some by name, all in their order, or none but the model's own."""
 M = TypeVar("M")
 R = TypeVar("R")
 
@@ -162,7 +164,7 @@ class Analysis(ABC, Generic[M, R]):
         return 0.0
 
     @abstractmethod
-    def run(self, model: M, parameters: Mapping[str, float] | np.ndarray | None = None) -> R:
+    def run(self, model: M, parameters: Given = None) -> R:
         """The result for a model, with some parameters replaced or all given."""
 
     def checks(self, model: M) -> Mapping[str, Callable[[], object]]:

@@ -25,7 +25,9 @@ class Evaluation:
     def __init__(self, graphs: ElementGraphs):
         self.graphs, self.cls, self.linear = graphs, graphs.cls, graphs.linear
         self.dimension, self.node_count = graphs.dimension, graphs.node_count
-        self.displacement_count = self.graphs.u.numel()
+        self.displacement_count, self.data_count = graphs.u.numel(), graphs.data.numel()
+        self.per_node = self.displacement_count // self.node_count
+        self.quantities = [field.name for field in graphs.cls.quantity_fields()]
         self._functions: dict[str, ca.Function] = {}
         self._kernels: dict[tuple[str, int], Kernel] = {}
         self._rows: dict[tuple[Rows, int], np.ndarray] = {}

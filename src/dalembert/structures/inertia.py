@@ -19,10 +19,6 @@ def _name(lumped: bool) -> str:
 class KindInertia(Evaluation):
     """What the kinetic energy of the elements gives."""
 
-    quantities: list[str]
-    data_count: int
-    per_node: int
-
     @cached_property
     def _lumping(self) -> Lumping:
         return Lumping(self.dimension, self.node_count, self.per_node)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from dalembert.structures.base import Rows
-from dalembert.structures.graphs import ElementGraphs
 from dalembert.structures.inertia import KindInertia
 
 
@@ -22,12 +21,6 @@ class ElementKind(KindInertia):
     ----------
     graphs : of the class, or of what a change of temperature adds to it
     """
-
-    def __init__(self, graphs: ElementGraphs):
-        super().__init__(graphs)
-        self.quantities = [field.name for field in graphs.cls.quantity_fields()]
-        self.data_count = graphs.data.numel()
-        self.per_node = self.displacement_count // graphs.node_count
 
     # strain energy ------------------------------------------------------------------------
     def forces(self, u: np.ndarray, data: np.ndarray) -> np.ndarray:

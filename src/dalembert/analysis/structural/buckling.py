@@ -13,6 +13,7 @@ from dalembert.analysis.structural.spectrum import Spectrum, largest
 from dalembert.analysis.structural.statics import Statics, factorised
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
+from dalembert.results.result import Given
 from dalembert.results.structural.buckling_modes import BucklingModes
 from dalembert.structures.model import StructuralModel
 
@@ -47,10 +48,7 @@ class Buckling(SpectralAnalysis[BucklingModes]):
     negative: bool = False
 
     def run(
-        self,
-        model: StructuralModel,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: Any = False,
+        self, model: StructuralModel, parameters: Given = None, progress: Any = False
     ) -> BucklingModes:
         """The modes.
 

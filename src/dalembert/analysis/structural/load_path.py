@@ -16,7 +16,7 @@ from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.path_equations import Crossing, PathEquations
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
-from dalembert.results.result import Analysis
+from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult, Plane
 from dalembert.structures.model import StructuralModel
@@ -68,10 +68,7 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
         require(self, ("first", "longest", "until", "tolerance"), ("max_points", "max_iterations"))
 
     def run(
-        self,
-        model: StructuralModel,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: Any = False,
+        self, model: StructuralModel, parameters: Given = None, progress: Any = False
     ) -> LoadPathResult:
         """Follow the path from rest; keeps the points it found.
 

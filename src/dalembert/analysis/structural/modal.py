@@ -15,6 +15,7 @@ from dalembert.analysis.structural.spectrum import Spectrum, nearest
 from dalembert.analysis.structural.statics import factorised
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
+from dalembert.results.result import Given
 from dalembert.results.structural.result import StructuralResult
 from dalembert.results.structural.vibration_modes import VibrationModes
 from dalembert.structures.model import StructuralModel
@@ -60,10 +61,7 @@ class Modal(SpectralAnalysis[VibrationModes]):
             )
 
     def run(
-        self,
-        model: StructuralModel,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: Any = False,
+        self, model: StructuralModel, parameters: Given = None, progress: Any = False
     ) -> VibrationModes:
         """The modes.
 

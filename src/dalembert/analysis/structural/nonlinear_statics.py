@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from dalembert.analysis.structural.balance import Balance, Balanced
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.statics import StaticsRecord, factorised
 from dalembert.options import options
-from dalembert.results.result import Analysis
+from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
@@ -52,10 +52,7 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
         require(self, ("tolerance",), ("steps", "max_iterations"))
 
     def run(
-        self,
-        model: StructuralModel,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: Any = False,
+        self, model: StructuralModel, parameters: Given = None, progress: Any = False
     ) -> StructuralResult:
         """Displacements and reactions of every load case; keeps the last equilibrium it found.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from dalembert.analysis.structural.pencil import Pencil
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.errors import UnsupportedError
-from dalembert.results.result import Analysis
+from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.eigenmodes import EigenModes
 from dalembert.structures.model import StructuralModel
@@ -46,12 +45,7 @@ class SpectralAnalysis(Analysis[StructuralModel, E]):
         """One eigenpair more than are wanted, if there is."""
         raise NotImplementedError
 
-    def run(
-        self,
-        model: StructuralModel,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: Any = False,
-    ) -> E:
+    def run(self, model: StructuralModel, parameters: Given = None, progress: Any = False) -> E:
         p = model.values(parameters)
         return self._modes(p, self.spectrum(self.pencil(model, p)))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +10,7 @@ import scipy.sparse as sparse
 import scipy.sparse.linalg as linalg
 
 from dalembert.errors import SingularityError
-from dalembert.results.result import Analysis
+from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
@@ -39,10 +38,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
     at_rest = True
 
     def run(
-        self,
-        model: StructuralModel,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: Any = False,
+        self, model: StructuralModel, parameters: Given = None, progress: Any = False
     ) -> StructuralResult:
         """Displacements and reactions of every load case.
 

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Any
 
 import numpy as np
 
 from dalembert.analysis.branches import place_outputs
+from dalembert.analysis.progress import Reported
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.structural.transient_run import TransientRun, motion_at
 from dalembert.analysis.structural.transient_start import STARTS
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.newmark import Newmark, NewmarkFamily
 from dalembert.options import options
-from dalembert.results.result import Analysis
+from dalembert.results.result import Analysis, Given
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel
 
@@ -85,8 +86,8 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     def run(
         self,
         model: StructuralModel,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: bool | Callable[[float], None] = False,
+        parameters: Given = None,
+        progress: Reported = False,
     ) -> StructuralMotion:
         """Integrate; a run that fails keeps what it had and says why in its status.
 
@@ -125,7 +126,7 @@ def solve_transient(
     duration: float | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
-    progress: bool | Callable[[float], None] = False,
+    progress: Reported = False,
     **options: Any,
 ) -> StructuralMotion:
     """Motion of a structure, ``M a + C v + ∂W/∂u(u) = P(t)``, with its exact gradients.
