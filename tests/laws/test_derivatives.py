@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from registry import CASES, FORMULATIONS, definite, model_of
+from spatial_registry import SPATIAL_CASES, any_model_of
 
 from dalembert.analysis.dynamics import Dynamics
 
@@ -32,10 +33,10 @@ def flat(outputs) -> np.ndarray:
     return np.concatenate([o.full().ravel() for o in outputs])
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_step(name):
     """One projected Runge–Kutta step: ⟨w, T d⟩ = ⟨Tᵀ w, d⟩ to 1e-12, T d by differences."""
-    model, rng = model_of(name), np.random.default_rng(5)
+    model, rng = any_model_of(name), np.random.default_rng(5)
     kernel, p = Dynamics(1.0).kernel(model), model.nominal
     x, mode = kernel.initial(model.start, 0.0, p)
     step, n = kernel.variants[mode].step, x.size
@@ -85,10 +86,10 @@ def check_implicit(implicit, inputs, rng, tolerance: float) -> None:
     np.testing.assert_allclose(change, expected, atol=tolerance * (1 + np.abs(change).max()))
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_initial_state(name):
     """Assembled positions and speeds by the parameters, against assembling anew."""
-    model, rng = model_of(name), np.random.default_rng(7)
+    model, rng = any_model_of(name), np.random.default_rng(7)
     p, y = model.nominal, model.start.y
     dp = relative_parameters(p, rng)
     weights = [rng.standard_normal(n) for n in model.initial_state.output_sizes]

@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from registry import CASES, model_of
+from spatial_registry import SPATIAL_CASES, any_model_of
 
 import dalembert as da
 from dalembert import planar
@@ -13,13 +14,13 @@ from dalembert import planar
 
 def balance_error(name: str, step: float, **options) -> float:
     motion = da.solve_dynamics(
-        model_of(name), 0.16, step=step, stabilization=da.Stabilization(), **options
+        any_model_of(name), 0.16, step=step, stabilization=da.Stabilization(), **options
     )
     assert motion.status.success
     return float(np.abs(motion.data.balance_error).max())
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_energy_balance_closes_with_the_order(name):
     """Halving the step divides the balance error by 16, down to round-off."""
     coarse, fine = balance_error(name, 0.01), balance_error(name, 0.005)

@@ -1,0 +1,86 @@
+"""Forces in space: generalised forces, potentials and powers against wrenches written in NumPy."""
+
+from __future__ import annotations
+
+import functools
+
+import casadi as ca
+import numpy as np
+import pytest
+from spatial_registry import SPATIAL_CASES, context, spatial_model_of
+
+from dalembert.elements import registry
+
+CONSERVATIVE = [n for n, c in SPATIAL_CASES.items() if c.conservative]
+NOT_HERE = {"Mesh"}
+"""Bodies from files."""
+
+
+@pytest.mark.parametrize("section", ["bodies", "forces"])
+def test_every_element_has_a_case(section):
+    covered = {kind for case in SPATIAL_CASES.values() for kind in case.covers}
+    rows = registry.SPATIAL.sections[section]
+    assert {kind for name, kind in rows.items() if name not in NOT_HERE} <= covered
+
+
+@functools.cache
+def functions_of(name: str) -> ca.Function:
+    """``(t, y, v, p) → f, ∂V/∂δ``."""
+    e = spatial_model_of(name).all_equations
+    slope = ca.gradient(e.potential, e.y)
+    return ca.Function("forces", [e.t, e.y, e.v, e.p], [e.force, ca.mtimes(e.lift.T, slope)])
+
+
+def states(name: str):
+    """States in general position; on the constraints where the element needs that."""
+    model, rng = spatial_model_of(name), np.random.default_rng(3)
+    y, v, p = model.start.y, model.start.v, model.nominal
+    yield 0.0, y, v, p
+    if not model.constraints:
+        for t in (0.1, 0.7):
+            moved = model.equations.manifold.go(y, 0.3 * rng.standard_normal(v.size))
+            yield t, moved, v + 2 * rng.standard_normal(v.size), p
+
+
+def generalised_force(name: str, t, y, v, p) -> np.ndarray:
+    """``(F, Rᵀ (M + (r_P − r) × F))`` of all wrenches, and the weights."""
+    model = spatial_model_of(name)
+    c = context(model, t, y, v, p)
+    mass = ca.Function("m", [model.equations.p], [b.mass.sx for b in model.bodies])
+    weights = [float(m) * c.p.g for m in mass.call([p])]
+    found = {b.name: [w, np.zeros(3)] for b, w in zip(model.bodies, weights, strict=True)}
+    for body, force, place, moment in SPATIAL_CASES[name].loads(c):
+        about = moment + np.cross(place - c.body[body].r, force)
+        found[body][0] = found[body][0] + force
+        found[body][1] = found[body][1] + c.body[body].R.T @ about
+    return np.concatenate([np.concatenate(found[b.name])[: b.twist.numel()] for b in model.bodies])
+
+
+@pytest.mark.parametrize("name", SPATIAL_CASES)
+def test_generalised_forces_are_the_textbook_wrenches(name):
+    for state in states(name):
+        found = functions_of(name)(*state)[0].full().ravel()
+        np.testing.assert_allclose(found, generalised_force(name, *state), rtol=1e-11, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", CONSERVATIVE)
+def test_conservative_forces_have_a_potential(name):
+    """At rest, ``f = −∂V/∂δ``."""
+    for t, y, v, p in states(name):
+        force, slope = (a.full().ravel() for a in functions_of(name)(t, y, 0 * v, p))
+        np.testing.assert_allclose(force, -slope, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", SPATIAL_CASES)
+def test_friction_and_damping_only_take_energy(name):
+    """The dissipated power is never negative, and nothing is put in where nothing drives."""
+    model = spatial_model_of(name)
+    e = model.all_equations
+    powers = ca.Function("powers", [e.t, e.y, e.v, e.multiplier, e.p], [e.powers])
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        v, multiplier = (3 * rng.standard_normal(x.numel()) for x in (e.v, e.multiplier))
+        loss, put_in = powers(0.3, model.start.y, v, multiplier, model.nominal).full().ravel()
+        assert loss >= 0
+        if SPATIAL_CASES[name].conservative:
+            assert put_in == pytest.approx(0.0, abs=1e-9)
