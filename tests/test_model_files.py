@@ -367,7 +367,7 @@ def test_schema_refuses(change, schema):
 
 
 def test_schema_tells_units(schema):
-    bar = schema.schema["$defs"]["Bar"]["properties"]
+    bar = schema.schema["$defs"]["PlanarBar"]["properties"]
     assert "[m]" in bar["length"]["description"]
     assert "[kg m^2]" in bar["inertia"]["description"]
 

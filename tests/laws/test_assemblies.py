@@ -97,6 +97,31 @@ def rotation_of(e: np.ndarray) -> np.ndarray:
     return Rotation.from_quat(np.roll(e, -1)).as_matrix()
 
 
+def test_hinges_are_not_turned_upside_down():
+    """The same four-bar in space, of hinges and a ball joint: two ways, not one per flipped hinge."""
+    system, axis = da.System("hinges"), (0, 0, 1)
+    ground, still = system.ground, da.rotation.identity()
+    crank = system.add(spatial.Body("crank", mass=1, inertia=(1, 1, 1), rotation=still))
+    coupler, swing = (
+        system.add(spatial.Body(name, mass=1, inertia=(1, 1, 1))) for name in ("coupler", "rocker")
+    )
+    joints = (
+        ("O", ground.frame((0, 0, 0), axis=axis), crank.frame((0, 0, 0), axis=axis)),
+        ("A", crank.frame((0.3, 0, 0), axis=axis), coupler.frame((0, 0, 0), axis=axis)),
+        ("C", ground.frame((1, 0, 0), axis=axis), swing.frame((0, 0, 0), axis=axis)),
+    )
+    for name, first, second in joints:
+        system.add(spatial.Revolute(name, first, second))
+    system.add(spatial.Spherical("B", coupler.point(1, 0, 0), swing.point(0.6, 0, 0)))
+    model = system.build()
+    found = da.solve_assembly(model, all=True)
+    assert len(found) == 2
+    for one in found:
+        for k in range(3):
+            turned = rotation_of(one.y[7 * k + 3 : 7 * k + 7])
+            np.testing.assert_allclose(turned[:, 2], axis, atol=1e-9)
+
+
 def test_the_same_seed_finds_the_same_order():
     one, other = (da.solve_assembly(four_bar(0.6), all=True, count=2, rng=7) for _ in range(2))
     np.testing.assert_array_equal([a.y for a in one], [a.y for a in other])

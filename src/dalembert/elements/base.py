@@ -234,6 +234,13 @@ class Constraint(Element):
         """Equations ``Φ`` in the pose symbols of the parts and time."""
         raise NotImplementedError
 
+    def facing(self) -> ca.SX:
+        """What is positive where parts are put together the right way round; nothing by default.
+
+        An equation may be met by a hinge whose axis points backwards as well.
+        """
+        return ca.SX(0, 1)
+
     def slipping(self) -> ca.SX:
         """Speeds ``Ψ`` that must vanish, linear in the twists of the parts; none by default."""
         return ca.SX(0, 1)

@@ -10,11 +10,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import casadi as ca
 import numpy as np
 
+from dalembert.model.absolute import at_ground
 from dalembert.model.closure import Closure
 from dalembert.model.recipe import Square
 from dalembert.symbolic import newton
+from dalembert.symbolic.expression import stack
 
 SETTINGS = newton.NewtonSettings(tolerance=1e-14, max_iterations=60, slack=1e3, halvings=8)
 CLOSED = 1e-10
@@ -48,6 +51,14 @@ class Assemblies:
         self.sizes, self.metres = closure.scales.displacements, guesses.metres
         self.turns = np.array([unit == "rad" for unit in guesses.speed_units], dtype=bool)
         self.known: list[np.ndarray] = []
+        e, parts = closure.all_equations, closure.description.constraints
+        facing = at_ground(closure.description.ground, stack(c.facing() for c in parts))
+        self._facing = ca.Function("facing", [e.t, e.y, e.p], [facing])
+        self.t, self.p = t, p
+
+    def facing(self, y: np.ndarray) -> np.ndarray:
+        """Which way round the joints are put together, by signs."""
+        return np.sign(self._facing(self.t, y, self.p).full().ravel())
 
     def search(self, first: np.ndarray, count: int | None, rng: np.random.Generator) -> None:
         """Find others than the first one, until there are so many or none is new."""
@@ -77,11 +88,13 @@ class Assemblies:
         return np.where(self.turns, np.remainder(way + np.pi, 2 * np.pi) - np.pi, way)
 
     def is_new(self, y: np.ndarray) -> bool:
-        """It closes, and is none of those known."""
+        """It closes with its joints the same way round, and is none of those known."""
         with np.errstate(all="ignore"):
             residual = self.pinned.residual(y)
             open_by = np.max(np.abs(residual.value / residual.scale), initial=0.0)
         if not open_by <= CLOSED:
+            return False
+        if np.any(self.facing(y) != self.facing(self.known[0])):
             return False
         return all(np.max(np.abs(self.apart(x, y)), initial=0.0) > SAME for x in self.known)
 

@@ -65,6 +65,7 @@ class Assembler:
     scales : Scales
     initial : prescribed measures of position, (expression − value)
     searches : (coordinate, rows, range) of curve parameters without a guess
+    facing : of joints whose bodies have no guessed orientation, positive the right way round
     """
 
     def __init__(
@@ -75,11 +76,13 @@ class Assembler:
         scales: Scales,
         initial: ca.SX,
         searches: list[tuple[int, list[int], tuple[float, float]]],
+        facing: ca.SX,
     ):
         self.guesses, self.scales, self.searches = guesses, scales, searches
         self.equations = e = equations
         self.equation_count = e.constraint_count
         self.start = ca.Function("start", [e.t, e.p], [start])
+        self.facing = ca.Function("facing", [e.t, e.y, e.p], [facing])
         residual = ca.vertcat(e.constraints, initial)
         conditions = e.by_displacement(initial)
         jacobian = ca.vertcat(e.position_jacobian, conditions)
@@ -139,8 +142,11 @@ class Assembler:
                 spread = np.where(missing, far, 0.02 * attempt) * rng.uniform(-1, 1, missing.size)
                 start = self.moved(start, self.scales.displacements * spread)
             found.append(self.close(t, self._search(t, start, p), p))
-            if found[-1].accepted:
+            if found[-1].accepted and np.all(self.facing(t, found[-1].x, p).full() > 0):
                 return found[-1]
+        closed = [one for one in found if one.accepted]  # if none is right, the nearest
+        if closed:
+            return closed[0]
         return min(found, key=lambda one: one.residual if np.isfinite(one.residual) else np.inf)
 
     def _search(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:

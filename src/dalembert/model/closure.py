@@ -113,6 +113,14 @@ class Closure:
                     found.append((index, rows, part.interval))
         return found
 
+    def _loosely_facing(self) -> list[ca.SX]:
+        """Ways round of joints that the given poses do not settle."""
+        return [
+            constraint.facing()
+            for constraint in self.description.constraints
+            if not all(all(p.guessed()) for p in constraint.parts() if p.name != "ground")
+        ]
+
     def _close(self, strict: bool) -> None:
         d, e, p = self.description, self.all_equations, self.nominal
         conditions = [self._fixed(m.sx - v.sx) for m, v in d.initial_conditions]
@@ -121,8 +129,9 @@ class Closure:
             stack(c for c, s in zip(conditions, of_speed, strict=True) if s is which)
             for which in (False, True)
         )
+        searches, facing = self._curve_searches(), self._fixed(stack(self._loosely_facing()))
         self._assembler = Assembler(
-            e, self.guesses, placed_guesses(d), self.scales, positions, self._curve_searches()
+            e, self.guesses, placed_guesses(d), self.scales, positions, searches, facing
         )
         y = self._projected()
         Definedness(d, e, y, p).refuse_undefined()

@@ -27,6 +27,9 @@ class Cylindrical(FrameJoint):
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[:2], self.tilt)
 
+    def facing(self) -> ca.SX:
+        return self.parallel
+
     def units(self) -> list[str]:
         return ["m", "m", "rad", "rad"]
 

@@ -37,7 +37,14 @@ class FixedTurn(FrameJoint):
             )
 
     @property
+    def left(self) -> Turn:
+        """The turn less the one that it should be."""
+        return self.turn if self.angle is None else self.turn.after(Turn.of(self.angle.sx))
+
+    @property
     def orientation(self) -> ca.SX:
         """``Φ`` (3,) of the axes."""
-        turn = self.turn if self.angle is None else self.turn.after(Turn.of(self.angle.sx))
-        return ca.vertcat(self.tilt, turn.sine)
+        return ca.vertcat(self.tilt, self.left.sine)
+
+    def facing(self) -> ca.SX:
+        return ca.vertcat(self.parallel, self.left.cosine)

@@ -73,6 +73,11 @@ class BetweenFrames(Element):
         """(2,) components of the second z axis along the first x and y axes; zero if parallel."""
         return ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axis)
 
+    @property
+    def parallel(self) -> ca.SX:
+        """Cosine between the z axes."""
+        return ca.dot(self.frame_i.axis, self.frame_j.axis)
+
     @cached_property
     def turn(self) -> Turn:
         """How far the second x axis has turned about the first z axis.

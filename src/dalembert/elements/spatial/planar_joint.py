@@ -22,6 +22,9 @@ class Planar(FrameJoint):
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[2], self.tilt)
 
+    def facing(self) -> ca.SX:
+        return self.parallel
+
     def units(self) -> list[str]:
         return ["m", "rad", "rad"]
 

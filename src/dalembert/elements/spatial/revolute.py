@@ -27,6 +27,9 @@ class Revolute(FrameJoint, TreeJoint):
     def look(self) -> list[Look]:
         return [Pin(self.frame_j, self.frame_i)]
 
+    def facing(self) -> ca.SX:
+        return self.parallel
+
     def units(self) -> list[str]:
         return ["m", "m", "m", "rad", "rad"]
 
