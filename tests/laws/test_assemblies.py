@@ -98,7 +98,7 @@ def rotation_of(e: np.ndarray) -> np.ndarray:
 
 
 def test_hinges_are_not_turned_upside_down():
-    """The same four-bar in space, of hinges and a ball joint: two ways, not one per flipped hinge."""
+    """The same four-bar in space, of hinges and a ball joint: two ways, none by flipped hinges."""
     system, axis = da.System("hinges"), (0, 0, 1)
     ground, still = system.ground, da.rotation.identity()
     crank = system.add(spatial.Body("crank", mass=1, inertia=(1, 1, 1), rotation=still))
