@@ -5,7 +5,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from dalembert.results.animation import outline, placed
+from dalembert.results.outlines import outline
+from dalembert.results.picture import pose_of
 from dalembert.results.scene import motion_scene
 
 BLUE, ORANGE, GREEN, PINK, YELLOW, SKY = COLOURS = (
@@ -47,20 +48,25 @@ def draw(ax, motion, time: float = 0.0, alpha: float = 1.0, colours=COLOURS) -> 
     """The mechanism at the output nearest to a time."""
     k = int(np.argmin(abs(motion.time - time)))
     scene = motion_scene(motion, np.arange(motion.time.size))
-    pose = {b["name"]: np.array([b["x"][k], b["y"][k], b["angle"][k]]) for b in scene["bodies"]}
-    pose["ground"] = np.zeros(3)
+    poses = {b["name"]: [part[k] for part in pose_of(b)] for b in scene["bodies"]}
+    poses["ground"] = [np.eye(2), np.zeros(2)]
+
+    def placed(body: str, *points) -> np.ndarray:
+        turn, place = poses[body]
+        return np.vstack(points) @ turn.T + place
+
     bodies = [
         (b["name"], b["shapes"], colours[n % len(colours)]) for n, b in enumerate(scene["bodies"])
     ]
     for name, shapes, colour in [("ground", scene["ground"]["shapes"], "0.72"), *bodies]:
         for shape in shapes:
-            _shape(ax, shape, placed(outline(shape), pose[name]), colour, alpha)
+            _shape(ax, shape, placed(name, outline(shape)), colour, alpha)
     for link in scene["links"]:
-        i, j = (placed(np.array([link[e]["point"]]), pose[link[e]["body"]])[0] for e in "ij")
-        ax.plot(*_coil(i, j, link["kind"]).T, color="0.3", lw=1.1, alpha=alpha, zorder=4)
+        i, j = (placed(link[e]["body"], link[e]["point"])[0] for e in "ij")
+        ax.plot(*_coil(i, j, link["symbol"]).T, color="0.3", lw=1.1, alpha=alpha, zorder=4)
     for joint in scene["joints"]:
-        if joint["kind"] in ("revolute", "pin_in_slot"):
-            ((x, y),) = placed(np.array([joint["point"]]), pose[joint["body"]])
+        if joint["symbol"] in ("pin", "slotpin"):
+            ((x, y),) = placed(joint["body"], joint["point"])
             face = "0.3" if joint["grounded"] else "white"
             ax.plot(x, y, "o", ms=5, mfc=face, mec="0.2", mew=1, alpha=alpha, zorder=5)
     ax.set_aspect("equal", adjustable="datalim")
@@ -78,9 +84,9 @@ def _shape(ax, shape: dict, points: np.ndarray, colour: str, alpha: float) -> No
         ax.fill(*points.T, fc=(colour, 0.18 * alpha), ec=(colour, alpha), lw=1.4, zorder=2)
 
 
-def _coil(i: np.ndarray, j: np.ndarray, kind: str) -> np.ndarray:
+def _coil(i: np.ndarray, j: np.ndarray, symbol: str) -> np.ndarray:
     """A zigzag from i to j for springs, a straight line for other links."""
-    if kind != "spring":
+    if symbol != "coil":
         return np.array([i, j])
     along = j - i
     across = np.array([-along[1], along[0]]) * 0.03

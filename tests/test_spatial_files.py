@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import tomllib
+from pathlib import Path
 
 import pytest
 
+from dalembert.elements.base import Element
 from dalembert.elements.registry import SPATIAL
 from dalembert.io import json_schema, load
 
@@ -66,6 +68,7 @@ ELEMENTS = {
         "Planar": FRAMES,
         "Weld": FRAMES,
         "RollingDisc": "connect = ['a', 'ground.G']\nradius = 'k'",
+        "UserConstraint": "formula = 'a.x - k*b.y'",
         "KnifeEdge": "connect = ['a.F', 'ground.G']",
     },
     "drivers": {
@@ -95,13 +98,17 @@ def schema():
     return jsonschema.Draft202012Validator(json_schema())
 
 
+def written(section: str, name: str, folder: Path) -> Element:
+    """An element read from a file in the folder, beside some bodies and joints."""
+    (folder / "wedge.obj").write_text(OBJ)
+    text = f'{HEAD}[{section}.new]\ntype = "{name}"\n{ELEMENTS[section][name]}\n'
+    (folder / "model.toml").write_text(text, encoding="utf-8")
+    return load(folder / "model.toml").elements["new"]
+
+
 @pytest.mark.parametrize(("section", "name"), CASES, ids=[n for _, n in CASES])
 def test_every_element_can_be_written(section, name, tmp_path, schema):
     if name == "Mesh":
         pytest.importorskip("trimesh")
-        (tmp_path / "wedge.obj").write_text(OBJ)
-    text = f'{HEAD}[{section}.new]\ntype = "{name}"\n{ELEMENTS[section][name]}\n'
-    path = tmp_path / "model.toml"
-    path.write_text(text, encoding="utf-8")
-    assert type(load(path).elements["new"]) is SPATIAL.sections[section][name]
-    schema.validate(tomllib.loads(text))
+    assert type(written(section, name, tmp_path)) is SPATIAL.sections[section][name]
+    schema.validate(tomllib.loads((tmp_path / "model.toml").read_text(encoding="utf-8")))

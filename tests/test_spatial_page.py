@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from browser import Visit, chromium, visit
@@ -14,7 +15,6 @@ from scipy.spatial.transform import Rotation, Slerp
 
 import dalembert as da
 from dalembert import spatial
-from dalembert.elements.springs import Spring
 from dalembert.report.page import render_page
 
 TILT = 0.6
@@ -42,6 +42,41 @@ def heavy_top() -> da.Motion:
 
 
 @functools.cache
+def joints() -> da.Motion:
+    """A solid of every shape on a joint of every kind, with a spring, a damper and loads."""
+    system, up = da.System("joints", gravity=(0, 0, -0.1)), (0, 0, 0.2)
+    ground = system.ground
+
+    def solid(kind: Any, name: str, x: float, **given: Any) -> Any:
+        return system.add(kind(name, density=800, position=(x, 0, 0), **given))
+
+    box = solid(spatial.Box, "box", 0.0, size=(0.1, 0.1, 0.3), angular_velocity=(0, 0, 1))
+    system.add(spatial.Cylindrical("C", ground.frame(up), box.frame(up)))
+    slab = solid(spatial.Box, "slab", 0.5, size=(0.3, 0.1, 0.1), velocity=(0.3, 0, 0))
+    along = {"axis": (1, 0, 0), "x": (0, 0, 1)}
+    rail = ground.frame((0.5, 0, 0.2), **along)
+    system.add(spatial.Prismatic("P", rail, slab.frame(up, **along)))
+    pill = solid(spatial.Capsule, "pill", 1.0, radius=0.05, length=0.3, angular_velocity=(2, 1, 0))
+    arm = ground.frame((1, 0, 0.2), axis=(1, 0, 0))
+    system.add(spatial.Universal("U", arm, pill.frame(up, axis=(0, 1, 0))))
+    drum = solid(spatial.Cylinder, "drum", 1.5, radius=0.06, length=0.3, angular_velocity=(0, 0, 5))
+    system.add(spatial.Screw("S", ground.frame((1.5, 0, 0.2)), drum.frame(up), pitch=0.05))
+    ball = solid(spatial.Sphere, "ball", 2.0, radius=0.1, angular_velocity=(0, 0, 4))
+    table = ground.frame((2, 0, -0.1))
+    system.add(spatial.Planar("T", table, ball.frame((0, 0, -0.1))))
+    wheel = system.add(spatial.Body("wheel", mass=1, inertia=(0.005, 0.01, 0.005)))
+    system.add(spatial.RollingDisc("D", wheel, ground.frame((0, 0, -0.1)), radius=0.1))
+    bob = system.add(spatial.Particle("bob", mass=1.0, position=(1, -0.6, 0)))
+    hook = ground.point(1, -0.6, 0.5)
+    system.add(spatial.Spring("k", hook, bob.center, stiffness=100, damping=1, free_length=0.4))
+    system.add(spatial.Force("wind", bob.center, (3, 0, 0)))
+    system.add(spatial.Torque("spin", ball, (0, 0, 0.1)))
+    lid = system.add(spatial.Bar("lid", mass=0.1, length=0.2, radius=0.02, position=(2, 0, 0.1)))
+    system.add(spatial.Weld("W", ball.frame(up), lid.frame((0, 0, 0.1))))
+    return da.solve_dynamics(system.build(), duration=0.2, step=0.01)
+
+
+@functools.cache
 def hinges() -> da.Motion:
     """Three bars on hinges about two axes, the last on a spring."""
     system = da.System("hinges", gravity=(0, 0, -9.81))
@@ -52,7 +87,7 @@ def hinges() -> da.Motion:
         system.add(spatial.Revolute("ABC"[k], last, bar.frame((-0.35, 0, 0), axis=axis)))
         last = bar.frame((0.35, 0, 0), axis=axes[(k + 1) % 3])
     post = system.ground.point(1.4, 0.6, -0.2)
-    tie = Spring("tie", post, bar.point("end"), stiffness=60, damping=1, free_length=0.5)
+    tie = spatial.Spring("tie", post, bar.point("end"), stiffness=60, damping=1, free_length=0.5)
     system.add(tie)
     return da.solve_dynamics(system.build(), duration=0.6, step=0.01)
 
@@ -100,7 +135,11 @@ def test_page_is_one_file_with_the_library_inside() -> None:
 
 @pytest.mark.parametrize(
     ("make", "viewport", "scheme"),
-    [(heavy_top, (1440, 900), "light"), (hinges, (390, 844), "dark")],
+    [
+        (heavy_top, (1440, 900), "light"),
+        (hinges, (390, 844), "dark"),
+        (joints, SMALL, "light"),
+    ],
 )
 def test_draws(show: Any, make: Any, viewport: tuple[int, int], scheme: str) -> None:
     found = show(make(), viewport=viewport, scheme=scheme)
@@ -243,3 +282,23 @@ def test_paper_is_light_and_sharp(show: Any) -> None:
     assert found.ink("#scene") > 200
     found.js("window.dispatchEvent(new Event('afterprint'))")
     assert found.js("document.documentElement.dataset.theme") == "dark"
+
+
+def test_matplotlib_draws_every_solid_where_it_is() -> None:
+    motion = joints()
+    axes = motion.draw(0.1)
+    lines = [np.array(line.get_data_3d()) for line in axes.lines]
+    spots = np.hstack(lines)
+    for name in ("box", "pill", "drum", "ball", "bob"):
+        place = motion[f"{name}.position"].sel(time=0.1).values
+        around = np.linalg.norm(spots - place[:, None], axis=0)
+        assert np.nanmin(around) < 0.2, name
+    assert min(np.ptp(getattr(axes, f"get_{a}lim")()) for a in "xyz") > 0
+    plt.close("all")
+
+
+def test_a_film_of_space_moves() -> None:
+    film = hinges().animate(fps=5)
+    first = np.array(film._func(0)[0].get_data_3d())
+    assert not np.allclose(first, np.array(film._func(1)[0].get_data_3d()))
+    film._draw_was_started = True  # it is not meant to be rendered

@@ -9,9 +9,10 @@ from importlib import resources
 import numpy as np
 import pytest
 from registry import CASES, model_of
+from test_spatial_files import CASES as SPATIAL_CASES, written
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 from dalembert.elements import look, registry
 from dalembert.elements.base import Look
 from dalembert.elements.point import Point
@@ -24,12 +25,14 @@ ELEMENTS = {n: c for table in registry.PLANAR.sections.values() for n, c in tabl
 UNSEEN = {planar.Body, planar.UserConstraint, planar.JointFriction}
 """A plate over its points, a formula, and what its joint shows."""
 PRIMITIVES = {c for _, c in inspect.getmembers(look, inspect.isclass) if issubclass(c, Look)}
-SPATIAL = {look.Socket}
+SPATIAL = {look.Socket, look.Collar, look.Nut, look.Cross, look.Table}
 """Primitives that no planar element has."""
 FLAT = {look.Arrow, look.Twist, look.Limit}
 """Arrows that move by themselves, and walls, which space does not show."""
 PARTS = {look.Segment, look.Ball, look.Disc, look.Block, look.Rail, look.Path}
 ABSTRACT = {Look, look.Link, look.Rotary}
+
+UNSEEN_IN_SPACE = {spatial.Body, spatial.JointFriction, spatial.UserConstraint}
 
 
 def still(model: da.Model):
@@ -86,6 +89,20 @@ def test_pages_of_space_draw_every_primitive():
     wanted = PRIMITIVES - ABSTRACT - PARTS - FLAT
     assert {kind.__name__.lower() for kind in wanted} <= drawn
     assert undrawn(SpatialSketch) == set()
+
+
+@pytest.mark.parametrize(("section", "name"), SPATIAL_CASES)
+def test_every_element_of_space_looks_like_something(section, name, tmp_path):
+    if name == "Mesh":
+        pytest.importorskip("trimesh")
+    made = written(section, name, tmp_path)
+    shown, joint = made.look(), vars(made).get("joint")
+    assert bool(shown) != (type(made) in UNSEEN_IN_SPACE)
+    drawn = [vars(kind)["draw"].dispatcher.dispatch for kind in (SpatialSketch, Sketch)]
+    for part in shown:
+        assert any(d(type(part)) is not d(Look) for d in drawn)
+        for point in (v for v in vars(part).values() if isinstance(v, Point)):
+            assert point.body in {*made.parts(), *(joint.ends() if joint else ())}
 
 
 def undrawn(sketch: type[Sketch]) -> set[type]:

@@ -45,6 +45,22 @@ class SlotPin(Mark):
     """A pin that slides."""
 
 
+class Collar(SlotPin):
+    """A sleeve on a shaft, turns about it and slides along it."""
+
+
+class Nut(SlotPin):
+    """A sleeve on a spindle, slides as it turns."""
+
+
+class Cross(Pin):
+    """Two arms, each an axis to turn about."""
+
+
+class Table(Mark):
+    """Slides and turns on a plane."""
+
+
 class Slider(Mark):
     """Slides without turning."""
 

@@ -61,6 +61,12 @@ class Motion(LabelledRecording):
 
         return plot_measures(self, measures, ax)
 
+    def draw(self, time: float = 0.0, ax: Any = None) -> Any:
+        """The mechanism at the output nearest to a time [s] (Matplotlib); returns the axes."""
+        from dalembert.results.animation import still
+
+        return still(self, time, ax)
+
     def animate(self, **options: Any) -> Any:
         """Animation of the mechanism (Matplotlib); shown by notebooks."""
         from dalembert.results.animation import animate

@@ -45,6 +45,7 @@ class SpatialDrawing(Drawing):
             self.sketch.draw(look, body)
         if looks:
             return
+        bare = not shapes
         center, points = self.center(body), [np.array(p) for p in self.points[body.name]]
         apart = [p for p in points if np.linalg.norm(p - center) > 1e-6 * self.size]
         if len(points) > 2 and self.flat(points):
@@ -53,12 +54,14 @@ class SpatialDrawing(Drawing):
             first, last = _ends(points)
             shapes.append({"kind": "bar", "from": first.tolist(), "to": last.tolist()})
             lump = self.lump(body, center)
-            if sorted(lump.get("size", [0.0, 0.0]))[-2] > BULKY * np.linalg.norm(last - first):
+            bulk = sorted(lump.get("size", [0.0, 0.0]))[-2]
+            if bare and bulk > BULKY * np.linalg.norm(last - first):
                 shapes.append(lump)
         else:
             for p in apart:
                 shapes.append({"kind": "bar", "from": center.tolist(), "to": p.tolist()})
-            shapes.append(self.lump(body, center))
+            if bare:
+                shapes.append(self.lump(body, center))
 
     def center(self, body: Any) -> np.ndarray:
         """The mass centre in the body frame."""

@@ -14,7 +14,10 @@ from dalembert.elements.base import Look
 from dalembert.elements.frame import Frame
 from dalembert.elements.look import Belt, Block, Disc, Limit, Mark, Mesh, Rotary, Travel
 from dalembert.elements.point import Point
+from dalembert.elements.spatial.solids import Cuboid, Drum, Orb, Pill, Round, Surface
 from dalembert.results.sketch import Place, Sketch, ends_of, named
+
+ROUND = {Drum: "cylinder", Pill: "capsule"}
 
 
 class SpatialSketch(Sketch):
@@ -33,6 +36,29 @@ class SpatialSketch(Sketch):
     @singledispatchmethod
     def draw(self, look: Look, element: Any) -> None:
         super().draw(look, element)
+
+    @draw.register
+    def _(self, look: Cuboid, element: Any) -> None:
+        shape = {"center": self.local(look.center), "size": self.number(look.size).tolist()}
+        self.shapes[look.center.body.name].append({"kind": "box", **shape})
+
+    @draw.register
+    def _(self, look: Orb, element: Any) -> None:
+        shape = {"center": self.local(look.center), "radius": self.size_of(look.radius)}
+        self.shapes[look.center.body.name].append({"kind": "sphere", **shape})
+
+    @draw.register(Drum)
+    @draw.register(Pill)
+    def _(self, look: Round, element: Any) -> None:
+        shape: dict[str, Any] = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
+        shape |= {"kind": ROUND[type(look)], "radius": self.size_of(look.radius)}
+        self.shapes[look.point_i.body.name].append(shape)
+
+    @draw.register
+    def _(self, look: Surface, element: Any) -> None:
+        corners = self.size_of(look.scale) * look.corners
+        shape = {"vertices": corners.ravel().tolist(), "faces": look.triangles.ravel().tolist()}
+        self.shapes[look.body.name].append({"kind": "mesh", **shape})
 
     @draw.register
     def _(self, look: Disc, element: Any) -> None:

@@ -14,9 +14,18 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, Vector, option, quantity, rate_of, second_rate_of
+from dalembert.elements.base import (
+    Look,
+    Scalar,
+    Vector,
+    option,
+    quantity,
+    rate_of,
+    second_rate_of,
+)
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frames
+from dalembert.elements.look import Ball
 from dalembert.elements.point import components
 from dalembert.elements.rotation import Orientation, as_orientation
 from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
@@ -219,3 +228,6 @@ class Particle(Body):
             if getattr(self, field) is not None:
                 raise ModelError(f"a particle has no {field}; use a Body", self.name)
         super().__post_init__()
+
+    def look(self) -> list[Look]:
+        return [Ball(self.center)]

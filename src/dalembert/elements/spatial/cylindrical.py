@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look
-from dalembert.elements.look import SlotPin
+from dalembert.elements.look import Collar
 from dalembert.elements.spatial.joint import FrameJoint
 from dalembert.elements.spatial.turn import Turn
 
@@ -22,7 +22,7 @@ class Cylindrical(FrameJoint):
     slides = {"displacement": 2}
 
     def look(self) -> list[Look]:
-        return [SlotPin(self.frame_j, self.frame_i)]
+        return [self.rail, Collar(self.frame_j, self.frame_i)]
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[:2], self.tilt)

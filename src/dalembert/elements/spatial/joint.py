@@ -14,7 +14,7 @@ import casadi as ca
 
 from dalembert.elements.along_joint import free_motion
 from dalembert.elements.base import Constraint, Look
-from dalembert.elements.look import Mark
+from dalembert.elements.look import Mark, Rail
 from dalembert.elements.pair import Pair
 from dalembert.elements.spatial.frame_pair import BetweenFrames
 from dalembert.elements.spatial.turn import Turn
@@ -46,6 +46,11 @@ class FrameJoint(BetweenFrames, Pair, Constraint):
 
     def look(self) -> list[Look]:
         return [Mark(self.frame_j, self.frame_i)]
+
+    @property
+    def rail(self) -> Rail:
+        """The first z axis, as far as the second origin goes along it."""
+        return Rail(self.frame_i, self.frame_i.local_axes[:, 2], self.travel[2])
 
     def place(self) -> ca.SX:
         return self.frame_j.position.sx

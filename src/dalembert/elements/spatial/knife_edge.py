@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates
+from dalembert.elements.base import Constraint, Coordinates, Look
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
+from dalembert.elements.look import Mark
 from dalembert.elements.pair import Pair, refuse_same_body
 from dalembert.elements.spatial.frame_pair import need_frame
 
@@ -40,6 +41,9 @@ class KnifeEdge(Pair, Constraint):
 
     def parts(self) -> list[Coordinates]:
         return list(self.ends())
+
+    def look(self) -> list[Look]:
+        return [Mark(self.frame, self.plane)]
 
     def place(self) -> ca.SX:
         return self.frame.position.sx

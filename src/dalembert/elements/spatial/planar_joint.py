@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.base import Look
+from dalembert.elements.look import Table
 from dalembert.elements.spatial.joint import FrameJoint
 from dalembert.elements.spatial.turn import Turn
 
@@ -18,6 +20,9 @@ class Planar(FrameJoint):
     """
 
     slides = {"displacement_x": 0, "displacement_y": 1}
+
+    def look(self) -> list[Look]:
+        return [Table(self.frame_j, self.frame_i)]
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[2], self.tilt)

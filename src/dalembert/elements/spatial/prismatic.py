@@ -23,7 +23,7 @@ class Prismatic(FixedTurn):
     slides = {"displacement": 2}
 
     def look(self) -> list[Look]:
-        return [Slider(self.frame_j, self.frame_i)]
+        return [self.rail, Slider(self.frame_j, self.frame_i)]
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[:2], self.orientation)

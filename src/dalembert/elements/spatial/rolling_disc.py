@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Scalar, Vector, quantity
+from dalembert.elements.base import Constraint, Coordinates, Look, Scalar, Vector, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
+from dalembert.elements.look import Disc
 from dalembert.elements.pair import Pair, need_body, refuse_same_body
 from dalembert.elements.rotation import unit
 from dalembert.elements.spatial.frame_pair import need_frame
@@ -51,6 +52,10 @@ class RollingDisc(Pair, Constraint):
 
     def parts(self) -> list[Coordinates]:
         return list(self.ends())
+
+    def look(self) -> list[Look]:
+        wheel = self.body.frame(self.center, axis=self.axis)
+        return [Disc(wheel, self.radius.sx)]
 
     def place(self) -> ca.SX:
         """The point of contact."""

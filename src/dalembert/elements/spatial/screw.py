@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.base import Look, Scalar, quantity
+from dalembert.elements.look import Nut
 from dalembert.elements.pair import initial_value
 from dalembert.elements.spatial.cylindrical import Cylindrical
 from dalembert.elements.spatial.turn import Turn
@@ -30,6 +31,9 @@ class Screw(Cylindrical):
     """
 
     pitch: Scalar = quantity("m", "displacement per full turn", keyword=True)
+
+    def look(self) -> list[Look]:
+        return [self.rail, Nut(self.frame_j, self.frame_i)]
 
     def residual(self) -> ca.SX:
         along = self.travel[2]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look
-from dalembert.elements.look import Socket
+from dalembert.elements.look import Cross
 from dalembert.elements.pair import initial_value
 from dalembert.elements.spatial.joint import FrameJoint
 from dalembert.elements.spatial.turn import Turn
@@ -31,7 +31,7 @@ class Universal(FrameJoint):
     """
 
     def look(self) -> list[Look]:
-        return [Socket(self.frame_j, self.frame_i)]
+        return [Cross(self.frame_j, self.frame_i)]
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.between, ca.dot(self.frame_i.axis, self.frame_j.axis))

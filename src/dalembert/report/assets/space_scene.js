@@ -90,13 +90,13 @@ class SpatialScene {
   }
 
   addJoint(joint) {
-    const parts = JOINT_SOLIDS[joint.symbol] || JOINT_SOLIDS.mark, seats = [joint];
-    if (joint.symbol === "cross" && joint.base) seats.push(joint.base);
+    const parts = JOINT_SOLIDS[joint.symbol] || JOINT_SOLIDS.mark, { base } = joint;
+    const seats = joint.symbol === "cross" && base ? [joint, base] : [joint.symbol === "table" && base ? base : joint];
     for (const seat of seats) {
       const group = this.seat(seat);
       for (const [geometry, role] of parts(this.unit)) this.add(group, geometry, role, { kind: "joint", item: joint });
     }
-    if (joint.grounded && joint.symbol !== "slider" && joint.symbol !== "table") this.stand(this.foot(joint), joint.body);
+    if (joint.grounded && !ON_RAILS.includes(joint.symbol)) this.stand(this.foot(joint), joint.body);
   }
 
   // The ground's side of a joint, and on which side of it the mechanism is.
@@ -336,5 +336,8 @@ class SpatialScene {
     this.invalidate();
   }
 }
+
+// Joints whose other half, a rail or a plane, is seen itself.
+const ON_RAILS = ["slider", "collar", "nut", "table", "clamp"];
 
 const seen = (item) => !item || (item.visible && seen(item.parent));

@@ -9,9 +9,9 @@ const JOINT_SOLIDS = {
   socket: (u) => [[ball([0, 0, 0], 1.7 * u), "steel"], [new THREE.TorusGeometry(1.75 * u, 0.28 * u, 12, 40), "dark"]],
   slider: (u) => [[new THREE.BoxGeometry(3.6 * u, 3.6 * u, 5.2 * u), "steel"]],
   collar: (u) => [[tube([0, 0, -2.6 * u], [0, 0, 2.6 * u], 1.75 * u), "steel"], ...[-2.6, 2.6].map((h) => [tube(...flange(h, u), 2 * u), "dark"])],
-  thread: (u) => [[tube([0, 0, -2.2 * u], [0, 0, 2.2 * u], 1.9 * u, 6), "steel"], [coil(3, 1.95 * u, 4.4 * u, 0.16 * u), "dark"]],
+  nut: (u) => [[tube([0, 0, -2.2 * u], [0, 0, 2.2 * u], 1.9 * u, 6), "steel"], [coil(3, 1.95 * u, 4.4 * u, 0.16 * u), "dark"]],
   cross: (u) => [[tube([0, 0, -2.4 * u], [0, 0, 2.4 * u], 0.75 * u), "steel"], [ball([0, 0, 0], 1.1 * u), "dark"]],
-  table: (u) => [[new THREE.BoxGeometry(9 * u, 9 * u, 0.4 * u), "pale"]],
+  table: (u) => [[new THREE.BoxGeometry(16 * u, 16 * u, 0.3 * u), "pale"]],
   mark: (u) => [[new THREE.OctahedronGeometry(1.6 * u), "steel"]],
   slotpin: (u) => [[tube([0, 0, -1.6 * u], [0, 0, 1.6 * u], 1.1 * u), "dark"]],
   clamp: () => [],
@@ -58,7 +58,7 @@ const pedestal = (u) => [
 // An arrow along z, one metre long but for its head; a moment has two heads.
 class Arrow {
   constructor(u, heads, material) {
-    const [shaft, cone] = [new THREE.CylinderGeometry(0.38 * u, 0.38 * u, 1, 16), new THREE.ConeGeometry(1.05 * u, 3 * u, 24)];
+    const [shaft, cone] = [new THREE.CylinderGeometry(0.3 * u, 0.3 * u, 1, 16), new THREE.ConeGeometry(0.9 * u, 3 * u, 24)];
     this.size = 3 * u;
     this.shaft = new THREE.Mesh(shaft.rotateX(Math.PI / 2).translate(0, 0, 0.5), material);
     this.heads = Array.from({ length: heads }, () => new THREE.Mesh(cone.clone().rotateX(Math.PI / 2).translate(0, 0, -this.size / 2), material));
