@@ -31,6 +31,8 @@ Vector = Any  # two numbers or Expressions
 Rows = Sequence[Any] | np.ndarray
 Rate = Callable[[ca.SX], ca.SX]
 """Time derivative of an expression of positions."""
+Condition = tuple[ca.SX, str] | tuple[ca.SX, str, ca.SX]
+"""What must not be negative, what is wrong if it is, and numbers for the ``{}`` of that text."""
 Powers = list[tuple[ca.SX, ca.SX]]
 """Pairs (velocity ``u``, effort ``Q``), numbers or columns, of power ``Qᵀu``."""
 
@@ -201,8 +203,8 @@ class Element:
             if isinstance(getattr(self, field), Expression)
         ]
 
-    def conditions(self) -> list[tuple[ca.SX, str]]:
-        """(expression of parameters that must not be negative, what is wrong if it is)."""
+    def conditions(self) -> list[Condition]:
+        """What must hold at the values of the parameters."""
         return []
 
     def parts(self) -> list[Coordinates]:

@@ -12,7 +12,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Constraint, Coordinates, Look, option
+from dalembert.elements.base import Condition, Constraint, Coordinates, Look, option
 from dalembert.elements.laws.base import GivenLaw, as_law
 from dalembert.elements.look import Cylinder, Travel
 from dalembert.elements.pair import PointJoint, need_point
@@ -62,7 +62,7 @@ class Driver(Constraint):
             "power": (effort * rate(self.coordinate()), "W"),
         }
 
-    def conditions(self) -> list[tuple[ca.SX, str]]:
+    def conditions(self) -> list[Condition]:
         wanted = list(self.law.conditions())
         if self.positive:
             start = ca.substitute(self.law.value(t.sx), t.sx, 0)

@@ -9,7 +9,7 @@ import casadi as ca
 
 from dalembert.elements.base import Vector
 from dalembert.elements.point import Carrier, Point
-from dalembert.elements.rotation import as_orientation, orthonormal, unit
+from dalembert.elements.rotation import as_orientation, off_orthonormal, orthonormal, unit, within
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import as_expression, as_sx
 
@@ -52,18 +52,29 @@ class Frame(Point):
         ways = [axis is not None or x is not None, axes is not None, rotation is not None]
         if sum(ways) > 1:
             raise ModelError("give axis=, axes= or rotation=, not several", spoken)
+        self._given: list[tuple[ca.SX, str, ca.SX]] = []
         self.complete = x is not None or axis is None
         """Whether its x axis was given, and not chosen."""
         if axes is not None:
             self.local_axes = orthonormal(_matrix(axes, spoken), spoken)
         elif rotation is not None:
-            self.local_axes = as_orientation(rotation, spoken).matrix
+            orientation = as_orientation(rotation, spoken)
+            self.local_axes, self._given = orientation.matrix, orientation.conditions()
         elif axis is not None:
             self.local_axes = _about(as_expression(axis, spoken, "", 3).sx, x, spoken)
         elif x is not None:
             raise ModelError("x= is given without axis=", spoken)
         else:
             self.local_axes = ca.SX.eye(3)
+
+    def conditions(self) -> list[tuple[ca.SX, str, ca.SX]]:
+        """That its axes are some at the values of their parameters, as ``Element.conditions``."""
+        off = off_orthonormal(self.local_axes)
+        wrong = (
+            f"the axes of a frame of {self.body.name} are off orthonormal ones by {{:.3g}}: "
+            "an axis has no length, axis and x are parallel, or a matrix is no rotation"
+        )
+        return [*self._given, *([within(off, wrong)] if off.numel() else [])]
 
     @property
     def axes(self) -> ca.SX:

@@ -17,7 +17,16 @@ AXES = "xyz"
 
 
 class Orientation(Expression):
-    """Euler parameters, the scalar first, as a formula of parameters."""
+    """Euler parameters, the scalar first, as a formula of parameters.
+
+    Attributes
+    ----------
+    off : deviation of a matrix of formulas, from which it was made, from an orthonormal one
+    """
+
+    def __init__(self, sx: ca.SX, off: ca.SX | None = None):
+        super().__init__(sx)
+        self.off = ca.SX(0, 1) if off is None else off
 
     @property
     def matrix(self) -> ca.SX:
@@ -26,7 +35,16 @@ class Orientation(Expression):
 
     def __matmul__(self, other: Orientation) -> Orientation:
         """This turn, then the other in the turned frame."""
-        return Orientation(turning.product(self.sx, other.sx))
+        off = ca.vertcat(self.off, other.off)
+        return Orientation(turning.product(self.sx, other.sx), off)
+
+    def conditions(self) -> list[tuple[ca.SX, str, ca.SX]]:
+        """That it is one at the values of its parameters, as ``Element.conditions``."""
+        off = ca.vertcat(self.off, ca.sumsqr(self.sx) - 1)
+        wrong = (
+            "its rotation is none: an axis has no length, or a matrix is off orthonormal by {:.3g}"
+        )
+        return [within(off, wrong)]
 
 
 def identity() -> Orientation:
@@ -98,7 +116,10 @@ def as_orientation(given: Any, entity: str) -> Orientation:
     if isinstance(given, Orientation):
         return given
     if hasattr(given, "as_quat"):  # SciPy, whose scalar comes last
-        x, y, z, w = np.asarray(given.as_quat(), dtype=float).reshape(4)
+        parts = np.asarray(given.as_quat(), dtype=float).ravel()
+        if parts.size != 4:
+            raise ModelError(f"one rotation is needed; got {parts.size // 4}", entity)
+        x, y, z, w = parts
         return Orientation(ca.SX([w, x, y, z]))
     try:
         rows = [as_sx(list(row)) for row in given]
@@ -110,7 +131,8 @@ def as_orientation(given: Any, entity: str) -> Orientation:
             f"scipy.spatial.transform.Rotation; got {given!r}",
             entity,
         )
-    return Orientation(turning.from_matrix(orthonormal(ca.vertcat(*(r.T for r in rows)), entity)))
+    matrix = orthonormal(ca.vertcat(*(r.T for r in rows)), entity)
+    return Orientation(turning.from_matrix(matrix), off_orthonormal(matrix))
 
 
 def orthonormal(matrix: ca.SX, entity: str) -> ca.SX:
@@ -131,6 +153,20 @@ def orthonormal(matrix: ca.SX, entity: str) -> ca.SX:
         left, _, right = np.linalg.svd(numbers)
         return ca.SX(left @ right)
     return matrix
+
+
+def off_orthonormal(matrix: ca.SX) -> ca.SX:
+    """How far formulas of axes are from right-handed orthonormal ones; nothing of numbers."""
+    if matrix.is_constant():
+        return ca.SX(0, 1)
+    products = ca.mtimes(matrix.T, matrix) - ca.SX.eye(3)
+    return ca.vertcat(ca.densify(ca.vec(products)), ca.det(matrix) - 1)
+
+
+def within(off: ca.SX, wrong: str) -> tuple[ca.SX, str, ca.SX]:
+    """The condition that deviations are those of orthonormal axes."""
+    size = ca.sqrt(ca.sumsqr(off))  # no maximum, which passes over what is no number
+    return ORTHONORMAL - size, wrong, size
 
 
 def unit(vector: ca.SX, entity: str) -> ca.SX:

@@ -42,6 +42,7 @@ def check_symbols(d: Description) -> None:
     poses = parameters | {"t"} | _names(c.pose for c in (*d.coordinates, d.ground))
     states = poses | _names(c.twist for c in (*d.coordinates, d.ground))
     lengths: Formulas = [(name, f.sx) for name, f in d.derived_parameters.items()]
+    lengths += [(c.name, g) for c in d.coordinates for g in c.guesses()[0] if g is not None]
     positions: Formulas = [(c.name, c.equations) for c in d.constraints]
     efforts: Formulas = [(c.name, c.slip) for c in d.constraints]
     for element in d.elements.values():
@@ -104,9 +105,12 @@ class ValueChecks:
                 if free_symbols(formula.sx) <= known:
                     self._checks.append(partial(_check_numbers, entity=entity, meta=meta))
                     formulas.append(formula.sx)
-            for condition, wrong in element.conditions():
-                self._checks.append(partial(_check_condition, name=element.name, wrong=wrong))
-                formulas.append(condition)
+            for condition, wrong, *told in element.conditions():
+                if free_symbols(condition) <= known:
+                    n = condition.numel()
+                    check = partial(_check_condition, name=element.name, wrong=wrong, count=n)
+                    self._checks.append(check)
+                    formulas.append(stack([condition, *told]))
         self._ends = np.cumsum([f.numel() for f in formulas], dtype=int)
         symbols = stack(p.sx for p in d.parameters.values())
         self._values = ca.Function("quantities", [symbols], [stack(formulas)])
@@ -128,9 +132,10 @@ def _names(columns: Iterable[ca.SX]) -> set[str]:
     return {name for column in columns for name in free_symbols(column)}
 
 
-def _check_condition(found: np.ndarray, name: str, wrong: str) -> None:
-    if not np.all(found >= 0):
-        raise ModelError(wrong, name)
+def _check_condition(found: np.ndarray, name: str, wrong: str, count: int) -> None:
+    if not np.all(found[:count] >= 0):
+        told = found[count:]
+        raise ModelError(wrong.format(*told) if told.size else wrong, name)
 
 
 def _check_numbers(found: np.ndarray, entity: str, meta: Mapping) -> None:

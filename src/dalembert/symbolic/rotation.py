@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import casadi as ca
 
+from dalembert.errors import ModelError
+
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -85,3 +87,27 @@ def from_matrix(r: ca.SX) -> ca.SX:
         found = ca.if_else(square > largest, row, found)
         largest = ca.fmax(square, largest)
     return found / ca.sqrt(ca.sumsqr(found))
+
+
+def angles(r: ca.SX, sequence: str) -> ca.SX:
+    """(3,) angles of turns about body axes that make up a rotation matrix; ``xyz``: Bryant angles.
+
+    Raises
+    ------
+    ModelError
+        Other than three axes, or one twice in a row.
+    """
+    known = isinstance(sequence, str) and len(sequence) == 3 and set(sequence) <= set("xyz")
+    if not known or sequence[1] in (sequence[0], sequence[2]):
+        raise ModelError(
+            f"angles are about three axes, none twice in a row, as 'xyz' or 'zxz'; got {sequence!r}"
+        )
+    i, j = ("xyz".index(letter) for letter in sequence[:2])
+    k, sign = 3 - i - j, 1 if (j - i) % 3 == 1 else -1
+    if sequence[2] == sequence[0]:
+        first, third = ca.atan2(r[j, i], -sign * r[k, i]), ca.atan2(r[i, j], sign * r[i, k])
+        across = ca.sqrt(r[i, j] ** 2 + r[i, k] ** 2)
+        return ca.vertcat(first, ca.atan2(across, r[i, i]), third)
+    first, third = ca.atan2(-sign * r[j, k], r[k, k]), ca.atan2(-sign * r[i, j], r[i, i])
+    along = ca.sqrt(r[i, i] ** 2 + r[i, j] ** 2)
+    return ca.vertcat(first, ca.atan2(sign * r[i, k], along), third)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.bar import SlenderBar
-from dalembert.elements.base import Look, Scalar, Vector, quantity
+from dalembert.elements.base import Scalar, Vector, quantity
 from dalembert.elements.body import BodyElement
-from dalembert.elements.look import Ball
-from dalembert.elements.point import Point, components
+from dalembert.elements.point import components
+from dalembert.elements.point_mass import PointMass
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.rotation import about_z
@@ -193,29 +193,7 @@ class Bar(SlenderBar, Body):
 
 
 @dataclass(eq=False)
-class Particle(Body):
+class Particle(PointMass, Body):
     """Point mass: two coordinates, no rotation."""
 
-    rotates = False
-
-    def __post_init__(self) -> None:
-        for field in ("inertia", "angle", "angular_velocity"):
-            if getattr(self, field) is not None:
-                raise ModelError(f"a particle has no {field}; use a Body", self.name)
-        super().__post_init__()
-
-    def look(self) -> list[Look]:
-        return [Ball(self.center)]
-
-    def point(self, x, y=None, z=None) -> Point:
-        """The particle itself: its only point is (0, 0).
-
-        Raises
-        ------
-        ModelError
-            Any other point.
-        """
-        made = super().point(x, y, z)
-        if not made.local.sx.is_zero():
-            raise ModelError("a particle has no point but (0, 0); use a Body", self.name)
-        return made
+    needless = ("inertia", "angle", "angular_velocity")

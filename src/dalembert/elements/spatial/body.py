@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import (
-    Look,
+    Condition,
     Scalar,
     Vector,
     option,
@@ -25,8 +25,8 @@ from dalembert.elements.base import (
 )
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frames
-from dalembert.elements.look import Ball
 from dalembert.elements.point import components
+from dalembert.elements.point_mass import PointMass
 from dalembert.elements.rotation import Orientation, as_orientation
 from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
 from dalembert.errors import ModelError
@@ -116,10 +116,10 @@ class Body(BodyElement):
         self.rest = (0.0,) * 3 + (rotation.IDENTITY if turns else ())
         self.pose = stack(ca.SX.sym(f"{self.name}.{n}") for n in self.coordinate_names)
         self._make_speeds()
-        self.mass_center, self.euler = self.pose[:3], self.pose[3:]
+        self.mass_center, self.e = self.pose[:3], self.pose[3:]
         self.spin = self.twist[3:]
-        self.axes = rotation.matrix(self.euler) if turns else ca.SX.eye(3)
-        turn = rotation.rate(self.euler, self.spin) if turns else ca.SX(0, 1)
+        self.axes = rotation.matrix(self.e) if turns else ca.SX.eye(3)
+        turn = rotation.rate(self.e, self.spin) if turns else ca.SX(0, 1)
         self.pose_rate = ca.vertcat(self.twist[:3], turn)
 
     def _declare(self, points: Mapping[str, Vector]) -> None:
@@ -137,13 +137,27 @@ class Body(BodyElement):
         if self.rotates:
             accelerated = self.acceleration_symbols[3:]
             named |= {
-                "euler_parameters": (self.euler, "1"),
+                "euler_parameters": (self.e, "1"),
                 "rotation": (ca.vec(self.axes.T), "1"),
+                "bryant": (rotation.angles(self.axes, "xyz"), "rad"),
                 "angular_velocity": (self.turning, "rad/s"),
                 "angular_velocity_local": (self.spin, "rad/s"),
                 "angular_acceleration": (ca.mtimes(self.axes, accelerated), "rad/s^2"),
             }
         self.declare(named, points)
+
+    def euler(self, sequence: str) -> Expression:
+        """(3,) angles of turns about body axes that lead to its orientation, such as ``"zxz"``.
+
+        The second is in [−π/2, π/2], of ``zxz`` and its like in [0, π]. At the ends of that range,
+        the singular attitude, the first and the third are not determined and change fast nearby.
+
+        Raises
+        ------
+        ModelError
+            Other than three axes, or one twice in a row.
+        """
+        return Expression(rotation.angles(self.axes, sequence), f"{self.name}.{sequence}", "rad")
 
     # a manifold -------------------------------------------------------------------------------
     @property
@@ -172,7 +186,7 @@ class Body(BodyElement):
 
     @property
     def orientation(self) -> ca.SX:
-        return self.euler if self.rotates else ca.SX(list(rotation.IDENTITY))
+        return self.e if self.rotates else ca.SX(list(rotation.IDENTITY))
 
     @property
     def turning(self) -> ca.SX:
@@ -213,21 +227,13 @@ class Body(BodyElement):
         turns = [orientation is not None] * 3 if self.rotates else []
         return [position is not None] * 3 + turns
 
-    def conditions(self) -> list[tuple[ca.SX, str]]:
-        return [*super().conditions(), *physical(self.inertia.sx)]
+    def conditions(self) -> list[Condition]:
+        turned = [] if self.initial[1] is None else self.initial[1].conditions()
+        return [*super().conditions(), *physical(self.inertia.sx), *turned]
 
 
 @dataclass(eq=False)
-class Particle(Body):
+class Particle(PointMass, Body):
     """Point mass in space: three coordinates, no rotation."""
 
-    rotates = False
-
-    def __post_init__(self) -> None:
-        for field in ("inertia", "rotation", "angular_velocity", "center_of_mass"):
-            if getattr(self, field) is not None:
-                raise ModelError(f"a particle has no {field}; use a Body", self.name)
-        super().__post_init__()
-
-    def look(self) -> list[Look]:
-        return [Ball(self.center)]
+    needless = ("inertia", "rotation", "angular_velocity", "center_of_mass", "frames")

@@ -8,7 +8,7 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates, Element
+from dalembert.elements.base import Condition, Coordinates, Element
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
 from dalembert.elements.pair import initial_value, refuse_same_body
@@ -57,6 +57,9 @@ class BetweenFrames(Element):
 
     def parts(self) -> list[Coordinates]:
         return list(self.ends())
+
+    def conditions(self) -> list[Condition]:
+        return [*super().conditions(), *self.frame_i.conditions(), *self.frame_j.conditions()]
 
     @property
     def between(self) -> ca.SX:

@@ -7,6 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.base import Condition
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, as_sx
 
@@ -66,7 +67,7 @@ def tensor(moments: ca.SX) -> ca.SX:
     )
 
 
-def physical(moments: ca.SX) -> list[tuple[ca.SX, str]]:
+def physical(moments: ca.SX) -> list[Condition]:
     """What must not be negative, so that some body has these moments.
 
     ``∫ s sᵀ dm = tr(J)/2 − J`` is positive semidefinite: all its principal minors are not negative.
@@ -83,12 +84,14 @@ def physical(moments: ca.SX) -> list[tuple[ca.SX, str]]:
     return [
         (
             ca.densify(singles),
-            "no body has this inertia: each principal moment must not exceed the sum of the other "
-            "two (Ixx ≤ Iyy + Izz …), and none is negative",
+            "no body has the moments of inertia ({:g}, {:g}, {:g}): none may exceed the sum of the "
+            "other two, and none is negative; mind that they are about the mass centre",
+            moments[:3],
         ),
         (
             ca.densify(ca.vertcat(*pairs, whole)),
-            "no body has this inertia: its products are too large for its moments (the matrix "
-            "tr(J)/2 − J must be positive semidefinite; mind the sign, Ixy = −∫xy dm)",
+            "no body has the moments of inertia ({:g}, {:g}, {:g}) with such products, Ixy, Iyz, "
+            "Ixz = ({:g}, {:g}, {:g}): tr(J)/2 − J must be positive semidefinite",
+            moments,
         ),
     ]

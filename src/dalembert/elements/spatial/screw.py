@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Look, Scalar, quantity
+from dalembert.elements.base import Condition, Look, Scalar, quantity
 from dalembert.elements.look import Nut
 from dalembert.elements.pair import initial_value
 from dalembert.elements.spatial.cylindrical import Cylindrical
@@ -46,6 +46,6 @@ class Screw(Cylindrical):
     def units(self) -> list[str]:
         return [*super().units(), "m"]
 
-    def conditions(self) -> list[tuple[ca.SX, str]]:
+    def conditions(self) -> list[Condition]:
         pitch = ca.fabs(self.pitch.sx) - SMALLEST_PITCH
         return [*super().conditions(), (pitch, "a screw needs a pitch; without one use Revolute")]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.bar import SlenderBar
-from dalembert.elements.base import Look, Scalar, Vector, quantity
+from dalembert.elements.base import Condition, Look, Scalar, Vector, quantity
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.shape import Shape, moments
 from dalembert.elements.spatial.solids import Cuboid, Drum, Orb, Pill
@@ -60,7 +60,7 @@ class Cylinder(Shape):
         across = axial / 2 + self.length.sx**2 / 12
         return moments(across, across, axial)
 
-    def conditions(self) -> list[tuple[ca.SX, str]]:
+    def conditions(self) -> list[Condition]:
         wall = self.radius.sx - self.inner_radius.sx
         return [*super().conditions(), (wall, "inner_radius is larger than radius")]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Look
+from dalembert.elements.base import Condition, Look
 from dalembert.elements.look import Cross
 from dalembert.elements.pair import initial_value
 from dalembert.elements.spatial.joint import FrameJoint
@@ -48,7 +48,7 @@ class Universal(FrameJoint):
             "angle_j": on_second if j.complete else self.since_start(on_second),
         }
 
-    def conditions(self) -> list[tuple[ca.SX, str]]:
+    def conditions(self) -> list[Condition]:
         across = ca.sumsqr(ca.cross(self.frame_i.axis, self.frame_j.axis))
         start = initial_value(across, self.ends()).sx - PARALLEL**2
         told = "the arms of its cross are parallel; give frames whose z axes are perpendicular"
