@@ -21,7 +21,47 @@ def spherical(rng):
     return Rotation.random(random_state=rng).as_matrix(), np.zeros(3)
 
 
-KINDS = {"Revolute": revolute, "Spherical": spherical}
+def prismatic(rng):
+    return np.eye(3), np.array([0, 0, rng.uniform(-0.5, 0.5)])
+
+
+def cylindrical(rng):
+    return revolute(rng)[0], prismatic(rng)[1]
+
+
+def screw(rng):
+    turn = rng.uniform(-2, 2)
+    return rotated(turn), np.array([0, 0, PITCH * (turn / (2 * np.pi) + 3)])
+
+
+def universal(rng):
+    exchange = np.fliplr(np.diag([1.0, -1.0, 1.0]))
+    return rotated(rng.uniform(-2, 2)) @ exchange @ rotated(rng.uniform(-2, 2)), np.zeros(3)
+
+
+def plane(rng):
+    return revolute(rng)[0], np.array([*rng.uniform(-0.5, 0.5, 2), 0])
+
+
+def weld(rng):
+    return np.eye(3), np.zeros(3)
+
+
+PITCH = 0.4
+HALF_TURNS = [np.diag(signs) for signs in ((1, 1, 1), (1, -1, -1), (-1, -1, 1))]
+BRANCHES = dict.fromkeys(("Revolute", "Screw", "Cylindrical", "Planar"), 2)
+BRANCHES |= dict.fromkeys(("Prismatic", "Weld"), 3)
+"""Of each kind, after how many of these half turns of the second frame the equations hold."""
+KINDS = {
+    "Revolute": revolute,
+    "Spherical": spherical,
+    "Prismatic": prismatic,
+    "Cylindrical": cylindrical,
+    "Screw": screw,
+    "Universal": universal,
+    "Planar": plane,
+    "Weld": weld,
+}
 """Of each kind of joint, how its second frame may stand in the first."""
 
 
@@ -64,16 +104,18 @@ class SpatialTree:
         self.places.append((self.system.add(made), place, axes))
         return k
 
-    def joint(self, kind: str, i: int, j: int, name: str = "", **numbers) -> None:
+    def joint(self, kind: str, i: int, j: int, name: str = "") -> None:
         """A joint that is closed as the bodies stand."""
         rng = self.rng
         turn, offset = KINDS[kind](rng)
+        turn = turn @ HALF_TURNS[rng.integers(BRANCHES.get(kind, 1))]
         (first, at_i, axes_i), (second, at_j, axes_j) = self.places[i], self.places[j]
         world = Rotation.random(random_state=rng).as_matrix()
         place = (at_i + at_j) / 2 + rng.uniform(-0.2, 0.2, 3)
         local_i = axes_i.T @ (place - at_i)
         local_j = axes_j.T @ (place + world @ offset - at_j)
         name = name or f"J{i}_{j}"
+        numbers = {"pitch": PITCH} if kind == "Screw" else {}
         local_i = [self.number(f"{name}_{x}", v) for x, v in zip("xyz", local_i, strict=True)]
         if kind == "Spherical":
             ends = first.point(*local_i), second.point(*local_j)

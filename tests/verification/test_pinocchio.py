@@ -15,6 +15,13 @@ from dalembert.model.kinematic_tree import links_of
 pin = pytest.importorskip("pinocchio", exc_type=ImportError)
 
 
+PEERS = {
+    spatial.Revolute: pin.JointModelRZ,
+    spatial.Spherical: pin.JointModelSpherical,
+    spatial.Prismatic: pin.JointModelPZ,
+}
+
+
 class Twin:
     """The same tree in Pinocchio; every body has its joint's frame for its own."""
 
@@ -44,8 +51,12 @@ class Twin:
             sides = link.joint.sides()
             sides = sides if link.joint.ends()[1] is body else sides[::-1]
             near, far = (in_body(point) for point in sides)
-            hinge = isinstance(link.joint, spatial.Revolute)
-            kind = pin.JointModelRZ() if hinge else pin.JointModelSpherical()
+            kind = PEERS[type(link.joint)]()
+            stands = self.state[carrier][1].T @ self.state[body.name][1] @ far[0]
+            if isinstance(link.joint, spatial.Prismatic):  # its frames are parallel there
+                near = stands, near[1]
+            elif near[0][:, 2] @ stands[:, 2] < 0 and isinstance(link.joint, spatial.Revolute):
+                near = near[0] @ np.diag([1, -1, -1]), near[1]
         parent, axes, origin = self.joints[carrier]
         place = pin.SE3(axes.T @ near[0], axes.T @ (near[1] - origin))
         index = self.tree.addJoint(parent, kind, place, body.name)
@@ -58,25 +69,38 @@ class Twin:
             index, pin.Inertia(mass, centre, axes.T @ inertia @ axes), pin.SE3.Identity()
         )
         self.joints[body.name] = index, *far
-        self.read(kind, carrier, body, near[0], far)
+        self.read(kind, link.carrier or self.model.ground, body, near, far)
 
-    def read(self, kind, carrier: str, body, near: np.ndarray, far) -> None:
+    def at(self, body, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Place and velocity of a point of a body."""
+        place, axes, velocity, spin = self.state[body.name]
+        arm = local - (value(body.center_of_mass.sx) if body.name != "ground" else 0)
+        return place + axes @ arm, velocity + axes @ np.cross(spin, arm)
+
+    def read(self, kind, carrier, body, near, far) -> None:
         """Position and speeds in the joint, from those of the bodies."""
-        _, axes, _, spin = self.state[carrier]
-        place, own, velocity, turning = self.state[body.name]
-        relative = (axes @ near).T @ own @ far[0]
+        _, axes, _, spin = self.state[carrier.name]
+        _, own, _, turning = self.state[body.name]
+        relative = (axes @ near[0]).T @ own @ far[0]
         rate = far[0].T @ (turning - own.T @ axes @ spin)
         quaternion = Rotation.from_matrix(relative).as_quat()
         if isinstance(kind, pin.JointModelRZ):
             self.q.append(np.arctan2(relative[1, 0], relative[0, 0]))
             self.v.append(rate[2])
+        elif isinstance(kind, pin.JointModelPZ):
+            (here, leaving), (there, arriving) = self.at(carrier, near[1]), self.at(body, far[1])
+            axis = (axes @ near[0])[:, 2]
+            self.q.append(axis @ (there - here))
+            self.v.append(
+                axis @ (arriving - leaving) + np.cross(axes @ spin, axis) @ (there - here)
+            )
         elif isinstance(kind, pin.JointModelSpherical):
             self.q += list(quaternion)
             self.v += list(rate)
         else:
-            arm = own @ value(body.center_of_mass.sx)
-            self.q += [*(place - arm), *quaternion]
-            self.v += [*(own.T @ (velocity - own @ np.cross(turning, own.T @ arm))), *turning]
+            origin, moving = self.at(body, np.zeros(3))
+            self.q += [*origin, *quaternion]
+            self.v += [*(own.T @ moving), *turning]
 
     def accelerations(self) -> np.ndarray:
         """``(r̈_C, ω̇')`` of every body, one after the other."""
@@ -110,7 +134,7 @@ def in_body(point) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("floating", [False, True])
 @pytest.mark.parametrize("seed", range(5))
 def test_random_trees(seed, floating):
-    model = SpatialTree(seed).grow(7, ["Revolute", "Spherical"], floating).system.build()
+    model = SpatialTree(seed).grow(7, [kind.__name__ for kind in PEERS], floating).system.build()
     _, _, found, _ = accelerations(da.JointCoordinates().view(model), da.RangeSpace())
     expected = Twin(model).accelerations()
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())

@@ -8,12 +8,12 @@ import casadi as ca
 
 from dalembert.elements.base import Look
 from dalembert.elements.look import Collar
-from dalembert.elements.spatial.joint import FrameJoint
+from dalembert.elements.spatial.axial_joint import AxialJoint
 from dalembert.elements.spatial.turn import Turn
 
 
 @dataclass(eq=False)
-class Cylindrical(FrameJoint):
+class Cylindrical(AxialJoint):
     """Sleeve on a shaft: the z axes are one line; it slides and turns.
 
     ``Φ = [x_iᵀ d; y_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
@@ -26,9 +26,6 @@ class Cylindrical(FrameJoint):
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[:2], self.tilt)
-
-    def facing(self) -> ca.SX:
-        return self.parallel
 
     def units(self) -> list[str]:
         return ["m", "m", "rad", "rad"]

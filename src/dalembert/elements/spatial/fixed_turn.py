@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.elements.spatial.joint import FrameJoint
+from dalembert.elements.spatial.axial_joint import AxialJoint
 from dalembert.elements.spatial.turn import Turn
 from dalembert.errors import ModelError
 
 
 @dataclass(eq=False)
-class FixedTurn(FrameJoint):
+class FixedTurn(AxialJoint):
     """A joint that lets its frames not turn against each other.
 
     The z axes are parallel. About them, the x axes enclose ``angle`` where both frames have x axes
@@ -48,3 +48,7 @@ class FixedTurn(FrameJoint):
 
     def facing(self) -> ca.SX:
         return ca.vertcat(self.parallel, self.left.cosine)
+
+    @property
+    def fixed_turn(self) -> ca.SX:
+        return ca.SX(0) if self.angle is None else self.angle.sx

@@ -8,12 +8,12 @@ import casadi as ca
 
 from dalembert.elements.base import Look
 from dalembert.elements.look import Table
-from dalembert.elements.spatial.joint import FrameJoint
+from dalembert.elements.spatial.axial_joint import AxialJoint
 from dalembert.elements.spatial.turn import Turn
 
 
 @dataclass(eq=False)
-class Planar(FrameJoint):
+class Planar(AxialJoint):
     """The x-y planes of both frames are one; they slide and turn on each other.
 
     ``Φ = [z_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
@@ -26,9 +26,6 @@ class Planar(FrameJoint):
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.travel[2], self.tilt)
-
-    def facing(self) -> ca.SX:
-        return self.parallel
 
     def units(self) -> list[str]:
         return ["m", "rad", "rad"]

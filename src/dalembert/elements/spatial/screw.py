@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Condition, Look, Scalar, quantity
+from dalembert.elements.joint_space import JointSpace
 from dalembert.elements.look import Nut
 from dalembert.elements.pair import initial_value
 from dalembert.elements.spatial.cylindrical import Cylindrical
@@ -36,12 +37,18 @@ class Screw(Cylindrical):
         return [self.rail, Nut(self.frame_j, self.frame_i)]
 
     def residual(self) -> ca.SX:
-        along = self.travel[2]
-        if not self.complete:
-            along -= initial_value(along, self.ends()).sx
-        lead = self.pitch.sx / (2 * math.pi)
-        late = Turn.of(along / lead).after(self.turn)
-        return ca.vertcat(super().residual(), lead * late.angle)
+        late = Turn.of(self._threaded(self.travel[2])).after(self.turn)
+        return ca.vertcat(super().residual(), self._lead * late.angle)
+
+    @property
+    def _lead(self) -> ca.SX:
+        """Displacement per radian."""
+        return self.pitch.sx / (2 * math.pi)
+
+    def _threaded(self, displacement: ca.SX) -> ca.SX:
+        """The turn that belongs to a displacement."""
+        start = ca.SX(0) if self.complete else initial_value(self.travel[2], self.ends()).sx
+        return (displacement - start) / self._lead
 
     def units(self) -> list[str]:
         return [*super().units(), "m"]
@@ -49,3 +56,15 @@ class Screw(Cylindrical):
     def conditions(self) -> list[Condition]:
         pitch = ca.fabs(self.pitch.sx) - SMALLEST_PITCH
         return [*super().conditions(), (pitch, "a screw needs a pitch; without one use Revolute")]
+
+    # as a carrier -----------------------------------------------------------------------------
+    def joint_space(self) -> JointSpace:
+        """The displacement, which tells full turns apart."""
+        return JointSpace([f"{self.name}.displacement"], ["m"], self.travel[2])
+
+    def placed(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+        return ca.vertcat(ca.SX(2, 1), q), self._threaded(q)
+
+    def opened(self, q: ca.SX, axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
+        along = ca.vertcat(axes_i[:, 2], ca.SX(3, 1))
+        return ca.horzcat(super().opened(q, axes_i, axes_j), along)

@@ -72,8 +72,3 @@ class TreeJoint:
             return False
         free = self.joint_space().twist.numel() if child.rotates else 0
         return child.twist.numel() == free + self.equations.numel()
-
-
-def opened_tilt(axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
-    """(3, 2) turns that open ``x_iᵀ z_j`` and ``y_iᵀ z_j`` where the z axes are parallel."""
-    return ca.horzcat(*(ca.cross(axes_j[:, 2], axes_i[:, k]) for k in range(2)))

@@ -10,14 +10,18 @@ from dalembert.elements.base import Condition, Look
 from dalembert.elements.look import Cross
 from dalembert.elements.pair import initial_value
 from dalembert.elements.spatial.joint import FrameJoint
+from dalembert.elements.spatial.tree_joint import TreeJoint
 from dalembert.elements.spatial.turn import Turn
+from dalembert.symbolic import rotation
 
+CROSS = (0.0, 0.5**0.5, 0.0, 0.5**0.5)
+"""Euler parameters of half a turn that exchanges x and z."""
 PARALLEL = 1e-6
 """Sine of the angle between axes that are taken for parallel."""
 
 
 @dataclass(eq=False)
-class Universal(FrameJoint):
+class Universal(FrameJoint, TreeJoint):
     """Two shafts on a massless cross, whose arms are the z axes of the frames.
 
     ``Φ = [r_j − r_i; z_iᵀ z_j] = 0``. ``angle_i`` is the turn of the cross on the first shaft about
@@ -40,13 +44,19 @@ class Universal(FrameJoint):
         return ["m", "m", "m", "rad"]
 
     def turns(self) -> dict[str, Turn]:
-        i, j = self.frame_i, self.frame_j
-        across, along = ca.mtimes(i.axes.T, j.axis), ca.mtimes(j.axes.T, i.axis)
-        on_first, on_second = Turn(across[0], across[1]), Turn(along[0], -along[1])
-        return {
-            "angle_i": on_first if i.complete else self.since_start(on_first),
-            "angle_j": on_second if j.complete else self.since_start(on_second),
-        }
+        named = zip(("angle_i", "angle_j"), self._turns, self._complete, strict=True)
+        return {name: turn if known else self.since_start(turn) for name, turn, known in named}
+
+    @property
+    def _turns(self) -> tuple[Turn, Turn]:
+        """Of the cross on the first shaft, of the second shaft on the cross, from the x axes."""
+        across = ca.mtimes(self.frame_i.axes.T, self.frame_j.axis)
+        along = ca.mtimes(self.frame_j.axes.T, self.frame_i.axis)
+        return Turn(across[0], across[1]), Turn(along[0], -along[1])
+
+    @property
+    def _complete(self) -> tuple[bool, bool]:
+        return self.frame_i.complete, self.frame_j.complete
 
     def conditions(self) -> list[Condition]:
         across = ca.sumsqr(ca.cross(self.frame_i.axis, self.frame_j.axis))
@@ -54,3 +64,18 @@ class Universal(FrameJoint):
         told = "the arms of its cross are parallel; give frames whose z axes are perpendicular"
         given = all(all(body.guessed()) for body in self.ends() if body.name != "ground")
         return [*super().conditions(), *([(start, told)] if given else [])]
+
+    # as a carrier -----------------------------------------------------------------------------
+    def turned(self, q: ca.SX) -> ca.SX:
+        starts = zip(self._turns, self._complete, strict=True)
+        first, second = (
+            rotation.about_z(q[k] + (0 if known else self.at_start(turn).angle))
+            for k, (turn, known) in enumerate(starts)
+        )
+        return rotation.product(rotation.product(first, ca.SX(list(CROSS))), second)
+
+    def subspace(self, q: ca.SX, axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
+        return ca.vertcat(ca.SX(3, 2), ca.horzcat(axes_i[:, 2], axes_j[:, 2]))
+
+    def opened(self, q: ca.SX, axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
+        return ca.diagcat(ca.SX.eye(3), ca.cross(axes_j[:, 2], axes_i[:, 2]))
