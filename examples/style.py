@@ -95,3 +95,28 @@ def _coil(i: np.ndarray, j: np.ndarray, symbol: str) -> np.ndarray:
     return np.array(
         [i, *(i + s * along + k * across for s, k in zip(steps, sides, strict=True)), j]
     )
+
+
+def wires(ax, motion, chains, time: float = 0.0, alpha: float = 1.0) -> None:
+    """A mechanism in space as chains of points, ``"crank.tip"`` or three coordinates."""
+    k = int(np.argmin(abs(motion.time - time)))
+
+    def place(point) -> np.ndarray:
+        if not isinstance(point, str):
+            return np.asarray(point, float)
+        return np.array([float(motion[f"{point}.{axis}"][k]) for axis in "xyz"])
+
+    for n, chain in enumerate(chains):
+        line = np.array([place(point) for point in chain])
+        colour = COLOURS[n % len(COLOURS)]
+        ax.plot(*line.T, "o-", color=colour, ms=3.5, lw=2.4, alpha=alpha)
+    ax.set_aspect("equal")
+
+
+def beside(width: float = 9.0, height: float = 3.6):
+    """A figure with a picture in space on the left and a diagram on the right."""
+    figure = plt.figure(figsize=(width, height))
+    left = figure.add_subplot(1, 2, 1, projection="3d")
+    left.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    left.locator_params(nbins=4)
+    return figure, left, figure.add_subplot(1, 2, 2)
