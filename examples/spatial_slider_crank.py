@@ -61,7 +61,11 @@ def main(folder=None) -> dict[str, float]:
     print(*(f"{name}: {value:.9g}" for name, value in numbers.items()), sep="\n")
     if folder:
         figure, left, right = style.beside()
-        loop = [[(0, 0.1, 0.12), "crank.tip"], ["crank.tip", "rod.end"], [(0.12, 0, 0), (0.32, 0, 0)]]
+        loop = [
+            [(0, 0.1, 0.12), "crank.tip"],
+            ["crank.tip", "rod.end"],
+            [(0.12, 0, 0), (0.32, 0, 0)],
+        ]
         for time, alpha in ((0.0, 1.0), (0.3, 0.5), (0.5, 0.25)):
             style.wires(left, motion, loop, time, alpha)
         left.set_title("three positions")

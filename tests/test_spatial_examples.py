@@ -34,3 +34,55 @@ def test_spatial_slider_crank_is_the_exact_one(pictures: Path) -> None:  # noqa:
     found = numbers("spatial_slider_crank", pictures)
     assert found["slider after 5 s [m]"] == pytest.approx(0.240719573741, abs=1e-7)
     assert found["largest error of the energy [J]"] < 1e-7
+
+
+def test_driveline_has_the_speeds_of_cardan_joints(pictures: Path) -> None:  # noqa: F811
+    found = numbers("universal_driveline", pictures)
+    assert found["fastest / input"] == pytest.approx(1 / np.cos(0.5), rel=1e-9)
+    assert found["slowest / input"] == pytest.approx(np.cos(0.5), rel=1e-5)
+    slope = np.sin(0.5) / np.cos(0.5) ** 2
+    assert found["slope of fastest / input by beta [1/rad]"] == pytest.approx(slope, rel=1e-9)
+    assert found["largest error of the ratio"] < 1e-12
+    assert found["largest error of the output speed [rad/s]"] < 1e-11
+    run = motion("universal_driveline")
+    angle, c, s = run["motor.coordinate"].values, np.cos(0.5), np.sin(0.5)
+    ratio = c / (1 - (s * np.cos(angle)) ** 2)
+    slope = -2 * s**2 * np.sin(angle) * np.cos(angle) * ratio**2 / c
+    torque = 5.0 + 2 * 0.02 * ratio * slope * 10.0**2  # of the load, and of d(J ω²/2)/dφ
+    np.testing.assert_allclose(run["motor.effort"], torque, atol=1e-9)
+
+
+def test_disc_rolls_in_its_steady_circle(pictures: Path) -> None:  # noqa: F811
+    """``(Ia + m r²) ω Ω sin θ = (It Ω² sin θ − m g r) cos θ``."""
+    tilt, turn, r = 1.2, 1.5, 0.3
+    up, level = np.sin(tilt), np.cos(tilt)
+    roll = (turn**2 * up * r / 4 - G) * level / (1.5 * r * turn * up)
+    circle = r * roll / turn  # negative: opposite to the heading
+    assert value("rolling_disc", "x") == pytest.approx(-circle * np.sin(turn * 4.0), abs=1e-8)
+    friction = -2.0 * circle * turn**2 * np.cos(turn * 4.0)
+    assert value("rolling_disc", "friction") == pytest.approx(friction, abs=1e-7)
+    found = numbers("rolling_disc", pictures)
+    assert found["diameter of the circle [m]"] == pytest.approx(2 * abs(circle), rel=1e-5)
+    assert found["height varies by [m], steady"] < 1e-8 < 0.05
+    assert found["height varies by [m], reeling"] > 0.01
+    assert found["energy drift [J], reeling"] < 1e-7
+    assert found["slip [m/s], reeling"] < 1e-12
+
+
+def test_bricard_moves_as_published(pictures: Path) -> None:  # noqa: F811
+    found = numbers("bricard", pictures)
+    assert found["degrees of freedom"] == 1
+    assert found["degrees of freedom by Gruebler"] == 0
+    assert found["x of P2 after 10 s [m]"] == pytest.approx(0.9997309873, abs=1e-7)
+    assert found["largest error of the energy [J]"] < 1e-6
+
+
+def test_gyroscope_precesses(pictures: Path) -> None:  # noqa: F811
+    """``Ω = m g l / (J ω)``; let go at rest, the weight drops by about ``2 Ω² I / (m g)``."""
+    found, rate = numbers("gyroscope", pictures), 0.2 * G * 0.1 / (4e-3 * 400.0)
+    assert found["precession, steady [rad/s]"] == pytest.approx(rate, rel=1e-9)
+    assert found["axis leaves the level by [m], steady"] < 1e-9
+    assert found["precession, let go at rest [rad/s]"] == pytest.approx(rate, rel=1e-2)
+    across = 2.5e-3 + 4e-4 + 1e-3  # of rotor and rings about the vertical, the axis level
+    drop = 2 * rate**2 * across / (0.2 * G)
+    assert found["axis drops by [m], let go at rest"] == pytest.approx(drop, rel=1e-2)
