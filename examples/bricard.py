@@ -60,14 +60,10 @@ def main(folder=None) -> dict[str, float]:
     print(redundancy, *(f"{name}: {value:.9g}" for name, value in numbers.items()), sep="\n")
     if folder:
         figure, left, right = style.beside()
-        rods = [[f"rod{k}.start", f"rod{k}.end"] for k in range(1, 6)]
-        for time, alpha in ((0.0, 1.0), (0.8, 0.3)):
-            style.wires(left, motion, rods, time, alpha)
-        path = [motion[f"rod2.end.{axis}"] for axis in "xyz"]
-        left.plot(*path, color=style.PINK, lw=1)
-        left.set_title("start, after 0.8 s, and path of P2")
-        for axis, values in zip("xyz", path, strict=True):
-            right.plot(motion.time, values, label=axis)
+        style.space(left, motion, 0.6, trace="rod2.end")
+        left.set_title("after 0.6 s, and path of P2")
+        for axis in "xyz":
+            right.plot(motion.time, motion[f"rod2.end.{axis}"], label=axis)
         right.set(xlabel="time [s]", ylabel="P2 [m]", title="released at rest")
         right.legend(ncols=3)
         style.save(figure, folder, "bricard")

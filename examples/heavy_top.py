@@ -47,12 +47,10 @@ def main(folder=None) -> dict[str, float]:
     print(*(f"{name}: {value:.9g}" for name, value in numbers.items()), sep="\n")
     if folder:
         figure, left, right = style.beside()
-        style.wires(left, motion, [[(0, 0, 0), "rotor.C"]])
-        path = [motion[f"rotor.C.{axis}"] for axis in "xyz"]
-        left.plot(*path, color=style.PINK, lw=1)
+        style.space(left, motion, trace="rotor.C")
         left.set_title("path of the mass centre")
-        for axis, values in zip("xyz", path, strict=True):
-            right.plot(motion.time, values, label=axis)
+        for axis in "xyz":
+            right.plot(motion.time, motion[f"rotor.C.{axis}"], label=axis)
         right.set(xlabel="time [s]", ylabel="mass centre [m]", title="it nods and precesses")
         right.legend(ncols=3)
         style.save(figure, folder, "heavy_top")

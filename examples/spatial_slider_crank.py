@@ -61,14 +61,8 @@ def main(folder=None) -> dict[str, float]:
     print(*(f"{name}: {value:.9g}" for name, value in numbers.items()), sep="\n")
     if folder:
         figure, left, right = style.beside()
-        loop = [
-            [(0, 0.1, 0.12), "crank.tip"],
-            ["crank.tip", "rod.end"],
-            [(0.12, 0, 0), (0.32, 0, 0)],
-        ]
-        for time, alpha in ((0.0, 1.0), (0.3, 0.5), (0.5, 0.25)):
-            style.wires(left, motion, loop, time, alpha)
-        left.set_title("three positions")
+        style.space(left, motion, 0.1, trace="crank.tip")
+        left.set_title("after 0.1 s, and path of the crank pin")
         right.plot(motion.time, motion["slider.x"])
         right.set(xlabel="time [s]", ylabel="slider [m]", title="travel of the slider")
         style.save(figure, folder, "spatial_slider_crank")

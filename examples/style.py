@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from dalembert.results.outlines import outline
-from dalembert.results.picture import pose_of
+from dalembert.results.picture import Picture, pose_of
 from dalembert.results.scene import motion_scene
 
 BLUE, ORANGE, GREEN, PINK, YELLOW, SKY = COLOURS = (
@@ -97,25 +97,19 @@ def _coil(i: np.ndarray, j: np.ndarray, symbol: str) -> np.ndarray:
     )
 
 
-def wires(ax, motion, chains, time: float = 0.0, alpha: float = 1.0) -> None:
-    """A mechanism in space as chains of points, ``"crank.tip"`` or three coordinates."""
+def space(ax, motion, time: float = 0.0, trace: str = "") -> None:
+    """A mechanism in space at the output nearest to a time, and the path of a point."""
     k = int(np.argmin(abs(motion.time - time)))
-
-    def place(point) -> np.ndarray:
-        if not isinstance(point, str):
-            return np.asarray(point, float)
-        return np.array([float(motion[f"{point}.{axis}"][k]) for axis in "xyz"])
-
-    for n, chain in enumerate(chains):
-        line = np.array([place(point) for point in chain])
-        colour = COLOURS[n % len(COLOURS)]
-        ax.plot(*line.T, "o-", color=colour, ms=3.5, lw=2.4, alpha=alpha)
-    ax.set_aspect("equal")
+    some = np.linspace(0, motion.time.size - 1, 40).astype(int)
+    Picture(motion, np.r_[k, some], ax).show(0)
+    if trace:
+        ax.plot(*(motion[f"{trace}.{axis}"] for axis in "xyz"), color=PINK, lw=1)
 
 
 def beside(width: float = 9.0, height: float = 3.6):
     """A figure with a picture in space on the left and a diagram on the right."""
     figure = plt.figure(figsize=(width, height))
+    figure.get_layout_engine().set(wspace=0.1)
     left = figure.add_subplot(1, 2, 1, projection="3d")
     left.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     left.locator_params(nbins=4)

@@ -90,9 +90,7 @@ def main(folder=None) -> dict[str, float]:
             ("output", motion["output.angular_velocity_local.x"] / SPEED),
         ):
             right.plot(np.degrees(angle), values, label=name)
-        far = np.array([0.8 * math.cos(BETA), 0.8 * math.sin(BETA), 0.0])
-        reach = np.array([0.3, 0.0, 0.0])
-        style.wires(left, motion, [[-reach, (0, 0, 0)], [(0, 0, 0), far], [far, far + reach]])
+        style.space(left, motion)
         left.set_title("input, telescopic and output shaft")
         right.set(xlabel="input [°]", ylabel="speed / input", title="unevenness")
         right.legend()

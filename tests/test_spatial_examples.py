@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_examples import model, motion, numbers, pictures, value  # noqa: F401
+from test_examples import motion, numbers, pictures, script, value  # noqa: F401
 
 G = 9.81
 
@@ -86,3 +86,44 @@ def test_gyroscope_precesses(pictures: Path) -> None:  # noqa: F811
     across = 2.5e-3 + 4e-4 + 1e-3  # of rotor and rings about the vertical, the axis level
     drop = 2 * rate**2 * across / (0.2 * G)
     assert found["axis drops by [m], let go at rest"] == pytest.approx(drop, rel=1e-2)
+
+
+def test_stewart_platform_carries_what_newton_and_euler_ask(pictures: Path) -> None:  # noqa: F811
+    """Forces of the legs by the motion wanted, differentiated by central differences."""
+    from scipy.spatial.transform import Rotation
+
+    made = script("stewart_platform")
+
+    def pose(t):
+        turn = np.pi * t
+        place = (0.12 * np.sin(turn), 0.08 - 0.08 * np.cos(turn), 0.9 + 0.1 * np.sin(2 * turn))
+        nod, roll = 0.15 * np.sin(turn), 0.1 - 0.1 * np.cos(turn)
+        return np.array(place), Rotation.from_euler("XY", [nod, roll])
+
+    def spin(t, h=1e-3):
+        """By the turn between instants, in fourth order; inertial axes."""
+        one, two = (
+            (pose(t + k * h)[1] * pose(t - k * h)[1].inv()).as_rotvec() / (2 * k * h)
+            for k in (1, 2)
+        )
+        return (4 * one - two) / 3
+
+    def legs(t, h=1e-3):
+        place, turn = pose(t)
+        near, far = (
+            (pose(t + k * h)[0] - 2 * place + pose(t - k * h)[0]) / (k * h) ** 2 for k in (1, 2)
+        )
+        force = made.MASS * ((4 * near - far) / 3 + [0, 0, G])
+        one, two = ((spin(t + k * h) - spin(t - k * h)) / (2 * k * h) for k in (1, 2))
+        inertia = turn.as_matrix() @ np.diag(made.INERTIA) @ turn.as_matrix().T
+        moment = inertia @ ((4 * one - two) / 3) + np.cross(spin(t), inertia @ spin(t))
+        arms = turn.apply(made.TOP)
+        along = place + arms - made.BASE
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        wrench = np.vstack([along.T, np.cross(arms, along).T])
+        return np.linalg.solve(wrench, np.concatenate([force, moment]))
+
+    found = numbers("stewart_platform", pictures)
+    expected = np.array([legs(t) for t in np.linspace(0, 2, 201)])
+    assert found["largest force in a leg [N]"] == pytest.approx(abs(expected).max(), rel=1e-6)
+    assert abs(found["work of a period [J]"]) < 1e-9
