@@ -14,8 +14,8 @@ from browser import Visit, chromium, visit
 from scipy.spatial.transform import Rotation, Slerp
 
 import dalembert as da
-from dalembert import spatial
-from dalembert.report.page import render_page
+from dalembert import planar, spatial
+from dalembert.report.page import render_page, write_page
 
 TILT = 0.6
 SMALL = (1000, 560)
@@ -282,6 +282,63 @@ def test_paper_is_light_and_sharp(show: Any) -> None:
     assert found.ink("#scene") > 200
     found.js("window.dispatchEvent(new Event('afterprint'))")
     assert found.js("document.documentElement.dataset.theme") == "dark"
+
+
+def test_the_force_of_a_rolling_contact_stands_where_it_touches() -> None:
+    motion = joints()
+    scene = motion.page()["scene"]
+    (contact,) = (j for j in scene["joints"] if j["name"] == "D")
+    place = np.stack([contact[f"at_{axis}"] for axis in "xyz"], axis=1)
+    below = motion["wheel.position"].values - [0, 0, 0.1]
+    assert np.allclose(place, below, atol=1e-6)
+    assert np.allclose(contact["force_z"], motion["D.force.z"].values)
+
+
+def test_bodies_of_the_plane_stand_in_space(show: Any) -> None:
+    system = da.System("mixed", gravity=(0, -9.81, 0))
+    arm = planar.Bar("arm", length=0.4, mass=1, angle=0.5, angular_velocity=3)
+    system.add(arm)
+    system.add(planar.Revolute("O", system.ground.point(0, 0), arm.start))
+    swing = spatial.Body("swing", mass=1, inertia=(0.01, 0.01, 0.01), position=(0.4, 0, 0))
+    system.add(swing)
+    system.add(spatial.Spherical("A", arm.point(0.2, 0, 0), swing.point(0, 0.2, 0)))
+    motion = da.solve_dynamics(system.build(), duration=0.1, step=0.01)
+    assert motion.data["point_position"].shape[2] == motion.data["reaction_moment"].shape[2] == 3
+    found = show(motion)
+    angle = float(motion["arm.angle"][-1])
+    drawn = matrices(found, 0.1)["arm"]
+    assert np.allclose(drawn[:3, 0], [np.cos(angle), np.sin(angle), 0], atol=1e-6)
+    assert found.js("dalembert.scene.up.toArray()") == [0, 1, 0]
+
+
+def test_what_cannot_be_assembled_is_drawn_with_its_gap(browser: Any, tmp_path: Path) -> None:
+    system = da.System("too short")
+    a = system.add(spatial.Bar("a", length=0.3, radius=0.01, mass=1))
+    b = system.add(spatial.Bar("b", length=0.3, radius=0.01, mass=1, position=(0.6, 0, 0)))
+    hinge = a.frame((-0.15, 0, 0))
+    system.add(spatial.Revolute("O", system.ground.frame((0, 0, 0)), hinge))
+    system.add(spatial.Spherical("A", a.end, b.start))
+    system.add(spatial.Spherical("B", b.end, system.ground.point(0.8, 0, 0.3)))
+    with pytest.raises(da.AssemblyError) as refused:
+        system.build()
+    page = da.assembly_report(refused.value, tmp_path / "gap.html")
+    with visit(browser, page, viewport=SMALL) as found:
+        assert found.js("dalembert.scene.ghosts.length") == 2
+        (gap,) = found.js("dalembert.motion.gaps")
+        assert np.linalg.norm(np.subtract(gap["from"], gap["to"])) > 0.2
+        assert "m" in gap["text"] and found.ink("#scene") > 100
+        assert found.console == [] and found.requests == []
+
+
+@pytest.mark.parametrize("frames", [0, 1, 2])
+def test_nearly_empty_payloads(browser: Any, tmp_path: Path, frames: int) -> None:
+    scene = [{}, {"bodies": []}, {"bodies": [{"name": "only"}]}][frames]
+    time = [0.5 * k for k in range(frames)]
+    payload = {"kind": "spatial", "title": "nearly nothing", "time": time, "scene": scene}
+    page = write_page(payload, tmp_path / "empty.html")
+    with visit(browser, page, viewport=SMALL) as found:
+        assert found.page.is_visible("#player") == (frames == 2)
+        assert found.console == [] and found.requests == []
 
 
 def test_matplotlib_draws_every_solid_where_it_is() -> None:

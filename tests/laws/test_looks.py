@@ -25,7 +25,7 @@ ELEMENTS = {n: c for table in registry.PLANAR.sections.values() for n, c in tabl
 UNSEEN = {planar.Body, planar.UserConstraint, planar.JointFriction}
 """A plate over its points, a formula, and what its joint shows."""
 PRIMITIVES = {c for _, c in inspect.getmembers(look, inspect.isclass) if issubclass(c, Look)}
-SPATIAL = {look.Socket, look.Collar, look.Nut, look.Cross, look.Table}
+SPATIAL = {look.Socket, look.Collar, look.Nut, look.Cross, look.Table, look.Contact}
 """Primitives that no planar element has."""
 FLAT = {look.Arrow, look.Twist, look.Limit}
 """Arrows that move by themselves, and walls, which space does not show."""

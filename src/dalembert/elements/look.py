@@ -78,6 +78,13 @@ class Mesh(Mark):
     internal: bool
 
 
+@dataclass(frozen=True, eq=False)
+class Contact(Look):
+    """Two bodies touch at a place that wanders over both; inertial axes."""
+
+    place: ca.SX
+
+
 # parts of a body ---------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class Segment(Look):

@@ -58,14 +58,14 @@ def _bodies(model: Model) -> list[Variable]:
         "angular_acceleration": ("angular acceleration", "rad/s^2"),
     }
     known = {q for of in measures.values() for q in of}
-    return [_over("body", measures, q, q, *motion[q]) for q in motion if q in known]
+    return [_over("body", measures, q, q, *motion[q], model) for q in motion if q in known]
 
 
 def _points(model: Model) -> list[Variable]:
     measures = {p.name: p.measures() for b in model.bodies for p in b.points.values()}
     motion = {"position": "m", "velocity": "m/s", "acceleration": "m/s^2"} if measures else {}
     return [
-        _over("point", measures, q, f"point_{q}", f"{q} of the point", unit)
+        _over("point", measures, q, f"point_{q}", f"{q} of the point", unit, model)
         for q, unit in motion.items()
     ]
 
@@ -74,12 +74,14 @@ def _joints(model: Model) -> list[Variable]:
     joints = [c for c in model.constraints if isinstance(c, Pair)]
     names, reactions = tuple(c.name for c in joints), [c.reaction() for c in joints]
     kinds = [
-        ("reaction_force", "force of the joint on its second body", "N"),
-        ("reaction_moment", "moment of the joint on its second body, at the joint", "N m"),
+        ("reaction_force", 2, "force of the joint on its second body", "N"),
+        ("reaction_moment", 1, "moment of the joint on its second body, at the joint", "N m"),
     ]
     return [
-        Variable(name, text, unit, "joint", names, _alike(each))
-        for (name, text, unit), each in zip(kinds, zip(*reactions, strict=True), strict=False)
+        Variable(name, text, unit, "joint", names, _alike(each, 3 if _spatial(model) else width))
+        for (name, width, text, unit), each in zip(
+            kinds, zip(*reactions, strict=True), strict=False
+        )
     ]
 
 
@@ -88,7 +90,7 @@ def _drivers(model: Model) -> list[Variable]:
     measures = {c.name: element_measures(c, model.coordinates) for c in drivers}
     given = {"effort": "N or N m", "power": "W"} if drivers else {}
     return [
-        _over("driver", measures, q, f"driver_{q}", f"{q} of the driver", unit)
+        _over("driver", measures, q, f"driver_{q}", f"{q} of the driver", unit, model)
         for q, unit in given.items()
     ]
 
@@ -100,9 +102,12 @@ def _over(
     name: str,
     text: str,
     unit: str,
+    model: Model,
 ) -> Variable:
     """One quantity of all entities, by name → quantity → (graph, unit)."""
-    columns = _alike(of.get(quantity, (None, ""))[0] for of in measures.values())
+    known = [of.get(quantity, (None, ""))[0] for of in measures.values()]
+    width = max(sx.numel() for sx in known if sx is not None)
+    columns = _alike(known, 3 if width == 2 and _spatial(model) else width)
     return Variable(name, text, unit, dimension, tuple(measures), columns)
 
 
@@ -153,11 +158,9 @@ def _spatial(model: Model) -> bool:
     return any(body.dimension == 3 for body in model.bodies)
 
 
-def _alike(graphs: Iterable[ca.SX | None]) -> tuple[Expression, ...]:
+def _alike(graphs: Iterable[ca.SX | None], width: int) -> tuple[Expression, ...]:
     """As many components of each; what lies in a plane gets its place in space, what is missing is
     not a number."""
-    known = list(graphs)
-    width = max(sx.numel() for sx in known if sx is not None)
 
     def widened(sx: ca.SX | None) -> ca.SX:
         if sx is None:
@@ -166,7 +169,7 @@ def _alike(graphs: Iterable[ca.SX | None]) -> tuple[Expression, ...]:
             return sx
         return ca.vertcat(sx, 0) if sx.numel() == 2 else ca.vertcat(0, 0, sx)
 
-    return _columns(widened(sx) for sx in known)
+    return _columns(widened(sx) for sx in graphs)
 
 
 def _columns(graphs: Iterable[ca.SX]) -> tuple[Expression, ...]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from dalembert.elements.base import Look
 from dalembert.elements.body import BodyElement
-from dalembert.elements.look import Arrow, Ball, Link, Path, Rail, Segment, Twist
+from dalembert.elements.look import Arrow, Ball, Contact, Link, Path, Rail, Segment, Twist
 from dalembert.elements.point import AXES, Point
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pivots import Pivots
@@ -133,6 +133,12 @@ class Sketch:
     def _(self, look: Link, element: Any) -> None:
         ends = {"i": self.place(look.point_i), "j": self.place(look.point_j)}
         self.links.append(named(look, element) | ends)
+
+    @draw.register
+    def _(self, look: Contact, element: Any) -> None:
+        described = named(look, element) | {"body": "ground", "point": [0.0] * self.dimension}
+        self.joints.append(described | {"grounded": False} | self.reaction(element))
+        self.later.append((self.joints[-1], self.components("at", look.place), look.place))
 
     @draw.register
     def _(self, look: Arrow, element: Any) -> None:

@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Constraint, Coordinates, Look, Scalar, Vector, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
-from dalembert.elements.look import Disc
+from dalembert.elements.look import Contact, Disc
 from dalembert.elements.pair import Pair, need_body, refuse_same_body
 from dalembert.elements.rotation import unit
 from dalembert.elements.spatial.frame_pair import need_frame
@@ -55,7 +55,7 @@ class RollingDisc(Pair, Constraint):
 
     def look(self) -> list[Look]:
         wheel = self.body.frame(self.center, axis=self.axis)
-        return [Disc(wheel, self.radius.sx)]
+        return [Disc(wheel, self.radius.sx), Contact(self.place())]
 
     def place(self) -> ca.SX:
         """The point of contact."""

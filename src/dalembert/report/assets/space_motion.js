@@ -20,7 +20,7 @@ class SpatialMotion extends Timeline {
     const known = (given) => given && this.has(given.body);
     this.joints = list(scene.joints).filter(known).map((j) => ({
       ...this.told(j), ...end(j), base: known(j.base) ? end(j.base) : null, grounded: Boolean(j.grounded),
-      force: columns(j, "force"), moment: columns(j, "moment"),
+      force: columns(j, "force"), moment: columns(j, "moment"), where: columns(j, "at"),
     }));
     this.links = list(scene.links).filter((l) => known(l.i) && known(l.j)).map((l) => ({ ...this.told(l), i: end(l.i), j: end(l.j) }));
     this.symbols = list(scene.symbols).filter(known).map((s) => ({
@@ -50,6 +50,12 @@ class SpatialMotion extends Timeline {
     return pose && toSpace(pose, point).toArray();
   }
 
+  // Place of a joint or a symbol: a point of its body, or one that wanders.
+  placeOf({ body, point, where }) {
+    const place = where ? this.vectorOf(where) : this.at(body, point);
+    return place && place.every(Number.isFinite) ? place : null;
+  }
+
   // Euler parameters of a body now.
   turned(body) {
     const pose = this.pose(body);
@@ -61,7 +67,7 @@ class SpatialMotion extends Timeline {
   // Places that the motion fills: what lies on the bodies, at some instants.
   cloud() {
     const marks = new Map([this.ground, ...this.bodies].map((b) => [b, b.shapes.flatMap(reach)]));
-    const ends = [...this.joints, ...this.points, ...this.symbols, ...this.links.flatMap(({ i, j }) => [i, j])];
+    const ends = [...this.joints.filter((j) => !j.where), ...this.points, ...this.symbols, ...this.links.flatMap(({ i, j }) => [i, j])];
     for (const { body, point } of ends) marks.get(body).push(point);
     for (const body of this.bodies) if (!marks.get(body).length) marks.get(body).push([0, 0, 0]);
     const places = marks.get(this.ground).map(vector);

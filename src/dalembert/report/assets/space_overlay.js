@@ -25,18 +25,15 @@ class Overlay {
     }
   }
 
-  place(body, point) {
-    const p = this.scene.motion.at(body, point);
-    return p && this.scene.view.screen(vector(p));
-  }
+  seen(place) { return place && this.scene.view.screen(vector(place)); }
 
   // Names of bodies at their middles, of joints beside them; the nearer one has the word where two would meet.
   drawLabels() {
     const { ctx, scene } = this, { motion } = scene, taken = [];
     const small = motion.joints.filter((j) => j.name && j.name.length <= 3);
     const wanted = [
-      ...motion.bodies.map((body) => ({ text: body.label, at: this.place(body, this.anchors.get(body)), font: `600 12px ${Theme.font}`, colour: mix(Theme.colour(body.index), Theme.ink, 0.35), lift: 0 })),
-      ...(small.length > 24 ? [] : small).map((j) => ({ text: j.name, at: this.place(j.body, j.point), font: `italic 12px ${Theme.font}`, colour: Theme.muted, lift: 1 })),
+      ...motion.bodies.map((body) => ({ text: body.label, at: this.seen(motion.at(body, this.anchors.get(body))), font: `600 12px ${Theme.font}`, colour: mix(Theme.colour(body.index), Theme.ink, 0.35), lift: 0 })),
+      ...(small.length > 24 ? [] : small).map((j) => ({ text: j.name, at: this.seen(motion.placeOf(j)), font: `italic 12px ${Theme.font}`, colour: Theme.muted, lift: 1 })),
     ].filter(({ at }) => at).sort((a, b) => a.lift - b.lift || a.at.depth - b.at.depth);
     for (const { text, at, font, colour, lift } of wanted) {
       ctx.font = font;

@@ -5,9 +5,13 @@ class SpatialScene {
     Object.assign(this, { motion, canvas, tip });
     this.show = { labels: motion.bodies.length <= 12, forces: false, grid: true, clear: false };
     this.size = 1;  // of the arrows of reactions
-    const cloud = motion.cloud();
-    this.view = new View(canvas, cloud, upward(motion.gravity), () => this.invalidate());
+    this.cloud = motion.cloud();
+    this.up = upward(motion.gravity);
+    Object.assign(this, sphereAbout(this.cloud));
     this.unit = this.symbolSize();
+    this.feet = motion.joints.filter((j) => j.grounded && !ON_RAILS.includes(j.symbol)).map((j) => this.foot(j)).filter(({ place }) => place);
+    const bases = this.feet.map(({ place, away }) => vector(place).addScaledVector(away, -5.2 * this.unit));
+    this.view = new View(canvas, [...this.cloud, ...bases], this.up, () => this.invalidate());
     this.cut = new THREE.Plane(new THREE.Vector3(-1, 0, 0), 0);
     this.materials = new Map();
     this.groups = new Map([motion.ground, ...motion.bodies].map((body) => [body, new THREE.Group()]));
@@ -16,6 +20,7 @@ class SpatialScene {
     this.solids = [];
     for (const body of [motion.ground, ...motion.bodies]) for (const shape of body.shapes) this.addShape(body, shape);
     for (const joint of motion.joints) this.addJoint(joint);
+    for (const foot of this.feet) this.stand(foot);
     for (const symbol of motion.symbols) this.addSymbol(symbol);
     for (const point of motion.points) this.addPoint(point);
     this.links = motion.links.map((link) => this.addLink(link));
@@ -34,7 +39,7 @@ class SpatialScene {
   // Half the width of a bar in metres: small against the picture and against the bars.
   symbolSize() {
     const lengths = this.motion.bodies.flatMap((b) => b.shapes.filter((s) => s.kind === "bar").map((s) => apart(s.from, s.to))).sort((a, b) => a - b);
-    const whole = 2 * this.view.radius, typical = lengths.length ? lengths[Math.floor(0.3 * lengths.length)] : Infinity;
+    const whole = 2 * this.radius, typical = lengths.length ? lengths[Math.floor(0.3 * lengths.length)] : Infinity;
     return clamp(Math.min(0.0115 * whole, 0.12 * typical), 0.003 * whole, whole);
   }
 
@@ -96,23 +101,20 @@ class SpatialScene {
       const group = this.seat(seat);
       for (const [geometry, role] of parts(this.unit)) this.add(group, geometry, role, { kind: "joint", item: joint });
     }
-    if (joint.grounded && !ON_RAILS.includes(joint.symbol)) this.stand(this.foot(joint), joint.body);
   }
 
   // The ground's side of a joint, and on which side of it the mechanism is.
   foot(joint) {
     const place = joint.body.fixed ? joint.point : joint.base?.body.fixed ? joint.base.point : this.motion.at(joint.body, joint.point, { i: 0, f: 0 });
-    const mean = new THREE.Box3().setFromPoints(this.view.cloud).getCenter(new THREE.Vector3());
-    const hangs = place && mean.sub(vector(place)).dot(this.view.up) < -0.25 * this.view.radius;
-    return { place, away: this.view.up.clone().multiplyScalar(hangs ? -1 : 1) };
+    const hangs = place && this.centre.clone().sub(vector(place)).dot(this.up) < -0.25 * this.radius;
+    return { place, away: this.up.clone().multiplyScalar(hangs ? -1 : 1) };
   }
 
   stand({ place, away }, size = 1) {
-    if (!place) return;
     const group = new THREE.Group();
     group.position.set(...place);
     group.quaternion.setFromUnitVectors(vector(Z), away);
-    for (const [geometry, role] of pedestal(this.unit * (typeof size === "number" ? size : 1))) this.add(group, geometry, role, null);
+    for (const [geometry, role] of pedestal(size * this.unit)) this.add(group, geometry, role, null);
     this.view.world.add(group);
   }
 
@@ -278,7 +280,7 @@ class SpatialScene {
       }
     }
     for (const { item, key, role, shown } of this.arrows) {
-      const reaction = role === "force" || role === "moment", place = motion.at(item.body, item.point);
+      const reaction = role === "force" || role === "moment", place = motion.placeOf(item);
       const value = (this.show.forces || !reaction) && place ? motion.vectorOf(item[key]) : null;
       const unit = (0.5 * this.view.radius * (reaction ? this.size : 1)) / (this.greatest[role] || 1);
       shown.show(place ? vector(place) : this.view.centre, value && value.every(Number.isFinite) ? vector(value).multiplyScalar(unit) : null);

@@ -15,6 +15,7 @@ const JOINT_SOLIDS = {
   mark: (u) => [[new THREE.OctahedronGeometry(1.6 * u), "steel"]],
   slotpin: (u) => [[tube([0, 0, -1.6 * u], [0, 0, 1.6 * u], 1.1 * u), "dark"]],
   clamp: () => [],
+  contact: () => [],
   mesh: () => [],
   belt: () => [],
 };

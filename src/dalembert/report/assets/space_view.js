@@ -9,11 +9,15 @@ function upward(gravity) {
   return vector([0, 1, 2].map((i) => (i === k ? -Math.sign(gravity[k]) : 0)));
 }
 
+function sphereAbout(cloud) {
+  const sphere = new THREE.Box3().setFromPoints(cloud).getBoundingSphere(new THREE.Sphere());
+  return { centre: sphere.center, radius: sphere.radius || 0.5 };
+}
+
 class View {
   constructor(canvas, cloud, up, onChange) {
     Object.assign(this, { canvas, cloud, up, onChange });
-    const sphere = new THREE.Box3().setFromPoints(cloud).getBoundingSphere(new THREE.Sphere());
-    [this.centre, this.radius] = [sphere.center, sphere.radius || 0.5];
+    Object.assign(this, sphereAbout(cloud));
     this.world = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(FIELD, 1, this.radius / 100, 100 * this.radius);
     this.camera.up.copy(up);
