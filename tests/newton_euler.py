@@ -6,10 +6,12 @@ from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
+import spatial_twins
 from twins import complex_step, context, cross
 
 from dalembert.elements.base import Constraint
-from dalembert.elements.planar import CoordinateDriver, Coupling, UserConstraint
+from dalembert.elements.driver import AlongDirection
+from dalembert.elements.planar import Coupling, UserConstraint
 
 
 class Snapshot:
@@ -52,15 +54,16 @@ class Snapshot:
         """Loads of a joint: (body name, force, place, moment)."""
         if isinstance(joint, UserConstraint):
             return self._user(joint)
-        if isinstance(joint, CoordinateDriver):
+        if isinstance(joint, AlongDirection):
             along = self.number(joint.direction)
             effort = float(self.data.driver_effort.sel(driver=joint.name))
             place = self.frame(joint.point.body).at(self.number(joint.point.local))
-            return [(joint.point.body.name, effort * along / np.linalg.norm(along), place, 0.0)]
+            force = effort * along / np.linalg.norm(along)
+            return [(joint.point.body.name, force, place, 0.0 if len(force) == 2 else 0 * force)]
         here = self.data.sel(joint=joint.name)
         force, moment, place = (
             here.reaction_force.values,
-            float(here.reaction_moment),
+            here.reaction_moment.values,
             self.place(joint),
         )
         first, second = joint.ends()
@@ -97,6 +100,9 @@ class Snapshot:
         """Largest ``m (r̈ − g) − Σ F`` or ``J φ̈ − Σ (M + (r_P − r) × F)`` of all bodies."""
         rest = {}
         for body in self.model.bodies:
+            if body.dimension == 3:
+                rest[body.name] = self._inertial(body, np.asarray(gravity))
+                continue
             here = self.data.sel(body=body.name)
             mass, inertia = (float(self.number(q)[0]) for q in (body.mass, body.inertia))
             rest[body.name] = np.append(
@@ -105,16 +111,32 @@ class Snapshot:
             )
         for name, force, place, moment in self.loads():
             if name in rest:
+                turned = spatial_twins.cross if len(force) == 3 else cross
                 rest[name] -= np.append(
-                    force, moment + cross(place - self.seen.body[name].r, force)
+                    force, moment + turned(place - self.seen.body[name].r, force)
                 )
-        turning = {b.name: 3 if b.rotates else 2 for b in self.model.bodies}
+        turning = {b.name: b.twist.numel() for b in self.model.bodies}
         return max(np.abs(r[: turning[n]]).max() for n, r in rest.items())
+
+    def _inertial(self, body, gravity) -> np.ndarray:
+        """``m (r̈_C − g)`` and ``J ω̇ + ω × J ω`` of a body in space, inertial axes."""
+        here, frame = self.data.sel(body=body.name), self.frame(body)
+        mass = float(self.number(body.mass)[0])
+        if not body.rotates:
+            return np.append(mass * (here.acceleration.values - gravity), np.zeros(3))
+        cross, arm = spatial_twins.cross, frame.vector(frame.center)
+        w, accelerated = here.angular_velocity.values, here.angular_acceleration.values
+        center = here.acceleration.values + cross(accelerated, arm) + cross(w, cross(w, arm))
+        xx, yy, zz, xy, yz, xz = self.number(body.inertia)
+        local = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        inertia = frame.R @ local @ frame.R.T
+        moment = inertia @ accelerated + cross(w, inertia @ w)
+        return np.append(mass * (center - gravity), moment)
 
     def power(self, loads: list[tuple]) -> float:
         """Power of loads: Σ F · v(place) + M ω."""
         total = 0.0
         for name, force, place, moment in loads:
             frame = self.seen.body[name]
-            total += force @ frame.velocity_at(place) + moment * frame.w
+            total += force @ frame.velocity_at(place) + np.dot(moment, frame.w)
         return total

@@ -12,10 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from twins import cross, cubic, direction, left, length, natural_cubic, turn
+from twins import CENTER, cross, cubic, direction, left, length, natural_cubic, turn
 
 import dalembert as da
-from dalembert import FormulaCurve, SplineCurve, cos, planar, sin, t, u
+from dalembert import FormulaCurve, SplineCurve, cos, planar, sin, spatial, t, u
 from dalembert.elements.laws import (
     CycloidalRise,
     Formula,
@@ -67,6 +67,9 @@ INTEGRATORS = {
 }
 
 
+GRAVITY = (0.4, -9.81, 1.7)
+
+
 @dataclass(frozen=True)
 class Observer:
     """Turns, shifts and boosts the whole mechanism; nothing inside it may notice."""
@@ -76,13 +79,21 @@ class Observer:
     boost: tuple[float, float] = (0.0, 0.0)
 
 
+MOMENTS = (1.0, 1.2, 0.7, 0.1, -0.2, 0.15)
+"""Moments and products of inertia of bodies in space, to scale."""
+AXES = {"a": (0.3, -0.5, 1.0), "b": (1.0, 0.4, 0.2), "arm": (-0.2, 1.0, 0.3)}
+"""About which they are turned at first."""
+
+
 class Builder:
     """A system in which every number is a parameter."""
 
-    def __init__(self, name: str, gravity: bool, observer: Observer):
+    def __init__(self, name: str, gravity: bool, observer: Observer, dimension: int = 2):
         self.observer, self.system = observer, da.System(name)
         if gravity:
-            vector = self.numbers(gx=0.4, gy=-9.81)
+            vector = self.numbers(
+                **dict(zip(("gx", "gy", "gz")[:dimension], GRAVITY, strict=False))
+            )
             self.system = da.System(name, gravity=vector)
             for parameter in vector:
                 self.system.parameters[parameter.name] = parameter
@@ -129,6 +140,61 @@ class Builder:
     def add(self, element):
         return self.system.add(element)
 
+    # in space -----------------------------------------------------------------------------------
+    def solid(self, name: str, place, turned, speed, spin, mass=1.3, size=0.2):
+        """A free body whose mass centre is not its origin; ``turned`` about ``AXES[name]``."""
+        angle, away = self.number(f"{name}_turn0", turned), self.number(f"{name}_c", 1.0)
+        moment = self.number(f"{name}_J", size)
+        return self.add(
+            spatial.Body(
+                name,
+                mass=self.number(f"{name}_m", mass),
+                inertia=[moment * share for share in MOMENTS],
+                center_of_mass=[away * share for share in CENTER],
+                position=self.numbers(**_components(f"{name}_{{}}0", place)),
+                rotation=da.rotation.axis_angle(AXES[name], angle),
+                velocity=self.numbers(**_components(f"{name}_v{{}}0", speed)),
+                angular_velocity=self.numbers(**_components(f"{name}_w{{}}0", spin)),
+            )
+        )
+
+    def solids(self, b=(0.9, 0.5, -0.4)):
+        """Two free bodies in general position."""
+        return (
+            self.solid("a", (0.3, -0.2, 0.1), 0.4, (0.5, -0.3, 0.2), (0.7, 0.2, -0.4)),
+            self.solid("b", b, -0.3, (-0.2, 0.4, 0.1), (-0.3, 0.5, 0.6), 0.8, 0.13),
+        )
+
+    def spot(self, body, name: str, place):
+        """Point of a body at parametric coordinates ``<name>_x``, ``<name>_y``, ``<name>_z``."""
+        return body.point(*self.numbers(**_components(f"{name}_{{}}", place)))
+
+    def spots(self):
+        """A point on each of two free bodies: ``P`` on a, ``Q`` on b."""
+        a, b = self.solids()
+        return self.spot(a, "P", (0.31, 0.12, -0.2)), self.spot(b, "Q", (-0.22, 0.17, 0.1))
+
+    def hold(self, body, name: str, place, axis, x=None):
+        """Frame of a body: parametric place, axis ``<name>_z…`` and x axis ``<name>_x…``."""
+        given = {"axis": self.numbers(**_components(f"{name}_z{{}}", axis))}
+        if x is not None:
+            given["x"] = self.numbers(**_components(f"{name}_x{{}}", x))
+        return body.frame(self.numbers(**_components(f"{name}_o{{}}", place)), **given)
+
+    def holds(self, complete: bool = True, axis=(0.2, 0.4, 1.1), x=(0.9, 0.3, 0.1)):
+        """A frame on each of two free bodies, ``P`` on a and ``Q`` on b, with x axes or without."""
+        a, b = self.solids()
+        return (
+            self.hold(
+                a, "P", (0.31, 0.12, -0.2), (0.3, -0.2, 1.2), (1.1, 0.2, 0.3) if complete else None
+            ),
+            self.hold(b, "Q", (-0.22, 0.17, 0.1), axis, x if complete else None),
+        )
+
+
+def _components(pattern: str, vector) -> dict[str, float]:
+    return {pattern.format(letter): value for letter, value in zip("xyz", vector, strict=True)}
+
 
 def P(c) -> np.ndarray:
     """Place of the point P of body a."""
@@ -154,6 +220,7 @@ class Case:
     objective : moving the whole mechanism changes nothing inside
     scleronomic : no driver works on it
     conservative : at rest, the forces are −∂V/∂y
+    dimension : 3 of bodies in space
     """
 
     name: str
@@ -165,9 +232,11 @@ class Case:
     objective: bool = True
     scleronomic: bool = True
     conservative: bool = True
+    dimension: int = 2
 
     def model(self, gravity: bool = True, observer: Observer | None = None) -> da.Model:
-        builder = Builder(self.name.replace(" ", "-"), gravity, observer or Observer())
+        name = self.name.replace(" ", "-")
+        builder = Builder(name, gravity, observer or Observer(), self.dimension)
         self.build(builder)
         return builder.system.build()
 
@@ -989,5 +1058,8 @@ def _stopped(upper: bool):
 case("upper stop", planar.Stop, loads=_stop(True))(_stopped(True))
 case("lower stop", planar.Stop, loads=_stop(False))(_stopped(False))
 
+import spatial_cases  # noqa: E402, F401  (registers them)
+
+PLANAR = [n for n, c in CASES.items() if c.dimension == 2]
 CONSTRAINED = [n for n, c in CASES.items() if c.residual]
 LOADED = [n for n, c in CASES.items() if c.loads]

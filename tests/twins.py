@@ -10,6 +10,10 @@ from types import SimpleNamespace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from spatial_twins import Solid
+
+CENTER = np.array([0.05, -0.03, 0.08])
+"""Direction of the mass centre of registered bodies in space."""
 
 
 def turn(angle, vector) -> np.ndarray:
@@ -116,13 +120,15 @@ def second_rate(function: Callable, h: float = 2e-3):
     return (16 * second - first) / 15
 
 
-def bodies_of(model, y, v=None) -> dict[str, Frame]:
+def bodies_of(model, y, v=None) -> dict:
     """The bodies of a model as frames, and the ground."""
-    found, k = {"ground": Frame(np.zeros(3))}, 0
+    spatial = any(body.dimension == 3 for body in model.bodies)
+    found, i, j = {"ground": Solid(np.zeros(3)) if spatial else Frame(np.zeros(3))}, 0, 0
     for group in model.coordinates:
-        n = group.pose.numel()
-        found[group.name] = Frame(y[k : k + n], None if v is None else v[k : k + n])
-        k += n
+        n, m = group.pose.numel(), group.twist.numel()
+        kind = Solid if getattr(group, "dimension", 2) == 3 else Frame
+        found[group.name] = kind(y[i : i + n], None if v is None else v[j : j + m])
+        i, j = i + n, j + m
     return found
 
 
@@ -134,6 +140,8 @@ def context(model, t, y, p, v=None) -> SimpleNamespace:
     if own:
         seen.u = y[-1]
     for name, frame in seen.body.items():
+        if hasattr(numbers, f"{name}_c"):
+            frame.center = getattr(numbers, f"{name}_c") * CENTER
         if name.isidentifier():
             setattr(seen, name, frame)
     return seen
