@@ -1063,3 +1063,8 @@ import spatial_cases  # noqa: E402, F401  (registers them)
 PLANAR = [n for n, c in CASES.items() if c.dimension == 2]
 CONSTRAINED = [n for n, c in CASES.items() if c.residual]
 LOADED = [n for n, c in CASES.items() if c.loads]
+SPATIAL = [n for n in CASES if n not in PLANAR]
+COMBINED = [(n, f) for n in PLANAR for f in FORMULATIONS] + [
+    (n, list(FORMULATIONS)[k % len(FORMULATIONS)]) for k, n in enumerate(SPATIAL)
+]
+"""Cases with formulations: in the plane each with each, in space all formulations in turn."""

@@ -7,7 +7,7 @@ import functools
 import numpy as np
 import registry
 from registry import AXES, LAWS
-from spatial_twins import Hold, Solid, about, norm, unit, wrapped
+from spatial_twins import Hold, Solid, about, cross, norm, unit, wrapped
 from twins import CENTER
 
 from dalembert import spatial
@@ -110,7 +110,7 @@ def _(q):
     place={"J": lambda c: c.dot.r},
 )
 def _(q):
-    a = q.solids()[0]
+    a = q.solid("a", (0.3, -0.2, 0.1), 0.4, (0.5, -0.3, 0.2), (0.7, 0.2, -0.4))
     dot = q.add(
         spatial.Particle(
             "dot",
@@ -168,7 +168,6 @@ TWINS = {
     spatial.Screw: _screw,
 }
 """Joints of two frames, by textbook equations."""
-FREE = {spatial.Revolute: ["angle"], spatial.Cylindrical: ["angle", "displacement"]}
 
 
 def _between(kind: type, complete: bool, **numbers):
@@ -203,6 +202,92 @@ def _universal(c):
 @case("universal", spatial.Universal, residual=_universal, place={"J": held})
 def _(q):
     q.add(spatial.Universal("J", *q.holds(True, (1.2, 0.1, 0.2), (0.1, 0.3, 1.0))))
+
+
+def _constant_velocity(complete: bool):
+    def twist(i, j):
+        return np.array([i.x @ j.x + i.y @ j.y, i.y @ j.x - i.x @ j.y])
+
+    def residual(c):
+        i, j = frames(c)
+        turned = twist(i, j) if complete else after(twist(i, j), twist(*at_start(c)))
+        return joined(j.o - i.o, wrapped(*turned))
+
+    return residual
+
+
+for _complete in (True, False):
+    case(
+        f"constant velocity{'' if _complete else ' from the start'}",
+        spatial.ConstantVelocity,
+        residual=_constant_velocity(_complete),
+        place={"J": held},
+    )(_between(spatial.ConstantVelocity, _complete))
+
+
+# points and links -------------------------------------------------------------------------------
+def _spot_on(kind: type, **numbers):
+    def build(q):
+        a, b = q.solids()
+        hold = q.hold(a, "P", (0.31, 0.12, -0.2), (0.3, -0.2, 1.2), (1.1, 0.2, 0.3))
+        given = {name: q.number(name, value) for name, value in numbers.items()}
+        q.add(kind("J", hold, q.spot(b, "Q", (-0.22, 0.17, 0.1)), **given))
+
+    return build
+
+
+def _to_spot(rows):
+    def residual(c):
+        i = frame(c, c.a, "P")
+        return joined(*rows(c, i, c.b.at(vector(c.p, "Q_{}")) - i.o))
+
+    return residual
+
+
+ON_SPOTS = {
+    "point on line": (spatial.PointOnLine, {}, lambda c, i, d: [i.x @ d, i.y @ d]),
+    "point on plane": (spatial.PointOnPlane, {}, lambda c, i, d: [i.z @ d]),
+    "hinged link": (
+        *(spatial.RevoluteSphericalLink, {"length": 0.8}),
+        lambda c, i, d: [norm(d) - c.p.length, i.z @ d],
+    ),
+}
+for _name, (_kind, _numbers, _rows) in ON_SPOTS.items():
+    case(
+        _name,
+        _kind,
+        residual=_to_spot(_rows),
+        place={"J": lambda c: c.b.at(vector(c.p, "Q_{}"))},
+    )(_spot_on(_kind, **_numbers))
+
+
+@case(
+    "spatial rigid link",
+    spatial.RigidLink,
+    residual=lambda c: norm(spots(c)[1] - spots(c)[0]) - c.p.length,
+    place={"J": lambda c: spots(c)[1]},
+)
+def _(q):
+    q.add(spatial.RigidLink("J", *q.spots(), length=q.number("length", 0.9)))
+
+
+def _two_hinges(c):
+    i, j = frames(c)
+    d = j.o - i.o
+    rows = [norm(d) - c.p.length, i.z @ d]
+    if not hasattr(c.p, "twist"):
+        return joined(rows, tilt(i, j))
+    between = wrapped(i.z @ j.z, norm(cross(i.z, j.z)))
+    return joined(rows, j.z @ d, between - c.p.twist)
+
+
+for _numbers in ({"length": 0.7}, {"length": 0.7, "twist": 0.9}):
+    case(
+        f"link of two hinges{' askew' if 'twist' in _numbers else ''}",
+        spatial.RevoluteRevoluteLink,
+        residual=_two_hinges,
+        place={"J": held},
+    )(_between(spatial.RevoluteRevoluteLink, True, **_numbers))
 
 
 # drivers --------------------------------------------------------------------------------------

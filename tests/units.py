@@ -14,9 +14,11 @@ import casadi as ca
 import numpy as np
 
 import dalembert as da
-from dalembert import planar, t, u
+from dalembert import planar, spatial, t, u
 from dalembert.elements.base import Constraint, Element
+from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve, FormulaCurve
+from dalembert.elements.frame import Frame
 from dalembert.elements.laws.base import Law
 from dalembert.elements.springs import SpringDamper
 from dalembert.symbolic.expression import Expression
@@ -73,12 +75,12 @@ class _Translation:
         if system.gravity is not None:
             self.made.gravity = self.formula(system.gravity, "m/s^2")
         for element in system.elements.values():
-            if isinstance(element, planar.Body):
+            if isinstance(element, BodyElement):
                 made = self.made.add(self.body(element))
                 self.bodies[element.name] = made
                 self._identify(element, made)
         for element in system.elements.values():
-            if not isinstance(element, planar.Body):
+            if not isinstance(element, BodyElement):
                 self.made.elements[element.name] = self.element(element)
         order = list(system.elements)
         self.made.elements = {name: self.made.elements[name] for name in order}
@@ -89,7 +91,7 @@ class _Translation:
 
     def _identify(self, old, new) -> None:
         factors = ca.vertcat(*(self.units(unit) for unit in old.coordinate_units))
-        rates = ca.vertcat(*(self.units.of_rates(unit) for unit in old.coordinate_units))
+        rates = ca.vertcat(*(self.units.of_rates(unit) for unit in old.speed_units))
         self.old += [old.pose, old.twist]
         self.new += [new.pose / factors, new.twist / rates]
 
@@ -99,20 +101,26 @@ class _Translation:
     def point(self, point: planar.Point) -> planar.Point:
         local = self.formula(point.local, "m")
         body = self.bodies[point.body.name]
-        return body.center if not body.rotates else body.point(local[0], local[1])
+        if isinstance(point, Frame):
+            made = body.frame(local)
+            made.local_axes, made.complete = point.local_axes, point.complete
+            return made
+        return body.center if not body.rotates else body.point(*local)
 
     def body(self, body):
-        named = ("position", "angle", "velocity", "angular_velocity")
-        wanted = dict(zip(named, body.initial, strict=True))
+        wanted = dict(zip(body.initial_fields, body.initial, strict=True))
         wanted |= {"mass": body.mass, "inertia": body.inertia if body.rotates else None}
         wanted |= {"length": getattr(body, "length", None)}
+        if isinstance(body, spatial.Body) and body.rotates:
+            wanted["center_of_mass"] = body.center_of_mass
+        turned = {"rotation": wanted.pop("rotation", None)} if body.dimension == 3 else {}
         metas = {f.name: f.metadata for f in body.quantity_fields()}
         given = {
             name: self.formula(value, metas[name]["unit"])
             for name, value in wanted.items()
             if value is not None
         }
-        made = type(body)(body.name, **given)
+        made = type(body)(body.name, **given, **turned)
         for name, point in body.points.items():
             if name not in made.points:
                 made.add_point(name, self.formula(point.local, "m"))
@@ -132,7 +140,7 @@ class _Translation:
                 power = float(element.exponent.sx) if element.exponent.sx.is_constant() else 1.5
                 return self.formula(value, "N") * self.units.length**-power
             return self.formula(value, unit)
-        if isinstance(value, planar.Body):
+        if isinstance(value, BodyElement):
             return self.bodies[value.name]
         if isinstance(value, planar.Point):
             return self.point(value)

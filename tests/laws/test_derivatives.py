@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from registry import CASES, FORMULATIONS, definite, model_of
+from registry import CASES, COMBINED, FORMULATIONS, definite, model_of
 from spatial_registry import SPATIAL_CASES, any_model_of
 
 from dalembert.analysis.dynamics import Dynamics
@@ -55,8 +55,7 @@ def test_step(name):
     np.testing.assert_allclose(change, expected, atol=1e-7 * (1 + np.abs(change).max()))
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(("name", "formulation"), COMBINED)
 def test_accelerations(name, formulation):
     """v̇ and λ as functions of state and parameters: the same two laws."""
     model, rng = model_of(name), np.random.default_rng(6)

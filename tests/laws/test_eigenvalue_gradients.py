@@ -6,7 +6,7 @@ import functools
 
 import numpy as np
 import pytest
-from registry import CASES, model_of
+from registry import PLANAR, model_of
 from test_derivatives import difference, relative_parameters
 
 import dalembert as da
@@ -109,7 +109,7 @@ def modes_about(kind: str, name: str):
     return da.linearize(model_of(name), equilibrium=False)
 
 
-PLACES = [("rest", n) for n in RESTING] + [("assembled", n) for n in CASES]
+PLACES = [("rest", n) for n in RESTING] + [("assembled", n) for n in (*PLANAR, "spatial revolute")]
 
 
 def distinct(modes) -> list[int]:

@@ -21,7 +21,7 @@ def functions_of(name: str) -> ca.Function:
     """``(t, y, v, p) → f, ∂V/∂y, powers``."""
     model = model_of(name)
     e = model.all_equations
-    outputs = [e.force, ca.gradient(model.equations.potential, e.y), model.equations.potential]
+    outputs = [e.force, e.by_displacement(model.equations.potential).T, model.equations.potential]
     return ca.Function("forces", [e.t, e.y, e.v, e.p], outputs)
 
 
@@ -58,7 +58,7 @@ def test_generalised_forces_are_the_textbook_wrenches(name):
 
 @pytest.mark.parametrize("name", CONSERVATIVE)
 def test_conservative_forces_have_a_potential(name):
-    """At rest, f = −∂V/∂y."""
+    """At rest, f = −Aᵀ ∂V/∂y."""
     for t, y, v, p in states(name):
         force, slope, _ = (a.full().ravel() for a in functions_of(name)(t, y, 0 * v, p))
         np.testing.assert_allclose(force, -slope, rtol=1e-12, atol=1e-12)
@@ -69,14 +69,15 @@ def test_weight_has_the_potential_of_its_height(name):
     """Turning gravity off takes −Σ m g·r from the potential."""
     model = model_of(name)
     y, p = model.start.y, model.nominal
-    light = model.values({"gx": 0.0, "gy": 0.0})
-    zero = np.zeros(y.size)
+    light = model.values({n: 0.0 for n in ("gx", "gy", "gz") if n in model.parameters})
+    zero = np.zeros(model.start.v.size)
     potential = functions_of(name)
     taken = float(potential(0, y, zero, p)[2]) - float(potential(0, y, zero, light)[2])
     c = context(model, 0, y, p)
     masses = [getattr(c.p, f"{b.name}_m") for b in model.bodies]
     centres = [getattr(c, b.name).r for b in model.bodies]
-    lift = sum(m * np.dot((c.p.gx, c.p.gy), r) for m, r in zip(masses, centres, strict=True))
+    g = [getattr(c.p, name) for name in ("gx", "gy", "gz") if hasattr(c.p, name)]
+    lift = sum(m * np.dot(g, r) for m, r in zip(masses, centres, strict=True))
     assert taken == pytest.approx(-lift, abs=1e-12)
 
 

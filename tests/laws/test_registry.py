@@ -19,7 +19,7 @@ from registry import (
     model_of,
 )
 
-from dalembert.elements import planar, registry
+from dalembert.elements import planar, registry, spatial
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
@@ -41,6 +41,15 @@ def test_every_exported_element_has_a_case():
 )
 def test_every_row_of_the_package_registry_has_a_case(table):
     assert set(table.values()) <= COVERED
+
+
+OF_SPEEDS = {spatial.RollingDisc, spatial.KnifeEdge, spatial.UserConstraint}
+"""They have laws of their own, as they have no equations of positions alone."""
+
+
+@pytest.mark.parametrize("section", ["joints", "drivers"])
+def test_every_joint_and_driver_in_space_has_a_case(section):
+    assert set(registry.SPATIAL.sections[section].values()) <= COVERED | OF_SPEEDS
 
 
 def test_every_law_drives_a_joint():

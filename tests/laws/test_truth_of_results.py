@@ -7,7 +7,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
-from registry import CASES, Builder, Observer, model_of
+from registry import CASES, PLANAR, Builder, Observer, model_of
 from scipy.linalg import null_space, qr
 
 import dalembert as da
@@ -66,7 +66,7 @@ def open_by(motion: da.Motion, levels=EVERY, forces: bool = True) -> float:
     return max([*shares, found.of_motion.share] if forces else shares)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", PLANAR)
 def test_driven_motions_are_true(name):
     """Kinematics and inverse dynamics, at the outputs and between them."""
     model = driven(name)

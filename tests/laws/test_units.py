@@ -42,7 +42,8 @@ def test_start_and_diagnosis_change_with_the_units_only(name, units):
     sizes = np.array([units(unit) for unit in one.guesses.units])
     scale = one.scales.coordinates
     np.testing.assert_allclose(other.start.y / sizes / scale, one.start.y / scale, atol=1e-11)
-    rates = sizes / units.time
+    rates = np.array([units.of_rates(unit) for unit in one.guesses.speed_units])
+    scale = one.scales.displacements
     fast = np.abs(one.start.v / scale).max(initial=0.0) or 1.0
     np.testing.assert_allclose(
         other.start.v / rates / scale, one.start.v / scale, atol=1e-11 * fast

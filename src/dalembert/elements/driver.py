@@ -18,6 +18,7 @@ from dalembert.elements.look import Cylinder, Travel
 from dalembert.elements.pair import PointJoint, need_point
 from dalembert.elements.point import Point
 from dalembert.elements.rotation import unit
+from dalembert.errors import ModelError
 from dalembert.symbolic.expression import t
 
 LEAST = float(np.finfo(float).tiny)
@@ -101,6 +102,16 @@ class AlongDirection(Driver):
     def __post_init__(self) -> None:
         self.point = need_point(self.point, self.name, "point")
         super().__post_init__()
+
+    def residual(self) -> ca.SX:
+        if len(self.direction) != self.point.dimension:
+            raise ModelError(
+                f"its direction has {len(self.direction)} components and the point of "
+                f"{self.point.body.name} has {self.point.dimension} coordinates; take the driver "
+                "of the plane or of space",
+                self.name,
+            )
+        return super().residual()
 
     def coordinate(self) -> ca.SX:
         along = unit(self.direction.sx, f"{self.name}.direction")

@@ -5,6 +5,7 @@ from dalembert.elements.frame import Frame
 from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
 from dalembert.elements.spatial.body import Body, Particle
+from dalembert.elements.spatial.constant_velocity import ConstantVelocity
 from dalembert.elements.spatial.cylindrical import Cylindrical
 from dalembert.elements.spatial.drivers import (
     CoordinateDriver,
@@ -12,9 +13,15 @@ from dalembert.elements.spatial.drivers import (
     TranslationalDriver,
 )
 from dalembert.elements.spatial.knife_edge import KnifeEdge
+from dalembert.elements.spatial.links import (
+    RevoluteRevoluteLink,
+    RevoluteSphericalLink,
+    RigidLink,
+)
 from dalembert.elements.spatial.loads import Force, Torque
 from dalembert.elements.spatial.mesh import Mesh
 from dalembert.elements.spatial.planar_joint import Planar
+from dalembert.elements.spatial.point_joints import PointOnLine, PointOnPlane
 from dalembert.elements.spatial.prismatic import Prismatic
 from dalembert.elements.spatial.revolute import Revolute
 from dalembert.elements.spatial.rolling_disc import RollingDisc
@@ -35,6 +42,7 @@ __all__ = [
     "Box",
     "Bushing",
     "Capsule",
+    "ConstantVelocity",
     "CoordinateDriver",
     "Cylinder",
     "Cylindrical",
@@ -47,8 +55,13 @@ __all__ = [
     "Mesh",
     "Particle",
     "Planar",
+    "PointOnLine",
+    "PointOnPlane",
     "Prismatic",
     "Revolute",
+    "RevoluteRevoluteLink",
+    "RevoluteSphericalLink",
+    "RigidLink",
     "RollingDisc",
     "RotationalDriver",
     "Screw",

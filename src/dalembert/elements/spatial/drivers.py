@@ -12,7 +12,7 @@ from dalembert.elements.laws.base import GivenLaw
 from dalembert.elements.look import Motor, Travel
 from dalembert.elements.pair import Pair
 from dalembert.elements.point import Point
-from dalembert.elements.spatial.joint import FrameJoint, slide_of, turn_of
+from dalembert.elements.spatial.joint import SpatialJoint, slide_of, turn_of
 from dalembert.elements.spatial.turn import Turn
 from dalembert.symbolic.expression import t
 
@@ -20,7 +20,7 @@ from dalembert.symbolic.expression import t
 class JointDriver(Driver, Pair):
     """Prescribes a motion that a joint between frames leaves free."""
 
-    joint: FrameJoint
+    joint: SpatialJoint
     motion: str | None
 
     def ends(self):
@@ -47,7 +47,7 @@ class RotationalDriver(JointDriver):
     motion : which turn, where the joint has several (``angle_i`` or ``angle_j``)
     """
 
-    joint: FrameJoint
+    joint: SpatialJoint
     law: GivenLaw = option("motion law")
     motion: str = option("which free motion, where there are several", default=None)
 
@@ -81,7 +81,7 @@ class TranslationalDriver(JointDriver):
     motion : which displacement, where the joint has several (``displacement_x`` …)
     """
 
-    joint: FrameJoint
+    joint: SpatialJoint
     law: GivenLaw = option("motion law")
     motion: str = option("which free motion, where there are several", default=None)
 
@@ -95,7 +95,7 @@ class TranslationalDriver(JointDriver):
 
     def look(self) -> list[Look]:
         frame = self.joint.frame_i
-        return [Travel(self.joint.frame_j, frame.body, frame.local_axes[:, self.along])]
+        return [Travel(self.joint.end, frame.body, frame.local_axes[:, self.along])]
 
 
 @dataclass(eq=False)

@@ -11,7 +11,8 @@ import casadi as ca
 from dalembert.elements.base import Condition, Coordinates, Element
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
-from dalembert.elements.pair import initial_value, refuse_same_body
+from dalembert.elements.pair import initial_value, need_point, refuse_same_body
+from dalembert.elements.point import Point
 from dalembert.elements.spatial.turn import Turn
 from dalembert.errors import ModelError
 
@@ -35,7 +36,82 @@ def need_frame(value: Any, owner: str, field: str) -> Frame:
 
 
 @dataclass(eq=False)
-class BetweenFrames(Element):
+class OnFrame(Element):
+    """Anything that holds on a frame of one body and a point, or a frame, of another.
+
+    Parameters
+    ----------
+    frame_i : frame of the first body
+    """
+
+    frame_i: Frame
+
+    def __post_init__(self) -> None:
+        self.frame_i = need_frame(self.frame_i, self.name, "frame_i")
+        self._need_end()
+        refuse_same_body(*self.ends(), self.name)
+        super().__post_init__()
+
+    def _need_end(self) -> None:
+        """Check what was given of the second body."""
+        raise NotImplementedError
+
+    @property
+    def end(self) -> Point:
+        """The point, or the frame, of the second body."""
+        raise NotImplementedError
+
+    def ends(self) -> tuple[BodyElement, BodyElement]:
+        return self.frame_i.body, self.end.body
+
+    def parts(self) -> list[Coordinates]:
+        return list(self.ends())
+
+    @property
+    def between(self) -> ca.SX:
+        """Vector from the first origin to the second body's, inertial axes."""
+        return self.end.position.sx - self.frame_i.position.sx
+
+    @property
+    def distance(self) -> ca.SX:
+        """Its length."""
+        return ca.sqrt(ca.sumsqr(self.between))
+
+    @property
+    def travel(self) -> ca.SX:
+        """(3,) the same vector in the axes of the first frame."""
+        return ca.mtimes(self.frame_i.axes.T, self.between)
+
+
+@dataclass(eq=False)
+class FrameAndPoint(OnFrame):
+    """Anything that holds on a frame and a point.
+
+    Parameters
+    ----------
+    frame_i : frame of the first body
+    point_j : point of the second body
+    """
+
+    point_j: Point
+
+    def _need_end(self) -> None:
+        self.point_j = need_point(self.point_j, self.name, "point_j")
+        if self.point_j.dimension < 3:
+            name = self.point_j.body.name
+            raise ModelError(
+                f"the point of {name} lies in a plane; give it three coordinates, "
+                f"{name}.point(x, y, z)",
+                self.name,
+            )
+
+    @property
+    def end(self) -> Point:
+        return self.point_j
+
+
+@dataclass(eq=False)
+class BetweenFrames(OnFrame):
     """Anything that holds on two frames.
 
     Parameters
@@ -43,33 +119,17 @@ class BetweenFrames(Element):
     frame_i, frame_j : frames of the first and the second body
     """
 
-    frame_i: Frame
     frame_j: Frame
 
-    def __post_init__(self) -> None:
-        self.frame_i = need_frame(self.frame_i, self.name, "frame_i")
+    def _need_end(self) -> None:
         self.frame_j = need_frame(self.frame_j, self.name, "frame_j")
-        refuse_same_body(self.frame_i.body, self.frame_j.body, self.name)
-        super().__post_init__()
-
-    def ends(self) -> tuple[BodyElement, BodyElement]:
-        return self.frame_i.body, self.frame_j.body
-
-    def parts(self) -> list[Coordinates]:
-        return list(self.ends())
 
     def conditions(self) -> list[Condition]:
         return [*super().conditions(), *self.frame_i.conditions(), *self.frame_j.conditions()]
 
     @property
-    def between(self) -> ca.SX:
-        """Vector from the first to the second origin, inertial axes."""
-        return self.frame_j.position.sx - self.frame_i.position.sx
-
-    @property
-    def travel(self) -> ca.SX:
-        """(3,) the same in the axes of the first frame."""
-        return ca.mtimes(self.frame_i.axes.T, self.between)
+    def end(self) -> Frame:
+        return self.frame_j
 
     @property
     def tilt(self) -> ca.SX:

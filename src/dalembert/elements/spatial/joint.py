@@ -16,36 +16,31 @@ from dalembert.elements.along_joint import free_motion
 from dalembert.elements.base import Constraint, Look
 from dalembert.elements.look import Mark, Rail
 from dalembert.elements.pair import Pair
-from dalembert.elements.spatial.frame_pair import BetweenFrames
+from dalembert.elements.spatial.frame_pair import BetweenFrames, FrameAndPoint, OnFrame
 from dalembert.elements.spatial.turn import Turn
 
 
 def turn_of(joint: Any, motion: str | None, owner: str) -> Turn:
     """A turn that a joint leaves free, its first if none is named."""
-    free = joint.turns() if isinstance(joint, FrameJoint) else {}
+    free = joint.turns() if isinstance(joint, SpatialJoint) else {}
     return free[free_motion(joint, free, motion, owner, "turn")]
 
 
 def slide_of(joint: Any, motion: str | None, owner: str) -> int:
     """The axis of a displacement that a joint leaves free, of its first if none is named."""
-    free = joint.slides if isinstance(joint, FrameJoint) else {}
+    free = joint.slides if isinstance(joint, SpatialJoint) else {}
     return free[free_motion(joint, free, motion, owner, "displacement")]
 
 
 @dataclass(eq=False)
-class FrameJoint(BetweenFrames, Pair, Constraint):
-    """Constraint between a frame of one body and a frame of another.
-
-    Parameters
-    ----------
-    frame_i, frame_j : frames of the first and the second body
-    """
+class SpatialJoint(OnFrame, Pair, Constraint):
+    """Constraint on a frame of one body, with what it leaves free."""
 
     slides: ClassVar[dict[str, int]] = {}
     """Displacements it leaves free, by name: which axis of the first frame they are along."""
 
     def look(self) -> list[Look]:
-        return [Mark(self.frame_j, self.frame_i)]
+        return [Mark(self.end, self.frame_i)]
 
     @property
     def rail(self) -> Rail:
@@ -53,9 +48,8 @@ class FrameJoint(BetweenFrames, Pair, Constraint):
         return Rail(self.frame_i, self.frame_i.local_axes[:, 2], self.travel[2])
 
     def place(self) -> ca.SX:
-        return self.frame_j.position.sx
+        return self.end.position.sx
 
-    # free motions -----------------------------------------------------------------------------
     def turns(self) -> dict[str, Turn]:
         """The rotations it leaves free, by name."""
         return {}
@@ -63,3 +57,24 @@ class FrameJoint(BetweenFrames, Pair, Constraint):
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
         travels = {name: (self.travel[axis], "m") for name, axis in self.slides.items()}
         return travels | {name: (turn.angle, "rad") for name, turn in self.turns().items()}
+
+
+@dataclass(eq=False)
+class FrameJoint(BetweenFrames, SpatialJoint):
+    """Constraint between a frame of one body and a frame of another.
+
+    Parameters
+    ----------
+    frame_i, frame_j : frames of the first and the second body
+    """
+
+
+@dataclass(eq=False)
+class FramePointJoint(FrameAndPoint, SpatialJoint):
+    """Constraint between a frame of one body and a point of another.
+
+    Parameters
+    ----------
+    frame_i : frame of the first body
+    point_j : point of the second body
+    """

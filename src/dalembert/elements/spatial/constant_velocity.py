@@ -1,0 +1,39 @@
+"""Constant-velocity joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Look
+from dalembert.elements.look import Socket
+from dalembert.elements.spatial.joint import FrameJoint
+from dalembert.elements.spatial.turn import Turn
+
+
+@dataclass(eq=False)
+class ConstantVelocity(FrameJoint):
+    """Two shafts along the z axes of the frames, at any angle below π, that turn equally fast.
+
+    ``Φ = [r_j − r_i; twist] = 0``: the second frame is the first one turned about an axis across
+    its own z axis, ``tan twist = (y_iᵀ x_j − x_iᵀ y_j) / (x_iᵀ x_j + y_iᵀ y_j)``. The last
+    multiplier is the torque of the shafts [N m]. The twist is counted from the x axes, or from the
+    initial poses unless both were given.
+    """
+
+    @property
+    def twist(self) -> Turn:
+        """How far one shaft is ahead of the other."""
+        now = ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axes[:, :2])
+        twist = Turn(now[0, 0] + now[1, 1], now[1, 0] - now[0, 1])
+        return twist if self.complete else self.since_start(twist)
+
+    def residual(self) -> ca.SX:
+        return ca.vertcat(self.between, self.twist.angle)
+
+    def units(self) -> list[str]:
+        return ["m", "m", "m", "rad"]
+
+    def look(self) -> list[Look]:
+        return [Socket(self.frame_j, self.frame_i)]

@@ -1,0 +1,83 @@
+"""Links without mass between two bodies: composite joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Look, Scalar, quantity
+from dalembert.elements.look import Rod
+from dalembert.elements.rigid_link import ConstantDistance
+from dalembert.elements.spatial.joint import FrameJoint, FramePointJoint
+
+PARALLEL = 1e-6
+"""Sine of the angle between axes that are taken for parallel."""
+
+
+@dataclass(eq=False)
+class RigidLink(ConstantDistance):
+    """Link with a ball at each end (spherical–spherical), ``Φ = |r_jP − r_iP| − length``.
+
+    The multiplier is the force in the link [N], positive in tension.
+    """
+
+
+@dataclass(eq=False)
+class RevoluteSphericalLink(FramePointJoint):
+    """Link on a hinge of body i, with a ball at body j: ``Φ = [|d| − length; z_iᵀ d] = 0``.
+
+    The link lies across the axis of the hinge; its force [N] is the first multiplier.
+
+    Parameters
+    ----------
+    frame_i : the hinge about its z axis
+    point_j : the ball
+    length : from the hinge to the ball [m]
+    """
+
+    length: Scalar = quantity("m", "from the hinge to the ball", above=0.0, keyword=True)
+
+    def residual(self) -> ca.SX:
+        return ca.vertcat(self.distance - self.length.sx, self.travel[2])
+
+    def look(self) -> list[Look]:
+        return [Rod(self.frame_i, self.end)]
+
+
+@dataclass(eq=False)
+class RevoluteRevoluteLink(FrameJoint):
+    """Link with a hinge at each end; it is the common normal of both axes.
+
+    Parallel axes: ``Φ = [|d| − length; z_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0``. With a ``twist``:
+    ``Φ = [|d| − length; z_iᵀ d; z_jᵀ d; angle of z_i and z_j − twist] = 0``.
+
+    Parameters
+    ----------
+    length : from one axis to the other [m]
+    twist : angle between the axes, above 0 and below π; they are parallel if it is not given [rad]
+    """
+
+    length: Scalar = quantity("m", "from one axis to the other", above=0.0, keyword=True)
+    twist: Scalar = quantity("rad", "angle between the axes; parallel without", default=None)
+
+    def residual(self) -> ca.SX:
+        across = ca.vertcat(self.distance - self.length.sx, self.travel[2])
+        if self.twist is None:
+            return ca.vertcat(across, self.tilt)
+        i, j = self.frame_i.axis, self.frame_j.axis
+        sine = ca.sqrt(ca.sumsqr(ca.cross(i, j)))
+        angle = ca.atan2(sine, ca.dot(i, j)) - self.twist.sx
+        return ca.vertcat(across, ca.dot(j, self.between), angle)
+
+    def units(self) -> list[str]:
+        return ["m", "m", *(["rad", "rad"] if self.twist is None else ["m", "rad"])]
+
+    def look(self) -> list[Look]:
+        return [Rod(self.frame_i, self.frame_j)]
+
+    def conditions(self) -> list[tuple[ca.SX, str]]:
+        if self.twist is None:
+            return super().conditions()
+        told = "its twist must be above 0 and below π; leave it out if the axes are parallel"
+        return [*super().conditions(), (ca.sin(self.twist.sx) - PARALLEL, told)]

@@ -1,0 +1,46 @@
+"""Points that move on a line or a plane of another body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Look
+from dalembert.elements.look import SlotPin
+from dalembert.elements.spatial.joint import FramePointJoint
+
+
+@dataclass(eq=False)
+class PointOnLine(FramePointJoint):
+    """A point of body j on the z axis of a frame, ``Φ = [x_iᵀ d; y_iᵀ d] = 0``, ``d = r_jP − r_i``.
+
+    Parameters
+    ----------
+    frame_i : frame whose z axis is the line
+    point_j : the point
+    """
+
+    slides = {"displacement": 2}
+
+    def residual(self) -> ca.SX:
+        return self.travel[:2]
+
+    def look(self) -> list[Look]:
+        return [SlotPin(self.point_j, self.frame_i)]
+
+
+@dataclass(eq=False)
+class PointOnPlane(FramePointJoint):
+    """A point of body j in the x-y plane of a frame, ``Φ = z_iᵀ d = 0``, ``d = r_jP − r_i``.
+
+    Parameters
+    ----------
+    frame_i : frame whose x and y axes span the plane
+    point_j : the point
+    """
+
+    slides = {"displacement_x": 0, "displacement_y": 1}
+
+    def residual(self) -> ca.SX:
+        return self.travel[2]
