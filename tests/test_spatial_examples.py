@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from test_examples import motion, numbers, pictures, script, value  # noqa: F401
 
+import dalembert as da
+
 G = 9.81
 
 
@@ -127,3 +129,53 @@ def test_stewart_platform_carries_what_newton_and_euler_ask(pictures: Path) -> N
     expected = np.array([legs(t) for t in np.linspace(0, 2, 201)])
     assert found["largest force in a leg [N]"] == pytest.approx(abs(expected).max(), rel=1e-6)
     assert abs(found["work of a period [J]"]) < 1e-9
+
+
+def test_robot_arm_holds_and_moves(pictures: Path) -> None:  # noqa: F811
+    """At rest as printed in Corke's book (``p560.gravload(qn)``); in motion by Newton and Euler,
+    link by link (recursive, in inertial axes, with differences of the wanted motion).
+    """
+    found, made = numbers("robot_arm", pictures), script("robot_arm")
+    printed = {"shoulder": 31.6399, "elbow": 6.0351, "wrist": 0.0283}
+    for name, torque in printed.items():
+        assert found[f"{name} at rest [N m]"] == pytest.approx(torque, abs=1e-4)
+    hand = made.placed(made.NOMINAL)[-1] @ [0, 0, 0.1, 1]
+    assert found["shoulder per payload at rest [N m/kg]"] == pytest.approx(G * hand[0], rel=1e-9)
+    run = da.solve_inverse_dynamics(made.build().build(), made.DURATION, outputs=[0.4, 0.9])
+    for k, t in enumerate(run.time):
+        np.testing.assert_allclose(made.torques(run)[:, k], torques_of(made, t), atol=2e-6)
+
+
+def torques_of(made, t: float, h: float = 2e-3) -> np.ndarray:
+    """(6,) by forces and moments of all links beyond each joint."""
+
+    def frames(t):
+        s = t / made.DURATION
+        return np.array(made.placed(made.NOMINAL + made.REACH * s**3 * (10 - 15 * s + 6 * s**2)))
+
+    def centers(t):
+        local = np.array([[*link[4], 1.0] for link in made.LINKS])
+        return np.einsum("kij,kj->ki", frames(t), local)[:, :3]
+
+    def momenta(t):
+        """Angular momenta about the mass centres."""
+        slope = [(frames(t + k * h) - frames(t - k * h)) / (2 * k * h) for k in (1, 2)]
+        turns, rates = frames(t)[:, :3, :3], ((4 * slope[0] - slope[1]) / 3)[:, :3, :3]
+        skew = rates @ turns.transpose(0, 2, 1)
+        spin = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+        inertia = turns @ np.array([np.diag(link[5]) for link in made.LINKS])
+        return np.einsum("kij,kj->ki", inertia @ turns.transpose(0, 2, 1), spin)
+
+    near, far = (
+        (centers(t + k * h) - 2 * centers(t) + centers(t - k * h)) / (k * h) ** 2 for k in (1, 2)
+    )
+    weights = np.array([link[3] for link in made.LINKS])[:, None]
+    force = weights * ((4 * near - far) / 3 + [0, 0, G])
+    one, two = ((momenta(t + k * h) - momenta(t - k * h)) / (2 * k * h) for k in (1, 2))
+    moment = (4 * one - two) / 3
+    before = np.array([np.eye(4), *frames(t)[:-1]])
+    arms = centers(t)[None] - before[:, None, :3, 3]
+    total = np.array(
+        [(moment[k:] + np.cross(arms[k, k:], force[k:])).sum(axis=0) for k in range(6)]
+    )
+    return np.einsum("ki,ki->k", before[:, :3, 2], total)

@@ -156,3 +156,8 @@ def test_longer_rod_runs_through():
     angle = motion["motor.coordinate"].values + np.pi / 2  # from the y axis
     square = 0.0308 + 0.016 * np.cos(angle) + 0.0192 * np.sin(angle)
     np.testing.assert_allclose(motion["slider.x"], np.sqrt(length**2 - square), atol=1e-9)
+    between = np.array([0.1234, 0.5031, 0.777])  # no outputs: reached from the nearest positions
+    angle = angle[0] + 2 * np.pi * between
+    square = 0.0308 + 0.016 * np.cos(angle) + 0.0192 * np.sin(angle)
+    found = motion.at(between)["slider.x"]
+    np.testing.assert_allclose(found, np.sqrt(length**2 - square), atol=1e-9)

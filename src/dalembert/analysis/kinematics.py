@@ -88,7 +88,8 @@ class Kinematics(Analysis[Model, Motion]):
         refuse_outside(times, s.t)
         nearest = np.searchsorted((s.t[1:] + s.t[:-1]) / 2, times)
         ahead = times - s.t[nearest]
-        near = s.y[:, nearest] + ahead * s.v[:, nearest] + ahead**2 / 2 * s.a[:, nearest]
+        way = ahead * s.v[:, nearest] + ahead**2 / 2 * s.a[:, nearest]
+        near = motion.model.equations.manifold.go(s.y[:, nearest], way)
         return self.solve_at(motion, times, near, motion.parameters)
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
