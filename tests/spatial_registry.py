@@ -431,3 +431,17 @@ def _(q):
     k, d, power = q.number("k", 80.0), q.number("d", 0.5), q.number("power", 1.5)
     limit = q.number("limit", 0.3)
     q.add(spatial.Stop("F", gap, upper=limit, stiffness=k, damping=d, exponent=power))
+
+
+def _end(c):
+    angle, rate, slope = angle_of(c)
+    depth = angle - c.p.limit
+    press = c.p.k * depth * max(0.0, 1 + c.p.d * rate) if depth > 0 else 0.0
+    return opposite(np.zeros(3), c.b.r, -press * slope)
+
+
+@case("stop in hinge", spatial.Stop, loads=_end)
+def _(q):
+    q.hinge()
+    k, d, limit = q.number("k", 80.0), q.number("d", 0.5), q.number("limit", -0.4)
+    q.add(spatial.Stop("F", q.system.formula("J.angle"), upper=limit, stiffness=k, damping=d))

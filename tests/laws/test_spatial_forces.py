@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from spatial_registry import SPATIAL_CASES, context, spatial_model_of
 
+import dalembert as da
+from dalembert import spatial
 from dalembert.elements import registry
 
 CONSERVATIVE = [n for n, c in SPATIAL_CASES.items() if c.conservative]
@@ -84,3 +86,25 @@ def test_friction_and_damping_only_take_energy(name):
         assert loss >= 0
         if SPATIAL_CASES[name].conservative:
             assert put_in == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_bushing_may_turn_round():
+    """Its energy goes on smoothly beyond half a turn, and its moment about one axis is k sin φ."""
+    system = da.System("round")
+    body = spatial.Body("b", mass=1.0, inertia=(0.3, 0.2, 0.25), angular_velocity=(0.4, -0.3, 9.0))
+    system.add(body)
+    stiffness = {"stiffness": (9.0, 9.0, 9.0), "rotational_stiffness": (1.0, 2.0, 3.0)}
+    damping = {"rotational_damping": (0.01, 0.02, 0.03)}
+    ends = system.ground.frame(axis=(0, 0, 1)), body.frame()
+    system.add(spatial.Bushing("F", *ends, **stiffness, **damping))
+    model = system.build()
+    motion = da.solve_dynamics(model, 1.0, integrator=da.DormandPrince(1e-9, 1e-9))
+    assert motion.status.success
+    turned = np.unwrap(np.asarray(motion["b.bryant.z"]))
+    assert turned[-1] > 1.3 * np.pi
+    assert np.abs(motion["balance_error"]).max() < 1e-7
+    e = model.all_equations
+    moment = ca.Function("m", [e.y, e.v, e.p], [e.force[5]])
+    for angle in (0.4, 1.7, 3.1, 3.2, 5.0):
+        y = np.r_[np.zeros(3), np.cos(angle / 2), 0, 0, np.sin(angle / 2)]
+        assert float(moment(y, np.zeros(6), [])) == pytest.approx(-3.0 * np.sin(angle), abs=1e-12)

@@ -12,6 +12,7 @@ from dalembert.elements.point import Carrier, Point
 from dalembert.elements.rotation import as_orientation, off_orthonormal, orthonormal, unit, within
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import as_expression, as_sx
+from dalembert.symbolic.rotation import from_matrix, product
 
 PARALLEL = 1e-9
 Frames = Mapping[str, Mapping[str, Any]]
@@ -66,6 +67,11 @@ class Frame(Point):
             raise ModelError("x= is given without axis=", spoken)
         else:
             self.local_axes = ca.SX.eye(3)
+
+    @property
+    def orientation(self) -> ca.SX:
+        """(4,) its Euler parameters."""
+        return product(self.body.orientation, from_matrix(self.local_axes))
 
     def conditions(self) -> list[tuple[ca.SX, str, ca.SX]]:
         """That its axes are some at the values of their parameters, as ``Element.conditions``."""

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import ForceElement, Look, Vector, quantity
+from dalembert.elements.base import ForceElement, Look, Rate, Vector, quantity
 from dalembert.elements.elastic_bearing import ElasticBearing
 from dalembert.elements.look import Brake, Sleeve, Spiral
 from dalembert.elements.spatial.frame_pair import BetweenFrames
 from dalembert.elements.springs import AngularSpring
+from dalembert.symbolic import rotation
 
 
 @dataclass(eq=False)
@@ -48,9 +49,9 @@ class Bushing(ElasticBearing, FramePair):
 
     The second origin is displaced by ``d = R_iᵀ (r_j − r_i)``, the second frame turned by
     ``θ = 2 sin(φ/2) n``, φ about n, in the axes of the first: the rotation vector ``φ n`` to 1 %
-    up to φ = 0.5 rad. ``½ Σ k s²`` is stored and ``Σ c ṡ²`` dissipated exactly, up to half a turn;
-    so the moment of a turn about an axis is ``k sin φ``. The measures ``force`` and ``moment`` are
-    ``k s + c ṡ``.
+    up to φ = 0.5 rad. ``½ Σ k s²`` is stored and ``Σ c ṡ²`` dissipated, exactly for any
+    turn, so that the moment of one about an axis is ``k sin φ``. The measures ``force`` and
+    ``moment`` are ``k s + c ṡ``.
 
     Parameters
     ----------
@@ -69,10 +70,20 @@ class Bushing(ElasticBearing, FramePair):
         "N m s/rad", "damping about them", default=(0.0,) * 3, size=3
     )
 
+    @property
+    def _relative(self) -> ca.SX:
+        """(4,) Euler parameters of the second frame in the first."""
+        i, j = (frame.orientation for frame in (self.frame_i, self.frame_j))
+        return rotation.product(rotation.conjugate(i), j)
+
     def deformation(self) -> ca.SX:
-        r = ca.mtimes(self.frame_i.axes.T, self.frame_j.axes)
-        doubled = ca.vertcat(r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1])
-        return ca.vertcat(self.travel, doubled / ca.sqrt(1 + ca.trace(r)))
+        return ca.vertcat(self.travel, 2 * self._relative[1:])
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        found, sign = super().measures(rate), ca.if_else(self._relative[0] < 0, -1, 1)
+        return found | {
+            name: (sign * found[name][0], found[name][1]) for name in ("turn", "moment")
+        }
 
     def look(self) -> list[Look]:
         return [Sleeve(self.frame_i, self.frame_j)]
