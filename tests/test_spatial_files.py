@@ -37,6 +37,7 @@ type = "Cylindrical"
 connect = ["a.F", "b.F"]
 """
 POINTS, FRAMES = 'connect = ["a.P", "b"]\n', 'connect = ["a.F", "b.F"]\n'
+SPOT = 'connect = ["b.F", "a.P"]\n'
 OBJ = """\
 v 0 0 0
 v 1 0 0
@@ -60,6 +61,12 @@ ELEMENTS = {
     },
     "joints": {
         "Spherical": POINTS,
+        "PointOnLine": SPOT,
+        "PointOnPlane": SPOT,
+        "RigidLink": POINTS + "length = 'k'",
+        "RevoluteSphericalLink": SPOT + "length = 'k'",
+        "RevoluteRevoluteLink": FRAMES + "length = 'k'\ntwist = 0.1",
+        "ConstantVelocity": FRAMES,
         "Revolute": FRAMES,
         "Cylindrical": FRAMES,
         "Prismatic": FRAMES,

@@ -110,7 +110,8 @@ class _Translation:
     def body(self, body):
         wanted = dict(zip(body.initial_fields, body.initial, strict=True))
         wanted |= {"mass": body.mass, "inertia": body.inertia if body.rotates else None}
-        wanted |= {"length": getattr(body, "length", None)}
+        sizes = {f.name for f in body.quantity_fields()} - {*wanted, "density", "center_of_mass"}
+        wanted |= {name: getattr(body, name) for name in sizes}
         if isinstance(body, spatial.Body) and body.rotates:
             wanted["center_of_mass"] = body.center_of_mass
         turned = {"rotation": wanted.pop("rotation", None)} if body.dimension == 3 else {}

@@ -18,6 +18,7 @@ from registry import (
     definite,
     model_of,
 )
+from spatial_registry import SPATIAL_CASES, any_model_of
 
 from dalembert.elements import planar, registry, spatial
 from dalembert.formulations.base import Formulation
@@ -76,10 +77,10 @@ def test_every_strategy_is_listed(base, table):
     assert _concrete(base) <= {type(strategy) for strategy in table.values()}
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_every_number_given_is_a_parameter(name):
     """So that gradients tested over the registry reach every quantity of every element."""
-    for element in model_of(name).parts.elements.values():
+    for element in any_model_of(name).parts.elements.values():
         for entity, formula, _ in element.checked_quantities():
             zero = formula.sx.is_constant() and not any(
                 formula.sx[k].nonzeros()[0] for k in range(len(formula))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
-from registry import CASES, model_of
+from registry import CASES
+from spatial_registry import SPATIAL_CASES, any_model_of
 from units import Units, in_other_units
 
 import dalembert as da
@@ -34,9 +36,9 @@ def held(model: da.Model) -> list:
 
 
 @pytest.mark.parametrize("units", OTHERS, ids=str)
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_start_and_diagnosis_change_with_the_units_only(name, units):
-    one = model_of(name)
+    one = any_model_of(name)
     other = in_other_units(one.parts, units).build()
     assert facts(other) == facts(one)
     sizes = np.array([units(unit) for unit in one.guesses.units])
@@ -48,6 +50,24 @@ def test_start_and_diagnosis_change_with_the_units_only(name, units):
     np.testing.assert_allclose(
         other.start.v / rates / scale, one.start.v / scale, atol=1e-11 * fast
     )
+
+
+@pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
+def test_forces_change_with_the_units_only(name):
+    units = Units(length=10.0, mass=3.0, time=0.5)
+    one = any_model_of(name)
+    other = in_other_units(one.parts, units).build()
+
+    def forces(model, time):
+        e = model.all_equations
+        f = ca.Function("f", [e.t, e.y, e.v, e.p], [e.force])
+        start = model.start
+        return f(time, start.y, start.v, model.nominal).full().ravel()
+
+    owners = [c.speed_units for c in one.coordinates]
+    factors = [units("N" if unit == "m" else "N m") for own in owners for unit in own]
+    found, wanted = forces(other, 0.3 * units.time) / factors, forces(one, 0.3)
+    np.testing.assert_allclose(found, wanted, atol=1e-9 * (1 + np.abs(wanted).max(initial=0)))
 
 
 def triangle(size: float, longest: float) -> da.System:
