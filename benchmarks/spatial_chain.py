@@ -21,6 +21,8 @@ import numpy as np
 
 import dalembert as da
 from dalembert import spatial
+from dalembert.symbolic.backends import Backend, Compiled, VirtualMachine
+from dalembert.symbolic.kernel import Kernel
 
 GRAVITY = 9.81
 INERTIA = (0.01, 0.02, 0.015)
@@ -159,14 +161,12 @@ def steps_table(count: int) -> None:
     )
 
 
-def acceleration(model: da.Model, backend: str) -> Callable[[], None]:
+def acceleration(model: da.Model, backend: Backend) -> Callable[[], None]:
     """One ``q̈`` of many, as a function without arguments."""
-    from dalembert.symbolic.kernel import Kernel
-
     view = da.JointCoordinates().view(model)
     e, many = view.equations, 200
     function = da.RangeSpace().acceleration(e, e.constraint_acceleration, [e.a]).function
-    kernel = Kernel(function.map(many), backend)
+    kernel = Kernel(backend.mapped(function, many).map(many))
     q, u = (
         part.full() for part in view.reduce.function(0, model.start.y, model.start.v, model.nominal)
     )
@@ -182,7 +182,7 @@ def accelerations_table(count: int) -> None:
         pin = None
     model, many = build(count), 200
     found = []
-    for backend in ("vm", "c"):
+    for backend in (VirtualMachine(), Compiled()):
         call = acceleration(model, backend)
         call()
         found.append(1e6 / many * best(lambda call=call: timed(call)))
