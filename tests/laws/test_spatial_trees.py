@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 from spatial_trees import KINDS, SpatialTree
@@ -144,3 +145,53 @@ def test_angles_go_round():
     assert motion.status.success
     turned = float(motion["b0.euler_parameters"][-1][0])
     assert turned == pytest.approx(np.cos(15.0), abs=1e-9)
+
+
+def test_a_driver_between_neighbours_moves_their_joint_alone():
+    """However many bodies come before, from either end: its row of C has no other entries."""
+    tree = SpatialTree(4).grow(1, ["Revolute"])
+    for k, ends in enumerate(((1, 2), (3, 2)), 2):
+        tree.body()
+        tree.joint("Cylindrical", *ends, f"C{k}")
+        joint = tree.system.elements[f"C{k}"]
+        tree.system.add(spatial.RotationalDriver(f"turn{k}", joint, 0.4 * da.sin(2 * da.t)))
+        tree.system.add(spatial.TranslationalDriver(f"slide{k}", joint, 0.1 * da.t**2))
+    model = tree.system.build()
+    view = JointCoordinates().view(model)
+    pattern = view.equations.jacobian.sparsity()
+    rows = zip(*pattern.get_triplet(), strict=True)
+    moved = {(int(row) // 2, view.names[column].split(".")[0]) for row, column in rows}
+    assert moved == {(0, "C2"), (1, "C3")}
+    assert_absolute(model, "augmented")
+
+
+@pytest.mark.parametrize("formulation", [da.RangeSpace(), da.AugmentedLagrangian()])
+def test_redundant_hinges(formulation):
+    """A parallelogram of hinges: rows left out or kept, what the bodies feel is the absolute."""
+    system = da.System("parallelogram", gravity=(0.3, -9.81, 0.0))
+    beam = spatial.Body("beam", mass=3.0, inertia=(0.1, 0.9, 1.0), position=(1.3, 0.4, 0.0))
+    system.add(beam)
+    for k in range(3):
+        crank = spatial.Body(
+            f"crank{k}",
+            mass=1.0 + k,
+            inertia=(0.01, 0.02, 0.02),
+            center_of_mass=(0.25, 0, 0),
+            position=(k, 0, 0),
+            rotation=da.rotation.axis_angle((0, 0, 1), 1.0),
+            angular_velocity=(0, 0, 0.7),
+        )
+        system.add(crank)
+        at = (float(k), 0.0, 0.0)
+        system.add(spatial.Revolute(f"O{k}", system.ground.frame(at), crank.frame()))
+        system.add(spatial.Revolute(f"A{k}", crank.frame((0.5, 0, 0)), beam.frame((k - 1.0, 0, 0))))
+    model = system.build()
+    e = model.all_equations
+    pull = ca.Function("f", [e.t, e.y, e.p, e.multiplier], [ca.mtimes(e.jacobian.T, e.multiplier)])
+    view = JointCoordinates().view(model, formulation.every_equation)
+    results = []
+    for seen, method in ((view, formulation), (da.AbsoluteCoordinates().view(model), da.Kkt())):
+        y, speed, a, multiplier = accelerations(seen, method)
+        felt = pull(0.0, y, model.nominal, multiplier).full().ravel()
+        results.append([y, speed, a, felt])
+    assert_same(*results)

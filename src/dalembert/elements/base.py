@@ -225,6 +225,9 @@ class Constraint(Element):
     The multiplier follows (4.22), ``M v̇ + d = f − Cᵀλ``.
     """
 
+    relative = False
+    """Its equations tell how its two bodies stand to each other, whatever moves both."""
+
     def __post_init__(self) -> None:
         super().__post_init__()
         self.equations = ca.densify(self.residual())

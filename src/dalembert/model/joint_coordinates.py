@@ -17,7 +17,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.model.coordinates import Coordinates, CoordinateView
 from dalembert.model.equations import Equations
 from dalembert.model.independence import independent_rows
-from dalembert.model.kinematic_tree import links_of
+from dalembert.model.kinematic_tree import between_neighbours, links_of
 from dalembert.model.link import Link
 from dalembert.model.manifold import Manifold
 from dalembert.model.model import Model
@@ -140,7 +140,7 @@ class JointView(CoordinateView):
             inertia=inertia,
             bias=ca.densify(m.basis.transposed(ca.mtimes(mass, m.gamma) + bias)),
             force=ca.densify(m.basis.transposed(force)),
-            constraints=ca.densify(loops[0]),
+            constraints=self._shortened(loops[0]),
             nonholonomic=loops[1],
             potential=potential,
             powers=powers,
@@ -152,6 +152,16 @@ class JointView(CoordinateView):
             manifold=self.manifold,
         )
         return replace(made, massless=self._massless(inertia)) if e.massless else made
+
+    def _shortened(self, constraints: ca.SX) -> ca.SX:
+        """Loop equations, those between a body and its carrier by their joint alone."""
+        constraints = ca.densify(constraints)
+        for row, equation in enumerate(self.loop_rows):
+            owner, component = self.model.closure.owners[equation]
+            between = between_neighbours(owner, self.links)
+            if between is not None:
+                constraints[row] = between[component]
+        return constraints
 
     @cached_property
     def reduce(self) -> ImplicitFunction:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import casadi as ca
+
+from dalembert.elements.base import Constraint
 from dalembert.elements.body import BodyElement
 from dalembert.elements.planar.joint import TreeJoint as PlanarJoint
 from dalembert.elements.spatial.tree_joint import TreeJoint as SpatialJoint
@@ -79,3 +82,17 @@ def links_of(d: Description, cut: tuple[str, ...], absolute_angles: bool) -> lis
     return links + [
         free_link(group) for group in d.coordinates if not isinstance(group, BodyElement)
     ]
+
+
+def between_neighbours(constraint: Constraint, links: list[Link]) -> ca.SX | None:
+    """Equations between a body and its carrier, by the coordinates of their joint alone.
+
+    None where others take part, as far as its expressions tell.
+    """
+    for link in links if constraint.relative else ():
+        if link.carrier is not None and {link.carrier, link.group} == set(constraint.parts()):
+            at_rest = ca.SX(list(link.carrier.rest))
+            (pose,) = ca.substitute([link.step(None).pose], [link.carrier.pose], [at_rest])
+            symbols = ca.vertcat(link.carrier.pose, link.group.pose)
+            return ca.substitute(constraint.equations, symbols, ca.vertcat(at_rest, pose))
+    return None

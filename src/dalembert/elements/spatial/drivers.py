@@ -22,6 +22,7 @@ class JointDriver(Driver, Pair):
 
     joint: SpatialJoint
     motion: str | None
+    relative = True
 
     def ends(self):
         return self.joint.ends()
