@@ -261,12 +261,12 @@ def test_tooltip_names_what_is_under_the_pointer(show: Any) -> None:
     assert not found.page.is_visible("#tip")
 
 
-def test_without_webgl_lines_are_drawn(show: Any) -> None:
+def test_without_webgl_it_is_painted(show: Any) -> None:
     refuse = """const get = HTMLCanvasElement.prototype.getContext;
         HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
             return kind.startsWith("webgl") ? null : get.call(this, kind, ...more); };"""
     found = show(hinges(), before=refuse)
-    assert found.ink("#scene") > 5
+    assert found.ink("#scene") > 100
     drawn = found.picture("#scene")
     found.js("dalembert.player.seek(0.4)")
     found.frames(3)

@@ -47,7 +47,7 @@ SCRIPTS = {
         "solids.js",
         "space_symbols.js",
         "space_view.js",
-        "space_wires.js",
+        "space_painter.js",
         "space_trace.js",
         "space_overlay.js",
         "space_scene.js",

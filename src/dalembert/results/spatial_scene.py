@@ -15,7 +15,8 @@ from dalembert.results.spatial_sketch import SpatialSketch
 
 LEAST = 0.02
 """Least thickness of the ellipsoid of a body, relative to its length."""
-
+MOST = 0.2
+"""Largest radius of it, relative to the mechanism's length; larger ones are drawn smaller."""
 BULKY = 0.4
 """Thickness of that ellipsoid, relative to a bar, from which on it is drawn beside the bar."""
 
@@ -81,6 +82,7 @@ class SpatialDrawing(Drawing):
         moments, axes = np.linalg.eigh(self.sketch.number(tensor(body.inertia.sx)).reshape(3, 3))
         squares = 2.5 * (moments.sum() - 2 * moments) / mass
         radii = np.sqrt(np.maximum(squares, (LEAST * self.size) ** 2))
+        radii *= min(1.0, MOST * self.size / radii.max())
         if np.linalg.det(axes) < 0:
             axes[:, 0] *= -1
         turn = Rotation.from_matrix(axes).as_quat(scalar_first=True)

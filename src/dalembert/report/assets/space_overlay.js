@@ -19,9 +19,9 @@ class Overlay {
     this.drawAxes();
     this.drawTime();
     if (scene.show.forces) this.drawScales();
-    if (scene.view.renderer instanceof Wires) {
+    if (scene.view.renderer instanceof Painter) {
       this.ctx.font = `12px ${Theme.font}`;
-      label(this.ctx, "Drawn in lines: this browser has no WebGL, or it is switched off.", [this.w / 2, 16], Theme.muted, Theme.surface);
+      label(this.ctx, "Drawn without WebGL, which this browser lacks or has switched off: no shadows.", [this.w / 2, 16], Theme.muted, Theme.surface);
     }
   }
 

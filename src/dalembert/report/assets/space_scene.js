@@ -1,5 +1,7 @@
 // The drawing of a mechanism in space: its solids, where they are, what is under the pointer.
 
+const FAINT = 0.4;
+
 class SpatialScene {
   constructor(motion, canvas, tip) {
     Object.assign(this, { motion, canvas, tip });
@@ -61,7 +63,7 @@ class SpatialScene {
 
   addShape(body, shape) {
     const [geometry, lines] = (SOLIDS[shape.kind] || SOLIDS.particle)(shape, this.unit), group = this.groups.get(body);
-    const role = body.fixed ? "ground" : body;
+    const role = body.fixed ? "ground" : shape.kind === "ellipsoid" ? this.inertiaOf(body) : body;
     if (geometry) {
       const mesh = this.add(group, geometry, role, body.fixed ? null : { kind: "body", item: body });
       const inside = new THREE.Mesh(geometry, this.flat(role));
@@ -70,6 +72,13 @@ class SpatialScene {
       this.solids.push({ mesh, inside });
     }
     if (lines) group.add(new THREE.LineSegments(lines, this.line(role)));
+  }
+
+  // The role of an ellipsoid of inertia: it is no shape, and lets be seen what is in it.
+  inertiaOf(body) {
+    body.inertia ??= { of: body, shapes: [], index: body.index, name: `inertia of ${body.name}` };
+    Object.assign(this.material(body.inertia), { transparent: true, opacity: FAINT, depthWrite: false });
+    return body.inertia;
   }
 
   // What is seen of the inside of a solid through a section, without shading: it looks filled.
@@ -212,11 +221,14 @@ class SpatialScene {
   pointColour(point) { return Theme.colour(point.index + 3); }
 
   // The materials of the bodies, of their edges and of their insides.
-  bodyMaterials() { return [...this.materials].filter(([key, m]) => key.shapes || (m.role && (m.role.shapes || m.role === "ground"))).map(([, m]) => m); }
+  bodyMaterials() { return [...this.materials].filter(([key, m]) => (m.role ?? key).shapes); }
 
   setClear(on) {
     this.show.clear = on;
-    for (const m of this.bodyMaterials()) if (m.isMeshStandardMaterial) { Object.assign(m, { transparent: on, opacity: on ? 0.3 : 1, depthWrite: !on }); m.needsUpdate = true; }
+    for (const [key, m] of this.bodyMaterials()) {
+      const clear = on || key.of;
+      if (m.isMeshStandardMaterial) Object.assign(m, { transparent: clear, opacity: on ? 0.3 : key.of ? FAINT : 1, depthWrite: !clear, needsUpdate: true });
+    }
     this.invalidate();
   }
 
@@ -228,7 +240,7 @@ class SpatialScene {
       const at = centre.dot(vector(AXES[axis])) + share * radius;
       this.cut.set(normal, (flip ? -1 : 1) * at);
     }
-    for (const m of this.bodyMaterials()) { Object.assign(m, { clippingPlanes: on ? [this.cut] : null, clipShadows: true }); m.needsUpdate = true; }
+    for (const [, m] of this.bodyMaterials()) Object.assign(m, { clippingPlanes: on ? [this.cut] : null, clipShadows: true, needsUpdate: true });
     for (const { inside } of this.solids) inside.visible = on;
     this.section = on;
     this.invalidate();
@@ -334,7 +346,7 @@ class SpatialScene {
   }
 
   highlight(item) {
-    for (const [key, material] of this.materials) if (key.shapes) material.emissive.set(key === item ? mix("#000000", this.accent, 0.45) : "#000000");
+    for (const [key, material] of this.materials) if (key.shapes) material.emissive.set((key.of ?? key) === item ? mix("#000000", this.accent, 0.45) : "#000000");
     this.invalidate();
   }
 }

@@ -154,16 +154,16 @@ class View {
   }
 }
 
-// WebGL; without it, wires drawn on the same canvas.
+// WebGL; without it, a painter on the same canvas.
 function rendererOf(canvas) {
   try {
-    if (!document.createElement("canvas").getContext("webgl2")) return new Wires(canvas);
+    if (!document.createElement("canvas").getContext("webgl2")) return new Painter(canvas);
     const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     renderer.localClippingEnabled = true;
     renderer.shadowMap.enabled = true;
     renderer.shadowMap.type = THREE.PCFShadowMap;
     return renderer;
   } catch {
-    return new Wires(canvas);
+    return new Painter(canvas);
   }
 }
