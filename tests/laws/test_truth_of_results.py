@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from registry import CASES, PLANAR, Builder, Observer, model_of
 from scipy.linalg import null_space, qr
+from spatial_twins import rotation
 
 import dalembert as da
-from dalembert import planar, sin, t
+from dalembert import planar, sin, spatial, t
 from dalembert.analysis import equilibrium
 from dalembert.analysis.kinematics_run import KinematicsRun
 from dalembert.analysis.model_residuals import ModelResiduals
@@ -22,7 +23,7 @@ EVERY = tuple(Level)
 
 
 def built(name: str) -> da.System:
-    builder = Builder(name.replace(" ", "-"), True, Observer())
+    builder = Builder(name.replace(" ", "-"), True, Observer(), CASES[name].dimension)
     CASES[name].build(builder)
     return builder.system
 
@@ -52,12 +53,26 @@ def tied(name: str) -> da.Model:
     system, start = built(name), model_of(name).start.y
     names = model_of(name).guesses.names
     for body in (system.elements[each.name] for each in model_of(name).bodies):
+        if body.dimension == 3:
+            system.add(_held_in_space(model_of(name), system.ground, body))
+            continue
         x, y = (float(start[names.index(f"{body.name}.{letter}")]) for letter in "xy")
         turned = {"rotational_stiffness": 50.0} if f"{body.name}.angle" in names else {}
         place = system.ground.point(x, y)
         tie = planar.Bushing(f"T{body.name}", place, body.center, stiffness=(200, 300), **turned)
         system.add(tie)
     return system.build()
+
+
+def _held_in_space(model: da.Model, ground, body):
+    """A bushing where a body in space starts, a spring of a particle."""
+    names = model.guesses.names
+    pose = model.start.y[[k for k, n in enumerate(names) if n.startswith(f"{body.name}.")]]
+    if not body.rotates:
+        return spatial.Spring(f"T{body.name}", ground.point(*pose), body.center, stiffness=200)
+    ends = ground.frame(pose[:3], axes=rotation(pose[3:])), body.frame(body.center_of_mass)
+    stiffness, turned = (200, 300, 250), (50, 40, 60)
+    return spatial.Bushing(f"T{body.name}", *ends, stiffness=stiffness, rotational_stiffness=turned)
 
 
 def open_by(motion: da.Motion, levels=EVERY, forces: bool = True) -> float:
