@@ -81,6 +81,9 @@ NEEDED = {
     "GearPair.radius_i",
     "GearPair.radius_j",
     "RackAndPinion.radius",
+    "Screw.pitch",
+    "RevoluteSphericalLink.length",
+    "RevoluteRevoluteLink.length",
     "RollingDisc.radius",
     "Stop.stiffness",
 }

@@ -12,6 +12,7 @@ from twins import complex_step, context, cross
 from dalembert.elements.base import Constraint
 from dalembert.elements.driver import AlongDirection
 from dalembert.elements.planar import Coupling, UserConstraint
+from dalembert.elements.spatial.couplings import CoupledJoints
 
 
 class Snapshot:
@@ -67,6 +68,8 @@ class Snapshot:
             self.place(joint),
         )
         first, second = joint.ends()
+        if isinstance(joint, CoupledJoints):
+            return self._coupled(joint)
         if isinstance(joint, Coupling):
             return self._coupling(joint, moment)
         return [(second.name, force, place, moment), (first.name, -force, place, -moment)]
@@ -78,6 +81,25 @@ class Snapshot:
         moments = {joint.body_j.name: moment, joint.body_i.name: -ratio * moment}
         moments[carrier] = moments.get(carrier, 0.0) - (1 - ratio) * moment
         return [(n, nothing, self.seen.body[n].r, m) for n, m in moments.items()]
+
+    def _coupled(self, joint) -> list[tuple]:
+        """What the twin's equations ask for of every body: ``−λᵀ ∂Φ/∂δ``."""
+        names = self.model.equation_names
+        rows = [k for k, name in enumerate(names) if name.startswith(f"{joint.name}[")]
+        size = self.v.size
+        slope = complex_step(
+            lambda step: self.case.residual(
+                context(self.model, self.t, spatial_twins.moved(self.model, self.y, step), self.p)
+            )[rows],
+            np.zeros(size),
+        )
+        effort = -self.data.multiplier.values[rows] @ slope
+        loads, k = [], 0
+        for body in self.model.bodies:
+            frame, here = self.frame(body), effort[k : k + body.twist.numel()]
+            loads.append((body.name, here[:3], frame.r, frame.R @ here[3:]))
+            k += here.size
+        return loads
 
     def _user(self, joint) -> list[tuple]:
         multiplier = float(self.data.multiplier.sel(equation=f"{joint.name}[0]"))

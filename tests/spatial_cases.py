@@ -290,6 +290,81 @@ for _numbers in ({"length": 0.7}, {"length": 0.7, "twist": 0.9}):
     )(_between(spatial.RevoluteRevoluteLink, True, **_numbers))
 
 
+# couplings --------------------------------------------------------------------------------------
+def _on_ground(first: type, second: type, kind: type, **numbers):
+    """Bodies a and b, each on a joint of the ground, and what couples both."""
+
+    def build(q):
+        a, b = q.solids()
+        i = q.hold(q.ground, "G", (0.2, -0.1, 0.0), (0.4, -0.3, 1.1), (1.1, 0.2, 0.3))
+        j = q.hold(q.ground, "H", (0.9, 0.4, -0.3), (-0.2, 0.3, 1.0), (0.9, 0.1, 0.2))
+        on_a = q.hold(a, "P", (0.1, 0.12, -0.1), (0.3, -0.2, 1.2), (1.1, 0.2, 0.3))
+        on_b = q.hold(b, "Q", (-0.12, 0.1, 0.1), (0.2, 0.4, 1.1), (0.9, 0.3, 0.1))
+        joints = q.add(first("A", i, on_a)), q.add(second("B", j, on_b))
+        given = {n: q.number(n, v) if isinstance(v, float) else v for n, v in numbers.items()}
+        q.add(kind("J", *joints, **given))
+
+    return build
+
+
+class Grounded:
+    """Both frames of a joint of the ground, for the twins of joints."""
+
+    def __init__(self, c, i: str, body: Solid, j: str):
+        self.i, self.j = frame(c, c.ground, i), frame(c, body, j)
+
+    def rows(self, slides: bool):
+        d = self.j.o - self.i.o
+        if slides:
+            return joined(self.i.x @ d, self.i.y @ d, tilt(self.i, self.j))
+        return joined(d, tilt(self.i, self.j))
+
+    @property
+    def travel(self):
+        return self.i.z @ (self.j.o - self.i.o)
+
+    @property
+    def turn(self) -> np.ndarray:
+        return heading(self.i, self.j)
+
+
+def _coupled(slides: bool, own):
+    def residual(c):
+        a, b = Grounded(c, "G", c.a, "P"), Grounded(c, "H", c.b, "Q")
+        first = Grounded(c, "G", started(c, "a"), "P")
+        second = Grounded(c, "H", started(c, "b"), "Q")
+        turned = wrapped(*after(a.turn, first.turn)), wrapped(*after(b.turn, second.turn))
+        return joined(a.rows(False), b.rows(slides), own(c, turned, b.travel - second.travel))
+
+    return residual
+
+
+COUPLED = {
+    "bevel gears": (
+        *(spatial.Revolute, spatial.GearPair, {"radius_i": 0.3, "radius_j": 0.4}),
+        lambda c, turned, travel: [
+            c.p.radius_i * turned[0] - c.u,
+            c.p.radius_j * turned[1] + c.u,
+        ],
+    ),
+    "spatial rack": (
+        *(spatial.Cylindrical, spatial.RackAndPinion, {"radius": 0.3, "side": -1}),
+        lambda c, turned, travel: [c.p.radius * turned[0] - c.u, travel + c.u],
+    ),
+    "spatial coupling": (
+        *(spatial.Revolute, spatial.Coupling, {"ratio": 1.7}),
+        lambda c, turned, travel: [turned[0] - c.u, turned[1] - c.p.ratio * c.u],
+    ),
+}
+for _name, (_second, _kind, _numbers, _rows) in COUPLED.items():
+    case(
+        _name,
+        _kind,
+        residual=_coupled(_second is spatial.Cylindrical, _rows),
+        place={"A": lambda c: frame(c, c.a, "P").o, "B": lambda c: frame(c, c.b, "Q").o},
+    )(_on_ground(spatial.Revolute, _second, _kind, **_numbers))
+
+
 # drivers --------------------------------------------------------------------------------------
 def _ahead(c, turn):
     return wrapped(*after(turn, by(wave(c))))

@@ -136,7 +136,7 @@ def context(model, t, y, p, v=None) -> SimpleNamespace:
     """What a twin sees: time, named parameters, named bodies, and the contact of a curve."""
     numbers = SimpleNamespace(**dict(zip(model.parameters, p, strict=True)))
     seen = SimpleNamespace(t=t, p=numbers, body=bodies_of(model, y, v))
-    own = [g for g in model.coordinates if g.name.endswith(".contact")]
+    own = [g for g in model.coordinates if "." in g.name]
     if own:
         seen.u = y[-1]
     for name, frame in seen.body.items():

@@ -262,6 +262,10 @@ class Constraint(Element):
         """Coordinates this constraint brings along (the parameter of a curve)."""
         return []
 
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        """Named quantities of its own: name → (expression, unit)."""
+        return {}
+
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
         """Relative motions the joint leaves free: name → (coordinate, unit)."""
         return {}

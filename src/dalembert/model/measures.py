@@ -10,7 +10,6 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement, rate_of
 from dalembert.elements.body import BodyElement
-from dalembert.elements.driver import Driver
 from dalembert.elements.pair import Pair
 from dalembert.elements.point import AXES
 from dalembert.symbolic.expression import Expression, t
@@ -44,15 +43,13 @@ def constraint_measures(constraint: Constraint, rate) -> Measures:
         found[name] = (coordinate, unit)
         found[f"{name}_rate"] = (rate(coordinate), f"{unit}/s")
     for part in constraint.own_coordinates():
-        found["contact"] = (part.pose[0], "")
+        found[part.name.rpartition(".")[2]] = (part.pose[0], part.coordinate_units[0])
     if isinstance(constraint, Pair):
         force, moment = constraint.reaction()
         found["force"] = (force, "N")
         found["force_norm"] = (ca.sqrt(ca.sumsqr(force)), "N")
         found["moment"] = (moment, "N m")
-    if isinstance(constraint, Driver):
-        found |= constraint.measures(rate)
-    return found
+    return found | constraint.measures(rate)
 
 
 def _about(element: Element, everything: list[Coordinates], quantity: str) -> Measures:

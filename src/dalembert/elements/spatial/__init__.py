@@ -6,6 +6,7 @@ from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
 from dalembert.elements.spatial.body import Body, Particle
 from dalembert.elements.spatial.constant_velocity import ConstantVelocity
+from dalembert.elements.spatial.couplings import Coupling, GearPair, RackAndPinion
 from dalembert.elements.spatial.cylindrical import Cylindrical
 from dalembert.elements.spatial.drivers import (
     CoordinateDriver,
@@ -44,11 +45,13 @@ __all__ = [
     "Capsule",
     "ConstantVelocity",
     "CoordinateDriver",
+    "Coupling",
     "Cylinder",
     "Cylindrical",
     "DistanceDriver",
     "Force",
     "Frame",
+    "GearPair",
     "JointActuator",
     "JointFriction",
     "KnifeEdge",
@@ -58,6 +61,7 @@ __all__ = [
     "PointOnLine",
     "PointOnPlane",
     "Prismatic",
+    "RackAndPinion",
     "Revolute",
     "RevoluteRevoluteLink",
     "RevoluteSphericalLink",
