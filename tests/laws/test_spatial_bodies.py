@@ -83,6 +83,23 @@ def test_angles_about_body_axes_are_those_of_scipy(sequence):
     np.testing.assert_allclose(found, wanted.as_euler("XYZ"), atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("sequence", "angles", "told"),
+    [
+        ("xyz", (0.1, np.pi / 2 - 0.01, 0.2), "b: its angles xyz are 0.57° from their singular"),
+        ("zxz", (0.1, np.pi / 2 - 0.01, 0.2), None),
+        ("zxz", (0.1, 0.0, 0.2), "b: its angles zxz are 0° from their singular attitude"),
+        ("xyz", (0.1, 0.0, 0.2), None),
+        ("zx", (0.1, 0.0), None),
+    ],
+)
+def test_angles_near_their_singular_attitude_are_told(sequence, angles, told):
+    messages = free(rotation=da.rotation.euler(sequence, *angles)).diagnosis.messages
+    found = [text for level, text in messages if "singular attitude" in text]
+    assert len(found) == (told is not None)
+    assert not found or (found[0].startswith(told) and ("warning", found[0]) in messages)
+
+
 def test_nearly_orthonormal_axes_are_corrected():
     turn = Rotation.from_rotvec([0.3, 2, 1]).as_matrix()
     found = matrix_at(free(rotation=turn + 3e-7))

@@ -207,6 +207,10 @@ class Element:
         """What must hold at the values of the parameters."""
         return []
 
+    def doubts(self) -> list[Condition]:
+        """What had better hold at the values of the parameters, and is told where it does not."""
+        return []
+
     def parts(self) -> list[Coordinates]:
         """The bodies (and own coordinates) this element ties together."""
         return []

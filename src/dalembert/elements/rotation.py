@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.base import Condition
 from dalembert.errors import ModelError
 from dalembert.symbolic import rotation as turning
 from dalembert.symbolic.expression import Expression, as_expression, as_sx
 
 ORTHONORMAL = 1e-6
 """Deviation of axes from orthonormal ones that is corrected; beyond, they are refused."""
+NEAR = math.radians(2)
+"""Distance from the singular attitude of angles that is told."""
 AXES = "xyz"
 
 
@@ -22,11 +27,13 @@ class Orientation(Expression):
     Attributes
     ----------
     off : deviation of a matrix of formulas, from which it was made, from an orthonormal one
+    doubts : as ``Element.doubts``
     """
 
-    def __init__(self, sx: ca.SX, off: ca.SX | None = None):
+    def __init__(self, sx: ca.SX, off: ca.SX | None = None, doubts: Sequence[Condition] = ()):
         super().__init__(sx)
         self.off = ca.SX(0, 1) if off is None else off
+        self.doubts = list(doubts)
 
     @property
     def matrix(self) -> ca.SX:
@@ -36,7 +43,7 @@ class Orientation(Expression):
     def __matmul__(self, other: Orientation) -> Orientation:
         """This turn, then the other in the turned frame."""
         off = ca.vertcat(self.off, other.off)
-        return Orientation(turning.product(self.sx, other.sx), off)
+        return Orientation(turning.product(self.sx, other.sx), off, [*self.doubts, *other.doubts])
 
     def conditions(self) -> list[tuple[ca.SX, str, ca.SX]]:
         """That it is one at the values of its parameters, as ``Element.conditions``."""
@@ -86,7 +93,20 @@ def euler(sequence: str, *angles) -> Orientation:
     made = identity()
     for letter, angle in zip(letters, angles, strict=True):
         made = made @ axis_angle(np.eye(3)[AXES.index(letter)], angle)
-    return made
+    return Orientation(made.sx, doubts=_attitude(letters, angles))
+
+
+def _attitude(letters: list[str], angles: Sequence) -> list[Condition]:
+    """Whether the first and the third turn are nearly about the same axis."""
+    if len(letters) != 3 or letters[1] in (letters[0], letters[2]):
+        return []
+    middle = as_expression(angles[1], "angle", "rad").sx
+    apart = ca.fabs(ca.sin(middle) if letters[0] == letters[2] else ca.cos(middle))
+    text = (
+        f"its angles {''.join(letters)} are {{:.2g}}° from their singular attitude, where the "
+        "first and the third turn about the same axis; another sequence has it elsewhere"
+    )
+    return [(apart - math.sin(NEAR), text, ca.asin(apart) * 180 / math.pi)]
 
 
 def bryant(x, y, z) -> Orientation:

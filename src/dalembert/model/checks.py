@@ -128,6 +128,18 @@ class ValueChecks:
             check(found)
 
 
+def doubts_of(d: Description, values: Sequence[float] | np.ndarray) -> tuple[str, ...]:
+    """What elements had better be otherwise at parameter values."""
+    symbols, found = stack(p.sx for p in d.parameters.values()), []
+    for element in d.elements.values():
+        for condition, doubt, *told in element.doubts():
+            values_of = ca.Function("doubt", [symbols], [condition, stack(told)])
+            holds, numbers = (x.full().ravel() for x in values_of(values))
+            if not np.all(holds >= 0):
+                found.append(f"{element.name}: {doubt.format(*numbers)}")
+    return tuple(found)
+
+
 def _names(columns: Iterable[ca.SX]) -> set[str]:
     return {name for column in columns for name in free_symbols(column)}
 

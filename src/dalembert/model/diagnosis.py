@@ -8,6 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from dalembert.elements.driver import Driver
+from dalembert.model.checks import doubts_of
 from dalembert.model.closure import Closure
 from dalembert.model.description import Description
 from dalembert.model.independence import columns_of
@@ -53,6 +54,7 @@ class Diagnosis:
     driven : number of driver equations
     free : degrees of freedom that the drivers leave
     lost : joints that lose their independence in a singular position at the start
+    doubts : what elements had better be otherwise
     corrections : given coordinate → change that assembly made; ``moved`` lists those to be told
     """
 
@@ -73,6 +75,7 @@ class Diagnosis:
     moved: tuple[str, ...]
     velocity_corrections: dict[str, float]
     lost: str = ""
+    doubts: tuple[str, ...] = ()
 
     @property
     def summary(self) -> str:
@@ -106,6 +109,7 @@ class Diagnosis:
             )
         for name in self.topology.unconnected:
             found.append(("warning", f"body {name} is not connected to anything"))
+        found += [("warning", doubt) for doubt in self.doubts]
         if self.moved:
             listed = ", ".join(f"{n} by {self.corrections[n]:+.3g}" for n in self.moved)
             found.append(("info", f"assembly moved given poses: {listed}"))
@@ -152,6 +156,7 @@ def diagnose(d: Description, closure: Closure, mass: sparse.csc_array) -> Diagno
         moved=_moved(closure),
         velocity_corrections=closure.start.velocity_corrections,
         lost=closure.lost,
+        doubts=doubts_of(d, closure.nominal),
     )
 
 

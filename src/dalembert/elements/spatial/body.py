@@ -227,6 +227,9 @@ class Body(BodyElement):
         turns = [orientation is not None] * 3 if self.rotates else []
         return [position is not None] * 3 + turns
 
+    def doubts(self) -> list[Condition]:
+        return [] if self.initial[1] is None else self.initial[1].doubts
+
     def conditions(self) -> list[Condition]:
         turned = [] if self.initial[1] is None else self.initial[1].conditions()
         return [*super().conditions(), *physical(self.inertia.sx), *turned]

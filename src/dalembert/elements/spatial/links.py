@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Look, Scalar, quantity
+from dalembert.elements.base import Condition, Look, Scalar, quantity
 from dalembert.elements.look import Rod
 from dalembert.elements.rigid_link import ConstantDistance
 from dalembert.elements.spatial.joint import FrameJoint, FramePointJoint
@@ -76,7 +76,7 @@ class RevoluteRevoluteLink(FrameJoint):
     def look(self) -> list[Look]:
         return [Rod(self.frame_i, self.frame_j)]
 
-    def conditions(self) -> list[tuple[ca.SX, str]]:
+    def conditions(self) -> list[Condition]:
         if self.twist is None:
             return super().conditions()
         told = "its twist must be above 0 and below π; leave it out if the axes are parallel"
