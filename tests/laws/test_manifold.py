@@ -109,3 +109,22 @@ def test_speeds_have_names_of_their_own(model):
     assert motion.data.speeds.dims == ("time", "speed")
     assert "a.e0" in motion.data.coordinate.values
     assert "a.turn_x" in motion.data.speed.values
+
+
+def test_derivatives_of_constraints_by_either_way(model):
+    """What bodies' axes give as coordinates of their own is what Euler parameters give."""
+    from dataclasses import replace
+
+    e = model.all_equations
+    assert e.known is not None
+    plain = replace(e, known=None)
+    inputs = [e.t, e.y, e.v, e.p]
+    y, v = random_state(model, 7)
+    values = [
+        ca.Function("f", inputs, [q.jacobian, q.velocity_constraints, q.constraint_acceleration])(
+            0, y, v, model.nominal
+        )
+        for q in (e, plain)
+    ]
+    for one, other in zip(*values, strict=True):
+        np.testing.assert_allclose(np.array(one), np.array(other), atol=1e-12)

@@ -16,7 +16,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -86,6 +87,7 @@ class Coordinates:
     pose : SX symbol column ``y_i``
     twist, acceleration_symbols : SX symbol columns ``v_i``, ``v̇_i``
     pose_rate : SX, ``A_i v_i``
+    followers : of a pose that is enriched, the symbols added and their values
     rest : the pose in the origin
     coordinate_names, coordinate_units : of the entries of the pose
     speed_names, speed_units : of the entries of the twist; units are those of displacements
@@ -93,6 +95,7 @@ class Coordinates:
 
     name: str
     pose: ca.SX
+    followers: tuple[ca.SX, ca.SX] = (ca.SX(0, 1), ca.SX(0, 1))
     twist: ca.SX
     acceleration_symbols: ca.SX
     pose_rate: ca.SX
@@ -132,6 +135,15 @@ class Coordinates:
     def bounds(self, pose: ca.SX) -> ca.SX:
         """What is zero on the manifold only, such as a length less one; nothing by default."""
         return ca.SX(0, 1)
+
+    @contextmanager
+    def enriched(self) -> Iterator[tuple[ca.SX, ca.SX]]:
+        """While open, quantities that follow from the pose are symbols among its entries.
+
+        They have rates of their own, which makes derivatives shorter. What is stated meanwhile
+        holds them; they are given with their values.
+        """
+        yield ca.SX(0, 1), ca.SX(0, 1)
 
     def inertia_by_speeds(self) -> tuple[ca.SX, ca.SX]:
         """``M_i`` and ``d_i`` by speeds, ``M v̇ + d``; zero where the coordinates carry no mass."""

@@ -145,9 +145,9 @@ def initial_value(expression: ca.SX, bodies: Sequence[BodyElement]) -> Expressio
     """A position-level expression at the bodies' given guesses, at rest where they are missing."""
     symbols, values = [], []
     for body in dict.fromkeys(bodies):  # the carrier may be one of the ends
-        for symbol, guess, rest in zip(
-            ca.vertsplit(body.pose), body.guesses()[0], body.rest, strict=True
-        ):
+        expression = ca.substitute(expression, *body.followers)
+        own = ca.vertsplit(body.pose)[: len(body.rest)]
+        for symbol, guess, rest in zip(own, body.guesses()[0], body.rest, strict=True):
             symbols.append(symbol)
             values.append(ca.SX(rest) if guess is None else guess)
     return Expression(ca.substitute(expression, ca.vertcat(*symbols), ca.vertcat(*values)))

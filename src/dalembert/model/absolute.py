@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
+
 import casadi as ca
 
 from dalembert.elements.base import Powers, rate_of
 from dalembert.elements.planar.body import Ground
 from dalembert.model.description import Description
-from dalembert.model.equations import Equations
+from dalembert.model.equations import ConstraintKinematics, Equations
 from dalembert.model.inertia import BlockInertia
 from dalembert.model.manifold import Manifold
 from dalembert.symbolic.expression import stack, t
@@ -28,20 +30,68 @@ def absolute_equations(d: Description) -> Equations:
     groups = d.coordinates
     y = stack(c.pose for c in groups)
     v = stack(c.twist for c in groups)
-
-    def fixed(expression: ca.SX) -> ca.SX:
-        return at_ground(d.ground, expression)
-
-    held = fixed(stack(c.equations for c in d.constraints))
-    slip = fixed(stack(c.slip for c in d.constraints))
     multiplier = stack(c.multiplier[k] for c, k in d.rows)
-    constraints = ca.vertcat(held, ca.SX.zeros(slip.numel()))
-    nonholonomic = ca.vertcat(ca.SX.zeros(held.numel()), slip)
+    masses, gyroscopic = zip(*(c.inertia_by_speeds() for c in groups), strict=True)
+    with ExitStack() as enriched:
+        followers = [enriched.enter_context(group.enriched()) for group in groups]
+        symbols, values = (stack(pair[k] for pair in followers) for k in range(2))
+        held, slip, known = _constraints(d, v)
+        force, work, potential, losses, released = _forces(d, v)
+
+    def plain(expression: ca.SX) -> ca.SX:
+        return ca.substitute(at_ground(d.ground, expression), symbols, values)
+
+    force, work, potential, losses = map(plain, (force, work, potential, losses))
+    # on bodies and not from storage: ends that formulas of time move are given power from outside
+    applied = ca.dot(force, v) + plain(released)
+    constraints = plain(ca.vertcat(held, ca.SX.zeros(slip.numel())))
+    nonholonomic = plain(ca.vertcat(ca.SX.zeros(held.numel()), slip))
+    imposed = ca.substitute(nonholonomic, v, ca.SX.zeros(v.numel()))
+    imposed += ca.jacobian(constraints, t.sx)
+    delivered = ca.dot(multiplier, imposed)  # by drivers: C v = −Φ_t
+    return Equations(
+        t=t.sx,
+        y=y,
+        v=v,
+        p=stack(p.sx for p in d.parameters.values()),
+        a=stack(c.acceleration_symbols for c in groups),
+        multiplier=multiplier,
+        pose_rate=stack(c.pose_rate for c in groups),
+        inertia=BlockInertia(ca.diagcat(*masses)),
+        bias=ca.densify(stack(gyroscopic)),
+        force=force + work,
+        constraints=constraints,
+        nonholonomic=nonholonomic,
+        potential=potential,
+        manifold=Manifold.of(groups),
+        powers=ca.vertcat(losses, applied + losses + delivered),
+        known=ConstraintKinematics(*map(plain, known)) if symbols.numel() else None,
+    )
+
+
+def _constraints(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX, list[ca.SX]]:
+    """``Φ`` of positions, ``Ψ`` of nonholonomic equations, and ``(∂Φ/∂y) A, Ψ, ξ`` of both."""
+    groups = d.coordinates
+    pose, rate = (
+        stack(part) for part in zip(*((c.pose, c.pose_rate) for c in groups), strict=True)
+    )
+    held = at_ground(d.ground, stack(c.residual() for c in d.constraints))
+    slip = at_ground(d.ground, stack(c.slipping() for c in d.constraints))
+    jacobian = ca.mtimes(ca.jacobian(held, pose), ca.jacobian(rate, v))
+    place, motion = ca.vertcat(t.sx, pose), ca.vertcat(1, rate)
+    velocity = ca.vertcat(ca.jtimes(held, place, motion), slip)
+    acceleration = -ca.jtimes(velocity, place, motion) if velocity.numel() else velocity
+    rows = ca.vertcat(jacobian, ca.SX(slip.numel(), v.numel()))
+    return held, slip, [ca.sparsify(rows), velocity, acceleration]
+
+
+def _forces(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
+    """Forces that are no potential's alone, those that are, potential, losses, power released."""
     conservative: Powers = []
     others: Powers = []
     losses, potential, released = ca.SX(0), ca.SX(0), ca.SX(0)
     for element in d.forces:
-        owners = element.parts() or groups
+        owners = element.parts() or d.coordinates
 
         def rate(s: ca.SX, owners=owners) -> ca.SX:
             return rate_of(s, owners, t.sx)
@@ -55,32 +105,11 @@ def absolute_equations(d: Description) -> Equations:
             released += 0 if element.conservative else rate(stored)
 
     def generalised(powers: Powers) -> ca.SX:
-        velocities, efforts = (fixed(stack(pair[k] for pair in powers)) for k in range(2))
         if not powers:
             return ca.SX.zeros(v.numel())
+        velocities, efforts = (
+            at_ground(d.ground, stack(pair[k] for pair in powers)) for k in range(2)
+        )
         return ca.jtimes(velocities, v, efforts, True)
 
-    force, losses, potential = generalised(others), fixed(losses), fixed(potential)
-    # on bodies and not from storage: ends that formulas of time move are given power from outside
-    applied = ca.dot(force, v) + fixed(released)
-    imposed = ca.substitute(nonholonomic, v, ca.SX.zeros(v.numel()))
-    imposed += ca.jacobian(constraints, t.sx)
-    delivered = ca.dot(multiplier, imposed)  # by drivers: C v = −Φ_t
-    masses, gyroscopic = zip(*(c.inertia_by_speeds() for c in groups), strict=True)
-    return Equations(
-        t=t.sx,
-        y=y,
-        v=v,
-        p=stack(p.sx for p in d.parameters.values()),
-        a=stack(c.acceleration_symbols for c in groups),
-        multiplier=multiplier,
-        pose_rate=stack(c.pose_rate for c in groups),
-        inertia=BlockInertia(ca.diagcat(*masses)),
-        bias=ca.densify(stack(gyroscopic)),
-        force=force + generalised(conservative),
-        constraints=constraints,
-        nonholonomic=nonholonomic,
-        potential=potential,
-        manifold=Manifold.of(groups),
-        powers=ca.vertcat(losses, applied + losses + delivered),
-    )
+    return generalised(others), generalised(conservative), potential, losses, released

@@ -24,6 +24,27 @@ from dalembert.symbolic.switches import Switches, hold
 
 
 @dataclass(frozen=True, eq=False)
+class ConstraintKinematics:
+    """Derivatives of the constraints, where they are known by a shorter way than from ``Φ(y)``.
+
+    Attributes
+    ----------
+    jacobian : ``(∂Φ/∂y) A`` (m, n)
+    velocity : ``Ψ`` (m,), of nonholonomic equations, too
+    acceleration : ``ξ`` (m,)
+    """
+
+    jacobian: ca.SX
+    velocity: ca.SX
+    acceleration: ca.SX
+
+    def with_rows(self, rows: list[int]) -> ConstraintKinematics:
+        """Of some of the equations."""
+        parts = self.jacobian, self.velocity, self.acceleration
+        return ConstraintKinematics(*(part[rows, :] for part in parts))
+
+
+@dataclass(frozen=True, eq=False)
 class Equations:
     """Constrained equations of motion.
 
@@ -42,6 +63,7 @@ class Equations:
     dropped : SX symbols of multipliers of equations left out as redundant
     scales : natural sizes of coordinates, rows and the rest; units where nothing is known
     manifold : of the positions; that of coordinates whose rates are the speeds where not given
+    known : derivatives of the constraints that need not be made of them
     switches : of forces and constraints, held on sides that belong to the state; none where
         formulas follow the branches they choose
     """
@@ -65,6 +87,7 @@ class Equations:
     switches: Switches = field(default_factory=Switches)
     manifold: Manifold = field(default=None)  # type: ignore[assignment]
     nonholonomic: ca.SX = field(default=None)  # type: ignore[assignment]
+    known: ConstraintKinematics | None = None
 
     def __post_init__(self) -> None:
         if self.scales is None:
@@ -80,10 +103,12 @@ class Equations:
         moving = ca.vertcat(self.t, self.y, self.v)
         parts = [self.bias, self.force, self.constraints, self.potential, self.powers]
         (bias, force, constraints, potential, powers), switches = hold(parts, moving)
+        known = None
         if not hold([self.constraints], moving)[1].count:  # roots in them know of no side
-            constraints = self.constraints
+            constraints, known = self.constraints, self.known
         return replace(
             self,
+            known=known,
             bias=bias,
             force=force,
             constraints=constraints,
@@ -98,6 +123,7 @@ class Equations:
         kept = replace(
             self,
             constraints=self.constraints[rows, :],
+            known=None if self.known is None else self.known.with_rows(rows),
             nonholonomic=self.nonholonomic[rows, :],
             multiplier=self.multiplier[rows, :],
             dropped=ca.vertcat(self.dropped, self.multiplier[gone, :]),
@@ -157,6 +183,8 @@ class Equations:
     @cached_property
     def position_jacobian(self) -> ca.SX:
         """``(∂Φ/∂y) A``, without entries in the rows of nonholonomic equations."""
+        if self.known is not None:
+            return self.known.jacobian
         return self.by_displacement(self.constraints)
 
     @cached_property
@@ -188,9 +216,13 @@ class Equations:
     @cached_property
     def velocity_constraints(self) -> ca.SX:
         """``Ψ = C v + Φ_t``."""
+        if self.known is not None:
+            return self.known.velocity
         return self.rate(self.constraints) + ca.densify(self.nonholonomic)
 
     @cached_property
     def constraint_acceleration(self) -> ca.SX:
         """``ξ = −(Ċ v + Φ̇_t)``, so that ``C v̇ = ξ`` (4.14)."""
+        if self.known is not None:
+            return self.known.acceleration
         return -self.rate(self.velocity_constraints)

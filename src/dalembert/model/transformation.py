@@ -94,6 +94,7 @@ class Transformation:
             force=ca.mtimes(b.T, self.seen(e, e.force)),
             constraints=self.seen(e, e.constraints),
             nonholonomic=self.seen(e, e.nonholonomic),
+            known=None,
             potential=self.seen(e, e.potential),
             powers=self.seen(e, e.powers),
             massless=_still_massless(e.massless, b),

@@ -9,7 +9,8 @@ A point fixed in the body is at ``r_P = r_C + R(e) (s' − c')``. By Newton and 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import casadi as ca
@@ -176,6 +177,27 @@ class Body(BodyElement):
 
     def bounds(self, pose: ca.SX) -> ca.SX:
         return (ca.sumsqr(pose[3:]) - 1) / 2 if self.rotates else ca.SX(0, 1)
+
+    @contextmanager
+    def enriched(self) -> Iterator[tuple[ca.SX, ca.SX]]:
+        """By the axes, whose rates ``Ṙ = R ω̃'`` need no Euler parameters."""
+        if not self.rotates:
+            with super().enriched() as nothing:
+                yield nothing
+            return
+        pose, rate, axes = self.pose, self.pose_rate, self.axes
+        symbols = ca.SX.sym(f"{self.name}.R", 3, 3)
+        turning = ca.mtimes(symbols, rotation.skew(self.spin))
+        self.axes, self.followers = symbols, (ca.vec(symbols), ca.vec(axes))
+        self.pose, self.pose_rate = (
+            ca.vertcat(pose, ca.vec(symbols)),
+            ca.vertcat(rate, ca.vec(turning)),
+        )
+        try:
+            yield self.followers
+        finally:
+            self.pose, self.pose_rate, self.axes = pose, rate, axes
+            del self.followers
 
     # mechanics --------------------------------------------------------------------------------
     def locate(self, local: ca.SX) -> ca.SX:
