@@ -135,7 +135,7 @@ def test_cost_grows_with_the_number_of_bodies():
     own, all_bodies = JointCoordinates, da.AbsoluteCoordinates
     first, second = count[own, 10] - count[own, 5], count[own, 20] - count[own, 10]
     assert second == pytest.approx(2 * first, rel=0.01)
-    assert count[own, 20] < count[all_bodies, 20] / 2
+    assert count[own, 20] < 2 / 3 * count[all_bodies, 20]
 
 
 def test_angles_go_round():

@@ -132,7 +132,7 @@ class DynamicsKernel:
         if len(rows) == whole.constraint_count:
             return rows
         share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_share(whole, rows)])
-        return rows if float(share(t, y, p)) <= TRUSTED else best_rows(whole, len(rows), t, y, p)
+        return rows if float(share(t, y, p)) <= TRUSTED else best_rows(whole, rows, t, y, p)
 
     @cached_property
     def distances(self) -> ca.Function:
@@ -173,7 +173,7 @@ class DynamicsKernel:
             t, x = float(times[kept]), states[:, kept]
             try:
                 if not shares.ravel()[bad[0]] <= 1:
-                    rows = best_rows(self.view.whole, len(rows), t, y[:, kept], p)
+                    rows = best_rows(self.view.whole, rows, t, y[:, kept], p)
                 following = self.choose(t, x, p, rows)
             except SingularityError as error:
                 return Switch(last_good, mode, str(error))

@@ -17,6 +17,10 @@ from dalembert.symbolic.null_space import PartitionBasis
 MASSLESS = 1e-6
 """Mass of a speed without mass, by its natural size: it is never independent where others can."""
 BEST = 1.01
+ALIKE = 1 + 1e-6
+"""Coefficients that differ by less are as large."""
+SINGULAR = 1e-6
+"""Of rows that no others can be made of."""
 
 
 def speed_weights(e: Equations) -> ca.SX:
@@ -61,14 +65,22 @@ def best_partition(e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> tupl
     return largest_volume(rows)
 
 
-def largest_volume(basis: np.ndarray) -> tuple[int, ...]:
-    """Rows of a (n, k) matrix that give all others with coefficients of one at most."""
+def largest_volume(basis: np.ndarray, first: tuple[int, ...] = ()) -> tuple[int, ...]:
+    """Rows of a (n, k) matrix that give all others with coefficients of one at most.
+
+    Among rows that are as good, those given first stay, and then those with the lowest numbers: a
+    choice that rounding does not make.
+    """
     k = basis.shape[1]
-    chosen = scipy.linalg.qr(basis.T, mode="economic", pivoting=True)[2][:k]
+    chosen = np.array(first)
+    if chosen.size != k or np.linalg.svd(basis[chosen], compute_uv=False)[-1] < SINGULAR:
+        chosen = scipy.linalg.qr(basis.T, mode="economic", pivoting=True)[2][:k]
     for _ in range(100 * k):
-        share = np.linalg.solve(basis[chosen].T, basis.T).T
-        row, column = np.unravel_index(np.argmax(np.abs(share)), share.shape)
-        if abs(share[row, column]) <= BEST:
+        share = np.abs(np.linalg.solve(basis[chosen].T, basis.T).T)
+        largest = share.max()
+        if largest <= BEST:
             break
-        chosen[column] = row
+        rows, columns = np.nonzero(share > largest / ALIKE)
+        pick = np.lexsort((rows, -chosen[columns]))[0]
+        chosen[columns[pick]] = rows[pick]
     return tuple(int(index) for index in np.sort(chosen))

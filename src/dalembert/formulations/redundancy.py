@@ -30,9 +30,9 @@ def largest_share(whole: Equations, rows: tuple[int, ...]) -> ca.SX:
 
 
 def best_rows(
-    whole: Equations, count: int, t: float, y: np.ndarray, p: np.ndarray
+    whole: Equations, rows: tuple[int, ...], t: float, y: np.ndarray, p: np.ndarray
 ) -> tuple[int, ...]:
-    """So many rows from which all others follow with ``|W| ≤ 1`` at a position.
+    """As many rows from which all others follow with ``|W| ≤ 1`` at a position, most of them kept.
 
     Raises
     ------
@@ -43,4 +43,4 @@ def best_rows(
     jacobian = evaluate(t, y, p).full() / whole.scales.rows[:, None]
     if not np.all(np.isfinite(jacobian)):
         raise SingularityError(f"the constraint equations have no value at t = {t:.9g} s")
-    return largest_volume(np.linalg.svd(jacobian)[0][:, :count])
+    return largest_volume(np.linalg.svd(jacobian)[0][:, : len(rows)], rows)
