@@ -108,3 +108,15 @@ def test_a_bushing_may_turn_round():
     for angle in (0.4, 1.7, 3.1, 3.2, 5.0):
         y = np.r_[np.zeros(3), np.cos(angle / 2), 0, 0, np.sin(angle / 2)]
         assert float(moment(y, np.zeros(6), [])) == pytest.approx(-3.0 * np.sin(angle), abs=1e-12)
+
+
+@pytest.mark.parametrize("name", SPATIAL_CASES)
+def test_the_same_motion_in_joint_coordinates(name):
+    model = spatial_model_of(name)
+    ends = [
+        da.solve_dynamics(model, 0.004, step=0.001, coordinates=coordinates)
+        for coordinates in (da.AbsoluteCoordinates(), da.JointCoordinates())
+    ]
+    for body in model.bodies:
+        own, other = (np.asarray(motion[f"{body.name}.velocity"]) for motion in ends)
+        np.testing.assert_allclose(own, other, atol=1e-8 * np.abs(own).max())
