@@ -201,6 +201,7 @@ def test_operators_of_the_tree(name, angles):
     view = JointCoordinates(angles=angles).view(TREES[name]())
     m, inertia, k = view.motion, view.equations.inertia, view.motion.u.numel()
     e = view.bodies
+    assert view.manifold.bounds.numel() == m.q.numel() - k
     x = ca.SX(np.random.default_rng(1).standard_normal((k, 2)))
     w = ca.SX(np.random.default_rng(2).standard_normal((e.speed_count, 2)))
     q, u = ca.substitute(view.reduce.outputs, [e.y, e.v], [m.pose, m.speed])

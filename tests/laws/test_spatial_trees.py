@@ -195,3 +195,25 @@ def test_redundant_hinges(formulation):
         felt = pull(0.0, y, model.nominal, multiplier).full().ravel()
         results.append([y, speed, a, felt])
     assert_same(*results)
+
+
+def test_modes_are_the_absolute_ones():
+    """A ball joint's coordinates have one direction more than it can move."""
+    system = da.System("hanging", gravity=(0, 0, -9.81))
+    bodies = [
+        system.add(spatial.Body(f"b{k}", mass=1.0, inertia=(0.1, 0.12, 0.05), position=(0, 0, z)))
+        for k, z in enumerate((-0.5, -1.5))
+    ]
+    top, tip = system.ground.frame(), bodies[0].frame((0, 0, 0.5))
+    hinge = [
+        body.frame((0, 0, z), axis=(1, 0, 0)) for body, z in zip(bodies, (-0.5, 0.5), strict=True)
+    ]
+    system.add(spatial.Spherical("S", top, tip))
+    system.add(spatial.Revolute("R", *hinge[::-1]))
+    system.add(spatial.TorsionSpring("T", top, tip, stiffness=1.0))
+    model = system.build()
+    found, expected = (
+        np.sort(np.abs(da.linearize(model, coordinates=c).eigenvalues))
+        for c in (JointCoordinates(), da.AbsoluteCoordinates())
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-9)

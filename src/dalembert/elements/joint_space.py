@@ -39,6 +39,9 @@ class Rotation(Coordinates):
     def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
         return rotation.turn(pose, other)
 
+    def bounds(self, pose: ca.SX) -> ca.SX:
+        return (ca.sumsqr(pose) - 1) / 2
+
 
 class JointSpace(Coordinates):
     """The coordinates of one joint, or those of a group that no joint carries.
@@ -91,6 +94,9 @@ class JointSpace(Coordinates):
 
     def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
         return self._like.displacement(pose, other)
+
+    def bounds(self, pose: ca.SX) -> ca.SX:
+        return self._like.bounds(pose)
 
 
 def _rate_name(name: str, mark: str) -> str:
