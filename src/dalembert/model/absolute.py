@@ -6,7 +6,7 @@ from contextlib import ExitStack
 
 import casadi as ca
 
-from dalembert.elements.base import Powers, rate_of
+from dalembert.elements.base import Coordinates, Powers, rate_of
 from dalembert.elements.planar.body import Ground
 from dalembert.model.description import Description
 from dalembert.model.equations import ConstraintKinematics, Equations
@@ -35,7 +35,9 @@ def absolute_equations(d: Description) -> Equations:
     with ExitStack() as enriched:
         followers = [enriched.enter_context(group.enriched()) for group in groups]
         symbols, values = (stack(pair[k] for pair in followers) for k in range(2))
-        held, slip, known = _constraints(d, v)
+        stated = [c.restated() if symbols.numel() else (c.equations, c.slip) for c in d.constraints]
+        held, slip = (at_ground(d.ground, stack(pair[k] for pair in stated)) for k in range(2))
+        known = _kinematics(groups, held, slip, v) if symbols.numel() else None
         force, work, potential, losses, released = _forces(d, v)
 
     def plain(expression: ca.SX) -> ca.SX:
@@ -65,24 +67,19 @@ def absolute_equations(d: Description) -> Equations:
         potential=potential,
         manifold=Manifold.of(groups),
         powers=ca.vertcat(losses, applied + losses + delivered),
-        known=ConstraintKinematics(*map(plain, known)) if symbols.numel() else None,
+        known=None if known is None else ConstraintKinematics(*map(plain, known)),
     )
 
 
-def _constraints(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX, list[ca.SX]]:
-    """``Φ`` of positions, ``Ψ`` of nonholonomic equations, and ``(∂Φ/∂y) A, Ψ, ξ`` of both."""
-    groups = d.coordinates
-    pose, rate = (
-        stack(part) for part in zip(*((c.pose, c.pose_rate) for c in groups), strict=True)
-    )
-    held = at_ground(d.ground, stack(c.residual() for c in d.constraints))
-    slip = at_ground(d.ground, stack(c.slipping() for c in d.constraints))
+def _kinematics(groups: list[Coordinates], held: ca.SX, slip: ca.SX, v: ca.SX) -> list[ca.SX]:
+    """``(∂Φ/∂y) A``, ``Ψ`` and ``ξ`` of equations of positions and of nonholonomic ones."""
+    pose, rate = stack(c.pose for c in groups), stack(c.pose_rate for c in groups)
     jacobian = ca.mtimes(ca.jacobian(held, pose), ca.jacobian(rate, v))
     place, motion = ca.vertcat(t.sx, pose), ca.vertcat(1, rate)
     velocity = ca.vertcat(ca.jtimes(held, place, motion), slip)
     acceleration = -ca.jtimes(velocity, place, motion) if velocity.numel() else velocity
     rows = ca.vertcat(jacobian, ca.SX(slip.numel(), v.numel()))
-    return held, slip, [ca.sparsify(rows), velocity, acceleration]
+    return [ca.sparsify(rows), velocity, acceleration]
 
 
 def _forces(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
