@@ -251,10 +251,6 @@ class Constraint(Element):
         count = self.equations.numel() + self.slip.numel()
         self.multiplier = stack(ca.SX.sym(f"{self.name}.lambda{k}") for k in range(count))
 
-    def restated(self) -> tuple[ca.SX, ca.SX]:
-        """``Φ`` and ``Ψ`` in what the parts consist of now, which may be enriched."""
-        return self.residual(), self.slipping()
-
     def residual(self) -> ca.SX:
         """Equations ``Φ`` in the pose symbols of the parts and time."""
         raise NotImplementedError

@@ -35,9 +35,12 @@ def absolute_equations(d: Description) -> Equations:
     with ExitStack() as enriched:
         followers = [enriched.enter_context(group.enriched()) for group in groups]
         symbols, values = (stack(pair[k] for pair in followers) for k in range(2))
-        stated = [c.restated() if symbols.numel() else (c.equations, c.slip) for c in d.constraints]
+        again = bool(symbols.numel())  # in what the bodies consist of now
+        stated = [
+            (c.residual(), c.slipping()) if again else (c.equations, c.slip) for c in d.constraints
+        ]
         held, slip = (at_ground(d.ground, stack(pair[k] for pair in stated)) for k in range(2))
-        known = _kinematics(groups, held, slip, v) if symbols.numel() else None
+        known = _kinematics(groups, held, slip, v) if again else None
         force, work, potential, losses, released = _forces(d, v)
 
     def plain(expression: ca.SX) -> ca.SX:
