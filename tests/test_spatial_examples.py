@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from test_examples import motion, numbers, pictures, script, value  # noqa: F401
 
 import dalembert as da
@@ -179,3 +180,50 @@ def torques_of(made, t: float, h: float = 2e-3) -> np.ndarray:
         [(moment[k:] + np.cross(arms[k, k:], force[k:])).sum(axis=0) for k in range(6)]
     )
     return np.einsum("ki,ki->k", before[:, :3, 2], total)
+
+
+def test_double_wishbone_steers_as_its_points_say(pictures: Path) -> None:  # noqa: F811
+    """The twist of the upright is perpendicular to what each arm and the tie rod forbid."""
+
+    def twist(rod_z: float) -> np.ndarray:
+        """Velocity of the wheel and angular velocity for one metre per second of travel."""
+        wheel, rows = np.array([0, -0.8, 0.3]), [np.array([0, 0, 1.0, 0, 0, 0])]
+
+        def forbid(point, direction):
+            rows.append(np.r_[direction, np.cross(point - wheel, direction)])
+
+        for ball, front, rear in (
+            ((0, -0.75, 0.1), (-0.2, -0.4, 0.15), (0.2, -0.45, 0.155)),
+            ((0.04, -0.675, 0.525), (0.1, -0.45, 0.525), (0.25, -0.49, 0.53)),
+        ):
+            along = np.array(rear) - front
+            free = np.cross(along, np.array(ball) - front)
+            for direction in (along, np.cross(along, free)):  # the ball moves across both
+                forbid(np.array(ball), direction)
+        outer = np.array([0.15, -0.75, 0.3])
+        forbid(outer, outer - [0.2, -0.4, rod_z])
+        return np.linalg.solve(np.array(rows), [1, 0, 0, 0, 0, 0])
+
+    found = numbers("double_wishbone", pictures)
+    assert value("double_wishbone", "bump_steer") == pytest.approx(twist(0.3)[5], rel=1e-9)
+    assert found["bump steer [deg/m]"] == pytest.approx(np.degrees(twist(0.3)[5]), rel=1e-9)
+    height = brentq(lambda z: twist(z)[5], 0.25, 0.35, xtol=1e-14)
+    assert found["height of the tie rod without bump steer [m]"] == pytest.approx(height, abs=1e-9)
+    assert abs(found["bump steer there [deg/m]"]) < 1e-4
+
+
+def test_rssr_four_bar_solves_its_closure(pictures: Path) -> None:  # noqa: F811
+    """``P cos ψ + Q sin ψ = R`` with the vector from the crank pin to the axis of the rocker."""
+
+    def angle(crank, a=0.1, b=0.25, l=0.45, off=-0.1):
+        y, square = 0.5 - a * np.sin(crank), 0.25 + a**2 - a * np.sin(crank) + off**2
+        reach = (l**2 - square - b**2) / (2 * b * np.hypot(y, off))
+        return np.arctan2(off, y) + np.arccos(reach)
+
+    turn = np.radians(np.arange(361))
+    run = motion("rssr_four_bar")
+    np.testing.assert_allclose(np.unwrap(run["C.angle"]), angle(turn), atol=1e-12)
+    found = numbers("rssr_four_bar", pictures)
+    assert found["ways to close at the start"] == 2
+    swing = np.degrees(np.ptp(angle(turn)))
+    assert found["swing of the rocker [deg]"] == pytest.approx(swing, abs=1e-9)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
+from dalembert.symbolic.factor import cleared
 from dalembert.symbolic.null_space import NullSpaceBasis
 
 
@@ -14,7 +15,7 @@ class HouseholderBasis(NullSpaceBasis):
         m, n = jacobian.shape
         self.count, self.size = m, n
         if m:
-            found = ca.qr_sparse(ca.sparsify(jacobian).T, True)
+            found = ca.qr_sparse(cleared(jacobian.T), True)
             self.vectors, r, self.beta, place, self.order = found
             self.r = r[:m, :]
             self.rows = [place.index(k) for k in range(n)]  # row of Cᵀ at each place in Q

@@ -41,7 +41,7 @@ class QrFactor:
                 alike = ca.mtimes(ca.diag(1 / self.rows), alike)
             if self.columns is not None:
                 alike = ca.mtimes(alike, ca.diag(self.columns))
-            self.parts = ca.qr_sparse(ca.sparsify(alike), True)
+            self.parts = ca.qr_sparse(cleared(alike), True)
 
     def solve(self, rhs: ca.SX) -> ca.SX:
         return self._solve(rhs, self.rows, self.columns, False)
@@ -60,6 +60,19 @@ class QrFactor:
     @property
     def pivots(self) -> ca.SX:
         return ca.diag(self.parts[1])[: self.size] if self.size else ca.SX.ones(1)
+
+
+def cleared(matrix: ca.SX) -> ca.SX:
+    """The matrix without entries below the round-off of their column, ready for reflections.
+
+    What is left of an angle that Newton's method takes to zero, 1e-21, is 1e-160 after a few
+    products, and its square hardly a number: a reflection by it is not orthogonal, or NaN.
+    """
+    matrix = ca.sparsify(matrix)
+    unit = ca.densify(ca.sum1(ca.fabs(matrix)))[matrix.sparsity().get_col()].T / 8
+    entries = matrix.nz[:]
+    doubled = 2 * (entries + unit) - 2 * unit  # CasADi would simplify (x + u) − u
+    return ca.SX(matrix.sparsity(), doubled / 2)
 
 
 def _column(sizes: Sizes) -> ca.DM | None:
