@@ -10,7 +10,7 @@ from registry import AXES, LAWS
 from spatial_twins import Hold, Solid, about, cross, norm, unit, wrapped
 from twins import CENTER
 
-from dalembert import spatial
+from dalembert import FormulaCurve, cos, sin, spatial, u
 from dalembert.elements.laws import Harmonic
 
 case = functools.partial(registry.case, dimension=3)
@@ -288,6 +288,26 @@ for _numbers in ({"length": 0.7}, {"length": 0.7, "twist": 0.9}):
         residual=_two_hinges,
         place={"J": held},
     )(_between(spatial.RevoluteRevoluteLink, True, **_numbers))
+
+
+def _helix(c):
+    helix = [c.p.wide * np.cos(c.u), c.p.wide * np.sin(c.u), c.p.rise * c.u]
+    return joined(c.a.R.T @ (c.b.at(vector(c.p, "Q_{}")) - c.a.at(np.zeros(3))) - helix)
+
+
+@case(
+    "point on helix",
+    spatial.PointOnCurve,
+    FormulaCurve,
+    residual=_helix,
+    place={"J": lambda c: c.a.at([c.p.wide * np.cos(c.u), c.p.wide * np.sin(c.u), c.p.rise * c.u])},
+)
+def _(q):
+    a, b = q.solids()
+    wide, rise = q.numbers(wide=0.7, rise=0.2)
+    curve = FormulaCurve(wide * cos(u), wide * sin(u), z=rise * u, closed=False)
+    spot = q.spot(b, "Q", (-0.22, 0.17, 0.1))
+    q.add(spatial.PointOnCurve("J", a, spot, curve, parameter=q.number("u0", 0.9)))
 
 
 # couplings --------------------------------------------------------------------------------------

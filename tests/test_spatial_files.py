@@ -74,6 +74,11 @@ ELEMENTS = {
         "Screw": FRAMES + "pitch = 'k'",
         "Planar": FRAMES,
         "Weld": FRAMES,
+        "PointOnCurve": "connect = ['a', 'b']\n"
+        "curve = { type = 'FormulaCurve', x = 'cos(u)', y = 'sin(u)', z = 'k*u' }",
+        "GearPair": "joint_i = 'J'\njoint_j = 'S'\nradius_i = 'k'\nradius_j = 1",
+        "RackAndPinion": "joint_i = 'J'\njoint_j = 'S'\nradius = 'k'\nside = -1",
+        "Coupling": "joint_i = 'J'\njoint_j = 'S'\nratio = 'k'\nmotion_j = 'angle'",
         "RollingDisc": "connect = ['a', 'ground.G']\nradius = 'k'",
         "UserConstraint": "formula = 'a.x - k*b.y'",
         "KnifeEdge": "connect = ['a.F', 'ground.G']",

@@ -150,8 +150,8 @@ class _Translation:
         if isinstance(value, Law):
             return self.formula(Expression(value.value(t.sx)), element.units()[0])
         if isinstance(value, Curve):
-            x, y = ca.vertsplit(self.units.length * value.position(u.sx))
-            return FormulaCurve(Expression(x), Expression(y), *value.interval(), value.closed)
+            x, y, *z = map(Expression, ca.vertsplit(self.units.length * value.position(u.sx)))
+            return FormulaCurve(x, y, *value.interval(), value.closed, *z)
         if callable(value) and isinstance(element, SpringDamper):
             s, f = self.units(element.coordinate_unit), self.units(element.force_unit)
             return lambda stretch, rate: f * value(stretch / s, rate * (self.units.time / s))

@@ -32,7 +32,14 @@ FLAT = {look.Arrow, look.Twist, look.Limit}
 PARTS = {look.Segment, look.Ball, look.Disc, look.Block, look.Rail, look.Path}
 ABSTRACT = {Look, look.Link, look.Rotary}
 
-UNSEEN_IN_SPACE = {spatial.Body, spatial.JointFriction, spatial.UserConstraint}
+UNSEEN_IN_SPACE = {
+    spatial.Body,
+    spatial.JointFriction,
+    spatial.UserConstraint,
+    spatial.GearPair,
+    spatial.RackAndPinion,
+    spatial.Coupling,
+}
 
 
 def still(model: da.Model):
@@ -117,7 +124,7 @@ def test_places_are_points_whatever_their_dimension():
         for element in model_of(case).parts.elements.values():
             for part in element.look():
                 placed = [v for v in vars(part).values() if isinstance(v, Point)]
-                assert all(p.local.sx.numel() == p.body.dimension for p in placed)
+                assert all(p.dimension == CASES[case].dimension for p in placed)
 
 
 def test_what_lies_on_a_bar_is_drawn_over_it():

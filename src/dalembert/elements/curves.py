@@ -1,4 +1,4 @@
-"""Plane curves fixed in a body: cam profiles and guides."""
+"""Curves fixed in a body, in the plane and in space: cam profiles and guides."""
 
 from __future__ import annotations
 
@@ -21,9 +21,11 @@ class Curve:
     """Point ``c(u)`` of a curve in the frame of its body."""
 
     closed: bool
+    dimension = 2
+    """Number of coordinates of its points."""
 
     def position(self, parameter: ca.SX) -> ca.SX:
-        """``c(u)`` (2,) [m]."""
+        """``c(u)`` (2,) or (3,) [m]."""
         raise NotImplementedError
 
     def interval(self) -> tuple[float, float]:
@@ -31,7 +33,7 @@ class Curve:
         raise NotImplementedError
 
     def offset_position(self, parameter: ca.SX, distance: ca.SX) -> ca.SX:
-        """Point at a distance to the right of the curve (outside, if it runs anticlockwise)."""
+        """In the plane, a point to the right of the curve (outside, if it runs anticlockwise)."""
         symbol = ca.SX.sym("w")
         point = self.position(symbol)
         tangent = ca.jacobian(point, symbol)
@@ -45,18 +47,19 @@ class SplineCurve(Curve):
 
     Parameters
     ----------
-    points : sequence of (x, y) in the body frame [m]; formulas are allowed
+    points : sequence of (x, y) or (x, y, z) in the body frame [m]; formulas are allowed
     closed : periodic; the first point need not be repeated
     """
 
-    points: Rows = option("points (x, y) of the curve")
+    points: Rows = option("points (x, y), in space (x, y, z), of the curve")
     closed: bool = option("the curve closes on itself", default=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self.points, (Sequence, np.ndarray)):
             raise ModelError(f"points must be a list, got {self.points!r:.60}", "SplineCurve")
+        self.dimension = 3 if len(self.points) and np.size(self.points[0]) == 3 else 2
         points = [
-            as_expression(p, f"SplineCurve point {k + 1}", "m", 2)
+            as_expression(p, f"SplineCurve point {k + 1}", "m", self.dimension)
             for k, p in enumerate(self.points)
         ]
         if len(points) < 3:
@@ -75,13 +78,13 @@ class SplineCurve(Curve):
             chords = np.ones(len(columns) - 1)
         knots = np.concatenate([[0.0], np.cumsum(chords)])
         self._range = (0.0, float(knots[-1]))
-        self._x, self._y = (
+        self._components = [
             CubicSpline(list(knots), [c[k] for c in columns], self.closed, "SplineCurve")
-            for k in (0, 1)
-        )
+            for k in range(self.dimension)
+        ]
 
     def position(self, parameter: ca.SX) -> ca.SX:
-        return ca.vertcat(self._x(parameter), self._y(parameter))
+        return ca.vertcat(*(component(parameter) for component in self._components))
 
     def interval(self) -> tuple[float, float]:
         return self._range
@@ -89,11 +92,11 @@ class SplineCurve(Curve):
 
 @dataclass(eq=False)
 class FormulaCurve(Curve):
-    """Curve ``(x(u), y(u))`` by formulas in ``u`` and parameters.
+    """Curve ``(x(u), y(u))``, or ``(x, y, z)`` in space, by formulas in ``u`` and parameters.
 
     Parameters
     ----------
-    x, y : formulas in ``u`` [m]
+    x, y, z : formulas in ``u`` [m]; z in space only
     lower, upper : range of the parameter
     closed : the curve closes on itself
     """
@@ -103,15 +106,20 @@ class FormulaCurve(Curve):
     lower: float = option("start of the parameter", default=0.0)
     upper: float = option("end of the parameter", default=2 * np.pi)
     closed: bool = option("the curve closes on itself", default=True)
+    z: Scalar = quantity("m", "z(u), of a curve in space", default=None)
 
     def __post_init__(self) -> None:
         self.x = as_expression(self.x, "FormulaCurve.x", "m")
         self.y = as_expression(self.y, "FormulaCurve.y", "m")
+        self.dimension = 2 if self.z is None else 3
+        if self.z is not None:
+            self.z = as_expression(self.z, "FormulaCurve.z", "m")
         if not float(self.lower) < float(self.upper):
             raise ModelError(f"lower {self.lower} must be below upper {self.upper}", "FormulaCurve")
 
     def position(self, parameter: ca.SX) -> ca.SX:
-        return ca.substitute(ca.vertcat(self.x.sx, self.y.sx), u.sx, parameter)
+        given = (self.x, self.y) if self.z is None else (self.x, self.y, self.z)
+        return ca.substitute(ca.vertcat(*(c.sx for c in given)), u.sx, parameter)
 
     def interval(self) -> tuple[float, float]:
         return float(self.lower), float(self.upper)

@@ -107,6 +107,7 @@ SPATIAL = Space(
             spatial.Weld,
             spatial.PointOnLine,
             spatial.PointOnPlane,
+            spatial.PointOnCurve,
             spatial.RigidLink,
             spatial.RevoluteSphericalLink,
             spatial.RevoluteRevoluteLink,

@@ -23,6 +23,7 @@ from dalembert.elements.spatial.loads import Force, Torque
 from dalembert.elements.spatial.mesh import Mesh
 from dalembert.elements.spatial.planar_joint import Planar
 from dalembert.elements.spatial.point_joints import PointOnLine, PointOnPlane
+from dalembert.elements.spatial.point_on_curve import PointOnCurve
 from dalembert.elements.spatial.prismatic import Prismatic
 from dalembert.elements.spatial.revolute import Revolute
 from dalembert.elements.spatial.rolling_disc import RollingDisc
@@ -58,6 +59,7 @@ __all__ = [
     "Mesh",
     "Particle",
     "Planar",
+    "PointOnCurve",
     "PointOnLine",
     "PointOnPlane",
     "Prismatic",

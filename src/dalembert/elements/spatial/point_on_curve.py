@@ -1,0 +1,32 @@
+"""Point on a curve in space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dalembert.elements.base import Scalar, option, quantity
+from dalembert.elements.body import BodyElement
+from dalembert.elements.curves import Curve
+from dalembert.elements.point import Point
+from dalembert.elements.point_on_curve import OnCurve
+
+
+@dataclass(eq=False)
+class PointOnCurve(OnCurve):
+    """A point of body j stays on a curve of body i, ``Φ = A_iᵀ (r_jP − r_i) − c(u) = 0``.
+
+    The curve parameter ``u`` is a coordinate of its own without mass, so that the contact transmits
+    no force along the curve.
+
+    Parameters
+    ----------
+    body_i : body that carries the curve
+    point_j : the following point
+    curve : Curve of three components in the frame of body i
+    parameter : initial guess of ``u``; the nearest point if not given
+    """
+
+    body_i: BodyElement
+    point_j: Point
+    curve: Curve = option("the curve", default=None)
+    parameter: Scalar = quantity("", "initial guess of the curve parameter", default=None)
