@@ -10,9 +10,15 @@ from test_joint_coordinates import accelerations, assert_same
 
 import dalembert as da
 from dalembert import spatial
+from dalembert.elements.spatial.tree_joint import TreeJoint
 from dalembert.model.joint_coordinates import JointCoordinates
 
 REACTIONS = ("augmented", "projected")
+
+
+def test_every_tree_joint_is_among_these():
+    kinds = {name for name in spatial.__all__ if issubclass(getattr(spatial, name), TreeJoint)}
+    assert kinds == set(KINDS)
 
 
 def assert_absolute(model: da.Model, reactions: str, formulation=None) -> None:
@@ -98,6 +104,25 @@ def test_a_particle_on_a_string_of_bodies():
     )
     tree.system.add(spatial.Spherical("Q", dot.center, bob.point(0, -0.2, 0)))
     assert_absolute(tree.system.build(), "augmented")
+
+
+def test_a_cross_without_mass():
+    """Two hinges on a massless body in the middle of a tree: M̄ is regular though M is not."""
+    system = da.System("cross", gravity=(0.2, 0.1, -9.81))
+    first, cross, last = (
+        system.add(
+            spatial.Body(
+                name, mass=mass, inertia=(0.1 * mass, 0.2 * mass, 0.15 * mass), position=(0, 0, z)
+            )
+        )
+        for name, mass, z in (("first", 1.0, -0.5), ("cross", 0.0, -1.0), ("last", 0.7, -1.5))
+    )
+    system.add(spatial.Spherical("O", system.ground.point(0, 0, 0), first.point(0, 0, 0.5)))
+    hinge = first.frame((0, 0, -0.5), axis=(1, 0, 0)), cross.frame(axis=(1, 0, 0))
+    system.add(spatial.Revolute("R", *hinge))
+    hinge = last.frame((0, 0, 0.5), axis=(0, 1, 0)), cross.frame(axis=(0, 1, 0))
+    system.add(spatial.Revolute("Q", *hinge))
+    assert_absolute(system.build(), "augmented")
 
 
 def arm(count: int, full_turns: float = 0.0) -> da.System:
