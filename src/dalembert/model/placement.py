@@ -9,6 +9,7 @@ import casadi as ca
 from dalembert.elements.planar.body import Body, rotation
 from dalembert.elements.planar.joint import TreeJoint
 from dalembert.model.description import Description
+from dalembert.model.spatial_placement import spatial_poses
 
 Pose = tuple[ca.SX, ca.SX]
 """Position (2,) and angle of a body."""
@@ -44,7 +45,13 @@ def placed_guesses(d: Description) -> ca.SX:
                     if found is not None:
                         placed[child.name] = found
                         waiting.append(child.name)
-    return ca.vertcat(*(_pose(group, placed) for group in d.coordinates))
+    in_space = spatial_poses(d)
+    return ca.vertcat(
+        *(
+            in_space[group.name] if group.name in in_space else _pose(group, placed)
+            for group in d.coordinates
+        )
+    )
 
 
 def _carried(joint: TreeJoint, child: Body, base: Pose, angle: ca.SX | None) -> Pose | None:
