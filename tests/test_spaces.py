@@ -184,3 +184,27 @@ def test_a_file_describes_what_python_does(tmp_path):
     assert told.status.success and made.status.success
     np.testing.assert_allclose(told.data.coordinates, made.data.coordinates, atol=1e-12)
     assert abs(float(told["C.displacement"][-1])) > 1e-3
+
+
+REFUSED = {
+    "Revolute": lambda ground, body: planar.Revolute("A", ground.point(0, 0, 0), body.center),
+    "RotationalDriver": lambda ground, body: planar.RotationalDriver("A", ground, body, 1.0),
+    "CoordinateDriver": lambda ground, body: planar.CoordinateDriver("A", body.center, 1.0),
+    "Force": lambda ground, body: planar.Force("A", body.center, (1.0, 0.0)),
+    "Moment": lambda ground, body: planar.Moment("A", body, 1.0),
+    "RotationalSpring": lambda ground, body: planar.RotationalSpring("A", ground, body),
+    "Bushing": lambda ground, body: planar.Bushing(
+        "A", ground.point(0, 0, 0), body.center, stiffness=(1.0, 1.0)
+    ),
+    "PointOnCurve": lambda ground, body: planar.PointOnCurve("A", ground, body.center),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_elements_of_the_plane_refuse_what_is_in_space(name):
+    from dalembert import System, spatial
+
+    system = System("s")
+    body = system.add(spatial.Body("b", mass=1, inertia=(1, 1, 1)))
+    with pytest.raises(ModelError, match=rf"A: .* is in space, and {name} is an element"):
+        REFUSED[name](system.ground, body)

@@ -10,11 +10,12 @@ from dalembert.elements.base import Constraint
 from dalembert.elements.body import BodyElement
 from dalembert.elements.pair import Pair, PointJoint, need_body, refuse_same_body
 from dalembert.elements.planar.body import Body
+from dalembert.elements.planar.in_plane import InPlane
 from dalembert.errors import ModelError
 
 
 @dataclass(eq=False)
-class PinJoint(PointJoint):
+class PinJoint(InPlane, PointJoint):
     """Constraint between points of two bodies that may turn against each other."""
 
     @property
@@ -67,7 +68,7 @@ class TreeJoint(PinJoint):
 
 
 @dataclass(eq=False)
-class BodyJoint(Pair, Constraint):
+class BodyJoint(InPlane, Pair, Constraint):
     """Constraint between the angles of two bodies (the moment acts anywhere).
 
     Parameters

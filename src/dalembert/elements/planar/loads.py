@@ -9,10 +9,11 @@ import casadi as ca
 from dalembert.elements.base import Scalar, Vector, option, quantity
 from dalembert.elements.loads import Couple, PointForce
 from dalembert.elements.planar.body import Body
+from dalembert.elements.planar.in_plane import InPlane
 
 
 @dataclass(eq=False)
-class Force(PointForce):
+class Force(InPlane, PointForce):
     """Force at a point of a body (1.53).
 
     Parameters
@@ -30,7 +31,7 @@ class Force(PointForce):
 
 
 @dataclass(eq=False)
-class Moment(Couple):
+class Moment(InPlane, Couple):
     """Moment on a body (1.55), with its reaction on a second one if given: a rotary actuator.
 
     Parameters

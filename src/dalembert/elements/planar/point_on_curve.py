@@ -10,12 +10,13 @@ from dalembert.elements.base import Look, Scalar, option, quantity
 from dalembert.elements.curves import Curve
 from dalembert.elements.look import Disc
 from dalembert.elements.planar.body import Body
+from dalembert.elements.planar.in_plane import InPlane
 from dalembert.elements.point import Point
 from dalembert.elements.point_on_curve import OnCurve
 
 
 @dataclass(eq=False)
-class PointOnCurve(OnCurve):
+class PointOnCurve(InPlane, OnCurve):
     """A point of body j stays on a curve of body i.
 
     ``Φ = A_iᵀ (r_jP − r_i) − c(u) − radius · n(u) = 0`` with the curve parameter ``u`` as an

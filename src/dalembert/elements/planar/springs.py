@@ -18,12 +18,13 @@ from dalembert.elements.elastic_bearing import ElasticBearing
 from dalembert.elements.look import Brake, Sleeve, Spiral
 from dalembert.elements.pair import BetweenPoints, need_body, refuse_same_body
 from dalembert.elements.planar.body import Body, rotation
+from dalembert.elements.planar.in_plane import InPlane
 from dalembert.elements.springs import AngularSpring
 from dalembert.errors import ModelError
 
 
 @dataclass(eq=False)
-class BodyPair(ForceElement):
+class BodyPair(InPlane, ForceElement):
     """Force element between the angles of two bodies.
 
     Parameters
@@ -67,7 +68,7 @@ class RotationalSpring(AngularSpring, BodyPair):
 
 
 @dataclass(eq=False)
-class Bushing(ElasticBearing, BetweenPoints):
+class Bushing(InPlane, ElasticBearing, BetweenPoints):
     """Elastic bearing: stiffness and damping along two axes of body i and about the pin.
 
     Parameters
