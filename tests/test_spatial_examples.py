@@ -227,3 +227,50 @@ def test_rssr_four_bar_solves_its_closure(pictures: Path) -> None:  # noqa: F811
     assert found["ways to close at the start"] == 2
     swing = np.degrees(np.ptp(angle(turn)))
     assert found["swing of the rocker [deg]"] == pytest.approx(swing, abs=1e-9)
+
+
+def test_governor_settles_where_moments_balance(pictures: Path) -> None:  # noqa: F811
+    """``dU/dβ = 0`` of weight, spring and centrifugal force at each speed; its slope by speed."""
+    found, made = numbers("governor", pictures), script("governor")
+
+    def height(speed: float) -> float:
+        def energy(angle):
+            depth = made.sleeve_depth(angle)
+            weight = -G * (2 * made.BALL * made.ARM * np.cos(angle) + made.SLEEVE * depth)
+            spring = made.STIFFNESS * (depth - made.FREE) ** 2 / 2
+            return weight + spring - made.BALL * (speed * made.ARM * np.sin(angle)) ** 2
+
+        def moment(angle, h=1e-4):
+            near, far = (energy(angle + k * h) - energy(angle - k * h) for k in (1, 2))
+            return (8 * near - far) / (12 * h)
+
+        return -made.sleeve_depth(brentq(moment, 0.05, 1.5, xtol=1e-14))
+
+    for speed in made.SPEEDS:
+        settled = found[f"height of the sleeve at {speed:g} rad/s [m]"]
+        assert settled == pytest.approx(height(speed), abs=1e-7)
+    slope = (height(15.01) - height(14.99)) / 0.02
+    assert found["rise per speed [m s/rad]"] == pytest.approx(slope, rel=1e-4)
+
+
+def test_bicycle_is_stable_between_the_published_speeds(pictures: Path) -> None:  # noqa: F811
+    """By the matrices of Meijaard et al.; printed there as 4.292 m/s and 6.024 m/s."""
+    mass = np.array([[80.81722, 2.31941332208709], [2.31941332208709, 0.29784188199686]])
+    damping = np.array([[0, 33.86641391492494], [-0.85035641456978, 1.68540397397560]])
+    weight = np.array([[-80.95, -2.59951685249872], [-2.59951685249872, -0.80329488458618]])
+    turning = np.array([[0, 76.59734589573222], [0, 2.65431523794604]])
+
+    def growth(speed: float, oscillating: bool) -> float:
+        stiffness = G * weight + speed**2 * turning
+        lower = np.linalg.solve(mass, np.hstack([-stiffness, -speed * damping]))
+        found = np.linalg.eigvals(np.vstack([np.eye(2, 4, 2), lower]))
+        return max(z.real for z in found if bool(z.imag > 1e-6) is oscillating)
+
+    found = numbers("bicycle", pictures)
+    for name, low, high, oscillating in (("weave", 4.0, 4.6, True), ("capsize", 5.5, 6.5, False)):
+        speed = brentq(growth, low, high, args=(oscillating,), xtol=1e-12)
+        assert found[f"{name} speed [m/s]"] == pytest.approx(speed, abs=1e-6)
+    assert found["weave speed [m/s]"] == pytest.approx(4.292, abs=5e-4)
+    assert found["capsize speed [m/s]"] == pytest.approx(6.024, abs=5e-4)
+    assert abs(found["steer after 5 s [deg]"]) < 1.0
+    assert found["largest error of the energy [J]"] < 1e-4

@@ -33,7 +33,7 @@ K2 = np.array([[0, 76.59734589573222], [0, 2.65431523794604]])
 
 
 def bicycle(speed: float) -> da.System:
-    """Upright and straight, the rear contact below the origin."""
+    """Upright and straight, the rear contact below the origin; the frame carries the joints."""
     system = da.System("bicycle", gravity=(0.0, 0.0, G))
 
     def body(name, mass, inertia, place, spin=0.0):
@@ -48,8 +48,8 @@ def bicycle(speed: float) -> da.System:
         )
         return system.add(made)
 
-    rear_wheel = body("rear_wheel", 2.0, (0.0603, 0.12, 0.0603), (0, 0, -REAR), -speed / REAR)
     frame = body("frame", 85.0, [[9.2, 0, 2.4], [0, 11, 0], [2.4, 0, 2.8]], (0.3, 0, -0.9))
+    rear_wheel = body("rear_wheel", 2.0, (0.0603, 0.12, 0.0603), (0, 0, -REAR), -speed / REAR)
     fork_inertia = [[0.05892, 0, -0.00756], [0, 0.06, 0], [-0.00756, 0, 0.00708]]
     fork = body("fork", 4.0, fork_inertia, (0.9, 0, -0.7))
     front_wheel = body(
@@ -133,3 +133,14 @@ def test_eigenvalues(speed):
     printed = {z for root in EIGENVALUES[speed] for z in (complex(root), np.conj(root))}
     found = np.linalg.eigvals(matrix[:4, :4])
     np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(list(printed)), atol=1e-6)
+
+
+@pytest.mark.parametrize("speed", EIGENVALUES)
+def test_eigenvalues_in_joint_coordinates(speed):
+    """``linearize`` about the steady run; those of cyclic motions are zero."""
+    modes = da.linearize(
+        bicycle(speed).build(), equilibrium=False, coordinates=da.JointCoordinates()
+    )
+    found = modes.eigenvalues[abs(modes.eigenvalues) > 1e-4]
+    printed = [z for z in map(complex, EIGENVALUES[speed]) if z.imag >= 0]
+    np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(printed), atol=1e-6)

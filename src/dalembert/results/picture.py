@@ -73,6 +73,10 @@ class Picture:
             turns, places = self.poses[body]
             for k in range(0, len(places), max(1, len(places) // 60)):
                 every.append(points @ turns[k].T + places[k])
+        for _, link in self.links:
+            for end in (link["i"], link["j"]):
+                turns, places = self.poses[end["body"]]
+                every.append(turns @ np.array(end["point"]) + places)
         table = np.vstack(every) if every else np.zeros((1, self.dimension))
         low, high = np.nanmin(table, axis=0), np.nanmax(table, axis=0)
         size = max(high - low) or 1.0
