@@ -1,0 +1,83 @@
+"""Joints in space that cannot be: one message with the entity and the cure."""
+
+from __future__ import annotations
+
+import pytest
+
+import dalembert as da
+from dalembert import spatial
+
+
+def body(system: da.System, name: str, **more) -> spatial.Body:
+    given = {"rotation": da.rotation.identity(), "mass": 1.0, "inertia": (0.1, 0.2, 0.15)}
+    return system.add(spatial.Body(name, **given, **more))
+
+
+def two(other: tuple = (0, 1, 0)):
+    system = da.System("pair")
+    a, b = body(system, "a", position=(0, 0, 0)), body(system, "b", position=(1, 0, 0))
+    return system, a.frame(), b.frame(axis=other)
+
+
+def cross_of_parallel_arms():
+    system, i, j = two((0, 0, 1))
+    system.add(spatial.Universal("U", i, j))
+    system.build()
+
+
+def driver_of_nothing(kind, joint, **more):
+    def make():
+        system, i, j = two()
+        system.add(kind("D", system.add(joint("J", i, j)), 0.0, **more))
+
+    return make
+
+
+def gears_apart():
+    system, i, j = two()
+    far = body(system, "c"), body(system, "d")
+    first = system.add(spatial.Revolute("A", i, far[0]))
+    second = system.add(spatial.Revolute("B", j, far[1]))
+    system.add(spatial.GearPair("G", first, second, radius_i=1, radius_j=1))
+
+
+def particle_on_a_hinge():
+    system, i, _ = two()
+    system.add(spatial.Revolute("A", i, system.add(spatial.Particle("dot", mass=1))))
+
+
+def angle_without_x():
+    _, i, j = two()
+    spatial.Weld("W", i, j, angle=0.2)
+
+
+def screw_without_pitch():
+    system, i, j = two((0, 0, 1))
+    system.add(spatial.Screw("S", i, j, pitch=0.0))
+    system.build()
+
+
+WRONG = {
+    r"a direction needs a length": lambda: two((0, 0, 0)),
+    r"axis and x are parallel": lambda: two()[1].body.frame(axis=(0, 0, 1), x=(0, 0, 2)),
+    r"^U: the arms of its cross are parallel; give": cross_of_parallel_arms,
+    r"^D: joint must leave a turn free; got Prismatic J": driver_of_nothing(
+        spatial.RotationalDriver, spatial.Prismatic
+    ),
+    r"^D: joint must leave a displacement free; got Revolute J": driver_of_nothing(
+        spatial.TranslationalDriver, spatial.Revolute
+    ),
+    r"^D: J has no turn 'roll'; it has angle_i, angle_j": driver_of_nothing(
+        spatial.RotationalDriver, spatial.Universal, motion="roll"
+    ),
+    r"^G: A and B have no body in common.*put both hinges on one carrier": gears_apart,
+    r"^A: dot is a particle and has no axes": particle_on_a_hinge,
+    r"^W: angle= is counted from x axes.*give both frames": angle_without_x,
+    r"^S: a screw needs a pitch": screw_without_pitch,
+}
+
+
+@pytest.mark.parametrize("told", WRONG)
+def test_joints_that_cannot_be_are_refused(told):
+    with pytest.raises(da.ModelError, match=told):
+        WRONG[told]()
