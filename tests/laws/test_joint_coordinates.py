@@ -18,7 +18,8 @@ from dalembert import planar
 from dalembert.elements.planar.joint import TreeJoint
 from dalembert.io.model_file import load_model_file
 from dalembert.io.tasks import make_analysis
-from dalembert.model.joint_coordinates import JointCoordinates, JointView
+from dalembert.model.joint_coordinates import JointCoordinates
+from dalembert.model.joint_view import JointView
 from dalembert.model.planar_link import planar_link
 from dalembert.model.spanning_tree import Edge, spanning_tree
 
