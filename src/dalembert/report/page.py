@@ -50,6 +50,7 @@ SCRIPTS = {
         "space_painter.js",
         "space_trace.js",
         "space_overlay.js",
+        "space_assembly.js",
         "space_scene.js",
         "space_tools.js",
         "space.js",

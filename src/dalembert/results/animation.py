@@ -8,6 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FuncAnimation
 
+from dalembert.errors import AnalysisError
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.picture import Picture
 
@@ -21,6 +22,7 @@ class Film(FuncAnimation):
 
 def still(motion: LabelledRecording, time: float, ax: Any = None) -> Any:
     """The mechanism at the output nearest to a time; returns the axes."""
+    _need_outputs(motion)
     k = int(np.argmin(np.abs(motion.time - time)))
     picture = Picture(motion, np.array([k]), ax)
     picture.show(0)
@@ -31,6 +33,7 @@ def animate(
     motion: LabelledRecording, *, fps: int = 30, speed: float = 1.0, ax: Any = None
 ) -> Film:
     """Matplotlib animation in real time (times ``speed``); ``save`` writes it as a film."""
+    _need_outputs(motion)
     span = motion.time[-1] - motion.time[0]
     frames = int(np.clip(fps * span / speed, 2, 600))
     wanted = np.linspace(motion.time[0], motion.time[-1], frames)
@@ -47,3 +50,8 @@ def animate(
     )
     plt.close(figure)  # notebooks would show the still picture as well
     return film
+
+
+def _need_outputs(motion: LabelledRecording) -> None:
+    if not motion.time.size:
+        raise AnalysisError(f"there is no output to draw: {motion.status}")

@@ -1,6 +1,7 @@
 """Primitives as they stand in space.
 
-What has an axis shows the z axis of its frame; a point without axes of its own, that of its body.
+What has an axis shows the z axis of its frame; a point of a planar body, that of the plane. Other
+points have none.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ class SpatialSketch(Sketch):
     dimension = 3
 
     def seat(self, point: Point) -> Place:
-        """A point with an axis."""
-        axis = [0.0, 0.0, 1.0]
+        """A point, with its axis if it has one."""
+        axis = None if point.body.dimension == 3 else [0.0, 0.0, 1.0]
         if isinstance(point, Frame):
             axis = self.number(point.local_axes[:, 2]).tolist()
         return self.place(point) | {"axis": axis}
@@ -63,7 +64,8 @@ class SpatialSketch(Sketch):
     @draw.register
     def _(self, look: Disc, element: Any) -> None:
         seat = self.seat(look.point)
-        shape = {"center": seat["point"], "axis": seat["axis"], "radius": self.size_of(look.radius)}
+        shape = {"center": seat["point"], "axis": seat["axis"] or [0.0, 0.0, 1.0]}
+        shape["radius"] = self.size_of(look.radius)
         self.shapes[look.point.body.name].append({"kind": "disc", **shape})
 
     @draw.register

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look
-from dalembert.elements.look import SlotPin
+from dalembert.elements.look import Rail, SlotPin
 from dalembert.elements.spatial.joint import FramePointJoint
 
 
@@ -27,7 +27,8 @@ class PointOnLine(FramePointJoint):
         return self.travel[:2]
 
     def look(self) -> list[Look]:
-        return [SlotPin(self.point_j, self.frame_i)]
+        line = self.frame_i.local_axes[:, 2]
+        return [Rail(self.frame_i, line, self.travel[2]), SlotPin(self.point_j, self.frame_i)]
 
 
 @dataclass(eq=False)

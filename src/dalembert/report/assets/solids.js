@@ -94,6 +94,20 @@ function faceted(geometry) {
   return flat;
 }
 
+// A place of a solid near a point: of a surface a corner, else on the box about it.
+function nearestOn(geometry, shape, point) {
+  if (shape.kind !== "mesh") {
+    geometry.computeBoundingBox();
+    return geometry.boundingBox.clampPoint(point, new THREE.Vector3());
+  }
+  const corners = geometry.attributes.position, best = new THREE.Vector3(), p = new THREE.Vector3();
+  for (let k = 0, least = Infinity; k < corners.count; k++) {
+    const away = p.fromBufferAttribute(corners, k).distanceToSquared(point);
+    if (away < least) { least = away; best.copy(p); }
+  }
+  return best;
+}
+
 const SOLIDS = {
   bar: (s, u) => [pill(s.from, s.to, s.radius || 0.8 * u)],
   particle: (s, u) => [ball(xyz(s.center), s.radius || 1.8 * u), meridians(s, Array(3).fill(2 * (s.radius || 1.8 * u)))],

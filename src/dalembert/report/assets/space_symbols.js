@@ -14,6 +14,7 @@ const JOINT_SOLIDS = {
   table: (u) => [[new THREE.BoxGeometry(16 * u, 16 * u, 0.3 * u), "pale"]],
   mark: (u) => [[new THREE.OctahedronGeometry(1.6 * u), "steel"]],
   slotpin: (u) => [[tube([0, 0, -1.6 * u], [0, 0, 1.6 * u], 1.1 * u), "dark"]],
+  bead: (u) => [[ball([0, 0, 0], 1.5 * u), "steel"]],
   clamp: () => [],
   contact: () => [],
   mesh: () => [],
