@@ -180,7 +180,7 @@ def test_optimize(model, tmp_path, capsys):
 def test_schema(tmp_path, capsys):
     assert main(["schema"]) == 0
     made = told(capsys)
-    assert "joints" in made["$defs"]["Document"]["properties"]
+    assert "joints" in made["$defs"]["PlanarDocument"]["properties"]
     assert "supports" in made["$defs"]["StructureDocument"]["properties"]
     assert main(["schema", "--output", str(tmp_path / "s.json")]) == 0
     assert json.loads((tmp_path / "s.json").read_text(encoding="utf-8")) == made

@@ -221,7 +221,8 @@ def document_of(space: Space) -> type[Document]:
     about = Document.model_fields["dimension"].description
     own = Field(default=space.dimension, description=about)
     fields["dimension"] = (Literal[space.dimension], own)
-    made = create_model("Document", __base__=Document, __doc__=Document.__doc__, **fields)
+    name = f"{space.name.title()}Document"
+    made = create_model(name, __base__=Document, __doc__=Document.__doc__, **fields)
     made.space = space
     return made
 
