@@ -37,6 +37,7 @@ class Visit:
     page: Any
     requests: list[str] = field(default_factory=list)
     console: list[str] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
 
     def js(self, expression: str) -> Any:
         """Return the value of a JavaScript expression in the page."""
@@ -47,6 +48,7 @@ class Visit:
         # The page forbids eval, and with it playwright's own waiting for a function.
         end = time.monotonic() + seconds
         while not self.js(expression):
+            assert not self.errors, self.errors
             assert time.monotonic() < end, f"in {seconds} s it did not come true: {expression}"
             time.sleep(0.02)
 
@@ -133,7 +135,7 @@ def visit(
             ),
         )
         page.on("console", lambda m: DRIVER in m.text or found.console.append(m.text))
-        page.on("pageerror", lambda e: found.console.append(str(e)))
+        page.on("pageerror", lambda e: (found.console.append(str(e)), found.errors.append(str(e))))
         page.goto(url)
         found.until("window.dalembert !== undefined")
         found.frames(3)

@@ -294,6 +294,19 @@ def test_the_force_of_a_rolling_contact_stands_where_it_touches() -> None:
     assert np.allclose(contact["force_z"], motion["D.force.z"].values)
 
 
+def test_a_rod_leads_to_a_joint_beside_a_solid(show: Any) -> None:
+    system = da.System("hammer", gravity=(0, 0, -9.81))
+    head = spatial.Box("head", size=(0.1, 0.1, 0.1), mass=1, position=(0, 0, -0.5))
+    system.add(head)
+    hook = head.frame((0, 0, 0.5), axis=(0, 1, 0))
+    system.add(spatial.Revolute("O", system.ground.frame((0, 0, 0), axis=(0, 1, 0)), hook))
+    found = show(da.solve_dynamics(system.build(), duration=0.1, step=0.05))
+    tops = found.js("""[...dalembert.scene.groups].find(([body]) => !body.fixed)[1].children
+        .filter((part) => part.isMesh).map((part) => (part.geometry.computeBoundingBox(),
+            part.geometry.boundingBox.max.z + part.position.z))""")
+    assert max(tops) >= 0.5 - 1e-6
+
+
 def test_bodies_of_the_plane_stand_in_space(show: Any) -> None:
     system = da.System("mixed", gravity=(0, -9.81, 0))
     arm = planar.Bar("arm", length=0.4, mass=1, angle=0.5, angular_velocity=3)
