@@ -7,6 +7,7 @@ import functools
 import casadi as ca
 import numpy as np
 from registry import model_of
+from spatial_twins import moved
 
 from dalembert.model.change import speeds_by_partition
 from dalembert.model.equations import Equations
@@ -39,7 +40,7 @@ def partition(name: str) -> tuple[Equations, Transformation]:
 def general_state(e: Equations, seed: int, name: str) -> tuple:
     """``t, y, v, p`` near the start that satisfy nothing in particular."""
     model, rng = model_of(name), np.random.default_rng(seed)
-    y = model.start.y + 0.05 * rng.standard_normal(e.coordinate_count)
+    y = moved(model, model.start.y, 0.05 * rng.standard_normal(model.start.v.size))
     return 0.13, y, rng.standard_normal(e.speed_count), model.nominal
 
 
