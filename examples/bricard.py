@@ -1,8 +1,9 @@
 """Bricard's mechanism: six hinges in one loop that should be rigid, and is not.
 
 Gruebler counts no freedom, for the special lengths and axes make one of the thirty equations
-follow from the others. The diagnosis names it; ``AugmentedLagrangian`` keeps all equations, other
-formulations leave one out. IFToMM benchmark A04: five rods of 1 m and 1 kg, released at rest.
+follow from the others. The diagnosis names it; ``AugmentedLagrangian`` keeps all equations,
+``RangeSpace``, used here, leaves one out. IFToMM benchmark A04: five rods of 1 m and 1 kg, released
+at rest.
 """
 
 import sys
@@ -47,7 +48,6 @@ def main(folder=None) -> dict[str, float]:
     motion = da.solve_dynamics(
         model,
         10.0,
-        formulation=da.AugmentedLagrangian(),
         integrator=da.DormandPrince(1e-8, 1e-8),
         outputs=501,
     )

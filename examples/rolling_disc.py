@@ -66,8 +66,9 @@ def main(folder=None) -> dict[str, float]:
             path = [motion[f"disc.{axis}"] for axis in "xyz"]
             left.plot(*path, color=colour, label=label)
             right.plot(motion.time, motion["rolling.force.z"], color=colour, label=label)
+        steady.draw(0.0, left)
+        left.set(xlim=(-1.3, 1.3), ylim=(-0.3, 2.3), zlim=(0, 0.6), title="paths of the centre")
         left.set_aspect("equal")
-        left.set_title("paths of the centre")
         right.set(xlabel="time [s]", ylabel="force [N]", title="contact force across the plane")
         right.legend()
         style.save(figure, folder, "rolling_disc")
