@@ -208,3 +208,14 @@ def test_elements_of_the_plane_refuse_what_is_in_space(name):
     body = system.add(spatial.Body("b", mass=1, inertia=(1, 1, 1)))
     with pytest.raises(ModelError, match=rf"A: .* is in space, and {name} is an element"):
         REFUSED[name](system.ground, body)
+
+
+def test_the_ground_stands_for_its_origin_in_either_space():
+    from dalembert import System, spatial
+
+    system = System("s")
+    body = system.add(spatial.Body("b", mass=1, inertia=(1, 1, 1)))
+    joint = spatial.Spherical("O", system.ground, body.point(0, 0, 1))
+    assert joint.point_i.dimension == 3
+    bar = system.add(planar.Bar("bar", length=1.0, mass=1.0))
+    assert planar.Revolute("P", system.ground, bar.start).point_i.dimension == 2

@@ -16,10 +16,15 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, t
 
 
-def need_point(value: Any, owner: str, field: str) -> Point:
-    """Check that an element was given a point of a body."""
+def need_point(value: Any, owner: str, field: str, dimension: int = 2) -> Point:
+    """Check that an element was given a point of a body; a body itself stands for its origin.
+
+    Parameters
+    ----------
+    dimension : of the point beside it, where there is one
+    """
     if isinstance(value, BodyElement):
-        return value.center
+        return Point(value, (0.0,) * max(value.dimension, dimension))
     if not isinstance(value, Point):
         raise ModelError(
             f"{field} must be a point of a body, e.g. crank.point(0.1, 0.0); got {value!r}", owner
@@ -59,8 +64,9 @@ class BetweenPoints(Element):
     point_j: Point
 
     def __post_init__(self) -> None:
-        self.point_i = need_point(self.point_i, self.name, "point_i")
-        self.point_j = need_point(self.point_j, self.name, "point_j")
+        space = max(getattr(end, "dimension", 2) for end in (self.point_i, self.point_j))
+        self.point_i = need_point(self.point_i, self.name, "point_i", space)
+        self.point_j = need_point(self.point_j, self.name, "point_j", space)
         refuse_same_body(self.point_i.body, self.point_j.body, self.name)
         self._in_one_space()
         super().__post_init__()
