@@ -34,6 +34,8 @@ def basis_of(name: str, basis: str) -> NullSpaceBasis:
 def test_basis(name, basis):
     """C D = 0, C x₂ = r₂, Cᵀ z = w, and D of full rank."""
     model, rng = model_of(name), np.random.default_rng(3)
+    if basis == "svd" and model.equations.speed_count > LARGEST_SVD:
+        pytest.skip("too many speeds for this basis")
     found, c = basis_of(name, basis), model.equations.jacobian
     m, n = c.shape
     rhs, force = ca.SX(rng.standard_normal((m, 2))), ca.mtimes(c.T, ca.SX(np.arange(1.0, m + 1)))

@@ -19,8 +19,10 @@ from dalembert.elements.base import Constraint, rate_of
 from dalembert.elements.pair import Pair
 from dalembert.elements.planar import GearPair, UserConstraint
 
-OWN = {UserConstraint, spatial.ConstantVelocity}
-"""Multipliers that are what a formula makes of them, or the torque of a shaft at an angle."""
+COUPLED = {spatial.GearPair, spatial.RackAndPinion, spatial.Coupling}
+OWN = {UserConstraint, spatial.ConstantVelocity, *COUPLED}
+"""Multipliers that are what a formula makes of them, the torque of a shaft at an angle, or tied to
+motions of two joints."""
 OBLIQUE = {"link of two hinges askew"}
 LIBRARY = [n for n in CONSTRAINED if not OWN & set(CASES[n].covers)]
 
