@@ -128,3 +128,32 @@ def test_derivatives_of_constraints_by_either_way(model):
     ]
     for one, other in zip(*values, strict=True):
         np.testing.assert_allclose(np.array(one), np.array(other), atol=1e-12)
+
+
+def spinning(carried: bool) -> da.Model:
+    """A wheel on a frame that slides; either may carry the other."""
+    system = da.System("wheel")
+    still = da.rotation.identity()
+    frame = spatial.Body("frame", mass=2.0, inertia=(1, 2, 2), position=(0, 0, 0), rotation=still)
+    wheel = spatial.Body(
+        "wheel",
+        mass=1.0,
+        inertia=(0.3, 0.5, 0.3),
+        position=(0, 0, 0),
+        rotation=still,
+        angular_velocity=(0, 4.0, 0),
+    )
+    for body in (frame, wheel) if carried else (wheel, frame):
+        system.add(body)
+    axle = {"axis": (0, 1, 0)}
+    system.add(
+        spatial.Revolute("axle", frame.frame((0, 0, 0), **axle), wheel.frame((0, 0, 0), **axle))
+    )
+    return system.build()
+
+
+@pytest.mark.parametrize("carried", [True, False])
+def test_modes_of_an_instant_are_told(carried):
+    """A spinning wheel: steady by its joint, but not where it carries what does not spin."""
+    found = da.linearize(spinning(carried), equilibrium=False, coordinates=da.JointCoordinates())
+    assert bool(found.warnings) is not carried

@@ -25,6 +25,13 @@ from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 
 ABSOLUTE = AbsoluteCoordinates()
+STEADY = 1e-3
+"""Change of the matrix within a natural time that a steady motion may show."""
+OF_AN_INSTANT = (
+    "the motion is not steady in these coordinates: eigenvalues are those of an instant and say "
+    "little about stability; coordinates=JointCoordinates() helps where only cyclic angles change, "
+    "with the bodies that do not spin carrying the others"
+)
 __all__ = ["Linearization", "Modes", "MotionLinearization", "linearize"]
 
 
@@ -156,6 +163,7 @@ def modes_of(analysis: Any, state: Linearized, earlier: Modes | None = None) -> 
         Status(Outcome.COMPLETED, f"{numbers.size} mode(s)", state.time, state.residual),
         positions,
         state,
+        warnings=(OF_AN_INSTANT,) if state.unsteadiness > STEADY else (),
     )
 
 

@@ -6,7 +6,7 @@ space of ``G`` the reduced matrix is ``A = Bᵀ J B``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
@@ -20,6 +20,11 @@ from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
+
+RESTING = 1e-9
+"""Change of the state within a natural time that counts as none."""
+SHORT = 1e-4
+"""Of a natural time, the step in which a change is looked for."""
 
 
 class LinearizationKernel:
@@ -128,6 +133,19 @@ class Linearized:
         """``J`` and ``G`` of a state and equations measured by their natural sizes."""
         (jacobian, tangency), (states, rows) = self.derivatives, self.sizes
         return jacobian * states / states[:, None], tangency * states / rows[:, None]
+
+    @cached_property
+    def unsteadiness(self) -> float:
+        """How much the matrix changes within a natural time while the state goes on, relative."""
+        inputs, time = (self.time, self.x, self.p), self.model.scales.time
+        rate = self.kernel.system.function(*inputs)[0].full().ravel()
+        if np.max(np.abs(rate) * time / self.sizes[0], initial=0.0) < RESTING:
+            return 0.0
+        short = SHORT * time
+        later = replace(self, time=self.time + short, x=self.x + short * rate)
+        here, there = self.alike[0], later.alike[0]
+        largest = np.abs(here).max(initial=0.0)
+        return float(np.abs(there - here).max() / (SHORT * largest)) if largest else 0.0
 
     @cached_property
     def basis(self) -> np.ndarray:

@@ -50,6 +50,7 @@ class Modes(Numbered):
     positions : (k,) of the eigenvalues in the whole spectrum of the record
     record : what a gradient needs
     statistics : name → number or text, for people
+    warnings : what speaks against reading too much from them
     """
 
     model: Model
@@ -63,6 +64,7 @@ class Modes(Numbered):
     positions: np.ndarray
     record: Any = None
     statistics: dict[str, Any] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
     has_page = False
 
