@@ -15,7 +15,8 @@ from twins import length
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.elements.base import Constraint, rate_of
+from dalembert.elements.base import Constraint
+from dalembert.elements.coordinates import rate_of
 from dalembert.elements.pair import Pair
 from dalembert.elements.planar import GearPair, UserConstraint
 

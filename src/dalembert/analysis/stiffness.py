@@ -13,7 +13,8 @@ import casadi as ca
 import numpy as np
 import scipy.sparse.linalg as spla
 
-from dalembert.elements.base import Powers, rate_of
+from dalembert.elements.base import Powers
+from dalembert.elements.coordinates import rate_of
 from dalembert.integrators.base import Integrator
 from dalembert.model.closure import AssembledState
 from dalembert.model.model import Model

@@ -6,7 +6,8 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.elements.base import Constraint, Element, ForceElement, rate_of
+from dalembert.elements.base import Constraint, Element, ForceElement
+from dalembert.elements.coordinates import rate_of
 from dalembert.model.model import Model
 from dalembert.symbolic.switches import hold
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, ForceElement, Powers, Rate
+from dalembert.elements.base import Constraint, ForceElement, Powers, Rate
+from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import ModelError
 
 

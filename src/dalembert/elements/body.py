@@ -8,7 +8,8 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates, Element, Vector
+from dalembert.elements.base import Element, Vector
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError

@@ -12,7 +12,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Condition, Constraint, Coordinates, Look, option
+from dalembert.elements.base import Condition, Constraint, Look, option
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.laws.base import GivenLaw, as_law
 from dalembert.elements.look import Cylinder, Travel
 from dalembert.elements.pair import PointJoint, need_point

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates
+from dalembert.elements.coordinates import Coordinates
 from dalembert.symbolic import rotation
 from dalembert.symbolic.expression import stack
 

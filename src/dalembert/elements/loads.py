@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates, ForceElement, Look, Powers, Rate
+from dalembert.elements.base import ForceElement, Look, Powers, Rate
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Arrow, Motor, Twist
 from dalembert.elements.pair import need_body, need_point, refuse_same_body
 from dalembert.elements.point import Point

@@ -8,8 +8,9 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Element, Look, rate_of
+from dalembert.elements.base import Constraint, Element, Look
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates, rate_of
 from dalembert.elements.look import Mark
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError

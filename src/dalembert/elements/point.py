@@ -6,7 +6,8 @@ from typing import Any, Protocol
 
 import casadi as ca
 
-from dalembert.elements.base import Vector, rate_of, second_rate_of
+from dalembert.elements.base import Vector
+from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, t
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Look
+from dalembert.elements.base import Constraint, Look
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.curves import Curve
 from dalembert.elements.look import Mark, Path
 from dalembert.elements.pair import Pair, need_body, need_point, refuse_same_body

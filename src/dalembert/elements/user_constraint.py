@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Scalar, option, quantity
+from dalembert.elements.base import Constraint, Scalar, option, quantity
+from dalembert.elements.coordinates import Coordinates
 from dalembert.symbolic.expression import stack
 
 

@@ -6,7 +6,8 @@ from contextlib import ExitStack
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates, Powers, rate_of
+from dalembert.elements.base import Powers
+from dalembert.elements.coordinates import Coordinates, rate_of
 from dalembert.elements.planar.body import Ground
 from dalembert.model.description import Description
 from dalembert.model.equations import ConstraintKinematics, Equations

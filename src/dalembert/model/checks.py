@@ -9,7 +9,8 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Constraint, ForceElement, rate_of
+from dalembert.elements.base import Constraint, ForceElement
+from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.description import Description
 from dalembert.symbolic.expression import free_symbols, refuse_unusable, stack, t

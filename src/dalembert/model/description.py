@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement
+from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.gravity import Gravity
 from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError

@@ -8,8 +8,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Coordinates
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.joint_space import JointSpace
 from dalembert.symbolic import rotation
 

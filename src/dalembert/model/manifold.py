@@ -14,7 +14,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Coordinates
+from dalembert.elements.coordinates import Coordinates
 from dalembert.symbolic.expression import stack
 
 

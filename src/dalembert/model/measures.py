@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Element, ForceElement, rate_of
+from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates, rate_of
 from dalembert.elements.pair import Pair
 from dalembert.elements.point import AXES
 from dalembert.symbolic.expression import Expression, t

@@ -5,7 +5,8 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Constraint, Element, ForceElement, rate_of
+from dalembert.elements.base import Constraint, Element, ForceElement
+from dalembert.elements.coordinates import rate_of
 from dalembert.elements.driver import Driver
 from dalembert.errors import ModelError
 from dalembert.model.absolute import at_ground

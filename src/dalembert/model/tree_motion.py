@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates
+from dalembert.elements.coordinates import Coordinates
 from dalembert.model.link import Link, Step
 from dalembert.model.tree_basis import Branch, TreeBasis
 from dalembert.symbolic.expression import stack

@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import rate_of
+from dalembert.elements.coordinates import rate_of
 from dalembert.elements.pair import Pair
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.model.model import Model

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates, Look, Scalar, option, quantity
+from dalembert.elements.base import Look, Scalar, option, quantity
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Belt, Disc, Mesh
 from dalembert.elements.pair import initial_value, need_body
 from dalembert.elements.planar.body import Body, cross

@@ -6,14 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import (
-    Coordinates,
-    ForceElement,
-    Look,
-    Scalar,
-    Vector,
-    quantity,
-)
+from dalembert.elements.base import ForceElement, Look, Scalar, Vector, quantity
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.elastic_bearing import ElasticBearing
 from dalembert.elements.look import Brake, Sleeve, Spiral
 from dalembert.elements.pair import BetweenPoints, need_body, refuse_same_body

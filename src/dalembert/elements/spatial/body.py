@@ -15,16 +15,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import (
-    Condition,
-    Scalar,
-    Vector,
-    option,
-    quantity,
-    rate_of,
-    second_rate_of,
-)
+from dalembert.elements.base import Condition, Scalar, Vector, option, quantity
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.elements.frame import Frames
 from dalembert.elements.point import components
 from dalembert.elements.point_mass import PointMass

@@ -12,15 +12,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.along_joint import free_motion
-from dalembert.elements.base import (
-    Constraint,
-    Coordinates,
-    Rate,
-    Scalar,
-    option,
-    quantity,
-)
+from dalembert.elements.base import Constraint, Rate, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.pair import Pair, initial_value
 from dalembert.elements.spatial.joint import SpatialJoint, slide_of, turn_of
 from dalembert.elements.spatial.turn import Turn

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates, Look, Vector, option, quantity
+from dalembert.elements.base import Look, Vector, option, quantity
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.driver import AlongDirection, Driver
 from dalembert.elements.laws.base import GivenLaw
 from dalembert.elements.look import Motor, Travel

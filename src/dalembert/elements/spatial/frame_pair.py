@@ -8,8 +8,9 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Condition, Coordinates, Element
+from dalembert.elements.base import Condition, Element
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.frame import Frame
 from dalembert.elements.pair import initial_value, need_point, refuse_same_body
 from dalembert.elements.point import Point

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Look
+from dalembert.elements.base import Constraint, Look
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.frame import Frame
 from dalembert.elements.look import Mark
 from dalembert.elements.pair import Pair, refuse_same_body

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Coordinates, Vector, option, quantity
+from dalembert.elements.base import Vector, option, quantity
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.loads import Couple, PointForce, in_inertial_axes, known_once
 from dalembert.elements.pair import need_body
 from dalembert.errors import ModelError

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Coordinates, Look, Scalar, Vector, quantity
+from dalembert.elements.base import Constraint, Look, Scalar, Vector, quantity
 from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.frame import Frame
 from dalembert.elements.look import Contact, Disc
 from dalembert.elements.pair import Pair, need_body, refuse_same_body
