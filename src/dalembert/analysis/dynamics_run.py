@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.branch_jumps import BranchJumps
 from dalembert.analysis.branches import outputs_of
 from dalembert.analysis.choices import doubts
 from dalembert.analysis.dynamics_kernel import DynamicsRecord
@@ -119,7 +120,7 @@ class DynamicsRun:
         fed_back = a.stabilization.feedback or a.formulation.feedback
         found += self.forewarned
         if motion.status.success:
-            found += truth.doubts
+            found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
         whole = motion.status.success or motion.status.outcome in REFUSED
         if whole and not (a.integrator.controls_error or fed_back):
             found += StepAccuracy(self.kernel, motion.record.steps, self.p).doubts
