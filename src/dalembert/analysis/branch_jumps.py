@@ -34,14 +34,14 @@ class BranchJumps:
     def doubts(self) -> list[str]:
         """Where the first jump is, and between which positions; mostly nothing."""
         x, k = self.steps.x, self.steps.lasting
-        if isinstance(x, Checkpoints) or not k.size:
-            return []
         e = self.kernel.equations
+        if isinstance(x, Checkpoints) or not k.size or not e.speed_count:
+            return []
         n, sizes = e.coordinate_count, e.scales.displacements[:, None]
-        y, v = x[:n], np.abs(x[n : n + e.speed_count]) * self.steps.h.max()
-        way = np.abs(e.manifold.lead(y[:, k], y[:, k + 1])) / sizes
-        led = np.maximum(v[:, k], v[:, k + 1]) / sizes
-        with np.errstate(invalid="ignore"):
+        with np.errstate(all="ignore"):
+            y, v = x[:n], np.abs(x[n : n + e.speed_count]) * self.steps.h.max()
+            way = np.abs(e.manifold.lead(y[:, k], y[:, k + 1])) / sizes
+            led = np.maximum(v[:, k], v[:, k + 1]) / sizes
             jumps = way > FARTHER * led.max(axis=0) + LEAST
         found = np.flatnonzero(jumps.any(axis=0))
         if not found.size:
