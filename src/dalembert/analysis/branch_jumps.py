@@ -39,9 +39,9 @@ class BranchJumps:
             return []
         n, sizes = e.coordinate_count, e.scales.displacements[:, None]
         with np.errstate(all="ignore"):
-            y, v = x[:n], np.abs(x[n : n + e.speed_count]) * self.steps.h.max()
+            y, v = x[:n], np.abs(x[n : n + e.speed_count])
             way = np.abs(e.manifold.lead(y[:, k], y[:, k + 1])) / sizes
-            led = np.maximum(v[:, k], v[:, k + 1]) / sizes
+            led = np.maximum(v[:, k], v[:, k + 1]) * self.steps.h[k] / sizes
             jumps = way > FARTHER * led.max(axis=0) + LEAST
         found = np.flatnonzero(jumps.any(axis=0))
         if not found.size:
