@@ -40,6 +40,10 @@ def test_platform_closes_in_four_ways():
 
 
 def four_bar(rocker: float) -> da.Model:
+    return four_bar_system(rocker).build()
+
+
+def four_bar_system(rocker: float) -> da.System:
     system = da.System("four-bar")
     crank = system.add(planar.Bar("crank", length=0.3, mass=1, angle=1.0))
     coupler = system.add(planar.Bar("coupler", length=1.0, mass=1, angle=0.1))
@@ -48,7 +52,7 @@ def four_bar(rocker: float) -> da.Model:
     system.add(planar.Revolute("A", crank.end, coupler.start))
     system.add(planar.Revolute("B", coupler.end, swing.end))
     system.add(planar.Revolute("C", system.ground.point(1, 0), swing.start))
-    return system.build()
+    return system
 
 
 def test_held_crank_leaves_an_open_and_a_crossed_four_bar():
@@ -60,6 +64,31 @@ def test_held_crank_leaves_an_open_and_a_crossed_four_bar():
     line = (pivot - pin) / abs(pivot - pin)
     mirrored = pin + line**2 * np.conj(ends[0] - pin)
     np.testing.assert_allclose(mirrored, ends[1], atol=1e-12)
+
+
+def test_whole_turns_do_not_count_beside_a_body_in_space():
+    """The four-bar closes in two ways, whatever is welded to the ground next to it."""
+    system = four_bar_system(0.6)
+    box = system.add(spatial.Body("box", mass=1, inertia=(1, 1, 1), position=(0, 0, 1)))
+    system.add(spatial.Weld("W", system.ground.frame((0, 0, 1)), box.frame((0, 0, 0))))
+    assert len(da.solve_assembly(system.build(), all=True)) == 2
+
+
+def test_parallel_hinges_of_a_link_are_not_turned_upside_down():
+    """A rod on a ball and a link with parallel hinges: an open and a crossed four-bar."""
+    system, axis = da.System("link"), (0, 0, 1)
+    ground, still = system.ground, da.rotation.identity()
+    crank = system.add(spatial.Body("crank", mass=1, inertia=(1, 1, 1), rotation=still))
+    swing = system.add(spatial.Body("rocker", mass=1, inertia=(1, 1, 1)))
+    hinge = ground.frame((0, 0, 0), axis=axis), crank.frame((0, 0, 0), axis=axis)
+    system.add(spatial.Revolute("O", *hinge))
+    system.add(spatial.Spherical("C", ground.point(1, 0, 0), swing.point(0, 0, 0)))
+    pin, end = crank.frame((0.3, 0, 0), axis=axis), swing.frame((0.6, 0, 0), axis=axis)
+    system.add(spatial.RevoluteRevoluteLink("coupler", pin, end, length=1.0))
+    found = da.solve_assembly(system.build(), all=True)
+    assert len(found) == 2
+    for one in found:
+        np.testing.assert_allclose(rotation_of(one.y[10:14])[:, 2], axis, atol=1e-9)
 
 
 def hexapod() -> tuple[da.Model, np.ndarray, np.ndarray, np.ndarray]:

@@ -48,7 +48,8 @@ class Assemblies:
     def __init__(self, closure: Closure, t: float, p: np.ndarray):
         self.closure, self.pinned = closure, closure.pinned.at(t, p)
         self.manifold, guesses = closure.all_equations.manifold, closure.guesses
-        self.sizes, self.metres = closure.scales.displacements, guesses.metres
+        self.sizes = closure.scales.displacements
+        self.angles = np.array(guesses.angles, dtype=bool)
         self.turns = np.array([unit == "rad" for unit in guesses.speed_units], dtype=bool)
         self.known: list[np.ndarray] = []
         e, parts = closure.all_equations, closure.description.constraints
@@ -77,15 +78,13 @@ class Assemblies:
     def thrown(self, y: np.ndarray, rng: np.random.Generator) -> np.ndarray:
         """Somewhere else: a few natural lengths away, turned anyhow."""
         way = rng.uniform(-1, 1, self.sizes.size)
-        turned = np.pi * way if self.manifold.flat else 2 * np.tan(np.pi / 2 * way)
+        turned = np.where(self.angles, np.pi * way, 2 * np.tan(np.pi / 2 * way))
         return self.manifold.go(y, self.sizes * np.where(self.turns, turned, REACH * way))
 
     def apart(self, y: np.ndarray, other: np.ndarray) -> np.ndarray:
         """(n,) displacement from one place to another, by natural sizes and without whole turns."""
         way = self.manifold.lead(y, other) / self.sizes
-        if not self.manifold.flat:
-            return way
-        return np.where(self.turns, np.remainder(way + np.pi, 2 * np.pi) - np.pi, way)
+        return np.where(self.angles, np.remainder(way + np.pi, 2 * np.pi) - np.pi, way)
 
     def is_new(self, y: np.ndarray) -> bool:
         """It closes with its joints the same way round, and is none of those known."""

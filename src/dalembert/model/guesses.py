@@ -23,12 +23,14 @@ class Guesses:
     twist : by speed, formulas of the pose, too
     speed_names, speed_units, owners : by speed, so by displacement; units of displacements
     given : by displacement, whether the place along it was given
+    angles : by displacement, whether it is an angle, the same after a whole turn
     pose_owners : by coordinate
     """
 
     pose: list = field(default_factory=list)
     twist: list = field(default_factory=list)
     given: list[bool] = field(default_factory=list)
+    angles: list[bool] = field(default_factory=list)
     names: list[str] = field(default_factory=list)
     units: list[str] = field(default_factory=list)
     pose_owners: list[str] = field(default_factory=list)
@@ -47,6 +49,7 @@ class Guesses:
             made.pose += pose
             made.twist += twist
             made.given += group.guessed()
+            made.angles += [group.flat and unit == "rad" for unit in group.speed_units]
             made.names += [f"{group.name}.{n}" for n in group.coordinate_names]
             made.units += list(group.coordinate_units)
             made.pose_owners += [group.name] * len(pose)

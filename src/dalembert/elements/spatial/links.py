@@ -70,6 +70,9 @@ class RevoluteRevoluteLink(FrameJoint):
         angle = ca.atan2(sine, ca.dot(i, j)) - self.twist.sx
         return ca.vertcat(across, ca.dot(j, self.between), angle)
 
+    def facing(self) -> ca.SX:
+        return self.parallel if self.twist is None else super().facing()
+
     def units(self) -> list[str]:
         return ["m", "m", *(["rad", "rad"] if self.twist is None else ["m", "rad"])]
 
