@@ -1,0 +1,1 @@
+"""Contact: shapes that touch, laws of how they press, rub and bounce."""

@@ -1,0 +1,56 @@
+"""What may part but not pass through each other: distances that do not become negative."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Element, Rate
+
+
+@dataclass(frozen=True, eq=False)
+class Gap:
+    """A place where two things may touch, ``g(y, t) ≥ 0``.
+
+    A force ``N ≥ 0`` along the gap and one ``T`` along the surface have the power
+    ``N ġ + Tᵀ slip`` on both bodies together.
+
+    Attributes
+    ----------
+    distance : ``g``, positive while apart, the depth of penetration negative [m]
+    slip : (k,) velocity along the surface, linear in twists [m/s]; k = 0 where nothing rubs, 1 in
+        the plane, 2 in space
+    """
+
+    distance: ca.SX
+    slip: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class Impact:
+    """How rigid things bounce and rub, ``ġ⁺ = −e ġ⁻``, ``|T| ≤ μ N`` (Newton, Coulomb).
+
+    Attributes
+    ----------
+    restitution : ``e`` along the gap, 0 to 1
+    tangential : of the slip, 0 to 1
+    friction : ``μ``
+    """
+
+    restitution: ca.SX
+    tangential: ca.SX
+    friction: ca.SX
+
+
+@dataclass(eq=False)
+class Unilateral(Element):
+    """Anything that keeps distances from becoming negative."""
+
+    def gaps(self, rate: Rate) -> list[Gap]:
+        """Every place where it may touch."""
+        raise NotImplementedError
+
+    def impact(self) -> Impact | None:
+        """How it bounces; None of what is compliant, which states forces instead."""
+        return None
