@@ -54,20 +54,26 @@ class StepAccuracy:
             share = self._share(ends[0] - ends[1], way)
             if not share > ALLOWED:
                 return []
-            halvings = 0
-            while self._share(ends[-2] - ends[-1], way) > ALLOWED and halvings < HALVINGS:
+            halvings, most = 0, self._most_halvings()
+            while self._share(ends[-2] - ends[-1], way) > ALLOWED and halvings < most:
                 halvings += 1
                 ends.append(self._ends(2 ** (halvings + 1)))
+            enough = self._share(ends[-2] - ends[-1], way) <= ALLOWED
         except SolverFailure:
             return []
         of_motion = f"{share:.0%} of it" if share < 10 else f"{share:.2g} times as much"
         h = float(np.median(self.steps.h[self.chosen]))
         text = (
             f"steps of {h:.3g} s are long for this motion: their errors add up to about "
-            f"{of_motion}; steps of {h / 2**halvings:.2g} s or an integrator with error "
-            "control do better"
+            f"{of_motion}; steps {'of' if enough else 'below'} {h / 2**halvings:.2g} s or an "
+            "integrator with error control do better"
         )
         return [text]
+
+    def _most_halvings(self) -> int:
+        """The search takes no more steps than the run did."""
+        affordable = np.log2(max(1.0, self.steps.count / (2 * self.chosen.size)))
+        return min(HALVINGS, int(affordable))
 
     def _ends(self, parts: int) -> np.ndarray:
         """Positions and speeds after the chosen steps, each taken in so many parts."""

@@ -86,6 +86,21 @@ class Element:
     name: str
 
     def __post_init__(self) -> None:
+        self.check_name()
+        for field, meta in self.quantities():
+            value = getattr(self, field)
+            if value is not None:
+                value = as_expression(value, f"{self.name}.{field}", meta["unit"], meta["size"])
+                setattr(self, field, value)
+
+    def check_name(self) -> None:
+        """Names are what formulas can use.
+
+        Raises
+        ------
+        ModelError
+            Anything else.
+        """
         if not isinstance(self.name, str) or not self.name:
             raise ModelError(f"the first argument is the name, a text; got {self.name!r}")
         if not self.name.isidentifier():
@@ -93,11 +108,6 @@ class Element:
                 "a name is made of letters, digits and '_', and starts with a letter; "
                 f"got {self.name!r}"
             )
-        for field, meta in self.quantities():
-            value = getattr(self, field)
-            if value is not None:
-                value = as_expression(value, f"{self.name}.{field}", meta["unit"], meta["size"])
-                setattr(self, field, value)
 
     @classmethod
     def quantity_fields(cls) -> list[dataclasses.Field]:
@@ -126,6 +136,24 @@ class Element:
 
     def parts(self) -> list[Coordinates]:
         """The bodies (and own coordinates) this element ties together."""
+        return []
+
+    def own_coordinates(self) -> list[Coordinates]:
+        """Coordinates it brings along: nodes, the parameter of a curve."""
+        return []
+
+    def inertial_powers(self, rate: Rate) -> Powers:
+        """Velocities ``u`` and efforts ``Q``, linear in accelerations, of the power ``Qᵀu`` that
+        its mass takes, by d'Alembert; ``rate`` is that of speeds too. Bodies have their own way.
+        """
+        return []
+
+    def masses(self) -> list[tuple[ca.SX, ca.SX]]:
+        """(place, mass) of what gravity pulls at."""
+        return []
+
+    def initial_conditions(self) -> list[tuple[Expression, Expression]]:
+        """(measure, value) that hold at the start."""
         return []
 
     def look(self) -> list[Look]:
@@ -174,10 +202,6 @@ class Constraint(Element):
     def compared(self) -> tuple[ca.SX, ca.SX] | None:
         """The length or angle that its equation measures, and what it asks for; None if none."""
         return None
-
-    def own_coordinates(self) -> list[Coordinates]:
-        """Coordinates this constraint brings along (the parameter of a curve)."""
-        return []
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         """Named quantities of its own: name → (expression, unit)."""

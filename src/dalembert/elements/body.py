@@ -63,6 +63,9 @@ class BodyElement(Element, Coordinates):
         """Force, moment and where it is taken, of a generalised force by speeds; inertial axes."""
         raise NotImplementedError
 
+    def masses(self) -> list[tuple[ca.SX, ca.SX]]:
+        return [(self.mass_center, self.mass.sx)]
+
     # names on it ------------------------------------------------------------------------------
     def declare(self, named: dict[str, tuple[ca.SX, str]], given: Mapping[str, Vector]) -> None:
         """Publish measures as attributes, and name the points given."""

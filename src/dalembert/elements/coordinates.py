@@ -105,9 +105,13 @@ def rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
     return ca.jtimes(expression, pose, speed)
 
 
-def second_rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
-    """Second total time derivative of a position-level expression."""
-    first = rate_of(expression, owners, time)
+def motion_rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
+    """Total time derivative of an expression of positions and speeds."""
     state = ca.vertcat(time, *(ca.vertcat(o.pose, o.twist) for o in owners))
     speed = ca.vertcat(1, *(ca.vertcat(o.pose_rate, o.acceleration_symbols) for o in owners))
-    return ca.jtimes(first, state, speed)
+    return ca.jtimes(expression, state, speed)
+
+
+def second_rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
+    """Second total time derivative of a position-level expression."""
+    return motion_rate_of(rate_of(expression, owners, time), owners, time)

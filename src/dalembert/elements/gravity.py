@@ -6,27 +6,26 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from dalembert.elements.base import ForceElement, Powers, Rate
-from dalembert.elements.body import BodyElement
+from dalembert.elements.base import Element, ForceElement, Powers, Rate
 from dalembert.symbolic.expression import Expression, stack
 
 
 class Gravity(ForceElement):
-    """Uniform field on every body; the system adds it for its ``gravity``."""
+    """Uniform field on every mass; the system adds it for its ``gravity``."""
 
     conservative = True
 
-    def __init__(self, vector: Expression, bodies: Sequence[BodyElement]):
+    def __init__(self, vector: Expression, elements: Sequence[Element]):
         self.name = "gravity"
-        self.vector, self.bodies = vector, bodies
+        self.vector, self.elements = vector, elements
 
     def _weights(self) -> tuple[ca.SX, ca.SX]:
-        """Coordinates of all mass centres, and the weight along each."""
+        """Coordinates of all masses, and the weight along each."""
         field, places, weights = self.vector.sx, [], []
-        for body in self.bodies:
-            n = min(body.mass_center.numel(), field.numel())
-            places.append(body.mass_center[:n])
-            weights.append(body.mass.sx * field[:n])
+        for place, mass in (pair for element in self.elements for pair in element.masses()):
+            n = min(place.numel(), field.numel())
+            places.append(place[:n])
+            weights.append(mass * field[:n])
         return stack(places), stack(weights)
 
     def potential(self) -> ca.SX:

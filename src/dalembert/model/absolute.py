@@ -7,7 +7,7 @@ from contextlib import ExitStack
 import casadi as ca
 
 from dalembert.elements.base import Powers
-from dalembert.elements.coordinates import Coordinates, rate_of
+from dalembert.elements.coordinates import Coordinates, motion_rate_of, rate_of
 from dalembert.elements.planar.body import Ground
 from dalembert.model.description import Description
 from dalembert.model.equations import ConstraintKinematics, Equations
@@ -26,13 +26,14 @@ def at_ground(ground: Ground, expression: ca.SX) -> ca.SX:
 def absolute_equations(d: Description) -> Equations:
     """Equations of a mechanism in the coordinates of its bodies.
 
-    ``f = Σ (∂u/∂v)ᵀ Q`` by virtual power over all forces; ``M`` block by block.
+    ``f = Σ (∂u/∂v)ᵀ Q`` by virtual power over all forces; ``M`` body by body, and by the virtual
+    power of inertia of elements between them.
     """
     groups = d.coordinates
     y = stack(c.pose for c in groups)
     v = stack(c.twist for c in groups)
     multiplier = stack(c.multiplier[k] for c, k in d.rows)
-    masses, gyroscopic = zip(*(c.inertia_by_speeds() for c in groups), strict=True)
+    mass, bias = _inertia(d, v)
     with ExitStack() as enriched:
         followers = [enriched.enter_context(group.enriched()) for group in groups]
         symbols, values = (stack(pair[k] for pair in followers) for k in range(2))
@@ -63,8 +64,8 @@ def absolute_equations(d: Description) -> Equations:
         a=stack(c.acceleration_symbols for c in groups),
         multiplier=multiplier,
         pose_rate=stack(c.pose_rate for c in groups),
-        inertia=BlockInertia(ca.diagcat(*masses)),
-        bias=ca.densify(stack(gyroscopic)),
+        inertia=BlockInertia(mass),
+        bias=ca.densify(bias),
         force=force + work,
         constraints=constraints,
         nonholonomic=nonholonomic,
@@ -73,6 +74,26 @@ def absolute_equations(d: Description) -> Equations:
         powers=ca.vertcat(losses, applied + losses + delivered),
         known=None if known is None else ConstraintKinematics(*map(plain, known)),
     )
+
+
+def _inertia(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """``M`` and ``d`` in ``M v̇ + d``."""
+    groups = d.coordinates
+    masses, gyroscopic = zip(*(c.inertia_by_speeds() for c in groups), strict=True)
+    mass, bias = ca.diagcat(*masses), stack(gyroscopic)
+    a = stack(c.acceleration_symbols for c in groups)
+    for element in d.elements.values():
+        owners = element.parts()
+
+        def rate(s: ca.SX, owners=owners) -> ca.SX:
+            return motion_rate_of(s, owners, t.sx)
+
+        for velocity, effort in element.inertial_powers(rate):
+            velocity, effort = at_ground(d.ground, velocity), at_ground(d.ground, effort)
+            needed = ca.jtimes(velocity, v, effort, True)
+            mass += ca.jacobian(needed, a)
+            bias += ca.substitute(needed, a, ca.SX.zeros(a.numel()))
+    return mass, bias
 
 
 def _kinematics(groups: list[Coordinates], held: ca.SX, slip: ca.SX, v: ca.SX) -> list[ca.SX]:

@@ -95,7 +95,7 @@ class _Failure:
             c.name: _Demand(c.name, list(range(*span)), c.units()[0], c.compared(), c)
             for c, span in zip(holding, pairwise(ends), strict=True)
         }
-        of_position = [(m, v) for m, v in d.initial_conditions if not self.of_speed(m.sx - v.sx)]
+        of_position = [(m, v) for m, v in d.conditions if not self.of_speed(m.sx - v.sx)]
         for row, (m, v) in enumerate(of_position, assembler.equation_count):
             name = f"the initial value of {m.name or 'a formula'}"
             self.demands[name] = _Demand(name, [row], m.unit, (m.sx, v.sx), None)

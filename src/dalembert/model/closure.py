@@ -123,7 +123,7 @@ class Closure:
 
     def _close(self, strict: bool) -> None:
         d, e, p = self.description, self.all_equations, self.nominal
-        conditions = [self._fixed(m.sx - v.sx) for m, v in d.initial_conditions]
+        conditions = [self._fixed(m.sx - v.sx) for m, v in d.conditions]
         of_speed = [ca.depends_on(condition, e.v) for condition in conditions]
         positions, speeds = (
             stack(c for c, s in zip(conditions, of_speed, strict=True) if s is which)

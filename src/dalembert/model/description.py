@@ -51,11 +51,24 @@ class Description:
 
     @property
     def bodies(self) -> list[Any]:
-        return [e for e in self.elements.values() if isinstance(e, BodyElement)]
+        """Those that were added, and nodes that elements bring along."""
+        added = [e for e in self.elements.values() if isinstance(e, BodyElement)]
+        return added + [c for c in self._own_coordinates if isinstance(c, BodyElement)]
+
+    @property
+    def _own_coordinates(self) -> list[Coordinates]:
+        """Those that elements bring along."""
+        return [c for element in self.elements.values() for c in element.own_coordinates()]
 
     @property
     def constraints(self) -> list[Constraint]:
         return [e for e in self.elements.values() if isinstance(e, Constraint)]
+
+    @property
+    def conditions(self) -> list[tuple[Expression, Expression]]:
+        """(measure, value) that hold at the start, given or of elements."""
+        own = [c for element in self.elements.values() for c in element.initial_conditions()]
+        return [*self.initial_conditions, *own]
 
     @property
     def rows(self) -> list[tuple[Constraint, int]]:
@@ -68,14 +81,14 @@ class Description:
     def forces(self) -> list[ForceElement]:
         own = [e for e in self.elements.values() if isinstance(e, ForceElement)]
         if self.gravity is not None:
-            own.insert(0, Gravity(self.gravity, self.bodies))
+            own.insert(0, Gravity(self.gravity, list(self.elements.values())))
         return own
 
     @property
     def coordinates(self) -> list[Coordinates]:
-        """All groups of coordinates: bodies, then those that constraints bring along."""
-        own = [c for constraint in self.constraints for c in constraint.own_coordinates()]
-        return [*self.bodies, *own]
+        """All groups of coordinates: bodies, then others that elements bring along."""
+        others = [c for c in self._own_coordinates if not isinstance(c, BodyElement)]
+        return [*self.bodies, *others]
 
     def body(self, name: str) -> Any:
         """The body (or the ground) of this name."""

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from dalembert.symbolic.factor import block_inverse
+from dalembert.symbolic.factor import BlockFactor
 
 
 class Inertia:
@@ -39,7 +39,7 @@ class Inertia:
 
 
 class BlockInertia(Inertia):
-    """A matrix of small connected blocks, inverted block by block.
+    """A matrix of connected blocks, solved with block by block.
 
     Parameters
     ----------
@@ -58,14 +58,14 @@ class BlockInertia(Inertia):
         return self._matrix
 
     @cached_property
-    def _inverse(self) -> ca.SX:
-        return block_inverse(self._matrix)
+    def _factor(self) -> BlockFactor:
+        return BlockFactor(self._matrix)
 
     def times(self, x: ca.SX) -> ca.SX:
         return ca.mtimes(self._matrix, x)
 
     def solve(self, rhs: ca.SX) -> ca.SX:
-        return ca.mtimes(self._inverse, rhs)
+        return self._factor.solve(rhs)
 
     def substitute(self, symbols: ca.SX, values: ca.SX) -> BlockInertia:
         return BlockInertia(ca.substitute(self._matrix, symbols, values))

@@ -33,9 +33,14 @@ def element_measures(element: Element, everything: list[Coordinates]) -> Measure
         for name in element.places:
             own |= _about(element, everything, name)
         return own
+    found: Measures = {}
+    for part in element.own_coordinates():
+        if isinstance(part, BodyElement):
+            node = part.name.removeprefix(f"{element.name}.")
+            found |= {f"{node}.{q}": m for q, m in part.measures().items()}
     if isinstance(element, ForceElement):
-        return element.measures(rate)
-    return constraint_measures(element, rate) if isinstance(element, Constraint) else {}
+        return found | element.measures(rate)
+    return found | constraint_measures(element, rate) if isinstance(element, Constraint) else found
 
 
 def constraint_measures(constraint: Constraint, rate) -> Measures:

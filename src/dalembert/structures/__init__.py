@@ -1,5 +1,6 @@
 """Structures: nodes, elements between them, supports and loads; finite-element assembly."""
 
+from dalembert.elements.sections import Material, Section, circle, i_section, rectangle, tube
 from dalembert.structures.attached import (
     GroundRotationSpring,
     GroundSpring,
@@ -10,7 +11,6 @@ from dalembert.structures.frame import Frame, TimoshenkoFrame
 from dalembert.structures.mesh_generators import box_mesh, line_mesh, rectangle_mesh
 from dalembert.structures.node import Node
 from dalembert.structures.plane import Quadrilateral, Quadrilateral8, Triangle, Triangle6
-from dalembert.structures.sections import Material, Section, circle, i_section, rectangle, tube
 from dalembert.structures.solid import Hexahedron, Hexahedron20, Tetrahedron, Tetrahedron10
 from dalembert.structures.space_frame import SpaceFrame, TimoshenkoSpaceFrame
 from dalembert.structures.springs import AxialSpring

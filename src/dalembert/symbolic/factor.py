@@ -9,6 +9,8 @@ import casadi as ca
 import numpy as np
 
 Sizes: TypeAlias = np.ndarray | None
+LARGE = 12
+"""Rows of a block from which on factors are kept instead of the inverse."""
 
 
 class LdlFactor:
@@ -84,18 +86,41 @@ def _inverse(sizes: ca.DM | None) -> ca.DM | None:
     return None if sizes is None else 1 / sizes
 
 
+class BlockFactor:
+    """Solves with a symmetric positive definite matrix, block by connected block.
+
+    Small blocks are inverted, which pays where there are many right-hand sides; of larger ones,
+    such as the mass of a beam, the factors are sparse and the inverse is full.
+    """
+
+    def __init__(self, matrix: ca.SX):
+        n = matrix.shape[0]
+        matrix = ca.sparsify(matrix)
+        self.inverse = ca.SX(n, n)
+        self.large: list[tuple[list[int], LdlFactor]] = []
+        for block in _connected_blocks(matrix.sparsity()):
+            if len(block) == 1:
+                self.inverse[block[0], block[0]] = 1 / matrix[block[0], block[0]]
+                continue
+            factor = LdlFactor(matrix[block, block])
+            if len(block) > LARGE:
+                self.large.append((block, factor))
+            else:
+                self.inverse[block, block] = factor.solve(ca.SX.eye(len(block)))
+
+    def solve(self, rhs: ca.SX) -> ca.SX:
+        """``M⁻¹ rhs`` for one or several columns."""
+        found = ca.mtimes(self.inverse, rhs)
+        for block, factor in self.large:
+            for k in range(rhs.shape[1]):
+                if rhs[block, k].nnz():
+                    found[block, k] = factor.solve(rhs[block, k])
+        return found
+
+
 def block_inverse(matrix: ca.SX) -> ca.SX:
     """Inverse of a symmetric positive definite matrix, block by connected block."""
-    n = matrix.shape[0]
-    matrix = ca.sparsify(matrix)
-    inverse = ca.SX(n, n)
-    for block in _connected_blocks(matrix.sparsity()):
-        if len(block) == 1:
-            inverse[block[0], block[0]] = 1 / matrix[block[0], block[0]]
-            continue
-        factor = LdlFactor(matrix[block, block])
-        inverse[block, block] = factor.solve(ca.SX.eye(len(block)))
-    return inverse
+    return ca.sparsify(BlockFactor(matrix).solve(ca.SX.eye(matrix.shape[0])))
 
 
 def _connected_blocks(sparsity: ca.Sparsity) -> list[list[int]]:

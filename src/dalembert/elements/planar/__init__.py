@@ -3,6 +3,7 @@
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
+from dalembert.elements.planar.beam import Beam
 from dalembert.elements.planar.body import Bar, Body, Ground, Particle
 from dalembert.elements.planar.drivers import (
     CoordinateDriver,
@@ -25,6 +26,7 @@ from dalembert.elements.user_constraint import UserConstraint
 __all__ = [
     "Actuator",
     "Bar",
+    "Beam",
     "Body",
     "Bushing",
     "CoordinateDriver",

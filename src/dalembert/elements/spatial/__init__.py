@@ -4,6 +4,7 @@ from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.frame import Frame
 from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
+from dalembert.elements.spatial.beam import Beam
 from dalembert.elements.spatial.body import Body, Particle
 from dalembert.elements.spatial.constant_velocity import ConstantVelocity
 from dalembert.elements.spatial.couplings import Coupling, GearPair, RackAndPinion
@@ -40,6 +41,7 @@ from dalembert.elements.user_constraint import UserConstraint
 __all__ = [
     "Actuator",
     "Bar",
+    "Beam",
     "Body",
     "Box",
     "Bushing",

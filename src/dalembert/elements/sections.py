@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
+from dalembert.elements.base import Element
 from dalembert.errors import ModelError
-from dalembert.structures.base import StructuralElement
 from dalembert.symbolic.functions import where
 
 Number = Any  # number or Expression
@@ -38,10 +38,36 @@ class Section:
     shear_area_y: Number
     shear_area_z: Number
 
-    def of(self, cls: type[StructuralElement]) -> dict[str, Number]:
+    def of(self, cls: type[Element]) -> dict[str, Number]:
         """The quantities of a class of elements; in the plane it bends about its z axis."""
         plane = {"second_moment": self.second_moment_z, "shear_area": self.shear_area_y}
         return _chosen(cls, {**vars(self), **plane}, "area", "section")
+
+    def planar_beam(self, material: Material) -> dict[str, Number]:
+        """Rigidities and masses of ``planar.Beam``, which bends about the section's z axis."""
+        return self._beam(material) | {
+            "bending_rigidity": material.modulus * self.second_moment_z,
+            "rotary_inertia": material.density * self.second_moment_z,
+        }
+
+    def spatial_beam(self, material: Material) -> dict[str, Number]:
+        """Rigidities and masses of ``spatial.Beam``."""
+        about_y, about_z = self.second_moment_y, self.second_moment_z
+        density, modulus, shear = material.density, material.modulus, material.shear_modulus
+        return self._beam(material) | {
+            "shear_rigidity_z": shear * self.shear_area_z,
+            "torsional_rigidity": shear * self.torsion_constant,
+            "bending_rigidity_y": modulus * about_y,
+            "bending_rigidity_z": modulus * about_z,
+            "rotary_inertia": tuple(density * i for i in (about_y + about_z, about_y, about_z)),
+        }
+
+    def _beam(self, material: Material) -> dict[str, Number]:
+        return {
+            "axial_rigidity": material.modulus * self.area,
+            "shear_rigidity": material.shear_modulus * self.shear_area_y,
+            "mass_per_length": material.density * self.area,
+        }
 
 
 @dataclass(frozen=True)
@@ -66,7 +92,7 @@ class Material:
         """``G = E/(2 (1 + ν))`` [Pa]."""
         return self.modulus / (2 * (1 + self.poisson))
 
-    def of(self, cls: type[StructuralElement]) -> dict[str, Number]:
+    def of(self, cls: type[Element]) -> dict[str, Number]:
         """The quantities of a class of elements."""
         known = {**vars(self), "shear_modulus": self.shear_modulus}
         return _chosen(cls, known, "modulus", "material")

@@ -1,0 +1,110 @@
+"""Geometrically exact beams in the plane (Reissner 1972)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements import beam
+from dalembert.elements.base import Powers, Rate, Scalar, Vector, quantity
+from dalembert.elements.beam_nodes import BeamNode, Section
+from dalembert.elements.pair import initial_value, need_point
+from dalembert.elements.planar.body import Body, rotation
+from dalembert.elements.planar.in_plane import InPlane
+
+
+class Node(BeamNode, Body):
+    """A node of a beam in the plane."""
+
+
+@dataclass(eq=False)
+class Beam(InPlane, beam.Beam):
+    """Beam in the plane that stretches, shears and bends, by any displacement and rotation.
+
+    It reaches from ``frame_i`` to ``frame_j``, points of bodies to which it is clamped along
+    directions in these bodies; where one is left out it has an end of its own, ``start`` or
+    ``end``, on which joints and forces hold. Internal forces are ``N = E A ε``, ``Q = G A_s γ``
+    and ``M = E I κ``.
+
+    Parameters
+    ----------
+    frame_i, frame_j : points of bodies
+    bending_rigidity : ``E I`` [N m²]
+    rotary_inertia : ``ρ I`` [kg m]
+    angle_i, angle_j : direction of the beam in the bodies at its ends [rad]
+    position, angle : of its own start [m], [rad]; guesses that assembly corrects
+    velocity, angular_velocity : likewise [m/s], [rad/s]
+    """
+
+    bending_rigidity: Scalar = quantity("N m^2", "E I", above=0.0, keyword=True)
+    rotary_inertia: Scalar = quantity("kg m", "ρ I", default=0.0, minimum=0.0, keyword=True)
+    angle_i: Scalar = quantity("rad", "direction in the first body", default=0.0, keyword=True)
+    angle_j: Scalar = quantity("rad", "direction in the second body", default=0.0, keyword=True)
+    position: Vector = quantity("m", "of its start", default=None, size=2, keyword=True)
+    angle: Scalar = quantity("rad", "at its start", default=None, keyword=True)
+    velocity: Vector = quantity("m/s", "of its start", default=None, size=2, keyword=True)
+    angular_velocity: Scalar = quantity("rad/s", "at its start", default=None, keyword=True)
+    dimension: ClassVar[int] = 2
+    force_names = (("axial_force", "N"), ("shear_force", "N"), ("bending_moment", "N m"))
+
+    def __post_init__(self) -> None:
+        for field in ("frame_i", "frame_j"):
+            if getattr(self, field) is not None:
+                setattr(self, field, need_point(getattr(self, field), self.name, field))
+        super().__post_init__()
+
+    def make_node(self, name: str, first: bool) -> Any:
+        if first:
+            given = self.velocity, self.angular_velocity
+            return Node(name, None, None, self.position, self.angle, *given)
+        made = Node(name)
+        made.estimate = lambda: self._estimate(made)
+        return made
+
+    def _estimate(self, node: Node) -> ca.SX:
+        k = next(k for k, known in self.nodes.items() if known is node)
+        base = self.sections[0]
+        place, turn = self._carried(k, base)
+        return initial_value(ca.vertcat(place, turn), [base.body]).sx
+
+    def _carried(self, k: int, base: Section) -> tuple[ca.SX, ca.SX]:
+        """Where its start carries a node of the natural shape."""
+        place, angle = self.natural(self.length.sx * self.places[k])
+        return base.place + ca.mtimes(rotation(base.turn), place), base.turn + angle
+
+    def node_section(self, node: Any) -> Section:
+        return Section(node.pose[:2], node.pose[2], node.twist[2], node)
+
+    def frame_section(self, frame: Any, last: bool) -> Section:
+        body, by = frame.body, self.angle_j if last else self.angle_i
+        spin = body.twist[2] if body.rotates else ca.SX(0)
+        return Section(frame.position.sx, body.pose_angle + by.sx, spin, body)
+
+    def natural_section(self, s: ca.SX) -> Section:
+        return Section(*self.natural(s), ca.SX(0))
+
+    def strain(self, sections: Sequence[Section], values: np.ndarray, slopes: np.ndarray) -> ca.SX:
+        turn = sum((n * s.turn for n, s in zip(values, sections, strict=True)), ca.SX(0))
+        bend = sum((n * s.turn for n, s in zip(slopes, sections, strict=True)), ca.SX(0))
+        along = sum((n * s.place for n, s in zip(slopes, sections, strict=True)), ca.SX.zeros(2))
+        return ca.vertcat(ca.mtimes(rotation(turn).T, along), bend) / self.length.sx
+
+    def rigidities(self) -> ca.SX:
+        return ca.vertcat(self.axial_rigidity.sx, self.shear_rigidity.sx, self.bending_rigidity.sx)
+
+    def rotary_powers(self, rate: Rate, shared: np.ndarray, shares: np.ndarray) -> Powers:
+        turning = ca.vertcat(*(section.spin for section in self.sections))
+        inertia = self.length.sx * self.rotary_inertia.sx
+        return [(turning, inertia * ca.mtimes(ca.DM(shared), rate(turning)))]
+
+    def shape_error(self, k: int) -> ca.SX:
+        base, last, share = self.sections[0], self.sections[-1], self.places[k]
+        place, angle = self._carried(k, base)
+        if 0 < k < self.count - 1:
+            end, turn = self._carried(self.count - 1, base)
+            place, angle = place + share * (last.place - end), angle + share * (last.turn - turn)
+        return ca.vertcat(self.sections[k].place - place, self.sections[k].turn - angle)

@@ -1,0 +1,169 @@
+"""Geometrically exact beams in space (Simo and Vu-Quoc 1986).
+
+Turns between the nodes of an element are those of one of them, times the exponential of polynomials
+of relative rotation vectors: the strains do not change when the whole is moved (Crisfield and
+Jelenić 1999).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements import beam
+from dalembert.elements.base import Condition, Powers, Rate, Scalar, Vector, option, quantity
+from dalembert.elements.beam_nodes import BeamNode, Section
+from dalembert.elements.frame import Frame
+from dalembert.elements.pair import initial_value
+from dalembert.elements.rotation import Orientation, as_orientation
+from dalembert.elements.spatial.body import Body
+from dalembert.errors import ModelError
+from dalembert.symbolic import rotation
+
+
+class Node(BeamNode, Body):
+    """A node of a beam in space."""
+
+
+@dataclass(eq=False)
+class Beam(beam.Beam):
+    """Beam in space that stretches, shears, twists and bends, by any displacement and rotation.
+
+    Its own axes are x along it, and y and z the main axes of the cross-section. It reaches from
+    ``frame_i`` to ``frame_j``, frames of bodies to which it is clamped with its axes along theirs;
+    where one is left out it has an end of its own, ``start`` or ``end``, on which joints and forces
+    hold. Internal forces are ``E A ε``, ``G A_y γ_y``, ``G A_z γ_z`` and moments ``G J κ_x``,
+    ``E I_y κ_y``, ``E I_z κ_z``.
+
+    Parameters
+    ----------
+    frame_i, frame_j : frames of bodies
+    shear_rigidity_z : ``G A_z`` [N]; that along y by default
+    torsional_rigidity : ``G J`` [N m²]
+    bending_rigidity_y, bending_rigidity_z : ``E I_y``, ``E I_z`` [N m²], about its y and z axes
+    rotary_inertia : (3,) ``ρ I_p``, ``ρ I_y``, ``ρ I_z`` [kg m]
+    position, rotation : of its own start [m]; guesses that assembly corrects
+    velocity, angular_velocity : likewise, inertial axes [m/s], [rad/s]
+    """
+
+    shear_rigidity_z: Scalar = quantity("N", "G A_z", default=None, above=0.0, keyword=True)
+    torsional_rigidity: Scalar = quantity("N m^2", "G J", above=0.0, keyword=True)
+    bending_rigidity_y: Scalar = quantity("N m^2", "E I_y", above=0.0, keyword=True)
+    bending_rigidity_z: Scalar = quantity("N m^2", "E I_z", above=0.0, keyword=True)
+    rotary_inertia: Vector = quantity(
+        "kg m", "ρ I_p, ρ I_y, ρ I_z", default=(0.0, 0.0, 0.0), size=3, minimum=0.0, keyword=True
+    )
+    position: Vector = quantity("m", "of its start", default=None, size=3, keyword=True)
+    rotation: Orientation = option("at its start", default=None, keyword=True)
+    velocity: Vector = quantity("m/s", "of its start", default=None, size=3, keyword=True)
+    angular_velocity: Vector = quantity("rad/s", "at its start", default=None, size=3, keyword=True)
+    dimension: ClassVar[int] = 3
+    force_names = (
+        ("axial_force", "N"),
+        ("shear_force_y", "N"),
+        ("shear_force_z", "N"),
+        ("torque", "N m"),
+        ("bending_moment_y", "N m"),
+        ("bending_moment_z", "N m"),
+    )
+
+    def __post_init__(self) -> None:
+        if self.rotation is not None:
+            self.rotation = as_orientation(self.rotation, f"{self.name}.rotation")
+        for field in ("frame_i", "frame_j"):
+            held = getattr(self, field)
+            if held is not None and not isinstance(held, Frame):
+                raise ModelError(
+                    f"{field} must be a frame of a body, its x axis along the beam, e.g. "
+                    f"hub.frame((0.1, 0, 0)); got {held!r}",
+                    self.name,
+                )
+        super().__post_init__()
+        if self.shear_rigidity_z is None:
+            self.shear_rigidity_z = self.shear_rigidity
+
+    def make_node(self, name: str, first: bool) -> Any:
+        if first:
+            where = {"position": self.position, "rotation": self.rotation}
+            speeds = {"velocity": self.velocity, "angular_velocity": self.angular_velocity}
+            return Node(name, **where, **speeds)
+        made = Node(name)
+        made.estimate = lambda: self._estimate(made)
+        return made
+
+    def _estimate(self, node: Node) -> ca.SX:
+        k = next(k for k, known in self.nodes.items() if known is node)
+        base = self.sections[0]
+        place, turn = self._carried(k, base)
+        return initial_value(ca.vertcat(place, turn), [base.body]).sx
+
+    def _carried(self, k: int, base: Section) -> tuple[ca.SX, ca.SX]:
+        """Where its start carries a node of the natural shape."""
+        own = self.natural_section(self.length.sx * self.places[k])
+        place = base.place + ca.mtimes(rotation.matrix(base.turn), own.place)
+        return place, rotation.product(base.turn, own.turn)
+
+    def node_section(self, node: Any) -> Section:
+        return Section(node.pose[:3], node.e, node.spin, node)
+
+    def frame_section(self, frame: Any, last: bool) -> Section:
+        spin = ca.mtimes(frame.axes.T, frame.body.turning)
+        return Section(frame.position.sx, frame.orientation, spin, frame.body)
+
+    def natural_section(self, s: ca.SX) -> Section:
+        place, angle = self.natural(s)
+        return Section(ca.vertcat(place, 0), rotation.about_z(angle), ca.SX.zeros(3))
+
+    def strain(self, sections: Sequence[Section], values: np.ndarray, slopes: np.ndarray) -> ca.SX:
+        middle = sections[len(sections) // 2].turn
+        turn, bend, along = ca.SX.zeros(3), ca.SX.zeros(3), ca.SX.zeros(3)
+        for n, slope, section in zip(values, slopes, sections, strict=True):
+            between = rotation.vector(rotation.product(rotation.conjugate(middle), section.turn))
+            turn, bend = turn + n * between, bend + slope * between
+            along = along + slope * section.place
+        seen = ca.mtimes(rotation.matrix(middle).T, along)
+        shear = ca.mtimes(rotation.exponential(turn).T, seen)
+        curved = ca.mtimes(rotation.turning_map(turn), bend)
+        return ca.vertcat(shear, curved) / self.length.sx
+
+    def rigidities(self) -> ca.SX:
+        parts = (
+            self.axial_rigidity,
+            self.shear_rigidity,
+            self.shear_rigidity_z,
+            self.torsional_rigidity,
+            self.bending_rigidity_y,
+            self.bending_rigidity_z,
+        )
+        return ca.vertcat(*(part.sx for part in parts))
+
+    def rotary_powers(self, rate: Rate, shared: np.ndarray, shares: np.ndarray) -> Powers:
+        """Of sections at the nodes, each a body that turns: ``J' ω̇' + ω' × J' ω'``."""
+        found = []
+        for section, share in zip(self.sections, shares, strict=True):
+            inertia = self.length.sx * share * self.rotary_inertia.sx
+            spin = section.spin
+            effort = inertia * rate(spin) + ca.cross(spin, inertia * spin)
+            found.append((spin, effort))
+        return found
+
+    def shape_error(self, k: int) -> ca.SX:
+        base, last, share = self.sections[0], self.sections[-1], self.places[k]
+        place, turn = self._carried(k, base)
+        if 0 < k < self.count - 1:
+            end, end_turn = self._carried(self.count - 1, base)
+            between = rotation.product(rotation.conjugate(end_turn), last.turn)
+            place = place + share * (last.place - end)
+            small = rotation.vector(between) * share / 2
+            turn = rotation.product(turn, ca.vertcat(1, small) / ca.sqrt(1 + ca.sumsqr(small)))
+        off = rotation.product(rotation.conjugate(turn), self.sections[k].turn)
+        return ca.vertcat(self.sections[k].place - place, rotation.vector(off))
+
+    def conditions(self) -> list[Condition]:
+        turned = [] if self.rotation is None else self.rotation.conditions()
+        ends = [e.conditions() for e in (self.frame_i, self.frame_j) if e is not None]
+        return [*super().conditions(), *turned, *(c for end in ends for c in end)]
