@@ -244,6 +244,7 @@ FIXED = {
             "derived": "name → formula of parameters, or a table as below",
             "ground": "named points and frames, in `[ground.points]` and `[ground.frames]`",
             "bodies": "name → body; the type `Body` may be left out",
+            "beams": "name → beam; the type `Beam` may be left out",
             "joints": "name → joint",
             "drivers": "name → driver",
             "forces": "name → force",
@@ -394,6 +395,7 @@ def _example(folder: Path, stem: str) -> str:
 PARTS: dict[str, Callable[[], str]] = {
     **{name: (lambda pair=pair: section(*pair)) for name, pair in FIXED.items()},
     "bodies": lambda: records(PLANAR.sections["bodies"]),
+    "beams": lambda: records(PLANAR.sections["beams"]),
     "joints": lambda: records(PLANAR.sections["joints"]),
     "drivers": lambda: records(PLANAR.sections["drivers"]),
     "forces": lambda: records(PLANAR.sections["forces"]),

@@ -946,6 +946,46 @@ def _(q):
     )
 
 
+def _beam(c):
+    # one element of first order: strains in its middle, by the slopes of the straight line there
+    along = (Q(c) - P(c)) / c.p.L
+    first, second = c.a.phi + c.p.angle_i, c.b.phi + c.p.angle_j
+    middle, bend = (first + second) / 2, (second - first) / c.p.L
+    speed, spin = c.b.velocity_at(Q(c)) - c.a.velocity_at(P(c)), (c.a.w + c.b.w) / 2
+    arc = c.p.bend * c.p.L  # of the natural shape
+    natural = turn(-arc / 2, np.array([np.sin(arc), 1 - np.cos(arc)]) / arc)
+    strain = turn(-middle, along) - natural
+    rate = turn(-middle, speed / c.p.L - spin * left(along))
+    rigid = np.array([c.p.EA, c.p.GA])
+    force = turn(middle, rigid * (strain + c.p.lead * rate))
+    moment = c.p.EI * (bend - c.p.bend + c.p.lead * (c.b.w - c.a.w) / c.p.L)
+    shear = c.p.L / 2 * cross(along, force)
+    return [("a", force, P(c), moment + shear), ("b", -force, Q(c), -moment + shear)]
+
+
+@case("beam", planar.Beam, loads=_beam)
+def _(q):
+    numbers = q.numbers(L=0.9, bend=0.3, EA=40.0, GA=25.0, EI=3.0, lead=0.1)
+    length, bend, axial, shear, bending, lead = numbers
+    angles = q.numbers(angle_i=0.3, angle_j=-0.2)
+    q.add(
+        planar.Beam(
+            "F",
+            *q.points(),
+            length=length,
+            curvature=bend,
+            axial_rigidity=axial,
+            shear_rigidity=shear,
+            bending_rigidity=bending,
+            damping=lead,
+            angle_i=angles[0],
+            angle_j=angles[1],
+            elements=1,
+            order=1,
+        )
+    )
+
+
 def _friction(c, speed):
     return -(c.p.coulomb * np.tanh(speed / c.p.transition) + c.p.viscous * speed)
 

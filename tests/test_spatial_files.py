@@ -59,6 +59,11 @@ ELEMENTS = {
         "Capsule": "radius = 'k'\nlength = 1\ndensity = 1",
         "Mesh": "file = 'wedge.obj'\nscale = 'k'\ndensity = 1",
     },
+    "beams": {
+        "Beam": "frame_i = { body = 'ground' }\nlength = 'k'\naxial_rigidity = 9\n"
+        "shear_rigidity = 5\ntorsional_rigidity = 1\nbending_rigidity_y = 1\n"
+        "bending_rigidity_z = 'k'\nmass_per_length = 1",
+    },
     "joints": {
         "Spherical": POINTS,
         "PointOnLine": SPOT,

@@ -70,7 +70,10 @@ def quantity(
 
 
 def option(description: str, *, default: Any = dataclasses.MISSING, keyword: bool = False) -> Any:
-    """Field that is not a number: a switch, a law, a curve, a formula with own variables."""
+    """Field that is not a number: a switch, a law, a curve, a formula with own variables.
+
+    A point or frame so described may be left out; a file gives it by its own key.
+    """
     metadata = {"kind": "option", "description": description}
     return dataclasses.field(default=default, metadata=metadata, kw_only=keyword)
 

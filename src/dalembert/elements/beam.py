@@ -33,7 +33,7 @@ from dalembert.elements.base import (
 from dalembert.elements.beam_nodes import Noded, Section
 from dalembert.elements.coordinates import rate_of
 from dalembert.elements.interpolation import Lagrange, gauss, through
-from dalembert.elements.look import Rod
+from dalembert.elements.look import Strand
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, stack, t
 
@@ -65,8 +65,8 @@ class Beam(Noded, ForceElement):
         Both ends on one body, an unknown order.
     """
 
-    frame_i: Any = None
-    frame_j: Any = None
+    frame_i: Any = option("where it starts", default=None)
+    frame_j: Any = option("where it ends", default=None)
     length: Scalar = quantity("m", "length of the centre line", above=0.0, keyword=True)
     curvature: Scalar = quantity("1/m", "natural curvature", default=0.0, keyword=True)
     axial_rigidity: Scalar = quantity("N", "E A", above=0.0, keyword=True)
@@ -150,6 +150,10 @@ class Beam(Noded, ForceElement):
             strains = function(ca.horzcat(*places), ca.horzcat(*turns), others)
             found += zip(ca.horzsplit(strains), weights, strict=True)
         return found
+
+    def material_inertia(self, rigidity: ca.SX) -> ca.SX:
+        """``ρ I`` of a beam of one material, of ``E I``."""
+        return self.mass_per_length.sx * rigidity / self.axial_rigidity.sx
 
     def rigidities(self) -> ca.SX:
         """Diagonal of ``(C_Γ, C_K)``."""
@@ -241,4 +245,4 @@ class Beam(Noded, ForceElement):
 
     def look(self) -> list[Look]:
         ends = [self.spot(k) for k in range(self.count)]
-        return [Rod(i, j) for i, j in pairwise(ends)]
+        return [Strand(i, j) for i, j in pairwise(ends)]

@@ -39,6 +39,7 @@ class BeamNode:
     estimate : its pose as far as guesses tell; None of a node whose own are all there is
     """
 
+    node = True
     estimate: Callable[[], ca.SX] | None = None
 
     def check_name(self) -> None:
@@ -108,6 +109,12 @@ class Noded:
     def end(self) -> Any:
         """The body at its second end."""
         return self.sections[-1].body
+
+    @property
+    def named_nodes(self) -> dict[str, Any]:
+        """Its bodies by their names within it."""
+        own = {body.name.removeprefix(f"{self.name}."): body for body in self.nodes.values()}
+        return {"start": self.start, "end": self.end} | own
 
     def node(self, k: int) -> Any:
         """The body of a node, counted from the start."""

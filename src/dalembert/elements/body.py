@@ -24,6 +24,8 @@ class BodyElement(Element, Coordinates):
     """
 
     rotates = True
+    node = False
+    """A node of an element that is drawn by this."""
     dimension = 2
     """Number of coordinates of its points."""
     initial_fields: tuple[str, ...] = ("position", "velocity")

@@ -149,6 +149,10 @@ class Rod(Link):
     """Rigid, without mass."""
 
 
+class Strand(Link):
+    """A piece of something that bends, between two of its nodes."""
+
+
 class Coil(Link):
     """A spring."""
 

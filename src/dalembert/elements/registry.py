@@ -49,6 +49,7 @@ PLANAR = Space(
     2,
     {
         "bodies": named(planar.Body, planar.Bar, planar.Particle),
+        "beams": named(planar.Beam),
         "joints": named(
             planar.Revolute,
             planar.Translational,
@@ -95,6 +96,7 @@ SPATIAL = Space(
             spatial.Capsule,
             spatial.Mesh,
         ),
+        "beams": named(spatial.Beam),
         "joints": named(
             spatial.Spherical,
             spatial.Revolute,

@@ -80,6 +80,8 @@ class Builder:
                 self.system.ground.add_frame(name, **read_frame(frame, self.formulas))
         for name in self.document.bodies:
             self.add("bodies", name)
+        for name in self.document.beams:
+            self.add("beams", name)
         for name in self.document.joints:
             self.add("joints", name)
         for name in self.document.drivers:
@@ -123,7 +125,7 @@ class Builder:
     def add(self, section: str, name: str) -> None:
         table = getattr(self.document, section)[name]
         cls, where = elements_of(self.document.space, section)[table.type], (section, name)
-        moving = issubclass(cls, (ForceElement, UserConstraint))
+        moving = issubclass(cls, (ForceElement, UserConstraint)) and section != "beams"
         scope = Scope.MOTION if moving else Scope.PARAMETERS
         with self.located(*where):
             ties = []

@@ -34,6 +34,18 @@ class References:
             raise ModelError(unknown("body", name, known))
         return self.system.body(name)
 
+    def node(self, beam: str, name: str) -> Any:
+        """The body at an end of a beam, or at another of its nodes."""
+        found: Any = self.system.elements[beam]
+        nodes = found.named_nodes
+        if name not in nodes:
+            known = [f"{beam}.{node}" for node in nodes]
+            given = f"{beam}.{name}" if name else beam
+            raise ModelError(
+                f"unknown node {given!r}{nearest(given, known)}; nodes of {beam}: {listed(known)}"
+            )
+        return nodes[name]
+
     def joint(self, name: str) -> Any:
         """The joint of this name."""
         known = list(self.document.joints)
@@ -52,6 +64,8 @@ class References:
         if not isinstance(given, str):
             return self._placed(kind, given)
         owner, _, name = given.partition(".")
+        if owner in self.document.beams:
+            return self.node(owner, name)
         body = self.body(owner)
         if not name:
             return body

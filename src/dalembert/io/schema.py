@@ -154,7 +154,7 @@ class ModelDocument(Record):
 class Document(ModelDocument):
     """A model file of dalembert: a mechanism, and what is to be computed on it."""
 
-    sections = ("parameters", "derived", "bodies", "joints", "drivers", "forces")
+    sections = ("parameters", "derived", "bodies", "beams", "joints", "drivers", "forces")
     analyses = ANALYSES
     space: ClassVar[Space]
     """Where its elements are, unless they say otherwise."""
@@ -171,6 +171,7 @@ class Document(ModelDocument):
     derived: dict[str, _DERIVED] = Field(default_factory=dict)  # type: ignore[valid-type]
     ground: GroundTable = Field(default_factory=GroundTable)
     bodies: dict[str, Any] = Field(default_factory=dict)
+    beams: dict[str, Any] = Field(default_factory=dict)
     joints: dict[str, Any] = Field(default_factory=dict)
     drivers: dict[str, Any] = Field(default_factory=dict)
     forces: dict[str, Any] = Field(default_factory=dict)
@@ -186,9 +187,9 @@ class Document(ModelDocument):
 def element_of(space: Space, section: str) -> Any:
     """An element of one section: of its own space by name, of another one as ``planar.Revolute``.
 
-    Bodies are rigid where they do not say what they are.
+    Bodies are rigid, and beams are beams, where they do not say what they are.
     """
-    usual = "Body" if section == "bodies" else None
+    usual = {"bodies": "Body", "beams": "Beam"}.get(section)
     tables = {
         name: table_of(
             name,

@@ -37,13 +37,14 @@ class Drawing:
             for look in element.look():
                 sketch.draw(look, element)
         for body in self.model.bodies:
-            self.outline(body)
+            if not body.node:
+                self.outline(body)
         sketch.fill_in()
         gravity = self.model.parts.gravity
         return {
             "gravity": None if gravity is None else sketch.number(gravity.sx).tolist(),
             "bodies": [
-                {"name": b.name, **self.poses(b), "shapes": sketch.shapes[b.name]}
+                {"name": b.name, "node": b.node, **self.poses(b), "shapes": sketch.shapes[b.name]}
                 for b in self.model.bodies
             ],
             "ground": {"shapes": sketch.shapes["ground"]},

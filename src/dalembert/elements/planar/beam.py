@@ -10,11 +10,13 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements import beam
-from dalembert.elements.base import Powers, Rate, Scalar, Vector, quantity
+from dalembert.elements.base import Powers, Rate, Scalar, Vector, option, quantity
 from dalembert.elements.beam_nodes import BeamNode, Section
 from dalembert.elements.pair import initial_value, need_point
 from dalembert.elements.planar.body import Body, rotation
 from dalembert.elements.planar.in_plane import InPlane
+from dalembert.elements.point import Point
+from dalembert.symbolic.expression import Expression
 
 
 class Node(BeamNode, Body):
@@ -34,14 +36,16 @@ class Beam(InPlane, beam.Beam):
     ----------
     frame_i, frame_j : points of bodies
     bending_rigidity : ``E I`` [N m²]
-    rotary_inertia : ``ρ I`` [kg m]
+    rotary_inertia : ``ρ I`` [kg m]; that of one material by default, ``ρ A · E I/(E A)``
     angle_i, angle_j : direction of the beam in the bodies at its ends [rad]
     position, angle : of its own start [m], [rad]; guesses that assembly corrects
     velocity, angular_velocity : likewise [m/s], [rad/s]
     """
 
+    frame_i: Point | None = option("point where it starts, clamped", default=None)
+    frame_j: Point | None = option("point where it ends, clamped", default=None)
     bending_rigidity: Scalar = quantity("N m^2", "E I", above=0.0, keyword=True)
-    rotary_inertia: Scalar = quantity("kg m", "ρ I", default=0.0, minimum=0.0, keyword=True)
+    rotary_inertia: Scalar = quantity("kg m", "ρ I", default=None, minimum=0.0, keyword=True)
     angle_i: Scalar = quantity("rad", "direction in the first body", default=0.0, keyword=True)
     angle_j: Scalar = quantity("rad", "direction in the second body", default=0.0, keyword=True)
     position: Vector = quantity("m", "of its start", default=None, size=2, keyword=True)
@@ -56,6 +60,8 @@ class Beam(InPlane, beam.Beam):
             if getattr(self, field) is not None:
                 setattr(self, field, need_point(getattr(self, field), self.name, field))
         super().__post_init__()
+        if self.rotary_inertia is None:
+            self.rotary_inertia = Expression(self.material_inertia(self.bending_rigidity.sx))
 
     def make_node(self, name: str, first: bool) -> Any:
         if first:

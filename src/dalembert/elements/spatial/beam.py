@@ -23,6 +23,7 @@ from dalembert.elements.rotation import Orientation, as_orientation
 from dalembert.elements.spatial.body import Body
 from dalembert.errors import ModelError
 from dalembert.symbolic import rotation
+from dalembert.symbolic.expression import Expression
 
 
 class Node(BeamNode, Body):
@@ -45,17 +46,19 @@ class Beam(beam.Beam):
     shear_rigidity_z : ``G A_z`` [N]; that along y by default
     torsional_rigidity : ``G J`` [N m²]
     bending_rigidity_y, bending_rigidity_z : ``E I_y``, ``E I_z`` [N m²], about its y and z axes
-    rotary_inertia : (3,) ``ρ I_p``, ``ρ I_y``, ``ρ I_z`` [kg m]
+    rotary_inertia : (3,) ``ρ I_p``, ``ρ I_y``, ``ρ I_z`` [kg m]; those of one material by default
     position, rotation : of its own start [m]; guesses that assembly corrects
     velocity, angular_velocity : likewise, inertial axes [m/s], [rad/s]
     """
 
+    frame_i: Frame | None = option("frame where it starts, clamped", default=None)
+    frame_j: Frame | None = option("frame where it ends, clamped", default=None)
     shear_rigidity_z: Scalar = quantity("N", "G A_z", default=None, above=0.0, keyword=True)
     torsional_rigidity: Scalar = quantity("N m^2", "G J", above=0.0, keyword=True)
     bending_rigidity_y: Scalar = quantity("N m^2", "E I_y", above=0.0, keyword=True)
     bending_rigidity_z: Scalar = quantity("N m^2", "E I_z", above=0.0, keyword=True)
     rotary_inertia: Vector = quantity(
-        "kg m", "ρ I_p, ρ I_y, ρ I_z", default=(0.0, 0.0, 0.0), size=3, minimum=0.0, keyword=True
+        "kg m", "ρ I_p, ρ I_y, ρ I_z", default=None, size=3, minimum=0.0, keyword=True
     )
     position: Vector = quantity("m", "of its start", default=None, size=3, keyword=True)
     rotation: Orientation = option("at its start", default=None, keyword=True)
@@ -85,6 +88,10 @@ class Beam(beam.Beam):
         super().__post_init__()
         if self.shear_rigidity_z is None:
             self.shear_rigidity_z = self.shear_rigidity
+        if self.rotary_inertia is None:
+            about = [self.bending_rigidity_y.sx, self.bending_rigidity_z.sx]
+            own = [self.material_inertia(rigidity) for rigidity in (sum(about), *about)]
+            self.rotary_inertia = Expression(ca.vertcat(*own))
 
     def make_node(self, name: str, first: bool) -> Any:
         if first:

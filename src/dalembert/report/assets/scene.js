@@ -389,7 +389,7 @@ class Scene {
     });
     for (const body of this.motion.bodies) {
       const pose = this.poses.get(body);
-      if (pose && !body.shapes.length) centreMark(this.ctx, this.screen([pose.x, pose.y]), this.half, this.looks[body.index].edge, Theme.surface);
+      if (pose && !body.node && !body.shapes.length) centreMark(this.ctx, this.screen([pose.x, pose.y]), this.half, this.looks[body.index].edge, Theme.surface);
     }
   }
 
@@ -443,6 +443,7 @@ class Scene {
   drawLink({ link, rest, offset }) {
     const p = this.placeOf(link.i.body, link.i.point), q = this.placeOf(link.j.body, link.j.point);
     if (!p || !q) return;
+    if (link.symbol === "strand") return this.drawStrand(link, p, q);
     linkSymbol(this.ctx, link.symbol, p, q, this.half, rest * this.view.s, offset * this.half, this.colours);
     for (const [end, at] of [[link.i, p], [link.j, q]]) {
       circle(this.ctx, at, clamp(0.32 * this.half, 1.8, 4));
@@ -452,6 +453,15 @@ class Scene {
         this.drawAnchor(at, end === link.i ? q : p);
       }
     }
+  }
+
+  // A piece of a beam, in one colour from end to end.
+  drawStrand(link, p, q) {
+    const first = this.motion.links.find((other) => other.name === link.name), look = this.looks[first.j.body.index];
+    this.ctx.lineCap = "round";
+    trace(this.ctx, [p, q]);
+    stroke(this.ctx, look.edge, clamp(0.8 * this.half, 3, 9));
+    this.ctx.lineCap = "butt";
   }
 
   // A short hatched wall behind the fixed end of a link.
@@ -519,7 +529,7 @@ class Scene {
     ctx.font = `600 12px ${Theme.font}`;
     for (const body of this.motion.bodies) {
       const pose = this.poses.get(body);
-      if (!pose) continue;
+      if (!pose || body.node) continue;
       const wide = ctx.measureText(body.label).width / 2;
       const places = this.labelPlaces(body, pose, wide);
       const cost = ([x, y], more = 0) => {

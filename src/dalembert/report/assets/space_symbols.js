@@ -41,6 +41,7 @@ const LINK_SOLIDS = {
   cylinder: (u, rest) => [
     [tube([0, 0, 0], [0, 0, 0.6 * rest], 1.25 * u), "drive", "head"], [tube([0, 0, -0.62 * rest], [0, 0, 0], 0.6 * u, 16), "steel", "tail"]],
   sleeve: (u, rest) => [[ball([0, 0, 0.5], 1).scale(1.8 * u, 1.8 * u, rest || u), "drive", "stretch"]],
+  strand: (u, rest) => [[tube([0, 0, -0.1 * rest], [0, 0, 1.1 * rest], 0.9 * u, 16), "drive", "stretch"]],
   rod: (u, rest) => [[tube([0, 0, 0], [0, 0, rest], 0.7 * u, 20), "steel", "stretch"]],
 };
 
