@@ -264,3 +264,27 @@ def test_a_spatial_beam_needs_frames():
     body = system.add(spatial.Body("hub", mass=1, inertia=(1, 1, 1)))
     with pytest.raises(da.ModelError, match=r"frame_i must be a frame.*hub\.frame"):
         system.add(spatial.Beam("arm", body.point(0, 0, 0), **SPACE))
+
+
+def test_joint_coordinates_have_no_tree_for_it():
+    with pytest.raises(da.UnsupportedError, match=r"arm: mass between bodies.*AbsoluteCoordinates"):
+        da.solve_dynamics(free_model(2, 1, 1), 0.1, coordinates=da.JointCoordinates())
+
+
+def test_small_vibrations_are_those_of_the_slender_cantilever():
+    """``ω = λ² √(E I/(ρ A L⁴))``, λ = 1.8751, 4.6941, 7.8548."""
+    system = da.System("cantilever")
+    system.add(
+        planar.Beam(
+            "arm",
+            system.ground.center,
+            length=1.0,
+            axial_rigidity=1e6,
+            shear_rigidity=1e6,
+            bending_rigidity=1.0,
+            mass_per_length=1.0,
+        )
+    )
+    frequencies = np.sort(da.linearize(system.build()).data["frequency"].values)[:3]
+    expected = np.array([1.875104, 4.694091, 7.854757]) ** 2 / (2 * np.pi)
+    np.testing.assert_allclose(frequencies, expected, rtol=1e-3)

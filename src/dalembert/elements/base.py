@@ -151,6 +151,11 @@ class Element:
         """
         return []
 
+    @property
+    def own_mass(self) -> bool:
+        """Whether it has inertia beside that of bodies."""
+        return bool(self.inertial_powers(lambda s: s))
+
     def masses(self) -> list[tuple[ca.SX, ca.SX]]:
         """(place, mass) of what gravity pulls at."""
         return []

@@ -94,8 +94,8 @@ class Description:
         """The body (or the ground) of this name."""
         if name == "ground":
             return self.ground
-        found = self.elements.get(name)
-        if not isinstance(found, BodyElement):
+        found = next((body for body in self.bodies if body.name == name), None)
+        if found is None:
             known = ", ".join(b.name for b in self.bodies) or "none"
             raise ModelError(f"unknown body {name!r} (known: ground, {known})")
         return found

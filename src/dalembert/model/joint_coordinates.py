@@ -43,5 +43,11 @@ class JointCoordinates(Coordinates):
                 )
 
     def view(self, model: Model, every_equation: bool = False) -> JointView:
+        spread = [e.name for e in model.parts.elements.values() if e.own_mass]
+        if spread:
+            raise UnsupportedError(
+                f"{', '.join(spread)}: mass between bodies has no tree of joints; use "
+                "coordinates=AbsoluteCoordinates()"
+            )
         absolute = self.angles == "absolute"
         return JointView(model, self.cut, absolute, self.reactions, every_equation)
