@@ -31,8 +31,8 @@ class Section:
     body: Any = None
 
 
-class BeamNode:
-    """A node of a beam, ahead of the body that it is in the plane or in space.
+class NodeBody:
+    """A node of an element, ahead of the body that it is in the plane or in space.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class BeamNode:
     estimate: Callable[[], ca.SX] | None = None
 
     def check_name(self) -> None:
-        """It is the beam's name with its own, which nobody typed."""
+        """It is the element's name with its own, which nobody typed."""
 
     def guesses(self) -> tuple[list, list]:
         pose, twist = super().guesses()  # type: ignore[misc]

@@ -86,7 +86,7 @@ class InertiaGraphs:
         """Whether the inertia depends on the displacements."""
         return not self.kinetic.is_zero() and ca.depends_on(self.moving[kind][0], self.u)
 
-    def _inertia_force(self, kind: str) -> tuple[list[ca.SX], ca.SX]:
+    def inertia_force(self, kind: str) -> tuple[list[ca.SX], ca.SX]:
         """Displacements, velocities, accelerations and numbers; the force."""
         energy, numbers = self.moving[kind]
         a, momentum = ca.SX.sym("a", self.u.numel()), ca.gradient(energy, self.v)
@@ -94,22 +94,22 @@ class InertiaGraphs:
         return [self.u, self.v, a, numbers], force - ca.gradient(energy, self.u)
 
     def _inertia_forces(self, kind: str):
-        given, force = self._inertia_force(kind)
+        given, force = self.inertia_force(kind)
         return given, [force]
 
     def _inertia_slopes(self, kind: str):
         """Derivatives by displacements, velocities and accelerations."""
-        given, force = self._inertia_force(kind)
+        given, force = self.inertia_force(kind)
         by_v, by_a = (ca.jacobian(force, by) for by in given[1:3])
         return given, [ca.vec(slope) for slope in (self._slopes(force), by_v, by_a)]
 
     def _push_inertia(self, kind: str):
-        given, force = self._inertia_force(kind)
+        given, force = self.inertia_force(kind)
         change = ca.SX.sym("change", given[3].numel())
         return [*given, change], [ca.jtimes(force, given[3], change)]
 
     def _pull_inertia(self, kind: str):
-        given, force = self._inertia_force(kind)
+        given, force = self.inertia_force(kind)
         w = ca.SX.sym("w", self.u.numel())
         return [*given, w], [ca.jtimes(force, given[3], w, True)]
 

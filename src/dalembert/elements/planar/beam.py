@@ -11,16 +11,13 @@ import numpy as np
 
 from dalembert.elements import beam
 from dalembert.elements.base import Powers, Rate, Scalar, Vector, option, quantity
-from dalembert.elements.beam_nodes import BeamNode, Section
+from dalembert.elements.beam_nodes import Section
 from dalembert.elements.pair import initial_value, need_point
-from dalembert.elements.planar.body import Body, rotation
+from dalembert.elements.planar.body import rotation
 from dalembert.elements.planar.in_plane import InPlane
+from dalembert.elements.planar.node import Node
 from dalembert.elements.point import Point
 from dalembert.symbolic.expression import Expression
-
-
-class Node(BeamNode, Body):
-    """A node of a beam in the plane."""
 
 
 @dataclass(eq=False)

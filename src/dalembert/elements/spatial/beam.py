@@ -16,18 +16,14 @@ import numpy as np
 
 from dalembert.elements import beam
 from dalembert.elements.base import Condition, Powers, Rate, Scalar, Vector, option, quantity
-from dalembert.elements.beam_nodes import BeamNode, Section
+from dalembert.elements.beam_nodes import Section
 from dalembert.elements.frame import Frame
 from dalembert.elements.pair import initial_value
 from dalembert.elements.rotation import Orientation, as_orientation
-from dalembert.elements.spatial.body import Body
+from dalembert.elements.spatial.node import Node
 from dalembert.errors import ModelError
 from dalembert.symbolic import rotation
 from dalembert.symbolic.expression import Expression
-
-
-class Node(BeamNode, Body):
-    """A node of a beam in space."""
 
 
 @dataclass(eq=False)

@@ -1,0 +1,65 @@
+"""One finite element as CasADi functions that are summed over its points of integration."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import casadi as ca
+
+from dalembert.structures.base import Rows
+from dalembert.structures.graphs import ElementGraphs
+
+
+class CellFunctions:
+    """What a mechanism asks of an element, for symbols that are expressions of its own.
+
+    Parameters
+    ----------
+    graphs : of the kind of element
+    """
+
+    def __init__(self, graphs: ElementGraphs):
+        self.graphs = graphs
+
+    @property
+    def massless(self) -> bool:
+        return bool(self.graphs.kinetic.is_zero())
+
+    @cached_property
+    def stored(self) -> ca.Function:
+        """``(u, data)`` → strain energy and its slope by displacements."""
+        g = self.graphs
+        energy = self._summed(g.whole_energy, g.cls.samples)
+        return ca.Function("stored", [g.u, g.data], [energy, ca.gradient(energy, g.u)])
+
+    @cached_property
+    def inertia(self) -> ca.Function:
+        """``(u, v, a, data)`` → ``d/dt ∂T/∂v − ∂T/∂u``."""
+        inputs, force = self.graphs.inertia_force("consistent")
+        return ca.Function(
+            "inertia", inputs, [self._summed(force, self.graphs.cls.kinetic_samples)]
+        )
+
+    @cached_property
+    def shares(self) -> ca.Function:
+        """``data`` → mass of each node, by the momentum of all of them along x."""
+        g = self.graphs
+        per_node = g.u.numel() // g.node_count
+        energy = self._summed(g.kinetic, g.cls.kinetic_samples)
+        along = ca.vertcat(*([1, *[0] * (per_node - 1)] * g.node_count))
+        momentum = ca.substitute(ca.gradient(energy, g.u), g.u, along)
+        return ca.Function("shares", [g.data], [momentum[::per_node]])
+
+    def measure(self, name: str) -> ca.Function:
+        """``(u, data)`` → a measure of the element."""
+        g = self.graphs
+        value = self._at(g.measures[name][0], g.cls.stations[""])
+        return ca.Function("measure", [g.u, g.data], [value])
+
+    def _summed(self, value: ca.SX, points: Rows) -> ca.SX:
+        return sum((self._at(value, point) for point in points), ca.SX(0))
+
+    def _at(self, value: ca.SX, point: tuple[float, ...]) -> ca.SX:
+        """The value at a point of integration."""
+        at = self.graphs.at
+        return ca.substitute(value, at, ca.SX(list(point))) if at.numel() else value

@@ -1,0 +1,171 @@
+"""A structure in a mechanism is the structure itself: its statics, vibrations and motions are those
+that the analyses of structures find, and its gradients are exact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, spatial, structures
+
+Build = Callable[[structures.Structure, float], None]
+SOFT = 2e6
+
+
+def bars(s: structures.Structure, modulus) -> None:
+    a, b, c, d = (
+        s.node(n, x, y) for n, x, y in (("A", 0, 0), ("B", 0, 1), ("C", 1, 1), ("D", 1, 0))
+    )
+    numbers = {"area": 1e-3, "modulus": modulus, "density": 1000.0}
+    for k, (i, j) in enumerate(((a, d), (b, c), (a, c), (d, c), (b, d))):
+        s.add(structures.Truss(f"bar{k}", i, j, **numbers))
+
+
+def frame(s: structures.Structure, modulus) -> None:
+    a, b, c, d = (
+        s.node(n, x, y) for n, x, y in (("A", 0, 0), ("B", 0, 0.1), ("C", 0.5, 0.2), ("D", 1, 0))
+    )
+    numbers = {"area": 1e-3, "second_moment": 1e-6, "modulus": modulus, "density": 1000.0}
+    for k, (i, j) in enumerate(((a, c), (b, c), (c, d))):
+        s.add(structures.Frame(f"beam{k}", i, j, **numbers))
+
+
+def plate(s: structures.Structure, modulus) -> None:
+    places = [(0.5 * x, 0.2 * y) for x in range(3) for y in range(2)]
+    nodes = dict(
+        zip("ABCEDF", (s.node(n, *p) for n, p in zip("ABCEDF", places, strict=True)), strict=True)
+    )
+    numbers = {"thickness": 0.01, "modulus": modulus, "poisson": 0.3, "density": 1000.0}
+    a, b, c, e, d, f = (nodes[n] for n in "ABCEDF")
+    s.add(structures.Quadrilateral("q0", (a, c, e, b), **numbers))
+    s.add(structures.Quadrilateral("q1", (c, d, f, e), **numbers))
+
+
+def solid(s: structures.Structure, modulus) -> None:
+    corners = {"A": (0, 0, 0), "B": (0, 1, 0), "C": (0, 0, 1), "D": (1, 0.2, 0.3)}
+    nodes = [s.node(n, *p) for n, p in corners.items()]
+    numbers = {"modulus": modulus, "poisson": 0.3, "density": 1000.0}
+    s.add(structures.Tetrahedron("cell", tuple(nodes), **numbers))
+
+
+SHAPES: dict[str, tuple[Build, str]] = {
+    "bars": (bars, "AB"),
+    "frame": (frame, "AB"),
+    "plate": (plate, "AB"),
+    "solid": (solid, "ABC"),
+}
+
+
+def held(shape: str, load: float) -> da.Model:
+    """In a mechanism, with joints at its feet and a force at D."""
+    build, feet = SHAPES[shape]
+    system = da.System(shape)
+    modulus = system.parameter("E", SOFT)
+    structure = structures.Structure(shape)
+    build(structure, modulus)
+    d = structure.dimension
+    kinds = planar if d == 2 else spatial
+    made = system.add(structures.FlexibleStructure("S", structure=structure))
+    for foot in feet:
+        body = made.node(foot)
+        place = structure.nodes[foot].position
+        point = system.ground.point(*(float(place[k]) for k in range(d)))
+        if shape == "frame":
+            system.add(planar.Weld(f"hold{foot}", point, body))
+        else:
+            joint = planar.Revolute if d == 2 else spatial.Spherical
+            system.add(joint(f"hold{foot}", point, body))
+    force = (0.0, -load) if d == 2 else (0.0, 0.0, -load)
+    system.add(kinds.Force("F", made.node("D"), force))
+    return system.build()
+
+
+def alone(shape: str, load: float) -> structures.Structure:
+    """The same as a structure, with supports and a load."""
+    build, feet = SHAPES[shape]
+    structure = structures.Structure(shape)
+    build(structure, SOFT)
+    for foot in feet:
+        structure.support(structure.nodes[foot])
+    down = {"fy": -load} if structure.dimension == 2 else {"fz": -load}
+    structure.load(structure.nodes["D"], **down)
+    return structure
+
+
+def displacement(motion: da.Motion, structure: structures.Structure, k: int = -1) -> np.ndarray:
+    axes = "xyz"[: structure.dimension]
+    start = [float(structure.nodes["D"].position[n]) for n in range(len(axes))]
+    return np.array([motion[f"S.D.{a}"].values[k] for a in axes]) - start
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_statics_are_those_of_the_structure(shape):
+    structure = alone(shape, 40.0)
+    known = da.NonlinearStatics().run(structure.build())
+    found = da.solve_equilibrium(held(shape, 40.0))
+    axes = "xyz"[: structure.dimension]
+    expected = [float(known[f"D.u{a}"]) for a in axes]
+    np.testing.assert_allclose(displacement(found, structure), expected, rtol=1e-7)
+    assert np.abs(expected).max() > 1e-4
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_vibrations_are_those_of_the_structure(shape):
+    known = np.sort(da.solve_modes(alone(shape, 0.0).build(), count=3).data["frequency"].values)[:3]
+    found = np.sort(da.linearize(held(shape, 0.0)).data["frequency"].values)
+    found = found[found > 1e-6 * known[0]][: known.size]
+    np.testing.assert_allclose(found, known, rtol=1e-8)
+
+
+def test_it_turns_as_a_rigid_body_does():
+    """Thrown with a spin, a stiff frame turns on about its mass centre."""
+    system, structure = da.System("thrown"), structures.Structure("frame")
+    frame(structure, 1e9)
+    system.add(
+        structures.FlexibleStructure(
+            "S", structure=structure, velocity=(0.3, -0.2), angular_velocity=2.0
+        )
+    )
+    model = system.build()
+    motion = da.solve_dynamics(model, 0.5, step=1e-3, integrator=da.HHT())
+    energy = motion["kinetic_energy"].values
+    assert energy[-1] == pytest.approx(energy[0], rel=1e-4)
+    assert motion["S.D.angle"].values[-1] == pytest.approx(1.0, abs=2e-3)
+
+
+@pytest.mark.parametrize("shape", ["bars", "plate", "solid"])
+def test_gradients_are_exact(shape):
+    motion = da.solve_dynamics(held(shape, 40.0), 0.02, step=1e-3, integrator=da.HHT())
+    response = da.final("S.D.y")
+    direct, adjoint, quotient = (
+        float(da.sensitivity(motion, response, method=m).values.ravel()[0])
+        for m in ("direct", "adjoint", da.FiniteDifference())
+    )
+    assert adjoint == pytest.approx(direct, rel=1e-9)
+    assert quotient == pytest.approx(direct, rel=1e-5)
+
+
+def test_weight_and_measures():
+    """A hanging bar of its own weight: the force at its middle is that of the lower half."""
+    system, structure = da.System("rope", gravity=(0, -10)), structures.Structure("rope")
+    top, low = structure.node("A", 0.0, 0.0), structure.node("D", 0.0, -1.0)
+    structure.add(structures.Truss("bar", top, low, area=1e-3, modulus=SOFT, density=1000.0))
+    made = system.add(structures.FlexibleStructure("S", structure=structure))
+    system.add(planar.Revolute("hold", system.ground.center, made.node("A")))
+    found = da.solve_equilibrium(system.build())
+    assert found["S.bar.force"].values[0] == pytest.approx(5.0, rel=1e-9)
+
+
+def test_what_cannot_be_part_of_a_mechanism_is_told():
+    supported = alone("bars", 1.0)
+    with pytest.raises(da.ModelError, match=r"S: its structure has supports.*S\.node"):
+        structures.FlexibleStructure("S", structure=supported)
+    own = structures.Structure("own")
+    frame(own, own.parameter("E", 1.0))
+    with pytest.raises(da.ModelError, match=r"parameters of its own \(E\)"):
+        structures.FlexibleStructure("S", structure=own)
+    with pytest.raises(da.ModelError, match="structure must be a Structure"):
+        structures.FlexibleStructure("S", structure=None)
