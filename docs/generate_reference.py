@@ -23,8 +23,9 @@ from dalembert.analysis.events import Event, Events
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
-from dalembert.elements.frame import Frames
+from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
+from dalembert.elements.point import Point
 from dalembert.elements.registry import CURVES, LAWS, PLANAR, SPATIAL
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
@@ -58,6 +59,8 @@ HOLDS: dict[object, str] = {
     str: "text",
     Path: "path beside the model file",
     BodyElement: "name of a body",
+    Point: "point",
+    Frame: "frame",
     Constraint: "name of a joint",
     Rows: "list",
     fields.Laws: "list of laws, numbers or formulas",

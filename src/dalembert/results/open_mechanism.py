@@ -42,7 +42,7 @@ def open_payload(error: AssemblyError) -> dict[str, Any]:
     drawn: Any = _Drawn(found)
     scene = motion_scene(drawn, BEST, loads=False)
     guess = motion_scene(drawn, GUESS, loads=False)["bodies"]
-    still = ("name", "shapes")
+    still = ("name", "node", "shapes")
     scene["ghosts"] = [
         {"shapes": b["shapes"], **{key: b[key][0] for key in b if key not in still}} for b in guess
     ]

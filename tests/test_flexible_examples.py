@@ -1,0 +1,68 @@
+"""Examples of flexible mechanisms and their numbers, found elsewhere.
+
+What holds of every example, these among them, stands in ``test_examples.py``.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from test_examples import numbers, pictures  # noqa: F401
+
+import dalembert as da
+from dalembert import structures
+
+
+def catenary(span: float) -> tuple[float, float]:
+    c = brentq(lambda c: 2 * c * np.sinh(span / (2 * c)) - 12.0, 1.0, 100.0)
+    return c * (np.cosh(span / (2 * c)) - 1), 0.8 * 9.81 * c
+
+
+def test_cable_hangs_as_a_catenary(pictures: Path) -> None:  # noqa: F811
+    found = numbers("catenary_cable", pictures)
+    sag, pull = catenary(10.0)
+    assert found["sag"] == pytest.approx(sag, rel=5e-4)
+    assert abs(found["pull"]) == pytest.approx(pull, rel=5e-4)
+    slope = (catenary(10.001)[0] - catenary(9.999)[0]) / 0.002
+    assert found["slope"] == pytest.approx(slope, rel=2e-3)
+
+
+def test_gripper_beside_its_pseudo_rigid_bodies(pictures: Path) -> None:  # noqa: F811
+    """Small strokes are ``F l³/(24 E I)``; Howell's model is a few per cent stiffer."""
+    found = numbers("compliant_gripper", pictures)
+    textbook = 20.0 * 0.06**3 / (24 * 200e9 * 0.01 * 0.0005**3 / 12)
+    assert found["stroke"] == pytest.approx(textbook, rel=0.06)  # leaves pulled straight by then
+    assert found["pseudo_rigid"] / found["stroke"] == pytest.approx(0.964, abs=0.01)
+    assert abs(found["tilt"]) < 2e-3
+
+
+def test_leaf_spring_is_the_lightest(pictures: Path) -> None:  # noqa: F811
+    found = numbers("leaf_spring", pictures)
+    assert found["worst"] < 1e-3  # against thicknesses in closed form
+    assert found["saved"] == pytest.approx(0.141, abs=0.002)
+
+
+def test_robot_arm_rings_at_its_first_frequency(pictures: Path) -> None:  # noqa: F811
+    """That of the arm where it stops, as a bent cantilever of frame elements with the tool."""
+    found = numbers("flexible_robot_arm", pictures)
+    arm, angles = structures.Structure("arm"), (1.2, 0.4)
+    metal, pipe = structures.Material(70e9, 0.33, 2700.0), structures.tube(0.025, 0.0015)
+    section = pipe.of(structures.Frame) | metal.of(structures.Frame)
+    place, last = np.zeros(2), None
+    for link, (length, angle) in enumerate(zip((0.9, 0.8), angles, strict=True)):
+        along = np.array([np.cos(angle), np.sin(angle)])
+        for k in range(0 if link == 0 else 1, 5):
+            node = arm.node(f"n{link}{k}", *(place + length * k / 4 * along))
+            if last is None:
+                arm.support(node)
+            else:
+                arm.add(structures.Frame(f"e{link}{k}", last, node, **section))
+            last = node
+        place = place + length * along
+    arm.add(structures.PointMass("tool", last, mass=0.5))
+    first = float(da.solve_modes(arm.build(), count=1).data["frequency"].values[0])
+    assert found["ring"] == pytest.approx(first, rel=0.02)
+    assert found["swing"] > 1e-3
