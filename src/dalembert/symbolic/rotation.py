@@ -11,6 +11,9 @@ import casadi as ca
 from dalembert.errors import ModelError
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
+EULER_PARAMETERS = ("e0", "e1", "e2", "e3")
+SPIN = ("turn_x", "turn_y", "turn_z")
+"""Names of the components of ``δ'``."""
 
 
 def skew(a: ca.SX) -> ca.SX:
