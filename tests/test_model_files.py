@@ -366,6 +366,18 @@ def test_schema_refuses(change, schema):
     assert not schema.is_valid({"format": 1, **change})
 
 
+def test_definitions_have_names_of_their_own(schema):
+    """An element is called by its space; what a file of another space says in full, by both."""
+    names = schema.schema["$defs"]
+    assert not [name for name in names if "__" in name]
+    types = {name: names[name]["properties"]["type"] for name in names if name.endswith("Revolute")}
+    assert types["PlanarRevolute"]["enum"] == ["Revolute", "planar.Revolute"]
+    assert types["SpatialRevolute"]["enum"] == ["Revolute", "spatial.Revolute"]
+    assert names["PlanarRevoluteInSpatialDocument"]["properties"]["type"]["const"] == (
+        "planar.Revolute"
+    )
+
+
 def test_schema_tells_units(schema):
     bar = schema.schema["$defs"]["PlanarBar"]["properties"]
     assert "[m]" in bar["length"]["description"]
