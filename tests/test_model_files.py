@@ -12,7 +12,7 @@ import pytest
 import dalembert as da
 from dalembert import planar
 from dalembert.elements.registry import CURVES, LAWS, PLANAR
-from dalembert.io import json_schema, load, load_model_file
+from dalembert.io import load, load_model_file
 from dalembert.io.analyses import make_analysis
 from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES
 from dalembert.io.tasks import make_design, make_gradient, make_responses
@@ -342,14 +342,6 @@ def test_limits(tmp_path):
 
 
 # schema -----------------------------------------------------------------------------------
-@pytest.fixture(scope="module")
-def schema():
-    jsonschema = pytest.importorskip("jsonschema")
-    made = json_schema()
-    jsonschema.Draft202012Validator.check_schema(made)
-    return jsonschema.Draft202012Validator(made)
-
-
 @pytest.mark.parametrize(
     "change",
     [

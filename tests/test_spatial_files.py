@@ -11,7 +11,7 @@ import pytest
 import dalembert as da
 from dalembert.elements.base import Element
 from dalembert.elements.registry import SPATIAL
-from dalembert.io import json_schema, load
+from dalembert.io import load
 from dalembert.io.model_file import load_model_file
 
 HEAD = """\
@@ -105,12 +105,6 @@ ELEMENTS = {
     },
 }
 CASES = [(section, name) for section, table in SPATIAL.sections.items() for name in table]
-
-
-@pytest.fixture(scope="module")
-def schema():
-    jsonschema = pytest.importorskip("jsonschema")
-    return jsonschema.Draft202012Validator(json_schema())
 
 
 def written(section: str, name: str, folder: Path) -> Element:
