@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from dalembert.report.page import write_page
+
 ARGS = (
     "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
     "--disable-background-networking --disable-component-update --disable-sync "
@@ -99,6 +101,12 @@ def chromium() -> Iterator[Any]:
             browser.close()
 
 
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as started:
+        yield started
+
+
 @contextmanager
 def visit(
     browser: Any,
@@ -142,3 +150,22 @@ def visit(
         yield found
     finally:
         context.close()
+
+
+@pytest.fixture
+def show(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """Open the page of a payload or a result; in the end it has asked for and told nothing."""
+    pages: list[tuple[Any, Visit]] = []
+
+    def opened(shown: Any, **options: Any) -> Visit:
+        path = tmp_path / f"{len(pages)}.html"
+        page = write_page(shown, path) if isinstance(shown, dict) else shown.report(path)
+        manager = visit(browser, page, **options)
+        pages.append((manager, manager.__enter__()))
+        return pages[-1][1]
+
+    yield opened
+    seen = [(found.requests, found.console) for _, found in pages]
+    for manager, _ in pages:
+        manager.__exit__(None, None, None)
+    assert seen == [([], [])] * len(seen)

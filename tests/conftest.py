@@ -6,9 +6,22 @@ import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the cores
 
+import pytest
+from browser import browser, show  # noqa: F401
 from hypothesis import settings
+
+from dalembert.io import json_schema
 
 settings.register_profile(
     "dalembert", deadline=None, derandomize=True, max_examples=25, database=None
 )
 settings.load_profile("dalembert")
+
+
+@pytest.fixture(scope="session")
+def schema():
+    """The schema of model files, itself checked, as a validator."""
+    jsonschema = pytest.importorskip("jsonschema")
+    made = json_schema()
+    jsonschema.Draft202012Validator.check_schema(made)
+    return jsonschema.Draft202012Validator(made)

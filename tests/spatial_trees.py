@@ -72,12 +72,18 @@ class SpatialTree:
     ----------
     seed : of the random numbers
     parameters : names of masses ``m1``, places on bodies ``J0_1_x`` and stiffnesses ``k0``
+    gravity : None where nothing acts from outside
     """
 
-    def __init__(self, seed: int, parameters: tuple[str, ...] = ()):
+    def __init__(
+        self,
+        seed: int,
+        parameters: tuple[str, ...] = (),
+        gravity: tuple[float, ...] | None = (1.3, -2.1, -9.81),
+    ):
         self.rng = np.random.default_rng(seed)
         self.parameters = parameters
-        self.system = da.System("tree", gravity=(1.3, -2.1, -9.81))
+        self.system = da.System("tree", gravity=gravity)
         self.places = [(self.system.ground, np.zeros(3), np.eye(3))]
 
     def number(self, name: str, value: float):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import chromium, visit
+from browser import visit
 
 import dalembert as da
 from dalembert import planar
@@ -116,9 +116,9 @@ def test_every_failure_has_its_page(name, tmp_path):
     assert joint in page.read_text(encoding="utf-8")
 
 
-def test_the_page_shows_the_gap(tmp_path):
+def test_the_page_shows_the_gap(browser, tmp_path):
     page = da.assembly_report(failure(lambda: four_bar(1.0, 2.0)), tmp_path / "page.html")
-    with chromium() as browser, visit(browser, page) as shown:
+    with visit(browser, page) as shown:
         assert not shown.console
         assert shown.js("dalembert.motion.gaps.map(gap => gap.text)") == ["0.1 m"]
         with_gap = shown.picture("#scene")

@@ -73,7 +73,7 @@ WRONG = {
     r"^G: A and B have no body in common.*put both hinges on one carrier": gears_apart,
     r"^A: dot is a particle and has no axes": particle_on_a_hinge,
     r"^W: angle= is counted from x axes.*give both frames": angle_without_x,
-    r"^S: a screw needs a pitch": screw_without_pitch,
+    r"^S: a screw needs a pitch, got 0 m": screw_without_pitch,
 }
 
 

@@ -7,13 +7,11 @@ import math
 import os
 import re
 import stat
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from browser import chromium, visit
 from report_payload import crowd, four_bar, gallery
 
 from dalembert.errors import FileError
@@ -91,32 +89,6 @@ def test_write_page_replaces_the_file_in_one_go(
 
 
 # In a browser -------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as started:
-        yield started
-
-
-@pytest.fixture
-def show(browser: Any, tmp_path: Path) -> Iterator[Any]:
-    """Open the page of a payload; in the end no request and no console line may have come."""
-    open_pages = []
-
-    def opened(payload: dict[str, Any], **options: Any) -> Any:
-        manager = visit(
-            browser, write_page(payload, tmp_path / f"{len(open_pages)}.html"), **options
-        )
-        found = manager.__enter__()
-        open_pages.append((manager, found))
-        return found
-
-    yield opened
-    seen = [(found.requests, found.console) for _, found in open_pages]
-    for manager, _ in open_pages:
-        manager.__exit__(None, None, None)
-    assert seen == [([], [])] * len(seen)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -13,20 +13,15 @@ import pytest
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.errors import ModelError
-from dalembert.io import json_schema, load
+from dalembert.io import load
 
 
 @pytest.fixture
-def read(tmp_path):
-    jsonschema = pytest.importorskip("jsonschema")
-    schema = json_schema()
-    jsonschema.Draft202012Validator.check_schema(schema)
-    checked = jsonschema.Draft202012Validator(schema)
-
+def read(tmp_path, schema):
     def read(text: str, allowed: bool = True):
         """Elements by name, of a file that the schema allows or not."""
         data = {"format": 1, **tomllib.loads(text)}
-        assert checked.is_valid(data) == allowed
+        assert schema.is_valid(data) == allowed
         path = tmp_path / "model.json"
         path.write_text(json.dumps(data), encoding="utf-8")
         return load(path).elements

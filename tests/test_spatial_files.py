@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 
 import pytest
 
+import dalembert as da
 from dalembert.elements.base import Element
 from dalembert.elements.registry import SPATIAL
-from dalembert.io import json_schema, load
+from dalembert.io import load
+from dalembert.io.model_file import load_model_file
 
 HEAD = """\
 format = 1
@@ -109,12 +112,6 @@ ELEMENTS = {
 CASES = [(section, name) for section, table in SPATIAL.sections.items() for name in table]
 
 
-@pytest.fixture(scope="module")
-def schema():
-    jsonschema = pytest.importorskip("jsonschema")
-    return jsonschema.Draft202012Validator(json_schema())
-
-
 def written(section: str, name: str, folder: Path) -> Element:
     """An element read from a file in the folder, beside some bodies and joints."""
     (folder / "wedge.obj").write_text(OBJ)
@@ -129,3 +126,32 @@ def test_every_element_can_be_written(section, name, tmp_path, schema):
         pytest.importorskip("trimesh")
     assert type(written(section, name, tmp_path)) is SPATIAL.sections[section][name]
     schema.validate(tomllib.loads((tmp_path / "model.toml").read_text(encoding="utf-8")))
+
+
+WRONG = {
+    "no dimension": (
+        "[joints.new]\ntype = 'Spherical'\n" + POINTS,
+        "as dimension = 3 it can be read; write that if it is meant",
+    ),
+    "an element of the plane": (
+        "[joints.new]\ntype = 'planar.Revolute'\nconnect = ['ground', { body = 'a', at = [0, 0] }]",
+        "joints.new.connect[1]: a is a body in space, and elements of the plane tie bodies of",
+    ),
+    "a tube without a wall": (
+        "[bodies.new]\ntype = 'Cylinder'\nradius = 1\ninner_radius = 'k'\nlength = 1\ndensity = 1",
+        "bodies.new.radius − inner_radius: is -1 m, but it must not be negative",
+    ),
+    "a twist that no axes have": (
+        "[joints.new]\ntype = 'RevoluteRevoluteLink'\n" + FRAMES + "length = 1\ntwist = 3.5",
+        "joints.new: its twist is 3.5 rad, but it must be above 0 and below π; leave it out",
+    ),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_what_is_wrong_is_told_with_place_value_and_cure(wrong, tmp_path):
+    text, told = WRONG[wrong]
+    head = HEAD.replace("dimension = 3\n", "") if wrong == "no dimension" else HEAD
+    (tmp_path / "model.toml").write_text(f"{head}{text}\n", encoding="utf-8")
+    with pytest.raises(da.ModelError, match=re.escape(told)):
+        load_model_file(tmp_path / "model.toml").model()

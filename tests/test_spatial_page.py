@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from browser import Visit, chromium, visit
+from browser import Visit, visit
 from scipy.spatial.transform import Rotation, Slerp
 
 import dalembert as da
@@ -92,29 +91,9 @@ def hinges() -> da.Motion:
     return da.solve_dynamics(system.build(), duration=0.6, step=0.01)
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as started:
-        yield started
-
-
 @pytest.fixture
-def show(browser: Any, tmp_path: Path) -> Iterator[Any]:
-    """Open the page of a motion; in the end no request and no console line may have come."""
-    pages = []
-
-    def opened(motion: da.Motion, **options: Any) -> Visit:
-        page = motion.report(tmp_path / f"{len(pages)}.html")
-        manager = visit(browser, page, **{"viewport": SMALL, **options})
-        found = manager.__enter__()
-        pages.append((manager, found))
-        return found
-
-    yield opened
-    seen = [(found.requests, found.console) for _, found in pages]
-    for manager, _ in pages:
-        manager.__exit__(None, None, None)
-    assert seen == [([], [])] * len(seen)
+def show(show: Any) -> Any:
+    return functools.partial(show, viewport=SMALL)
 
 
 def matrices(found: Visit, time: float) -> dict[str, np.ndarray]:

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 import dalembert as da
 from dalembert import structures
 from dalembert.cli import main
-from dalembert.io import json_schema, load_model_file
+from dalembert.io import load_model_file
 from dalembert.io.analyses import make_analysis
 from dalembert.io.strategies import RESPONSES, STRUCTURAL_ANALYSES
 from dalembert.io.tasks import check_tasks, make_responses
@@ -59,14 +59,6 @@ def written(folder: Path, text: str, name: str = "model.toml") -> Path:
     path = folder / name
     path.write_text(text, encoding="utf-8")
     return path
-
-
-@pytest.fixture(scope="module")
-def schema():
-    jsonschema = pytest.importorskip("jsonschema")
-    made = json_schema()
-    jsonschema.Draft202012Validator.check_schema(made)
-    return jsonschema.Draft202012Validator(made)
 
 
 def loaded(folder: Path, text: str, schema=None):

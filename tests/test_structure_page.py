@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from browser import Visit, chromium, visit
 from test_structure_pictures import BUILDERS, cantilever
 
 import dalembert as da
@@ -32,29 +29,6 @@ def motion():
     structure.support(b, uy=0)
     structure.load(b, fx=100.0)
     return da.Transient(duration=0.01, step=1e-4, outputs=21).run(structure.build())
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as started:
-        yield started
-
-
-@pytest.fixture
-def show(browser: Any, tmp_path: Path) -> Iterator[Any]:
-    """Open the report of a result; no request and no console line may come."""
-    opened: list[tuple[Any, Visit]] = []
-
-    def open_page(result: Any, **options: Any) -> Visit:
-        manager = visit(browser, result.report(tmp_path / f"{len(opened)}.html"), **options)
-        opened.append((manager, manager.__enter__()))
-        return opened[-1][1]
-
-    yield open_page
-    seen = [(found.requests, found.console) for _, found in opened]
-    for manager, _ in opened:
-        manager.__exit__(None, None, None)
-    assert seen == [([], [])] * len(seen)
 
 
 @pytest.mark.parametrize("name", list(BUILDERS))

@@ -220,8 +220,13 @@ def test_without_trimesh_the_cure_is_named(tmp_path, monkeypatch):
         (lambda: spatial.Box("b", size=(1, 1), mass=1.0), "b.size: expected 3 component(s), got 2"),
         (
             lambda: spatial.Cylinder("b", radius=1.0, length=1.0, inner_radius=1.1, mass=1.0),
-            "b: inner_radius is larger than radius",
+            "b.radius − inner_radius: is -0.1 m, but it must not be negative",
         ),
+        (
+            lambda: spatial.Cylinder("b", radius=1.0, length=1.0, inner_radius=1.1, density=1.0),
+            "b.radius − inner_radius: is -0.1 m",
+        ),
+        (lambda: spatial.Sphere("b", radius=-1.0, density=1.0), "b.radius: is -1 m, but it must"),
     ],
 )
 def test_wrong_sizes_are_refused(make, told):

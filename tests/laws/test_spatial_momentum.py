@@ -1,4 +1,4 @@
-"""Momentum and energy of random chains afloat in space, whatever ties their links."""
+"""Momentum and energy of random chains and loops afloat in space, whatever ties their links."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from spatial_trees import SpatialTree
 
 import dalembert as da
 from dalembert import spatial
@@ -15,6 +16,7 @@ from dalembert.elements.spatial.inertia_tensor import tensor
 from dalembert.symbolic.expression import Expression
 
 LINKS = 4
+IN_LOOPS = ["Revolute", "Cylindrical", "Universal", "Spherical", "Screw", "Prismatic", "Planar"]
 JOINTS = [spatial.Spherical, spatial.Revolute, spatial.Cylindrical, spatial.Universal, None]
 
 
@@ -55,6 +57,18 @@ def chain(seed: int) -> da.Model:
     return system.build()
 
 
+def loop(seed: int) -> da.Model:
+    """Bodies in a ring of random joints, the last one closed by a ball, with a spring across."""
+    ring = SpatialTree(seed, gravity=None)
+    names = [ring.body() for _ in range(LINKS)]
+    for i, j in itertools.pairwise(names):
+        ring.joint(str(ring.rng.choice(IN_LOOPS)), i, j)
+    ring.joint("Spherical", names[-1], names[0])
+    ends = (ring.places[k][0].center for k in (names[0], names[LINKS // 2]))
+    ring.system.add(spatial.Spring("spring", *ends, stiffness=30.0, free_length=0.4))
+    return ring.system.build()
+
+
 def momenta(model: da.Model) -> Expression:
     """``Σ m v, Σ r × m v + J ω``."""
     linear, angular = ca.SX.zeros(3), ca.SX.zeros(3)
@@ -65,9 +79,12 @@ def momenta(model: da.Model) -> Expression:
     return Expression(ca.vertcat(linear, angular))
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_momentum_and_energy_of_what_floats_stay(seed):
-    model = chain(seed)
+@pytest.mark.parametrize(
+    ("made", "seed"), [*((chain, k) for k in range(6)), *((loop, k) for k in range(4))]
+)
+def test_momentum_and_energy_of_what_floats_stay(made, seed):
+    model = made(seed)
+    assert len(model.diagnosis.topology.loops) == (made is loop)
     motion = da.solve_dynamics(model, 0.2, integrator=da.DormandPrince853(1e-10, 1e-11), outputs=5)
     assert motion.status.success
     kept = np.asarray(motion.values(momenta(model)))

@@ -9,7 +9,7 @@ import pytest
 from registry import CONSTRAINED, INTEGRATORS, STABILIZATIONS, model_of
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 from dalembert.integrators.runge_kutta import ExplicitRungeKutta
 
 ORDERS = {
@@ -161,6 +161,59 @@ def test_energy_projection_says_where_it_misleads():
         da.solve_dynamics(
             model_of("rotational driver Polynomial"), 0.1, stabilization=da.EnergyProjection()
         )
+
+
+@functools.cache
+def swinging_in_space():
+    """Two bodies on hinges askew, with a link of two balls between them: one freedom."""
+    system = da.System("askew", gravity=(0.4, -0.7, -9.81))
+    hinges = {"a": ((0.0, 0.0, 0.0), (0.2, 1.0, 0.1)), "b": ((0.9, 0.3, 0.1), (1.0, 0.3, 0.2))}
+    ends = []
+    for name, (place, axis) in hinges.items():
+        body = spatial.Body(
+            name,
+            mass=1.1,
+            inertia=(0.2, 0.3, 0.25, 0.02, -0.01, 0.03),
+            center_of_mass=(0.3, -0.2, 0.1),
+            position=place,
+            rotation=da.rotation.identity(),
+        )
+        system.add(body)
+        hinge = system.ground.frame(place, axis=axis)
+        system.add(spatial.Revolute(name.upper(), hinge, body.frame(axis=axis)))
+        ends.append(body.point(0.1, 0.2, 0.3))
+    reach = float(np.linalg.norm((0.9, 0.3, 0.1)))
+    system.add(spatial.RigidLink("L", *ends, length=reach))
+    return system.build()
+
+
+def test_energy_projection_holds_energy_and_constraints_in_space():
+    """As in the plane; nothing that stands still there is taken for something in time."""
+    options = {"step": 0.05, "integrator": da.RK4()}
+    model = swinging_in_space()
+    assert model.diagnosis.degrees_of_freedom == 1
+    held = da.solve_dynamics(model, 2.0, stabilization=da.EnergyProjection(), **options)
+    free = da.solve_dynamics(model, 2.0, stabilization=da.Projection(), **options)
+    scale = float(abs(held.data.kinetic_energy).max())
+    assert np.abs(held.data.balance_error).max() < 1e-13 * scale
+    assert np.abs(free.data.balance_error).max() > 1e-8 * scale
+    assert float(held.data.position_violation.max()) < 1e-12
+    assert float(held.data.velocity_violation.max()) < 1e-12
+    assert not held.warnings
+
+
+@pytest.mark.parametrize(
+    "name", ["spatial screw", "constant velocity", "bevel gears", "point on helix"]
+)
+def test_energy_projection_takes_what_does_not_move_with_time(name):
+    e = model_of(name).equations
+    assert da.EnergyProjection().correction(e, da.RangeSpace()) is not None
+
+
+@pytest.mark.parametrize("name", ["hinge driver", "sleeve driver", "spatial distance driver"])
+def test_energy_projection_refuses_drivers_in_space(name):
+    with pytest.raises(da.UnsupportedError, match=r"prescribes some.*Projection\(\)"):
+        da.EnergyProjection().correction(model_of(name).equations, da.RangeSpace())
 
 
 @pytest.mark.parametrize("integrator", ["Euler", "Heun", "RK4", "RKGill"])

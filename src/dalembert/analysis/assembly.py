@@ -8,8 +8,8 @@ from typing import Literal, overload
 
 import numpy as np
 
+from dalembert.model.assembled_state import AssembledState
 from dalembert.model.assemblies import Assemblies
-from dalembert.model.closure import AssembledState
 from dalembert.model.model import Model
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.branch_points import BranchPoints
 from dalembert.analysis.critical import Fold, find_fold
 from dalembert.analysis.kinematics_kernel import KinematicsRecord, kinematics_kernel
 from dalembert.analysis.model_truth import MOTION, ModelTruth
@@ -90,7 +91,8 @@ class KinematicsRun:
             times, table = self.march(first, report)
         path = self.trajectory(times, table)
         trajectory = path.some(np.isin(times, self.requested))
-        events = self.branch_points(times, table)
+        branches = BranchPoints(self.kernel, self.p, times, table)
+        events = [self.singular("branch point", *found) for found in branches]
         if self.fold is not None:
             events.append(self.singular("dead centre", self.fold.time, self.fold.y))
         statistics = {
@@ -251,42 +253,9 @@ class KinematicsRun:
             self.message = f"no continuous position was found after t = {now:.9g} s{there.drivers}"
 
     # what was found ----------------------------------------------------------------
-    def branch_points(self, times: np.ndarray, table: np.ndarray) -> list[EventRecord]:
-        """Times at which the Jacobian's determinant changes sign: branches meet there."""
-        if times.size < 2 or self.sizes.displacements.size > 400:
-            return []
-        mapped = self.kernel.jacobian.map(times.size)
-        p = np.tile(self.p[:, None], times.size)
-        flat = np.asarray(mapped(times, table[: self.n], p)[1].full())
-        n = self.sizes.displacements.size
-        stack = flat.reshape(n, times.size, n).transpose(1, 0, 2)
-        signs = np.linalg.slogdet(stack)[0]
-        found = []
-        for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-            time = self.locate_branch(times, table, int(k))
-            near = self.kernel.single(table[:, k], time, time - times[k], self.p).full().ravel()
-            found.append(self.singular("branch point", time, near[: self.n]))
-        return found
-
     def singular(self, name: str, time: float, y: np.ndarray) -> EventRecord:
         """An event at a position in which the speeds are not determined."""
         return EventRecord(name, time, 0, y, np.full(self.model.equations.speed_count, np.nan))
-
-    def locate_branch(self, times: np.ndarray, table: np.ndarray, k: int) -> float:
-        low, high = times[k], times[k + 1]
-        base = self.kernel.jacobian(times[k], table[: self.n, k], self.p)[1].full()
-        sign = np.linalg.slogdet(base)[0]
-        for _ in range(60):
-            middle = (low + high) / 2
-            new = self.kernel.single(table[:, k], middle, middle - times[k], self.p).full().ravel()
-            jac = self.kernel.jacobian(middle, new[: self.n], self.p)[1].full()
-            if not np.all(np.isfinite(jac)):
-                break
-            here = np.linalg.slogdet(jac)[0]
-            low, high = (middle, high) if here == sign else (low, middle)
-            if high - low < 1e-13 * max(abs(self.start), abs(self.end)):
-                break
-        return float((low + high) / 2)
 
     def trajectory(self, times: np.ndarray, table: np.ndarray) -> Trajectory:
         y, v, a, effort = self.parts

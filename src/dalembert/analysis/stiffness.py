@@ -16,7 +16,7 @@ import scipy.sparse.linalg as spla
 from dalembert.elements.base import Powers
 from dalembert.elements.coordinates import rate_of
 from dalembert.integrators.base import Integrator
-from dalembert.model.closure import AssembledState
+from dalembert.model.assembled_state import AssembledState
 from dalembert.model.model import Model
 from dalembert.symbolic.expression import free_symbols, stack
 from dalembert.symbolic.once import once

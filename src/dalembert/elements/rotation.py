@@ -167,7 +167,11 @@ def orthonormal(matrix: ca.SX, entity: str) -> ca.SX:
         numbers = np.array(ca.DM(matrix).full())
         off = np.abs(numbers.T @ numbers - np.eye(3)).max()
         if not off <= ORTHONORMAL:
-            raise ModelError(f"the axes are not orthonormal, off by {off:.3g}", entity)
+            raise ModelError(
+                f"the axes are not orthonormal, off by {off:.3g}; give columns of length one at "
+                "right angles",
+                entity,
+            )
         if np.linalg.det(numbers) < 0:
             raise ModelError("the axes are left-handed; swap two of them or turn one", entity)
         left, _, right = np.linalg.svd(numbers)

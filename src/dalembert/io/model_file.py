@@ -118,9 +118,23 @@ def load_model_file(path: str | Path) -> ModelFile:
     try:
         document = schema.model_validate(data)
     except ValidationError as error:
-        raise explain(error, data, path) from None
+        told = explain(error, data, path)
+        raise ModelError(told.message + _other_dimension(data, schema), told.entity) from None
     _check_names(document, path)
     return ModelFile(path, document)
+
+
+def _other_dimension(data: dict[str, Any], schema: type) -> str:
+    """The cure for a file that does not say its dimension and fits another one."""
+    if "dimension" in data or not issubclass(schema, Document):
+        return ""
+    for dimension, other in MECHANISMS.items():
+        try:
+            other.model_validate(data)
+        except ValidationError:
+            continue
+        return f"\n  as dimension = {dimension} it can be read; write that if it is meant"
+    return ""
 
 
 def _schema(data: dict[str, Any], path: Path) -> type[Document] | type[StructureDocument]:

@@ -25,7 +25,7 @@ class AxisAngle(Record):
     angle: Entry = Field(description="[rad]")
 
 
-class Euler(Record):
+class EulerAngles(Record):
     """Turns about body axes one after the other."""
 
     type: Literal["euler"]
@@ -33,7 +33,7 @@ class Euler(Record):
     angles: list[Entry] = Field(description="as many [rad]")
 
 
-class Bryant(Record):
+class BryantAngles(Record):
     """Turns about the body's x, y and z axes, one after the other [rad]."""
 
     type: Literal["bryant"]
@@ -55,9 +55,12 @@ MADE: dict[str, tuple[type[Record], Callable[[Any, Read], Orientation]]] = {
         AxisAngle,
         lambda given, read: rotation.axis_angle([read(a) for a in given.axis], read(given.angle)),
     ),
-    "euler": (Euler, lambda given, read: rotation.euler(given.sequence, *map(read, given.angles))),
+    "euler": (
+        EulerAngles,
+        lambda given, read: rotation.euler(given.sequence, *map(read, given.angles)),
+    ),
     "bryant": (
-        Bryant,
+        BryantAngles,
         lambda given, read: rotation.bryant(read(given.x), read(given.y), read(given.z)),
     ),
     "from_matrix": (

@@ -88,4 +88,9 @@ class References:
         body = self.body(given.body)
         if kind is Frame and isinstance(given, FrameTable):
             return body.frame(**read_frame(given, self.formulas))
+        if len(given.at) < body.dimension:
+            raise ModelError(
+                f"{given.body} is a body in space, and elements of the plane tie bodies of the "
+                f"plane; take one of space, got a point of {len(given.at)} coordinates"
+            )
         return body.point(*(self.formulas.read(x) for x in given.at))

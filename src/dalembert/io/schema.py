@@ -197,6 +197,7 @@ def element_of(space: Space, section: str) -> Any:
             optional_type=name == usual,
             dimension=space.dimension,
             also=f"{space.name}.{name}",
+            title=f"{space.name.title()}{name}",
         )
         for name, cls in space.sections[section].items()
     }
@@ -204,7 +205,8 @@ def element_of(space: Space, section: str) -> Any:
         if other is not space:
             for name, cls in other.sections[section].items():
                 full = f"{other.name}.{name}"
-                tables[full] = table_of(full, cls, dimension=other.dimension)
+                title = f"{other.name.title()}{name}In{space.name.title()}Document"
+                tables[full] = table_of(full, cls, dimension=other.dimension, title=title)
     return one_of(tables, default=usual, prefix=f"{space.name}.")
 
 
@@ -213,7 +215,10 @@ def document_of(space: Space) -> type[Document]:
     point = point_type(space.dimension)
     points: Any = (dict[str, point], Field(default_factory=dict))  # type: ignore[valid-type]
     ground = create_model(
-        "GroundTable", __base__=GroundTable, __doc__=GroundTable.__doc__, points=points
+        f"{space.name.title()}GroundTable",
+        __base__=GroundTable,
+        __doc__=GroundTable.__doc__,
+        points=points,
     )
     types: dict[str, Any] = {"gravity": point, "ground": ground}
     for section in space.sections:

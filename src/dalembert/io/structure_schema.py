@@ -27,8 +27,9 @@ from dalembert.structures.registry import ELEMENTS
 _ELEMENT = one_of({n: element_table(n, c) for n, c in ELEMENTS.items()})
 _MESH = one_of({n: mesh_table(n, c) for n, c in ELEMENTS.items()})
 _ANALYSIS = any_of(STRUCTURAL_ANALYSES)
+_FINAL = table_of("Final", RESPONSES["Final"], optional_type=True, title="StructuralFinal")
 _RESPONSE = one_of(
-    {n: table_of(n, c, optional_type=n == "Final") for n, c in RESPONSES.items()}, default="Final"
+    {n: _FINAL if n == "Final" else table_of(n, c) for n, c in RESPONSES.items()}, default="Final"
 )
 
 

@@ -172,7 +172,13 @@ def strategy_type(kind: type) -> Any:
 
 
 def table_of(
-    name: str, cls: Any, *, optional_type: bool = False, dimension: int = 2, also: str = ""
+    name: str,
+    cls: Any,
+    *,
+    optional_type: bool = False,
+    dimension: int = 2,
+    also: str = "",
+    title: str = "",
 ) -> type[BaseModel]:
     """The table that describes an object of a registered class.
 
@@ -181,6 +187,7 @@ def table_of(
     optional_type : the type may be left out
     dimension : how many coordinates a point has
     also : another name that its type goes by
+    title : its name in the schema, the type by default
     """
     kind = Literal[(name, also) if also else (name,)]  # type: ignore[valid-type]
     keys: dict[str, Any] = {"type": (kind, name if optional_type else ...)}
@@ -196,8 +203,7 @@ def table_of(
         default = ... if field.is_needed and field.name not in from_file else None
         given = value_type(field, dimension)
         keys[field.name] = (given, Field(default, description=about_field(field)))
-    title = "".join(part[0].upper() + part[1:] for part in name.split("."))
-    return create_model(title, __base__=Record, __doc__=summary_of(cls), **keys)
+    return create_model(title or name, __base__=Record, __doc__=summary_of(cls), **keys)
 
 
 def about_field(field: FileField) -> str | None:

@@ -6,7 +6,7 @@ branch, as a differentiable function of them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -14,8 +14,10 @@ import numpy as np
 from dalembert.elements.driver import Driver
 from dalembert.errors import AssemblyError, SingularityError
 from dalembert.model.absolute import at_ground
+from dalembert.model.assembled_state import AssembledState
 from dalembert.model.assembly import Assembler
 from dalembert.model.assembly_failure import failure
+from dalembert.model.continuation import continued
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
 from dalembert.model.guesses import Guesses
@@ -29,37 +31,11 @@ from dalembert.model.regularity import (
     refuse_contradiction,
     refuse_over_driving,
 )
-from dalembert.symbolic import newton
 from dalembert.symbolic.expression import stack
 from dalembert.symbolic.implicit import ImplicitFunction
 
-FOLLOWED = newton.NewtonSettings(
-    tolerance=1e-14, max_iterations=25, slack=1e3, halvings=0, growth=4.0
-)
 STAYS_CLOSED = 1e-9
 """Violation, by natural sizes, of an equation that others imply."""
-SHORTEST = 1e-3
-"""Shortest step from one position to another, in natural units of time."""
-
-
-@dataclass
-class AssembledState:
-    """Consistent initial state.
-
-    Attributes
-    ----------
-    y, v : (n,) arrays
-    residual : largest remaining violation
-    corrections : coordinate name → change made to a given guess
-    velocity_corrections : largest change made to given speeds that were inconsistent
-    """
-
-    y: np.ndarray
-    v: np.ndarray
-    residual: float
-    corrections: dict[str, float] = field(default_factory=dict)
-    velocity_corrections: dict[str, float] = field(default_factory=dict)
-    projected_speeds: bool = False
 
 
 class Closure:
@@ -188,7 +164,7 @@ class Closure:
             self.recipe = replace(self.recipe, positions=held)
             self.pinned = Pinned(self._assembler, self.recipe)
             wanted = [k for k in chosen if given[k]]
-            found, reached = self._approach(p, y, p, 0.0)
+            found, reached = continued(self.pinned, y, p, p, 0.0)
             if reached == 1.0:
                 return found
             if not wanted:
@@ -293,28 +269,7 @@ class Closure:
 
     def _follow(self, p0: np.ndarray, y0: np.ndarray, p1: np.ndarray, time: float) -> np.ndarray:
         """The assembled position on the branch of another one."""
-        y, reached = self._approach(p0, y0, p1, time)
+        y, reached = continued(self.pinned, y0, p0, p1, time)
         if reached < 1.0:
             raise self._failure(reached * time, y, p0 + reached * (p1 - p0))
         return y
-
-    def _approach(
-        self, p0: np.ndarray, y0: np.ndarray, p1: np.ndarray, time: float
-    ) -> tuple[np.ndarray, float]:
-        """Newton from one position; in smaller steps of time and parameters if need be.
-
-        Returns the position, and the share of the way at which it is, or at which none was found.
-        """
-        reached, y, step = 0.0, y0, 1.0
-        shortest = SHORTEST / (1.0 + abs(time) / self.scales.time)
-        while reached < 1.0:
-            target = min(1.0, reached + step)
-            p = p0 + target * (p1 - p0)
-            found = newton.solve(self.pinned.at(target * time, p), y, FOLLOWED)
-            if found.accepted:
-                reached, y, step = target, found.x, 2 * step
-                continue
-            step /= 2
-            if step < shortest:
-                return found.x, min(target, np.nextafter(1.0, 0.0))
-        return y, 1.0

@@ -7,7 +7,7 @@ is the displacement that leads back. Where all speeds are rates of coordinates t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -27,46 +27,55 @@ class Manifold:
     y, other : SX symbols of two positions (n_y,)
     delta : SX symbols of a displacement (n,)
     moved : SX (n_y,), ``y ⊕ δ``
-    apart : SX (n,), ``other ⊖ y``
     flat : the operations are + and −
     bounds : SX of y, zero on the manifold only
+    between : states ``other ⊖ y`` when it is asked for
     """
 
     y: ca.SX
     other: ca.SX
     delta: ca.SX
     moved: ca.SX
-    apart: ca.SX
     flat: bool
     bounds: ca.SX
+    between: Callable[[], ca.SX]
 
     @classmethod
     def of(cls, groups: Sequence[Coordinates]) -> Manifold:
         """Of all coordinates of some groups, one above the other."""
         parts = [(group, ca.SX.sym("other", group.pose.numel())) for group in groups]
         steps = [ca.SX.sym("delta", group.twist.numel()) for group in groups]
+        apart = stack(group.displacement(group.pose, other) for group, other in parts)
         return cls(
             y=stack(group.pose for group in groups),
             other=stack(other for _, other in parts),
             delta=stack(steps),
             moved=stack(g.retract(g.pose, s) for g, s in zip(groups, steps, strict=True)),
-            apart=stack(group.displacement(group.pose, other) for group, other in parts),
             flat=all(group.flat for group in groups),
             bounds=stack(group.bounds(group.pose) for group in groups),
+            between=lambda: apart,
         )
 
     @classmethod
     def plain(cls, y: ca.SX) -> Manifold:
         """Of coordinates whose rates are the speeds."""
         other, delta = ca.SX.sym("other", y.numel()), ca.SX.sym("delta", y.numel())
-        return cls(y, other, delta, y + delta, other - y, True, ca.SX(0, 1))
+        return cls(y, other, delta, y + delta, True, ca.SX(0, 1), lambda: other - y)
 
     def along(self, basis: ca.SX) -> Manifold:
         """Of the same positions, with other displacements: ``δ = B δ'``."""
         delta = ca.SX.sym("delta", basis.shape[1])
         moved = ca.substitute(self.moved, self.delta, ca.mtimes(basis, delta))
-        apart = ca.mtimes(ca.pinv(basis), self.apart)
-        return Manifold(self.y, self.other, delta, moved, apart, False, self.bounds)
+
+        def between() -> ca.SX:  # the inverse of a full basis is long
+            return ca.mtimes(ca.pinv(basis), self.apart)
+
+        return Manifold(self.y, self.other, delta, moved, False, self.bounds, between)
+
+    @cached_property
+    def apart(self) -> ca.SX:
+        """(n,) ``other ⊖ y``."""
+        return self.between()
 
     def retract(self, y: ca.SX, delta: ca.SX) -> ca.SX:
         """``y ⊕ δ``."""

@@ -9,8 +9,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.model.absolute import absolute_equations, at_ground
+from dalembert.model.assembled_state import AssembledState
 from dalembert.model.checks import ValueChecks
-from dalembert.model.closure import AssembledState, Closure
+from dalembert.model.closure import Closure
 from dalembert.model.description import Description
 from dalembert.model.diagnosis import diagnose
 from dalembert.model.guesses import Guesses

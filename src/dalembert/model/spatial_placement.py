@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +14,7 @@ from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.fixed_turn import FixedTurn
 from dalembert.elements.spatial.joint import FrameJoint
 from dalembert.model.description import Description
+from dalembert.model.joint_walk import carried_along
 from dalembert.symbolic import rotation
 
 UNTURNED = ca.SX(list(rotation.IDENTITY))
@@ -39,28 +39,17 @@ def spatial_poses(d: Description) -> dict[str, ca.SX]:
     joint to joint; ``Weld`` and ``Prismatic`` tell orientations, too.
     """
     solids = [body for body in d.bodies if isinstance(body, Body)]
-    joints: dict[str, list[Any]] = defaultdict(list)
-    for joint in d.constraints:
-        if isinstance(joint, (FrameJoint, Spherical)):
-            for body in joint.ends():
-                joints[body.name].append(joint)
     turned = {b.name: e for b in solids if (e := _given_orientation(b)) is not None}
-    placed = {"ground": Placed(ca.SX.zeros(3), UNTURNED)}
+    given = {"ground": Placed(ca.SX.zeros(3), UNTURNED)}
     for body in solids:
         if body.name in turned and body.initial[0] is not None:
-            placed[body.name] = Placed(body.initial[0].sx, turned[body.name])
-    for root in (*placed, *turned):
-        placed.setdefault(root, Placed(ca.SX.zeros(3), turned.get(root, UNTURNED)))
-        waiting = deque([root])  # all that hangs on it; what hangs on nothing is at the origin
-        while waiting:
-            base = waiting.popleft()
-            for joint in joints[base]:
-                child = joint.ends()[joint.ends()[0].name == base]
-                if isinstance(child, Body) and child.name not in placed:
-                    found = _carried(joint, child, placed[base], turned.get(child.name))
-                    if found is not None:
-                        placed[child.name] = found
-                        waiting.append(child.name)
+            given[body.name] = Placed(body.initial[0].sx, turned[body.name])
+    placed = carried_along(
+        (joint for joint in d.constraints if isinstance(joint, (FrameJoint, Spherical))),
+        given,
+        {name: Placed(ca.SX.zeros(3), euler) for name, euler in turned.items()},
+        lambda joint, child, base: _carried(joint, child, base, turned.get(child.name)),
+    )
     return {body.name: _pose(body, placed[body.name]) for body in solids if body.name in placed}
 
 
@@ -72,8 +61,10 @@ def _given_orientation(body: Body) -> ca.SX | None:
     return None if given is None else given.sx
 
 
-def _carried(joint: Any, child: Body, base: Placed, euler: ca.SX | None) -> Placed | None:
+def _carried(joint: Any, child: Any, base: Placed, euler: ca.SX | None) -> Placed | None:
     """The pose of a body at which its joint closes, None where its orientation is not known."""
+    if not isinstance(child, Body):
+        return None
     held = "frame" if isinstance(joint, FrameJoint) else "point"
     forward = joint.ends()[1] is child
     on_base, on_child = (getattr(joint, f"{held}_{side}") for side in ("ij" if forward else "ji"))

@@ -9,10 +9,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from dalembert.elements.point import AXES
-from dalembert.elements.spatial.body import EULER_PARAMETERS
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.outlines import outline
 from dalembert.results.scene import is_spatial, motion_scene
+from dalembert.symbolic.rotation import EULER_PARAMETERS
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31")
 THICK = {"bar": 4.0, "capsule": 4.0, "line": 1.5}

@@ -8,10 +8,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from dalembert.elements.point import AXES
-from dalembert.elements.spatial.body import EULER_PARAMETERS, Body
+from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.inertia_tensor import tensor
 from dalembert.results.drawing import Drawing
 from dalembert.results.spatial_sketch import SpatialSketch
+from dalembert.symbolic.rotation import EULER_PARAMETERS
 
 LEAST = 0.02
 """Least thickness of the ellipsoid of a body, relative to its length."""

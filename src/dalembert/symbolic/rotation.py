@@ -17,6 +17,9 @@ TERMS = 10
 """Of power series in the square of an angle, exact to rounding for turns by up to 1.5 rad."""
 VERSINE_TERMS = 20
 """Of the series of ``θ/sin θ`` in ``1 − cos θ``, exact to 1e-13 for turns by up to 1 rad."""
+EULER_PARAMETERS = ("e0", "e1", "e2", "e3")
+SPIN = ("turn_x", "turn_y", "turn_z")
+"""Names of the components of ``δ'``."""
 
 
 def skew(a: ca.SX) -> ca.SX:

@@ -17,18 +17,16 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, Vector, option, quantity
 from dalembert.elements.body import BodyElement
-from dalembert.elements.coordinates import rate_of, second_rate_of
+from dalembert.elements.coordinates import Coordinates, rate_of, second_rate_of
 from dalembert.elements.frame import Frames
 from dalembert.elements.point import components
 from dalembert.elements.point_mass import PointMass
 from dalembert.elements.rotation import Orientation, as_orientation
+from dalembert.elements.spatial.attitude import Attitude
 from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
 from dalembert.errors import ModelError
 from dalembert.symbolic import rotation
-from dalembert.symbolic.expression import Expression, stack, t
-
-PLACE, SPIN = ("x", "y", "z"), ("turn_x", "turn_y", "turn_z")
-EULER_PARAMETERS = ("e0", "e1", "e2", "e3")
+from dalembert.symbolic.expression import Expression, t
 
 
 @dataclass(eq=False)
@@ -102,19 +100,27 @@ class Body(BodyElement):
             self.add_frame(name, **keys)
 
     def _make_coordinates(self) -> None:
-        turns = 3 if self.rotates else 0
-        self.coordinate_names = PLACE + (EULER_PARAMETERS if turns else ())
-        self.coordinate_units = ("m",) * 3 + (("1",) * 4 if turns else ())
-        self.speed_names = PLACE + SPIN[:turns]
-        self.speed_units = ("m",) * 3 + ("rad",) * turns
-        self.rest = (0.0,) * 3 + (rotation.IDENTITY if turns else ())
-        self.pose = stack(ca.SX.sym(f"{self.name}.{n}") for n in self.coordinate_names)
-        self._make_speeds()
-        self.mass_center, self.e = self.pose[:3], self.pose[3:]
-        self.spin = self.twist[3:]
-        self.axes = rotation.matrix(self.e) if turns else ca.SX.eye(3)
-        turn = rotation.rate(self.e, self.spin) if turns else ca.SX(0, 1)
-        self.pose_rate = ca.vertcat(self.twist[:3], turn)
+        place, turn = Coordinates(), Attitude(self.name) if self.rotates else Coordinates()
+        place.name = turn.name = self.name
+        place.make_symbols(("x", "y", "z"), ("m",) * 3)
+        if not self.rotates:
+            turn.make_symbols((), ())
+        self.coordinate_names = place.coordinate_names + turn.coordinate_names
+        self.coordinate_units = place.coordinate_units + turn.coordinate_units
+        self.speed_names = place.speed_names + turn.speed_names
+        self.speed_units = place.speed_units + turn.speed_units
+        self.rest = place.rest + turn.rest
+        self.pose, self.twist, self.acceleration_symbols, self.pose_rate = (
+            ca.vertcat(*both)
+            for both in (
+                (place.pose, turn.pose),
+                (place.twist, turn.twist),
+                (place.acceleration_symbols, turn.acceleration_symbols),
+                (place.pose_rate, turn.pose_rate),
+            )
+        )
+        self._turn, self.mass_center, self.e, self.spin = turn, place.pose, turn.pose, turn.twist
+        self.axes = rotation.matrix(self.e) if self.rotates else ca.SX.eye(3)
 
     def _declare(self, points: Mapping[str, Vector]) -> None:
         place = self.locate(ca.SX.zeros(3))
@@ -159,17 +165,14 @@ class Body(BodyElement):
         return not self.rotates
 
     def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
-        moved = pose[:3] + displacement[:3]
-        if not self.rotates:
-            return moved
-        return ca.vertcat(moved, rotation.turned(pose[3:], displacement[3:]))
+        turned = self._turn.retract(pose[3:], displacement[3:])
+        return ca.vertcat(pose[:3] + displacement[:3], turned)
 
     def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
-        moved = other[:3] - pose[:3]
-        return ca.vertcat(moved, rotation.turn(pose[3:], other[3:])) if self.rotates else moved
+        return ca.vertcat(other[:3] - pose[:3], self._turn.displacement(pose[3:], other[3:]))
 
     def bounds(self, pose: ca.SX) -> ca.SX:
-        return (ca.sumsqr(pose[3:]) - 1) / 2 if self.rotates else ca.SX(0, 1)
+        return self._turn.bounds(pose[3:])
 
     @contextmanager
     def enriched(self) -> Iterator[tuple[ca.SX, ca.SX]]:

@@ -82,5 +82,9 @@ class RevoluteRevoluteLink(FrameJoint):
     def conditions(self) -> list[Condition]:
         if self.twist is None:
             return super().conditions()
-        told = "its twist must be above 0 and below π; leave it out if the axes are parallel"
-        return [*super().conditions(), (ca.sin(self.twist.sx) - PARALLEL, told)]
+        twist = self.twist.sx
+        told = (
+            "its twist is {:g} rad, but it must be above 0 and below π; leave it out if the axes "
+            "are parallel"
+        )
+        return [*super().conditions(), (ca.sin(twist) - PARALLEL, told, twist)]

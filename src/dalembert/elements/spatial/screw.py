@@ -54,8 +54,9 @@ class Screw(Cylindrical):
         return [*super().units(), "m"]
 
     def conditions(self) -> list[Condition]:
-        pitch = ca.fabs(self.pitch.sx) - SMALLEST_PITCH
-        return [*super().conditions(), (pitch, "a screw needs a pitch; without one use Revolute")]
+        pitch = self.pitch.sx
+        told = "a screw needs a pitch, got {:g} m; without one use Revolute"
+        return [*super().conditions(), (ca.fabs(pitch) - SMALLEST_PITCH, told, pitch)]
 
     # as a carrier -----------------------------------------------------------------------------
     def joint_space(self) -> JointSpace:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -52,6 +54,21 @@ class Shape(Body):
             if field not in of_any and given is not None:
                 read = as_expression(given, f"{self.name}.{field}", meta["unit"], meta["size"])
                 setattr(self, field, read)
+
+    def differences(self) -> dict[str, Expression]:
+        """Differences of sizes [m] that must not be negative."""
+        return {}
+
+    def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
+        """Sizes come before the mass that follows from them."""
+        of_any = {f"{self.name}.{field.name}" for field in Body.quantity_fields()}
+        found = super().checked_quantities()
+        unlimited = {"unit": "m", "minimum": 0.0, "above": -math.inf}
+        walls = [(f"{self.name}.{n}", wall, unlimited) for n, wall in self.differences().items()]
+        sizes, others = (
+            [entry for entry in found if (entry[0] in of_any) is which] for which in (False, True)
+        )
+        return [*sizes, *walls, *others]
 
     def volume(self) -> ca.SX:
         """[m³]"""

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.bar import SlenderBar
-from dalembert.elements.base import Condition, Look, Scalar, Vector, quantity
+from dalembert.elements.base import Look, Scalar, Vector, quantity
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.shape import Shape, moments
 from dalembert.elements.spatial.solids import Cuboid, Drum, Orb, Pill
 from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression
 
 
 @dataclass(eq=False)
@@ -60,9 +61,8 @@ class Cylinder(Shape):
         across = axial / 2 + self.length.sx**2 / 12
         return moments(across, across, axial)
 
-    def conditions(self) -> list[Condition]:
-        wall = self.radius.sx - self.inner_radius.sx
-        return [*super().conditions(), (wall, "inner_radius is larger than radius")]
+    def differences(self) -> dict[str, Expression]:
+        return {"radius − inner_radius": self.radius - self.inner_radius}
 
     def look(self) -> list[Look]:
         return [Drum(*ends_of(self), self.radius.sx)]

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look
-from dalembert.elements.joint_space import JointSpace, Rotation
+from dalembert.elements.joint_space import JointSpace
 from dalembert.elements.look import Socket
 from dalembert.elements.pair import PointJoint
 from dalembert.elements.point import Point
+from dalembert.elements.spatial.attitude import Attitude
 from dalembert.elements.spatial.tree_joint import TreeJoint
 from dalembert.symbolic import rotation
 
@@ -33,7 +34,7 @@ class Spherical(PointJoint, TreeJoint):
         """Euler parameters of the second body in the first, ``ω'`` of one relative to the other."""
         first, second = (body.orientation for body in self.ends())
         reading = rotation.product(rotation.conjugate(first), second)
-        return JointSpace.of(Rotation(self.name), reading)
+        return JointSpace.of(Attitude(self.name), reading)
 
     def turned(self, q: ca.SX) -> ca.SX:
         return q

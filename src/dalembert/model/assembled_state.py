@@ -1,0 +1,27 @@
+"""Where a mechanism starts, and what had to change for it to close."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass
+class AssembledState:
+    """Consistent initial state.
+
+    Attributes
+    ----------
+    y, v : (n,) arrays
+    residual : largest remaining violation
+    corrections : coordinate name → change made to a given guess
+    velocity_corrections : largest change made to given speeds that were inconsistent
+    """
+
+    y: np.ndarray
+    v: np.ndarray
+    residual: float
+    corrections: dict[str, float] = field(default_factory=dict)
+    velocity_corrections: dict[str, float] = field(default_factory=dict)
+    projected_speeds: bool = False
