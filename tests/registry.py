@@ -1058,6 +1058,45 @@ def _stopped(upper: bool):
 case("upper stop", planar.Stop, loads=_stop(True))(_stopped(True))
 case("lower stop", planar.Stop, loads=_stop(False))(_stopped(False))
 
+
+def _touch(c):
+    """Discs about P and Q that press and rub, with creeping Coulomb friction."""
+    along, _ = _approach(c)
+    depth = c.p.radius_i + c.p.radius_j - length(Q(c) - P(c))
+    if np.real(depth) <= 0:
+        return []
+    place = P(c) + along * (c.p.radius_i - depth / 2)
+    moved = c.b.velocity_at(place) - c.a.velocity_at(place)
+    speed, slip = -along @ _approach_velocity(c), moved @ -left(along)
+    factor = 1 + c.p.d * speed
+    press = c.p.k * depth**c.p.power * (factor if np.real(factor) > 0 else 0.0)
+    x = np.sqrt((slip / c.p.transition) ** 2 + 1e-12)
+    bump = (c.p.static - c.p.dynamic) * x / (x**2 / 4 + 0.75) ** 2
+    rub = press * (c.p.dynamic * np.tanh(4 * x) + bump) * slip / c.p.transition / x
+    return _opposite(c, press * along + rub * left(along), place, place)
+
+
+def _approach_velocity(c):
+    return c.b.velocity_at(Q(c)) - c.a.velocity_at(P(c))
+
+
+@case("contact", planar.Contact, loads=_touch)
+def _(q):
+    i, j = q.points()
+    k, d, power = q.numbers(k=80.0, d=0.3, power=1.5)
+    dynamic, static, transition = q.numbers(dynamic=0.3, static=0.5, transition=0.9)
+    kit = planar.contact
+    q.add(
+        planar.Contact(
+            "F",
+            kit.Circle(i, q.number("radius_i", 0.7)),
+            kit.Circle(j, q.number("radius_j", 0.5)),
+            law=kit.HuntCrossley(stiffness=k, damping=d, exponent=power),
+            friction=kit.Coulomb(dynamic, static, transition),
+        )
+    )
+
+
 import spatial_cases  # noqa: E402, F401  (registers them)
 
 PLANAR = [n for n, c in CASES.items() if c.dimension == 2]

@@ -445,3 +445,28 @@ def _(q):
     q.hinge()
     k, d, limit = q.number("k", 80.0), q.number("d", 0.5), q.number("limit", -0.4)
     q.add(spatial.Stop("F", q.system.formula("J.angle"), upper=limit, stiffness=k, damping=d))
+
+
+def _touch(c):
+    """Balls about P and Q that press and rub, with creeping Coulomb friction."""
+    along, rate = approach(c)
+    depth = c.p.radius_i + c.p.radius_j - np.linalg.norm(Q(c) - P(c))
+    if depth <= 0:
+        return []
+    place = P(c) + along * (c.p.radius_i - depth / 2)
+    moved = c.b.velocity_at(place) - c.a.velocity_at(place)
+    slip = moved - (moved @ along) * along
+    press = c.p.k * depth**c.p.power * max(0.0, 1 - c.p.d * rate)
+    x = np.sqrt(slip @ slip / c.p.transition**2 + 1e-12)
+    rub = press * c.p.dynamic * np.tanh(4 * x) * slip / c.p.transition / x
+    return opposite(press * along - rub, place)
+
+
+@case("contact", spatial.Contact, loads=_touch)
+def _(q):
+    (i, j), kit = q.points(), spatial.contact
+    k, d, power = q.number("k", 80.0), q.number("d", 0.3), q.number("power", 1.5)
+    law = kit.HuntCrossley(stiffness=k, damping=d, exponent=power)
+    friction = kit.Coulomb(q.number("dynamic", 0.3), slip_speed=q.number("transition", 0.9))
+    balls = (kit.Sphere(i, q.number("radius_i", 0.5)), kit.Sphere(j, q.number("radius_j", 0.4)))
+    q.add(spatial.Contact("F", *balls, law=law, friction=friction))

@@ -78,6 +78,7 @@ PLANAR = Space(
             planar.JointFriction,
             planar.JointActuator,
             planar.Stop,
+            planar.Contact,
         ),
     },
 )
@@ -134,6 +135,7 @@ SPATIAL = Space(
             spatial.JointFriction,
             spatial.JointActuator,
             spatial.Stop,
+            spatial.Contact,
         ),
     },
 )
@@ -167,3 +169,32 @@ LAWS = named(
     Product,
 )
 CURVES = named(SplineCurve, FormulaCurve)
+SHAPES = {
+    2: named(
+        planar.contact.Vertex,
+        planar.contact.Circle,
+        planar.contact.Bore,
+        planar.contact.HalfPlane,
+        planar.contact.Polygon,
+        planar.contact.Rectangle,
+    ),
+    3: named(
+        spatial.contact.Vertex,
+        spatial.contact.Sphere,
+        spatial.contact.Socket,
+        spatial.contact.HalfSpace,
+        spatial.contact.Box,
+        spatial.contact.Capsule,
+        spatial.contact.Corners,
+    ),
+}
+"""Dimension → the shapes of bodies that touch."""
+CONTACT_LAWS = named(
+    planar.contact.Hertz,
+    planar.contact.HuntCrossley,
+    planar.contact.LankaraniNikravesh,
+    planar.contact.Flores,
+    planar.contact.KelvinVoigt,
+    planar.contact.Restitution,
+)
+FRICTIONS = named(planar.contact.Coulomb, planar.contact.Stribeck)

@@ -21,6 +21,9 @@ from dalembert.analysis.events import Event, Events
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows, Vector
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.friction import Friction
+from dalembert.elements.contact.laws import NormalLaw, Restitution
+from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
@@ -58,11 +61,12 @@ KNOWN: dict[Any, Any] = {
     for kind in (
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
         *(Constraint, Law, Laws, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
-        *(Frames, Orientation, CountOrTimes),
+        *(Frames, Orientation, CountOrTimes, Shape, NormalLaw, Friction),
         *(Coordinates, Formulation, Stabilization, Integrator),
     )
 } | {
     str | Event: Event,
+    NormalLaw | Restitution: NormalLaw,
     int | Sequence[float] | np.ndarray: CountOrTimes,
 }
 """What an annotation says → the type that files know it by; classes stand for those below them."""

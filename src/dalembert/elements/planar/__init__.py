@@ -1,8 +1,10 @@
 """Planar elements: one file per concept, listed once in ``registry``."""
 
+from dalembert.elements.contact.contact import Contact
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
+from dalembert.elements.planar import contact as contact
 from dalembert.elements.planar.body import Bar, Body, Ground, Particle
 from dalembert.elements.planar.drivers import (
     CoordinateDriver,
@@ -27,6 +29,7 @@ __all__ = [
     "Bar",
     "Body",
     "Bushing",
+    "Contact",
     "CoordinateDriver",
     "Coupling",
     "DistanceDriver",

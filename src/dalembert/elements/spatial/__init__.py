@@ -1,9 +1,11 @@
 """Elements in space: one file per concept, listed once in ``registry``."""
 
+from dalembert.elements.contact.contact import Contact
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.frame import Frame
 from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
+from dalembert.elements.spatial import contact as contact
 from dalembert.elements.spatial.body import Body, Particle
 from dalembert.elements.spatial.constant_velocity import ConstantVelocity
 from dalembert.elements.spatial.couplings import Coupling, GearPair, RackAndPinion
@@ -45,6 +47,7 @@ __all__ = [
     "Bushing",
     "Capsule",
     "ConstantVelocity",
+    "Contact",
     "CoordinateDriver",
     "Coupling",
     "Cylinder",

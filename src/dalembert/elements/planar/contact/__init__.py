@@ -1,0 +1,31 @@
+"""Contact in the plane: shapes, and laws of how they press, rub and bounce."""
+
+from dalembert.elements.contact.friction import Coulomb, Stribeck
+from dalembert.elements.contact.laws import (
+    Flores,
+    Hertz,
+    HuntCrossley,
+    KelvinVoigt,
+    LankaraniNikravesh,
+    Restitution,
+)
+from dalembert.elements.contact.shapes import Vertex
+from dalembert.elements.planar.contact.polygon import Polygon, Rectangle
+from dalembert.elements.planar.contact.shapes import Bore, Circle, HalfPlane
+
+__all__ = [
+    "Bore",
+    "Circle",
+    "Coulomb",
+    "Flores",
+    "HalfPlane",
+    "Hertz",
+    "HuntCrossley",
+    "KelvinVoigt",
+    "LankaraniNikravesh",
+    "Polygon",
+    "Rectangle",
+    "Restitution",
+    "Stribeck",
+    "Vertex",
+]
