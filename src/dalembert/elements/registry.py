@@ -79,6 +79,8 @@ PLANAR = Space(
             planar.JointActuator,
             planar.Stop,
             planar.Contact,
+            planar.ClearanceRevolute,
+            planar.Cable,
         ),
     },
 )
@@ -136,6 +138,8 @@ SPATIAL = Space(
             spatial.JointActuator,
             spatial.Stop,
             spatial.Contact,
+            spatial.ClearanceSpherical,
+            spatial.Cable,
         ),
     },
 )

@@ -23,6 +23,7 @@ from dalembert.elements.springs import ForceLaw
 from dalembert.elements.user_constraint import UserConstraint
 from dalembert.io.fields import (
     FileField,
+    Places,
     Points,
     Quantities,
     Quantity,
@@ -150,6 +151,7 @@ class Builder:
             Points: lambda: {n: self.vector(at, Scope.PARAMETERS) for n, at in given.items()},
             Frames: lambda: {n: read_frame(at, self.formulas) for n, at in given.items()},
             Orientation: lambda: read_orientation(given, self.formulas),
+            Places: lambda: [self.references.end(Point, end) for end in given],
             Law: lambda: self.shapes.law(given, where),
             Curve: lambda: self.shapes.curve(given, where),
             ForceLaw: lambda: self.force_law(given, scope),

@@ -51,6 +51,7 @@ Points = dict[str, Vector]
 Names = tuple[str, ...]
 Nodes = tuple[Node, ...]
 Laws = tuple[Law, ...]
+Places = tuple[Point, ...]
 Interval = tuple[float, float]
 Measured = str | Expression
 CountOrTimes = int | Sequence[float]
@@ -60,7 +61,7 @@ KNOWN: dict[Any, Any] = {
     kind: kind
     for kind in (
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
-        *(Constraint, Law, Laws, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
+        *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
         *(Frames, Orientation, CountOrTimes, Shape, NormalLaw, Friction),
         *(Coordinates, Formulation, Stabilization, Integrator),
     )

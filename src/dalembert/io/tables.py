@@ -33,6 +33,7 @@ from dalembert.io.fields import (
     Laws,
     Measured,
     Names,
+    Places,
     Points,
     Quantities,
     Quantity,
@@ -144,6 +145,7 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
         Quantities: lambda: list_of(Entry, field.size, least=field.least),
         Points: lambda: dict[str, point_type(dimension)],  # type: ignore[misc]
         **dict.fromkeys((Point, Frame), lambda: reference(dimension)),
+        Places: lambda: list[reference(dimension)],  # type: ignore[misc]
         Law: law_type,
         Laws: lambda: list[law_type(*COMBINED[COMBINED.index(field.owner) :])],  # type: ignore[misc]
         Curve: curve_type,

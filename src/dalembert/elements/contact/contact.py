@@ -22,38 +22,28 @@ from dalembert.elements.pair import need_point, refuse_same_body
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 
+EXAMPLES = {"law": "contact.Hertz(stiffness=1e8)", "friction": "contact.Coulomb(0.3)"}
+
 
 @dataclass(eq=False)
-class Contact(Compliant):
-    """Two shapes that press and rub where they touch, and part without force.
-
-    At every place where they may touch, ``N`` acts along the normal by the law of the depth and its
-    rate, ``T`` along the surface by the friction, on either body in opposite senses halfway between
-    the two surfaces. With a ``Restitution`` the contact is rigid and makes no forces.
+class Touching(Compliant):
+    """Two shapes by a law and friction; which shapes, the subclass says in ``shapes``.
 
     Parameters
     ----------
-    shape_i, shape_j : of two bodies, or a point of a body that touches
     law : how they press, or bounce
     friction : how they rub; not at all by default
     """
 
-    shape_i: Shape = option("shape of the first body")
-    shape_j: Shape = option("shape of the second body")
     law: NormalLaw | Restitution = option("how they press, or bounce", keyword=True)
     friction: Friction | None = option("how they rub", default=None, keyword=True)
 
     def __post_init__(self) -> None:
-        self.shape_i, self.shape_j = self._shape("shape_i"), self._shape("shape_j")
-        for field, kind in (("law", (NormalLaw, Restitution)), ("friction", Friction)):
-            given = getattr(self, field)
-            if not isinstance(given, kind) and not (given is None and field == "friction"):
-                example = (
-                    "contact.Hertz(stiffness=1e8)" if field == "law" else "contact.Coulomb(0.3)"
-                )
-                raise ModelError(f"{field} must be one such as {example}; got {given!r}", self.name)
+        self._need("law", isinstance(self.law, (NormalLaw, Restitution)))
+        self._need("friction", self.friction is None or isinstance(self.friction, Friction))
+        super().__post_init__()
         refuse_same_body(*self.ends(), self.name)
-        i, j = self.shape_i, self.shape_j
+        i, j = self.shapes
         if i.dimension != j.dimension:
             flat = i if i.dimension == 2 else j
             raise ModelError(
@@ -62,30 +52,28 @@ class Contact(Compliant):
                 self.name,
             )
         self.meetings: list[Meeting] = meetings(i, j, self.name)
-        super().__post_init__()
 
-    def _shape(self, field: str) -> Shape:
-        given = getattr(self, field)
-        if isinstance(given, (Point, BodyElement)):
-            return Vertex(need_point(given, self.name, field, given.dimension))
-        if not isinstance(given, Shape):
-            raise ModelError(
-                f"{field} must be a shape, e.g. contact.Circle(ball.center, 0.1), or a point; "
-                f"got {given!r}",
-                self.name,
-            )
-        return given
+    def _need(self, field: str, given: bool) -> None:
+        if not given:
+            value, example = getattr(self, field), EXAMPLES[field]
+            raise ModelError(f"{field} must be one such as {example}; got {value!r}", self.name)
+
+    @property
+    def shapes(self) -> tuple[Shape, Shape]:
+        """Of the first and of the second body."""
+        raise NotImplementedError
 
     def ends(self) -> tuple[Any, Any]:
         """First and second body."""
-        return self.shape_i.carrier, self.shape_j.carrier
+        i, j = self.shapes
+        return i.carrier, j.carrier
 
     def parts(self) -> list[Coordinates]:
         return list(self.ends())
 
     def ingredients(self) -> dict[str, Ingredient]:
-        named = {field: getattr(self, field) for field in ("shape_i", "shape_j", "law", "friction")}
-        return {field: given for field, given in named.items() if given is not None}
+        made = {"law": self.law, "friction": self.friction}
+        return {field: given for field, given in made.items() if given is not None}
 
     def normal_law(self) -> NormalLaw | None:
         return self.law if isinstance(self.law, NormalLaw) else None
@@ -107,5 +95,44 @@ class Contact(Compliant):
         return Impact(self.law.e.sx, self.law.tangential.sx, rough)
 
     def look(self) -> list[Look]:
-        shapes = self.shape_i, self.shape_j
-        return [part for s in shapes for part in s.look(self.meetings[0].place)]
+        return [part for shape in self.shapes for part in shape.look(self.meetings[0].place)]
+
+
+@dataclass(eq=False)
+class Contact(Touching):
+    """Two shapes that press and rub where they touch, and part without force.
+
+    At every place where they may touch, ``N`` acts along the normal by the law of the depth and its
+    rate, ``T`` along the surface by the friction, on either body in opposite senses halfway between
+    the two surfaces. With a ``Restitution`` the contact is rigid and makes no forces.
+
+    Parameters
+    ----------
+    shape_i, shape_j : of two bodies, or a point of a body that touches
+    """
+
+    shape_i: Shape = option("shape of the first body")
+    shape_j: Shape = option("shape of the second body")
+
+    def __post_init__(self) -> None:
+        self.shape_i, self.shape_j = self._shape("shape_i"), self._shape("shape_j")
+        super().__post_init__()
+
+    def _shape(self, field: str) -> Shape:
+        given = getattr(self, field)
+        if isinstance(given, (Point, BodyElement)):
+            return Vertex(need_point(given, self.name, field, given.dimension))
+        if not isinstance(given, Shape):
+            raise ModelError(
+                f"{field} must be a shape, e.g. contact.Circle(ball.center, 0.1), or a point; "
+                f"got {given!r}",
+                self.name,
+            )
+        return given
+
+    @property
+    def shapes(self) -> tuple[Shape, Shape]:
+        return self.shape_i, self.shape_j
+
+    def ingredients(self) -> dict[str, Ingredient]:
+        return {"shape_i": self.shape_i, "shape_j": self.shape_j, **super().ingredients()}
