@@ -29,6 +29,8 @@ def achieved_restitution(factor: float) -> float:
     if factor < 1e-9:  # e = 1 − 2 d/3 …
         return 1 - 2 * factor / 3
     most = min(1.0, (1 - ROUNDING) / factor)
+    if _imbalance(most, factor) > 0:  # nearer to 1/d than numbers can tell
+        return most
     return float(brentq(_imbalance, 0.0, most, args=(factor,), xtol=1e-15, rtol=1e-14))
 
 
@@ -48,6 +50,8 @@ def damping_factor(restitution: float) -> float:
         return 1.5 * (1 - restitution)
     most = (1 - ROUNDING) / restitution
     least = (1 - restitution) / 2
+    if _imbalance(restitution, most) > 0:
+        return most
     return float(brentq(lambda d: _imbalance(restitution, d), least, most, xtol=1e-15, rtol=1e-14))
 
 

@@ -9,6 +9,7 @@ from dalembert.elements.contact.laws import (
     LankaraniNikravesh,
     Restitution,
 )
+from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
 from dalembert.elements.planar.contact.polygon import Polygon, Rectangle
 from dalembert.elements.planar.contact.shapes import Bore, Circle, HalfPlane
@@ -28,4 +29,6 @@ __all__ = [
     "Restitution",
     "Stribeck",
     "Vertex",
+    "achieved_restitution",
+    "damping_factor",
 ]

@@ -9,6 +9,7 @@ from dalembert.elements.contact.laws import (
     LankaraniNikravesh,
     Restitution,
 )
+from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
 from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
 from dalembert.elements.spatial.contact.solids import Box, Capsule, Corners
@@ -29,4 +30,6 @@ __all__ = [
     "Sphere",
     "Stribeck",
     "Vertex",
+    "achieved_restitution",
+    "damping_factor",
 ]
