@@ -470,3 +470,37 @@ def _(q):
     friction = kit.Coulomb(q.number("dynamic", 0.3), slip_speed=q.number("transition", 0.9))
     balls = (kit.Sphere(i, q.number("radius_i", 0.5)), kit.Sphere(j, q.number("radius_j", 0.4)))
     q.add(spatial.Contact("F", *balls, law=law, friction=friction))
+
+
+def _play(c):
+    """A ball about Q in a socket about P."""
+    along, rate = approach(c)
+    depth = np.linalg.norm(Q(c) - P(c)) - c.p.clearance
+    press = max(0.0, c.p.k * depth + c.p.d * rate) if depth > 0 else 0.0
+    return opposite(-press * along, Q(c))
+
+
+@case("clearance", spatial.ClearanceSpherical, loads=_play)
+def _(q):
+    law = spatial.contact.KelvinVoigt(stiffness=q.number("k", 20.0), damping=q.number("d", 0.8))
+    sizes = {"radius": q.number("radius", 0.5), "clearance": q.number("clearance", 0.1)}
+    q.add(spatial.ClearanceSpherical("F", *q.points(), law=law, **sizes))
+
+
+def _hoist(c):
+    """A cable from P over a point of the ground to Q."""
+    away = [P(c) - c.p.V, Q(c) - c.p.V]
+    sizes = [np.linalg.norm(part) for part in away]
+    parts = [part / size for part, size in zip(away, sizes, strict=True)]
+    rate = parts[0] @ c.a.velocity_at(P(c)) + parts[1] @ c.b.velocity_at(Q(c))
+    stretch = sum(sizes) - c.p.rope
+    pull = max(0.0, c.p.k * stretch + c.p.d * rate) if stretch > 0 else 0.0
+    nothing = np.zeros(3)
+    return [("a", -pull * parts[0], P(c), nothing), ("b", -pull * parts[1], Q(c), nothing)]
+
+
+@case("cable", spatial.Cable, loads=_hoist)
+def _(q):
+    (i, j), via = q.points(), q.system.ground.point(*q.vector("V", (0.4, 0.9, 0.2)))
+    rope, k, d = q.number("rope", 0.6), q.number("k", 80.0), q.number("d", 0.3)
+    q.add(spatial.Cable("F", (i, via, j), length=rope, stiffness=k, damping=d))

@@ -74,6 +74,10 @@ ELEMENTS = {
         "JointFriction": 'joint = "J"\ncoulomb = "0.1*J.force_norm"\nviscous = 0.1',
         "JointActuator": 'joint = "J"\nvalue = "3*cos(t)"',
         "Stop": 'coordinate = "a.x"\nupper = 3\nstiffness = 100',
+        "ClearanceRevolute": TWO_POINTS + "radius = 0.1\nclearance = 0.01\n"
+        'law = { type = "KelvinVoigt", stiffness = "k" }',
+        "Cable": 'points = ["a.P", { body = "ground", at = [0, "k"] }, "b"]\n'
+        "length = 1\nstiffness = 100",
         "Contact": 'shape_j = "b"\nshape_i = { type = "Circle", point = "a", radius = "k/10" }\n'
         'law = { type = "Hertz", stiffness = "k" }\nfriction = { type = "Coulomb", dynamic = 0.3 }',
     },

@@ -149,6 +149,8 @@ class _Translation:
             return self.bodies[value.name]
         if isinstance(value, planar.Point):
             return self.point(value)
+        if isinstance(value, tuple):
+            return tuple(self.point(point) for point in value)
         if isinstance(value, Constraint):
             return self.made.elements[value.name]
         if isinstance(value, Law):

@@ -128,6 +128,10 @@ class Element:
         """The bodies (and own coordinates) this element ties together."""
         return []
 
+    def own_constraints(self) -> list[Constraint]:
+        """Equations that what is no constraint itself brings along (the foot of a contact)."""
+        return []
+
     def look(self) -> list[Look]:
         """What pictures show of it."""
         return []

@@ -181,6 +181,7 @@ SHAPES = {
         planar.contact.HalfPlane,
         planar.contact.Polygon,
         planar.contact.Rectangle,
+        planar.contact.Profile,
     ),
     3: named(
         spatial.contact.Vertex,

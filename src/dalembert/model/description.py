@@ -55,7 +55,10 @@ class Description:
 
     @property
     def constraints(self) -> list[Constraint]:
-        return [e for e in self.elements.values() if isinstance(e, Constraint)]
+        found: list[Constraint] = []
+        for element in self.elements.values():
+            found += [element] if isinstance(element, Constraint) else element.own_constraints()
+        return found
 
     @property
     def rows(self) -> list[tuple[Constraint, int]]:

@@ -8,12 +8,13 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Look, Rate, option
+from dalembert.elements.base import Constraint, Look, Rate, option
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.compliant import Compliant
 from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
-from dalembert.elements.contact.meeting import Meeting, meetings
+from dalembert.elements.contact.meeting import Meeting
+from dalembert.elements.contact.pairing import meetings
 from dalembert.elements.contact.shapes import Shape, Vertex
 from dalembert.elements.contact.unilateral import Gap, Impact
 from dalembert.elements.coordinates import Coordinates
@@ -69,7 +70,11 @@ class Touching(Compliant):
         return i.carrier, j.carrier
 
     def parts(self) -> list[Coordinates]:
-        return list(self.ends())
+        feet = [c for foot in self.own_constraints() for c in foot.own_coordinates()]
+        return [*self.ends(), *feet]
+
+    def own_constraints(self) -> list[Constraint]:
+        return [meeting.foot for meeting in self.meetings if meeting.foot is not None]
 
     def ingredients(self) -> dict[str, Ingredient]:
         made = {"law": self.law, "friction": self.friction}

@@ -2,9 +2,9 @@
 
 A shape says where it presses on others, its *spots*, balls that fill it or its corners; or how
 others press on it, by the signed distance of a place from its surface; or both. Two shapes meet by
-the spots of one and the distance from the other (``meeting``).
+the spots of one and the distance from the other.
 
-To write a new one, give ``carrier``, and ``spots`` or ``distance`` with what it ``feels``.
+To write a new one, give ``carrier``, ``spots`` if it is ``Spotted``, ``distance`` if it ``feels``.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Look, Scalar, option, quantity
+from dalembert.elements.contact.meeting import Meeting
 from dalembert.elements.ingredient import Ingredient
 from dalembert.elements.look import Ball as Dot, Rail
 from dalembert.elements.pair import need_point
@@ -38,7 +39,7 @@ class Shape(Ingredient):
     """A shape fixed in a body."""
 
     feels: ClassVar[tuple[type[Shape], ...]] = ()
-    """Shapes whose spots tell all of where they touch it: balls, or corners on what is flat."""
+    """Shapes that press on it: balls, or corners on what is flat."""
     mutual: ClassVar[bool] = False
     """Corners of either of two such shapes touch the other."""
     space: ClassVar[int] = 0
@@ -54,10 +55,6 @@ class Shape(Ingredient):
         """Of the places on it."""
         return int(self.carrier.dimension)
 
-    def spots(self) -> list[Spot]:
-        """What presses on others; nothing by default."""
-        return []
-
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         """Of an inertial place from its surface, negative inside [m].
 
@@ -71,9 +68,32 @@ class Shape(Ingredient):
         axes = ca.horzcat(*(body.turned(ca.SX.eye(n)[:, k]) for k in range(n)))
         return ca.mtimes(axes.T, place - body.locate(ca.SX.zeros(n)))
 
+    def meet(self, other: Shape, owner: str) -> list[Meeting]:
+        """Where another shape, which it feels, may touch it; by the spots of that one."""
+        return [self._felt(spot) for spot in other.spots()]
+
+    def _felt(self, spot: Spot) -> Meeting:
+        """The outward normal is the gradient of the distance."""
+        place = spot.point.position.sx
+        symbol = ca.SX.sym("place", place.numel())
+        distance = self.distance(symbol, sharp=spot.radius.is_zero())
+        outward = ca.gradient(distance, symbol)
+        distance, outward = ca.substitute([distance, outward], [symbol], [place])
+        gap = distance - spot.radius
+        return Meeting(gap, outward, place - outward * (spot.radius + gap / 2))
+
+    def spots(self) -> list[Spot]:
+        """What presses on others."""
+        raise NotImplementedError
+
     def look(self, near: ca.SX) -> list[Look]:
         """What pictures show of it, where it meets something at an inertial place."""
         return []
+
+
+@dataclass(eq=False)
+class Spotted(Shape):
+    """A shape that presses by spots."""
 
 
 @dataclass(eq=False)
@@ -106,7 +126,7 @@ class Pointed(Shape):
         return ca.sqrt(ca.sumsqr(place - self.point.position.sx) + NO_LENGTH**2)
 
 
-class Ball(Pointed):
+class Ball(Spotted, Pointed):
     """A shape that one spot fills."""
 
 
@@ -166,7 +186,7 @@ class Hollow(Pointed):
 class Flat(Pointed):
     """All places behind a line or plane."""
 
-    feels = (Shape,)
+    feels = (Spotted,)
 
     @property
     def outward(self) -> ca.SX:

@@ -12,6 +12,7 @@ from dalembert.elements.contact.laws import (
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
 from dalembert.elements.planar.contact.polygon import Polygon, Rectangle
+from dalembert.elements.planar.contact.profile import Profile
 from dalembert.elements.planar.contact.shapes import Bore, Circle, HalfPlane
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "KelvinVoigt",
     "LankaraniNikravesh",
     "Polygon",
+    "Profile",
     "Rectangle",
     "Restitution",
     "Stribeck",

@@ -11,7 +11,7 @@ import numpy as np
 
 from dalembert.elements.base import Condition, Look, Rows, Vector, option, quantity
 from dalembert.elements.body import BodyElement
-from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Shape, Spot
+from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
 from dalembert.elements.look import Path
 from dalembert.elements.pair import need_body
 from dalembert.elements.point import Point
@@ -19,7 +19,7 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.expression import as_expression
 
 
-class Cornered(Shape):
+class Cornered(Spotted):
     """A convex shape of the plane with straight edges."""
 
     space = 2

@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 
 from dalembert.elements.base import Look, Scalar, Vector, option, quantity
-from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Shape, Spot
+from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
 from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.mesh import Mesh
@@ -21,7 +21,7 @@ CORNERS = 200
 
 
 @dataclass(eq=False)
-class Box(Pointed):
+class Box(Spotted, Pointed):
     """Box along the axes of its body.
 
     Parameters
@@ -52,7 +52,7 @@ class Box(Pointed):
 
 
 @dataclass(eq=False)
-class Capsule(Shape):
+class Capsule(Spotted):
     """All places at a distance from the line between two points of a body.
 
     Parameters
@@ -98,7 +98,7 @@ class Capsule(Shape):
 
 
 @dataclass(eq=False)
-class Corners(Shape):
+class Corners(Spotted):
     """The corners of a mesh, each of which may touch; its edges and faces do not.
 
     Parameters
