@@ -48,7 +48,7 @@ def build() -> da.System:
     system.add(
         planar.Contact(
             "contact",
-            kit.Profile(cam, da.SplineCurve(profile())),
+            kit.Profile(cam, da.SplineCurve(profile(60))),
             kit.Circle(follower.center, ROLLER),
             law=kit.HuntCrossley(stiffness=stiffness, damping=2.0),
         )
@@ -65,7 +65,7 @@ def runs(model: da.Model) -> list[da.Motion]:
             4 * math.pi / speed,
             integrator=integrator,
             parameters={"speed": speed},
-            outputs=1441,
+            outputs=721,
         )
         for speed in SPEEDS
     ]

@@ -145,6 +145,28 @@ def test_gaps_in_space(size, place):
         assert value(model, f"{name}.gap") == pytest.approx(distance, abs=1e-12), name
 
 
+def test_corners_of_a_mesh_rest_on_a_plane_and_touch_a_ball(tmp_path):
+    """A wedge, whose corners are counted one by one."""
+    pytest.importorskip("trimesh")
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype=float)
+    faces = ["f 1 3 2", "f 1 2 4", "f 2 3 4", "f 1 4 3"]
+    lines = [*(f"v {x} {y} {z}" for x, y, z in corners), *faces]
+    (tmp_path / "wedge.obj").write_text("\n".join(lines))
+    system = da.System("mesh", gravity=(0, 0, -1))
+    wedge = spatial.Mesh("w", file=tmp_path / "wedge.obj", density=1.0, position=(0.2, 0.1, 0.7))
+    wedge = system.add(wedge)
+    shape = solid.Corners(wedge)
+    floor = solid.HalfSpace(system.ground.frame((0, 0, 0.1)))
+    ball = solid.Sphere(system.ground.point(2.0, 0, 0.7), 0.5)
+    system.add(spatial.Contact("floor", floor, shape, law=HERTZ))
+    system.add(spatial.Contact("ball", shape, ball, law=HERTZ))
+    model = system.build()
+    places = corners + np.array([0.2, 0.1, 0.7])
+    assert value(model, "floor.gap") == pytest.approx(places[:, 2].min() - 0.1, abs=1e-12)
+    away = np.linalg.norm(places - (2.0, 0, 0.7), axis=1).min() - 0.5
+    assert value(model, "ball.gap") == pytest.approx(away, abs=1e-12)
+
+
 # forces --------------------------------------------------------------------------------------
 @pytest.mark.parametrize("pair", PAIRS)
 def test_rubbing_pairs_keep_their_momentum(pair):
