@@ -8,8 +8,7 @@ Of ``m δ̈ = −K δⁿ (1 + d δ̇/v₀)`` from ``δ̇ = v₀``, whatever m, K
 from __future__ import annotations
 
 import math
-
-from scipy.optimize import brentq
+from collections.abc import Callable
 
 from dalembert.errors import ModelError
 
@@ -31,7 +30,7 @@ def achieved_restitution(factor: float) -> float:
     most = min(1.0, (1 - ROUNDING) / factor)
     if _imbalance(most, factor) > 0:  # nearer to 1/d than numbers can tell
         return most
-    return float(brentq(_imbalance, 0.0, most, args=(factor,), xtol=1e-15, rtol=1e-14))
+    return _root(lambda e: _imbalance(e, factor), 0.0, most)
 
 
 def damping_factor(restitution: float) -> float:
@@ -52,8 +51,14 @@ def damping_factor(restitution: float) -> float:
     least = (1 - restitution) / 2
     if _imbalance(restitution, most) > 0:
         return most
-    return float(brentq(lambda d: _imbalance(restitution, d), least, most, xtol=1e-15, rtol=1e-14))
+    return _root(lambda d: _imbalance(restitution, d), least, most)
 
 
 def _imbalance(e: float, d: float) -> float:
     return (1 + e) * d - math.log1p(d) + math.log1p(-d * e)
+
+
+def _root(function: Callable[[float], float], least: float, most: float) -> float:
+    from scipy.optimize import brentq
+
+    return float(brentq(function, least, most, xtol=1e-15, rtol=1e-14))
