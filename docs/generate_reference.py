@@ -22,11 +22,22 @@ import dalembert
 from dalembert.analysis.events import Event, Events
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.friction import Friction
+from dalembert.elements.contact.laws import NormalLaw
+from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.point import Point
-from dalembert.elements.registry import CURVES, LAWS, PLANAR, SPATIAL
+from dalembert.elements.registry import (
+    CONTACT_LAWS,
+    CURVES,
+    FRICTIONS,
+    LAWS,
+    PLANAR,
+    SHAPES,
+    SPATIAL,
+)
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.formulations.base import Formulation
@@ -70,6 +81,10 @@ HOLDS: dict[object, str] = {
     Frames: "table",
     Orientation: "orientation",
     Law: "law",
+    Shape: "shape, or name of a point",
+    NormalLaw: "contact law",
+    Friction: "friction",
+    fields.Places: "list of points",
     Curve: "curve",
     fields.Names: "list of names",
     Coordinates: "coordinates",
@@ -89,6 +104,21 @@ NEEDED = {
     "RevoluteRevoluteLink.length",
     "RollingDisc.radius",
     "Stop.stiffness",
+    "Hertz.stiffness",
+    "HuntCrossley.stiffness",
+    "LankaraniNikravesh.stiffness",
+    "LankaraniNikravesh.restitution",
+    "LankaraniNikravesh.impact_speed",
+    "Flores.stiffness",
+    "Flores.restitution",
+    "Flores.impact_speed",
+    "KelvinVoigt.stiffness",
+    "ClearanceRevolute.radius",
+    "ClearanceRevolute.clearance",
+    "ClearanceSpherical.radius",
+    "ClearanceSpherical.clearance",
+    "Cable.length",
+    "Cable.stiffness",
 }
 """Keys that their class refuses to miss, although the field has a default."""
 REFUSED = {
@@ -408,6 +438,10 @@ PARTS: dict[str, Callable[[], str]] = {
     },
     "laws": lambda: records(LAWS),
     "curves": lambda: records(CURVES),
+    "shapes": lambda: records(SHAPES[2], "####"),
+    "spatial_shapes": lambda: records(SHAPES[3], "####"),
+    "contact_laws": lambda: records(CONTACT_LAWS, "####"),
+    "frictions": lambda: records(FRICTIONS, "####"),
     "analyses": lambda: records(ANALYSES),
     "coordinates": lambda: records(COORDINATES),
     "formulations": lambda: records(FORMULATIONS),

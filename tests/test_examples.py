@@ -290,6 +290,30 @@ def test_cam_lifts_by_its_law(pictures: Path) -> None:
     assert numbers("cam_follower", pictures)["lift error"] < 2e-7
 
 
+def test_cam_loses_its_follower_where_a_joint_would_have_to_pull(pictures: Path) -> None:
+    """At low speed the contact bears what the joint bears, and it flies once that would pull."""
+    found, speeds = numbers("cam_lift_off", pictures), script("cam_lift_off").SPEEDS
+    for speed in speeds:
+        run = da.solve_inverse_dynamics(
+            model("cam_follower"), 2 * math.pi / speed, outputs=721, parameters={"speed": speed}
+        )
+        pushes = run["contact.force"].values[:, 1]
+        flown = found[f"share of the turn in flight at {speed:.0f} rad/s"]
+        assert (flown > 0) == (pushes.min() < 0)
+        if not flown:
+            largest = found[f"largest force at {speed:.0f} rad/s"]
+            assert largest == pytest.approx(pushes.max(), rel=0.01)
+
+
+def test_play_in_a_pin_shakes_the_slider(pictures: Path) -> None:
+    found, made = numbers("slider_crank_with_play", pictures), script("slider_crank_with_play")
+    ideal = made.SPEED**2 * 0.05 * (1 + 0.05 / 0.12)  # in the outer dead centre
+    assert found["largest without play [m/s^2]"] == pytest.approx(ideal, rel=1e-6)
+    assert found["largest acceleration [m/s^2]"] > 2 * ideal
+    assert found["slider off its place [mm]"] < 1e3 * made.PLAY * 1.3 * (1 + 0.05 / 0.12)
+    assert 0.01 < found["share of time in flight"] < 0.5
+
+
 def test_n_four_bar_follows_its_one_equation(pictures: Path) -> None:
     factor = (1.5 + 2) / (1 + 2) * G
 

@@ -11,7 +11,14 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.elements.registry import CURVES, LAWS, PLANAR
+from dalembert.elements.registry import (
+    CONTACT_LAWS,
+    CURVES,
+    FRICTIONS,
+    LAWS,
+    PLANAR,
+    SHAPES,
+)
 from dalembert.io import load, load_model_file
 from dalembert.io.analyses import make_analysis
 from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES
@@ -74,6 +81,12 @@ ELEMENTS = {
         "JointFriction": 'joint = "J"\ncoulomb = "0.1*J.force_norm"\nviscous = 0.1',
         "JointActuator": 'joint = "J"\nvalue = "3*cos(t)"',
         "Stop": 'coordinate = "a.x"\nupper = 3\nstiffness = 100',
+        "ClearanceRevolute": TWO_POINTS + "radius = 0.1\nclearance = 0.01\n"
+        'law = { type = "KelvinVoigt", stiffness = "k" }',
+        "Cable": 'points = ["a.P", { body = "ground", at = [0, "k"] }, "b"]\n'
+        "length = 1\nstiffness = 100",
+        "Contact": 'shape_j = "b"\nshape_i = { type = "Circle", point = "a", radius = "k/10" }\n'
+        'law = { type = "Hertz", stiffness = "k" }\nfriction = { type = "Coulomb", dynamic = 0.3 }',
     },
 }
 REGISTRIES = PLANAR.sections
@@ -126,6 +139,59 @@ def test_every_curve_can_be_written(name, tmp_path, schema):
     curve = f'curve = {{ type = "{name}", {CURVE_TABLES[name]} }}'
     text = f'{HEAD}[joints.new]\ntype = "PointOnCurve"\nconnect = ["a", "b"]\n{curve}\n'
     assert type(load(written(tmp_path, text)).elements["new"].curve) is CURVES[name]
+    schema.validate(tomllib.loads(text))
+
+
+SHAPE_TABLES = {
+    "Vertex": 'point = "a.P"',
+    "Circle": 'point = "a", radius = "k/10"',
+    "Bore": 'point = { body = "a", at = [0, "k"] }, radius = 9',
+    "HalfPlane": 'point = "a.P", normal = ["k", 2]',
+    "Polygon": 'body = "a", vertices = [["k", 0], [0, 1], [-1, 0]]',
+    "Rectangle": 'point = "a", size = [1, "k"]',
+    "Profile": f'body = "a", curve = {{ type = "FormulaCurve", {CURVE_TABLES["FormulaCurve"]} }}',
+}
+CONTACT_TABLES = {
+    "Hertz": 'stiffness = "k"',
+    "HuntCrossley": 'stiffness = "k", damping = 0.3, exponent = 1',
+    "LankaraniNikravesh": 'stiffness = "k", restitution = 0.9, impact_speed = 1',
+    "Flores": 'stiffness = "k", restitution = 0.9, impact_speed = 1',
+    "KelvinVoigt": 'stiffness = "k", damping = 1',
+    "Restitution": "e = 0.5",
+}
+FRICTION_TABLES = {
+    "Coulomb": 'dynamic = 0.2, static = 0.3, slip_speed = "k"',
+    "Stribeck": "dynamic = 0.2, stribeck_speed = 1, viscous = 0.1",
+}
+
+
+def test_every_part_of_a_contact_is_known_here():
+    assert list(SHAPE_TABLES) == list(SHAPES[2])
+    assert list(CONTACT_TABLES) == list(CONTACT_LAWS) and list(FRICTION_TABLES) == list(FRICTIONS)
+
+
+@pytest.mark.parametrize(
+    ("shape", "law", "friction"),
+    [
+        *((shape, "Hertz", "Coulomb") for shape in SHAPE_TABLES),
+        *(("Circle", law, "Coulomb") for law in CONTACT_TABLES),
+        *(("Circle", "Hertz", friction) for friction in FRICTION_TABLES),
+    ],
+)
+def test_every_contact_can_be_written(shape, law, friction, tmp_path, schema):
+    other = "Circle" if shape != "Circle" else "HalfPlane"
+    touching = SHAPE_TABLES[other].replace('"a"', '"b"').replace('"a.P"', '"b"')
+    parts = {
+        "shape_i": (shape, SHAPE_TABLES[shape]),
+        "shape_j": (other, touching),
+        "law": (law, CONTACT_TABLES[law]),
+        "friction": (friction, FRICTION_TABLES[friction]),
+    }
+    lines = (f'{key} = {{ type = "{kind}", {text} }}' for key, (kind, text) in parts.items())
+    text = f'{HEAD}[forces.new]\ntype = "Contact"\n' + "\n".join(lines)
+    made = load(written(tmp_path, text)).elements["new"]
+    kinds = [type(getattr(made, key)).__name__ for key in parts]
+    assert kinds == [shape, other, law, friction]
     schema.validate(tomllib.loads(text))
 
 

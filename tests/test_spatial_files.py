@@ -107,6 +107,12 @@ ELEMENTS = {
         "JointFriction": "joint = 'J'\ncoulomb = '0.1*J.force_norm'\nviscous = 0.1",
         "JointActuator": "joint = 'J'\nvalue = '3*cos(t)'\nmotion = 'angle'",
         "Stop": "coordinate = 'a.x'\nupper = 3\nstiffness = 100",
+        "ClearanceSpherical": POINTS + "radius = 0.1\nclearance = 0.01\n"
+        "law = { type = 'KelvinVoigt', stiffness = 'k' }",
+        "Cable": "points = ['a.P', { body = 'ground', at = [0, 'k', 0] }, 'b']\n"
+        "length = 1\nstiffness = 100",
+        "Contact": "shape_j = 'b'\nshape_i = { type = 'HalfSpace', point = 'ground.G' }\n"
+        "law = { type = 'Hertz', stiffness = 'k' }\nfriction = { type = 'Coulomb', dynamic = 0.3 }",
     },
 }
 CASES = [(section, name) for section, table in SPATIAL.sections.items() for name in table]

@@ -19,6 +19,7 @@ from dalembert.elements.base import Constraint, Element
 from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve, FormulaCurve
 from dalembert.elements.frame import Frame
+from dalembert.elements.ingredient import Ingredient
 from dalembert.elements.laws.base import Law
 from dalembert.elements.springs import SpringDamper
 from dalembert.symbolic.expression import Expression
@@ -140,15 +141,22 @@ class _Translation:
             if isinstance(element, planar.Stop) and field.name == "stiffness":
                 power = float(element.exponent.sx) if element.exponent.sx.is_constant() else 1.5
                 return self.formula(value, "N") * self.units.length**-power
+            if unit == "N/m^n":
+                power = 1.5
+                return self.formula(value, "N") * self.units.length**-power
             return self.formula(value, unit)
         if isinstance(value, BodyElement):
             return self.bodies[value.name]
         if isinstance(value, planar.Point):
             return self.point(value)
+        if isinstance(value, tuple):
+            return tuple(self.point(point) for point in value)
         if isinstance(value, Constraint):
             return self.made.elements[value.name]
         if isinstance(value, Law):
             return self.formula(Expression(value.value(t.sx)), element.units()[0])
+        if isinstance(value, Ingredient):
+            return type(value)(**{f.name: self.value(value, f) for f in dataclasses.fields(value)})
         if isinstance(value, Curve):
             x, y, *z = map(Expression, ca.vertsplit(self.units.length * value.position(u.sx)))
             return FormulaCurve(x, y, *value.interval(), value.closed, *z)

@@ -164,6 +164,10 @@ class Element:
         """(measure, value) that hold at the start."""
         return []
 
+    def own_constraints(self) -> list[Constraint]:
+        """Equations that what is no constraint itself brings along (the foot of a contact)."""
+        return []
+
     def look(self) -> list[Look]:
         """What pictures show of it."""
         return []

@@ -79,6 +79,9 @@ PLANAR = Space(
             planar.JointFriction,
             planar.JointActuator,
             planar.Stop,
+            planar.Contact,
+            planar.ClearanceRevolute,
+            planar.Cable,
         ),
     },
 )
@@ -136,6 +139,9 @@ SPATIAL = Space(
             spatial.JointFriction,
             spatial.JointActuator,
             spatial.Stop,
+            spatial.Contact,
+            spatial.ClearanceSpherical,
+            spatial.Cable,
         ),
     },
 )
@@ -169,3 +175,33 @@ LAWS = named(
     Product,
 )
 CURVES = named(SplineCurve, FormulaCurve)
+SHAPES = {
+    2: named(
+        planar.contact.Vertex,
+        planar.contact.Circle,
+        planar.contact.Bore,
+        planar.contact.HalfPlane,
+        planar.contact.Polygon,
+        planar.contact.Rectangle,
+        planar.contact.Profile,
+    ),
+    3: named(
+        spatial.contact.Vertex,
+        spatial.contact.Sphere,
+        spatial.contact.Socket,
+        spatial.contact.HalfSpace,
+        spatial.contact.Box,
+        spatial.contact.Capsule,
+        spatial.contact.Corners,
+    ),
+}
+"""Dimension → the shapes of bodies that touch."""
+CONTACT_LAWS = named(
+    planar.contact.Hertz,
+    planar.contact.HuntCrossley,
+    planar.contact.LankaraniNikravesh,
+    planar.contact.Flores,
+    planar.contact.KelvinVoigt,
+    planar.contact.Restitution,
+)
+FRICTIONS = named(planar.contact.Coulomb, planar.contact.Stribeck)

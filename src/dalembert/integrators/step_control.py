@@ -26,7 +26,8 @@ def decide(
     error_order : ``q`` where the estimate falls as ``h^(q+1)``
     """
     t, proposed, last, x = state[0], state[1], state[2], state[3:]
-    finite = ca.if_else(ratio <= 1e30, ratio, 1e30)  # false for NaN as well
+    sound = ca.logic_and(ratio <= 1e30, ca.sumsqr(new) < ca.inf)  # false for NaN as well
+    finite = ca.if_else(sound, ratio, 1e30)
     accepted = finite <= 1
     # the clipped last step must not make the controller believe in short steps
     factor = _growth(finite, last, accepted, error_order + 1)

@@ -8,18 +8,22 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from dalembert.elements.base import Constraint, ForceElement
+from dalembert.elements.base import Constraint, ForceElement, Rows
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.friction import Friction
+from dalembert.elements.contact.laws import NormalLaw
+from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.point import Point
-from dalembert.elements.registry import elements_of
+from dalembert.elements.registry import CONTACT_LAWS, FRICTIONS, SHAPES, elements_of
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.elements.user_constraint import UserConstraint
 from dalembert.io.fields import (
     FileField,
+    Places,
     Points,
     Quantities,
     Quantity,
@@ -149,16 +153,39 @@ class Builder:
             Points: lambda: {n: self.vector(at, Scope.PARAMETERS) for n, at in given.items()},
             Frames: lambda: {n: read_frame(at, self.formulas) for n, at in given.items()},
             Orientation: lambda: read_orientation(given, self.formulas),
+            Places: lambda: [self.references.end(Point, end) for end in given],
             Law: lambda: self.shapes.law(given, where),
             Curve: lambda: self.shapes.curve(given, where),
             ForceLaw: lambda: self.force_law(given, scope),
             Constraint: lambda: self.references.joint(given),
+            Shape: lambda: self.shape(given, where),
+            NormalLaw: lambda: self.ingredient(CONTACT_LAWS, given, where),
+            Friction: lambda: self.ingredient(FRICTIONS, given, where),
+            Rows: lambda: [self.vector(row, Scope.PARAMETERS) for row in given],
             Path: lambda: self.source.parent / given,
             **dict.fromkeys(
                 (BodyElement, Point, Frame), lambda: self.references.end(field.holds, given)
             ),
         }
         return readers[field.holds]() if field.holds in readers else given
+
+    def shape(self, given: Any, where: tuple[str, ...]) -> Any:
+        """A shape, or the point or body that touches in its place."""
+        if isinstance(given, str):
+            return self.references.end(Point, given)
+        return self.ingredient(SHAPES[self.document.space.dimension], given, where)
+
+    def ingredient(self, registry: dict[str, type], table: Any, where: tuple[str, ...]) -> Any:
+        """What an element is made of beside numbers."""
+        cls = registry[table.type]
+        keys = given_fields(
+            cls,
+            table,
+            self.located,
+            where,
+            lambda field, value, here: self.value(field, value, Scope.PARAMETERS, here),
+        )
+        return made_of(cls, **keys)
 
     def force_law(self, text: float | str, scope: Scope) -> Callable:
         """The function (extension, rate) → force that a formula describes."""

@@ -21,6 +21,9 @@ from dalembert.analysis.events import Event, Events
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows, Vector
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.friction import Friction
+from dalembert.elements.contact.laws import NormalLaw, Restitution
+from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
@@ -48,6 +51,7 @@ Points = dict[str, Vector]
 Names = tuple[str, ...]
 Nodes = tuple[Node, ...]
 Laws = tuple[Law, ...]
+Places = tuple[Point, ...]
 Interval = tuple[float, float]
 Measured = str | Expression
 CountOrTimes = int | Sequence[float]
@@ -57,12 +61,13 @@ KNOWN: dict[Any, Any] = {
     kind: kind
     for kind in (
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
-        *(Constraint, Law, Laws, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
-        *(Frames, Orientation, CountOrTimes),
+        *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
+        *(Frames, Orientation, CountOrTimes, Shape, NormalLaw, Friction),
         *(Coordinates, Formulation, Stabilization, Integrator),
     )
 } | {
     str | Event: Event,
+    NormalLaw | Restitution: NormalLaw,
     int | Sequence[float] | np.ndarray: CountOrTimes,
 }
 """What an annotation says → the type that files know it by; classes stand for those below them."""

@@ -10,7 +10,7 @@ from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.orientations import FrameTable
 from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES_OF
-from dalembert.io.tables import point_type, strategy_type, table_of
+from dalembert.io.tables import any_of, point_type, strategy_type, table_of
 from dalembert.io.values import Bound, Entry, Integer, Number, Text, list_of, shown
 from dalembert.sensitivity.methods import METHODS
 from dalembert.text import nearest
@@ -120,11 +120,6 @@ class ReportTable(Record):
 
     plots: list[list[Text]] = Field(default_factory=list, description="measures, one list per plot")
     trace: Names = Field(default_factory=list, description="points whose paths are drawn")
-
-
-def any_of(registry: dict[str, type]) -> Any:
-    """A table for an object of one of the registered classes."""
-    return one_of({name: table_of(name, cls) for name, cls in registry.items()})
 
 
 _PARAMETER = table_or(ParameterTable, Number)

@@ -14,11 +14,14 @@ from dalembert.analysis.events import Event, Events
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.friction import Friction
+from dalembert.elements.contact.laws import NormalLaw
+from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law, Product, Sum
 from dalembert.elements.point import Point
-from dalembert.elements.registry import CURVES, LAWS
+from dalembert.elements.registry import CONTACT_LAWS, CURVES, FRICTIONS, LAWS, SHAPES
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.io import fields
@@ -30,6 +33,7 @@ from dalembert.io.fields import (
     Laws,
     Measured,
     Names,
+    Places,
     Points,
     Quantities,
     Quantity,
@@ -141,9 +145,13 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
         Quantities: lambda: list_of(Entry, field.size, least=field.least),
         Points: lambda: dict[str, point_type(dimension)],  # type: ignore[misc]
         **dict.fromkeys((Point, Frame), lambda: reference(dimension)),
+        Places: lambda: list[reference(dimension)],  # type: ignore[misc]
         Law: law_type,
         Laws: lambda: list[law_type(*COMBINED[COMBINED.index(field.owner) :])],  # type: ignore[misc]
         Curve: curve_type,
+        Shape: lambda: shape_type(dimension),
+        NormalLaw: contact_law_type,
+        Friction: friction_type,
     }
     return made[field.holds]() if field.holds in made else strategy_type(field.holds)
 
@@ -162,7 +170,31 @@ def law_type(*without: type) -> Any:
 @cache
 def curve_type() -> Any:
     """Any curve."""
-    return one_of({n: table_of(n, c) for n, c in CURVES.items()})
+    return any_of(CURVES)
+
+
+@cache
+def shape_type(dimension: int) -> Any:
+    """Any shape of the plane or of space, or the name of a point that touches."""
+    tables = {n: table_of(n, c, dimension=dimension) for n, c in SHAPES[dimension].items()}
+    return one_of(tables, plain=Text)
+
+
+@cache
+def contact_law_type() -> Any:
+    """Any law of contact."""
+    return any_of(CONTACT_LAWS)
+
+
+@cache
+def friction_type() -> Any:
+    """Any friction."""
+    return any_of(FRICTIONS)
+
+
+def any_of(registry: dict[str, type]) -> Any:
+    """A table for an object of one of the registered classes."""
+    return one_of({name: table_of(name, cls) for name, cls in registry.items()})
 
 
 @cache

@@ -58,11 +58,16 @@ class Description:
     @property
     def _own_coordinates(self) -> list[Coordinates]:
         """Those that elements bring along."""
-        return [c for element in self.elements.values() for c in element.own_coordinates()]
+        holders = [*self.elements.values(), *self.constraints]
+        found = (c for holder in dict.fromkeys(holders) for c in holder.own_coordinates())
+        return list(dict.fromkeys(found))
 
     @property
     def constraints(self) -> list[Constraint]:
-        return [e for e in self.elements.values() if isinstance(e, Constraint)]
+        found: list[Constraint] = []
+        for element in self.elements.values():
+            found += [element] if isinstance(element, Constraint) else element.own_constraints()
+        return found
 
     @property
     def conditions(self) -> list[tuple[Expression, Expression]]:

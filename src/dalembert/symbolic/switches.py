@@ -94,9 +94,10 @@ class _Replay:
 
     def _finished(self, held: list[ca.SX]) -> tuple[list[ca.SX], Switches]:
         sides, g = ca.vertcat(*self.sides), ca.vertcat(*self.functions)
-        beyond = ca.mmax((sides > 0.5) != (g > 0))
+        plain = ca.substitute(g, self.beyond, 0)  # a switch may have roots itself
+        beyond = ca.mmax((sides > 0.5) != (plain > 0))
         *held, g = ca.substitute([*held, g], [self.beyond], [beyond])
-        actual = g > 0
+        actual = plain > 0
         for k in range(len(self.sides)):  # a switch may depend on the sides of those before it
             actual = ca.substitute(actual, sides[k], actual[k])
         return held, Switches(g, sides, ca.densify(actual))

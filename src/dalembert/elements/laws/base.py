@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import operator
 from collections.abc import Mapping
@@ -11,30 +10,19 @@ from typing import Annotated, Any, ClassVar
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, option, quantity
+from dalembert.elements.base import Condition, Scalar, option, quantity
+from dalembert.elements.ingredient import Ingredient
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, t
 
 
 @dataclass(eq=False)
-class Law:
+class Law(Ingredient):
     """Prescribed value ``f(t)``; differentiable twice for velocities and accelerations."""
-
-    def __post_init__(self) -> None:
-        for field in dataclasses.fields(self):
-            value = getattr(self, field.name)
-            if field.metadata.get("kind") == "quantity" and value is not None:
-                entity = f"{type(self).__name__}.{field.name}"
-                meta = field.metadata
-                setattr(self, field.name, as_expression(value, entity, meta["unit"], meta["size"]))
 
     def value(self, time: ca.SX) -> ca.SX:
         """``f(t)`` as an expression."""
         raise NotImplementedError
-
-    def conditions(self) -> list[tuple[ca.SX, str]]:
-        """(expression of parameters that must not be negative, what is wrong if it is)."""
-        return []
 
     def __add__(self, other: Any) -> Law:
         return Sum((self, other))
@@ -58,14 +46,6 @@ class Law:
         return -1.0 * self
 
     __array_ufunc__ = None  # NumPy numbers defer to these
-
-    def checked_quantities(self, owner: str) -> list[tuple[str, Expression, Mapping]]:
-        return [
-            (f"{owner}.{field.name}", getattr(self, field.name), field.metadata)
-            for field in dataclasses.fields(self)
-            if isinstance(getattr(self, field.name), Expression)
-            and field.metadata.get("kind") == "quantity"
-        ]
 
 
 GivenLaw = Annotated[Any, Law]
@@ -98,7 +78,7 @@ class Combination(Law):
     def value(self, time: ca.SX) -> ca.SX:
         return functools.reduce(self.operate, [law.value(time) for law in self.laws])
 
-    def conditions(self) -> list[tuple[ca.SX, str]]:
+    def conditions(self) -> list[Condition]:
         return [condition for law in self.laws for condition in law.conditions()]
 
     def checked_quantities(self, owner: str) -> list[tuple[str, Expression, Mapping]]:

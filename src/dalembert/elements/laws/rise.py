@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.base import Condition, Scalar, quantity
 from dalembert.elements.laws.base import Law
 
 
@@ -41,7 +41,7 @@ class Rise(Law):
             height = height - self._clipped(after / self.fall.sx)
         return self.start.sx + self.height.sx * height
 
-    def conditions(self) -> list[tuple[ca.SX, str]]:
+    def conditions(self) -> list[Condition]:
         if self.period is None:
             return []
         if self.fall is None:

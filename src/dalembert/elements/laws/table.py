@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Rows, option
+from dalembert.elements.base import Condition, Rows, option
 from dalembert.elements.laws.base import Law
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression
@@ -56,8 +56,8 @@ class Table(Law):
     def value(self, time: ca.SX) -> ca.SX:
         return self.spline(time)
 
-    def conditions(self) -> list[tuple[ca.SX, str]]:
-        return self.spline.conditions()
+    def conditions(self) -> list[Condition]:
+        return [*self.spline.conditions()]
 
     def checked_quantities(self, owner: str) -> list[tuple[str, Expression, Mapping]]:
         rows = {"times": self.spline.knots, "values": self.spline.values}

@@ -1,10 +1,14 @@
 """Planar elements: one file per concept, listed once in ``registry``."""
 
+from dalembert.elements.contact.cable import Cable
+from dalembert.elements.contact.contact import Contact
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
+from dalembert.elements.planar import contact as contact
 from dalembert.elements.planar.beam import Beam
 from dalembert.elements.planar.body import Bar, Body, Ground, Particle
+from dalembert.elements.planar.contact.clearance import ClearanceRevolute
 from dalembert.elements.planar.drivers import (
     CoordinateDriver,
     RotationalDriver,
@@ -29,6 +33,9 @@ __all__ = [
     "Beam",
     "Body",
     "Bushing",
+    "Cable",
+    "ClearanceRevolute",
+    "Contact",
     "CoordinateDriver",
     "Coupling",
     "DistanceDriver",

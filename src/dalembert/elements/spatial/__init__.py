@@ -1,12 +1,16 @@
 """Elements in space: one file per concept, listed once in ``registry``."""
 
+from dalembert.elements.contact.cable import Cable
+from dalembert.elements.contact.contact import Contact
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.frame import Frame
 from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
+from dalembert.elements.spatial import contact as contact
 from dalembert.elements.spatial.beam import Beam
 from dalembert.elements.spatial.body import Body, Particle
 from dalembert.elements.spatial.constant_velocity import ConstantVelocity
+from dalembert.elements.spatial.contact.clearance import ClearanceSpherical
 from dalembert.elements.spatial.couplings import Coupling, GearPair, RackAndPinion
 from dalembert.elements.spatial.cylindrical import Cylindrical
 from dalembert.elements.spatial.drivers import (
@@ -45,8 +49,11 @@ __all__ = [
     "Body",
     "Box",
     "Bushing",
+    "Cable",
     "Capsule",
+    "ClearanceSpherical",
     "ConstantVelocity",
+    "Contact",
     "CoordinateDriver",
     "Coupling",
     "Cylinder",

@@ -1,0 +1,84 @@
+"""Cables: they pull and do not push."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import casadi as ca
+
+from dalembert.elements.base import Look, Rate, Scalar, option, quantity
+from dalembert.elements.contact.compliant import Compliant
+from dalembert.elements.contact.laws import KelvinVoigt, NormalLaw
+from dalembert.elements.contact.shapes import NO_LENGTH
+from dalembert.elements.contact.unilateral import Gap
+from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.look import Rod
+from dalembert.elements.pair import need_point
+from dalembert.elements.point import Point
+from dalembert.errors import ModelError
+
+
+@dataclass(eq=False)
+class Cable(Compliant):
+    """A cable that runs freely through points, tight at more than its length.
+
+    With the length ``s = Σ |r_{k+1} − r_k|`` of its path, ``F = k (s − l) + c ṡ ≥ 0`` where
+    ``s > l``, else none; the same in every part.
+
+    Parameters
+    ----------
+    points : of bodies, in order; at the first and the last it is fastened
+    length : l, without tension [m]
+    stiffness : k, of the whole cable [N/m]
+    damping : c [N s/m]
+    """
+
+    points: tuple[Point, ...] = option("points it runs through, in order")
+    length: Scalar = quantity("m", "length without tension", minimum=0.0, keyword=True)
+    stiffness: Scalar = quantity("N/m", "stiffness of the whole", above=0.0, keyword=True)
+    damping: Scalar = quantity("N s/m", "damping", default=0.0, minimum=0.0)
+
+    def __post_init__(self) -> None:
+        given = self.points
+        if not isinstance(given, Sequence) or isinstance(given, str) or len(given) < 2:
+            raise ModelError(f"points must be a list of at least two, got {given!r}", self.name)
+        space = max(getattr(point, "dimension", 2) for point in given)
+        self.points = tuple(
+            need_point(point, self.name, f"points[{k}]", space) for k, point in enumerate(given)
+        )
+        for point in self.points:
+            if point.dimension != space:
+                raise ModelError(
+                    f"the point of {point.body.name} lies in a plane and others in space; give all "
+                    "as many coordinates",
+                    self.name,
+                )
+        if len(set(map(id, self.parts()))) < 2:
+            raise ModelError(f"all its points are on {self.points[0].body.name}", self.name)
+        super().__post_init__()
+
+    def parts(self) -> list[Coordinates]:
+        return list(dict.fromkeys(point.body for point in self.points))
+
+    @cached_property
+    def path(self) -> ca.SX:
+        """Length of its path [m]."""
+        between = [j.position.sx - i.position.sx for i, j in pairwise(self.points)]
+        return sum((ca.sqrt(ca.sumsqr(part) + NO_LENGTH**2) for part in between), ca.SX(0))
+
+    def gaps(self, rate: Rate) -> list[Gap]:
+        return [Gap(self.length.sx - self.path, ca.SX(0, 1))]
+
+    def normal_law(self) -> NormalLaw:
+        return KelvinVoigt(stiffness=self.stiffness, damping=self.damping)
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        (touch,) = self.touches(rate)
+        slack = ca.fmax(0, touch.gap.distance)
+        return {"force": (touch.press, "N"), "path": (self.path, "m"), "slack": (slack, "m")}
+
+    def look(self) -> list[Look]:
+        return [Rod(i, j) for i, j in pairwise(self.points)]

@@ -1,0 +1,213 @@
+"""How bodies press where they touch: normal forces by depth and speed of penetration.
+
+A law states the force ``N(δ, δ̇)`` of bodies that touch, ``δ > 0``, and the energy ``V(δ)`` stored
+in its elastic part. It never pulls.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.ingredient import Ingredient
+from dalembert.errors import ModelError
+
+
+@dataclass(eq=False)
+class NormalLaw(Ingredient):
+    """Force of bodies that touch; all of it is asked for at positive depths only."""
+
+    def elastic(self, depth: ca.SX) -> ca.SX:
+        """Part of the force that the depth alone determines [N]."""
+        raise NotImplementedError
+
+    def stored(self, depth: ca.SX) -> ca.SX:
+        """Its energy [J]."""
+        raise NotImplementedError
+
+    def depth_storing(self, energy: float) -> ca.SX:
+        """The depth at which it stores that energy [m]."""
+        raise NotImplementedError
+
+    def force(self, depth: ca.SX, speed: ca.SX) -> ca.SX:
+        """Force at a depth that grows at a speed, elastic without more [N]."""
+        return self.elastic(depth)
+
+
+@dataclass(eq=False)
+class PowerLaw(NormalLaw):
+    """``N = K δⁿ (1 + c δ̇) ≥ 0``; how much it damps, the subclass says.
+
+    Parameters
+    ----------
+    stiffness : K [N/mⁿ]
+    exponent : n; 1.5 of round bodies (Hertz), 1 of flat ones
+    """
+
+    stiffness: Scalar = quantity("N/m^n", "stiffness K", above=0.0, keyword=True)
+    exponent: Scalar = quantity("", "exponent n of the depth", default=1.5, minimum=1.0)
+
+    def elastic(self, depth: ca.SX) -> ca.SX:
+        return self.stiffness.sx * depth**self.exponent.sx
+
+    def stored(self, depth: ca.SX) -> ca.SX:
+        more = self.exponent.sx + 1
+        return self.stiffness.sx * depth**more / more
+
+    def depth_storing(self, energy: float) -> ca.SX:
+        more = self.exponent.sx + 1
+        return (more * energy / self.stiffness.sx) ** (1 / more)
+
+    def damping_factor(self) -> ca.SX:
+        """``c`` [s/m]."""
+        raise NotImplementedError
+
+    def force(self, depth: ca.SX, speed: ca.SX) -> ca.SX:
+        return self.elastic(depth) * ca.fmax(0, 1 + self.damping_factor() * speed)
+
+
+@dataclass(eq=False)
+class Hertz(PowerLaw):
+    """Elastic contact, ``N = K δⁿ`` (Hertz 1882).
+
+    Of balls, ``K = 4/3 E √R`` with ``1/R = 1/R_i + 1/R_j``,
+    ``1/E = (1 − ν_i²)/E_i + (1 − ν_j²)/E_j``.
+    """
+
+    def damping_factor(self) -> ca.SX:
+        return ca.SX(0)
+
+
+@dataclass(eq=False)
+class RestitutionLaw(PowerLaw):
+    """``N = K δⁿ (1 + d δ̇/v₀)`` with the factor ``d(e)`` of an author.
+
+    ``d`` is right at impacts with the speed ``v₀``; others bounce with another restitution.
+
+    Parameters
+    ----------
+    restitution : e, as the author means it
+    impact_speed : v₀, of approach [m/s]
+    """
+
+    restitution: Scalar = quantity("", "coefficient of restitution e", default=None, minimum=0.0)
+    impact_speed: Scalar = quantity("m/s", "speed of approach v₀", default=None, above=0.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._complete()
+
+    def _complete(self) -> None:
+        """Refuse a restitution that says nothing of how it damps."""
+        if self.restitution is None or self.impact_speed is None:
+            raise ModelError(
+                "give restitution= and impact_speed=, the speed of approach it is meant for",
+                type(self).__name__,
+            )
+
+    def conditions(self):
+        if self.restitution is None:
+            return super().conditions()
+        return [*super().conditions(), (1 - self.restitution.sx, "its restitution is above 1")]
+
+    def factor(self) -> ca.SX:
+        """``d(e)``."""
+        raise NotImplementedError
+
+    def damping_factor(self) -> ca.SX:
+        return self.factor() / self.impact_speed.sx
+
+
+@dataclass(eq=False)
+class HuntCrossley(RestitutionLaw):
+    """``d = 1.5 (1 − e)`` (Hunt and Crossley 1975), or a damping ``c = d/v₀`` of any impact.
+
+    Parameters
+    ----------
+    damping : c, instead of the other two [s/m]
+    """
+
+    damping: Scalar = quantity("s/m", "damping c", default=None, minimum=0.0)
+
+    def _complete(self) -> None:
+        if self.damping is None:
+            return super()._complete()
+        if self.restitution is not None or self.impact_speed is not None:
+            raise ModelError(
+                "give damping=, or restitution= and impact_speed=, not both", type(self).__name__
+            )
+        return None
+
+    def factor(self) -> ca.SX:
+        return 1.5 * (1 - self.restitution.sx)
+
+    def damping_factor(self) -> ca.SX:
+        return super().damping_factor() if self.damping is None else self.damping.sx
+
+
+@dataclass(eq=False)
+class LankaraniNikravesh(RestitutionLaw):
+    """``d = ¾ (1 − e²)`` (Lankarani and Nikravesh 1990), for restitutions near one."""
+
+    def factor(self) -> ca.SX:
+        return 0.75 * (1 - self.restitution.sx**2)
+
+
+@dataclass(eq=False)
+class Flores(RestitutionLaw):
+    """``d = 8/5 (1 − e)/e`` (Flores, Machado, Silva and Martins 2011), for small ones too."""
+
+    def factor(self) -> ca.SX:
+        return 1.6 * (1 - self.restitution.sx) / self.restitution.sx
+
+    def conditions(self):
+        positive = self.restitution.sx - 1e-12
+        return [*super().conditions(), (positive, "its restitution must be above zero")]
+
+
+@dataclass(eq=False)
+class KelvinVoigt(NormalLaw):
+    """``N = k δ + c δ̇ ≥ 0``; at touching it jumps to ``c δ̇``.
+
+    Parameters
+    ----------
+    stiffness : k [N/m]
+    damping : c [N s/m]
+    """
+
+    stiffness: Scalar = quantity("N/m", "stiffness k", above=0.0, keyword=True)
+    damping: Scalar = quantity("N s/m", "damping c", default=0.0, minimum=0.0)
+
+    def elastic(self, depth: ca.SX) -> ca.SX:
+        return self.stiffness.sx * depth
+
+    def stored(self, depth: ca.SX) -> ca.SX:
+        return self.stiffness.sx * depth**2 / 2
+
+    def depth_storing(self, energy: float) -> ca.SX:
+        return ca.sqrt(2 * energy / self.stiffness.sx)
+
+    def force(self, depth: ca.SX, speed: ca.SX) -> ca.SX:
+        return ca.fmax(0, self.elastic(depth) + self.damping.sx * speed)
+
+
+@dataclass(eq=False)
+class Restitution(Ingredient):
+    """Rigid contact, ``ġ⁺ = −e ġ⁻`` (Newton): it bounces at an instant and makes no force.
+
+    Parameters
+    ----------
+    e : coefficient of restitution along the gap
+    tangential : of the slip
+    """
+
+    e: Scalar = quantity("", "coefficient of restitution", default=0.0, minimum=0.0)
+    tangential: Scalar = quantity("", "of the slip", default=0.0, minimum=0.0)
+
+    def conditions(self):
+        above = [
+            (1 - value.sx, "its restitution is above 1") for value in (self.e, self.tangential)
+        ]
+        return [*super().conditions(), *above]

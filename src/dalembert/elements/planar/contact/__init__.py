@@ -1,0 +1,36 @@
+"""Contact in the plane: shapes, and laws of how they press, rub and bounce."""
+
+from dalembert.elements.contact.friction import Coulomb, Stribeck
+from dalembert.elements.contact.laws import (
+    Flores,
+    Hertz,
+    HuntCrossley,
+    KelvinVoigt,
+    LankaraniNikravesh,
+    Restitution,
+)
+from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
+from dalembert.elements.contact.shapes import Vertex
+from dalembert.elements.planar.contact.polygon import Polygon, Rectangle
+from dalembert.elements.planar.contact.profile import Profile
+from dalembert.elements.planar.contact.shapes import Bore, Circle, HalfPlane
+
+__all__ = [
+    "Bore",
+    "Circle",
+    "Coulomb",
+    "Flores",
+    "HalfPlane",
+    "Hertz",
+    "HuntCrossley",
+    "KelvinVoigt",
+    "LankaraniNikravesh",
+    "Polygon",
+    "Profile",
+    "Rectangle",
+    "Restitution",
+    "Stribeck",
+    "Vertex",
+    "achieved_restitution",
+    "damping_factor",
+]

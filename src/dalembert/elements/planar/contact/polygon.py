@@ -1,0 +1,125 @@
+"""Convex shapes with edges and corners of the plane."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.base import Condition, Look, Rows, Vector, option, quantity
+from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
+from dalembert.elements.look import Path
+from dalembert.elements.pair import need_body
+from dalembert.elements.point import Point
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import as_expression
+
+
+class Cornered(Spotted):
+    """A convex shape of the plane with straight edges."""
+
+    space = 2
+    mutual = True
+
+    def corners(self) -> list[ca.SX]:
+        """Its corners in the axes of the body, anticlockwise."""
+        raise NotImplementedError
+
+    def spots(self) -> list[Spot]:
+        return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in self.corners()]
+
+    def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
+        local, found = self.local(place), self.corners()
+        edges = list(zip(found, found[1:] + found[:1], strict=True))
+        beyond = [_beyond(local, *edge) for edge in edges]
+        deepest = functools.reduce(ca.fmax, beyond)
+        if sharp:
+            return deepest
+        nearest = functools.reduce(ca.fmin, [_square(local, *edge) for edge in edges])
+        return ca.if_else(deepest > 0, ca.sqrt(nearest + NO_LENGTH**2), deepest)
+
+    def look(self, near: ca.SX) -> list[Look]:
+        found = ca.horzcat(*self.corners())
+        return [Path(self.carrier, lambda u: _along(found, u), (0.0, float(found.shape[1])), True)]
+
+
+Cornered.feels = (Ball, Cornered)
+
+
+def _beyond(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
+    """How far a place is on the right of an edge."""
+    edge, away = end - start, place - start
+    return (edge[1] * away[0] - edge[0] * away[1]) / ca.sqrt(ca.sumsqr(edge))
+
+
+def _square(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
+    """Square of its distance from an edge, or from the nearer end of it."""
+    edge, away = end - start, place - start
+    share = ca.fmin(1, ca.fmax(0, ca.dot(edge, away) / ca.sumsqr(edge)))
+    return ca.sumsqr(away - share * edge)
+
+
+def _along(corners: ca.SX, u: ca.SX) -> ca.SX:
+    """The place on the outline that corner ``k`` begins at ``u = k``."""
+    count = corners.shape[1]
+    share = [ca.fmax(0, 1 - ca.fabs(u - k)) for k in range(count + 1)]
+    return ca.mtimes(corners, ca.vertcat(share[0] + share[count], *share[1:count]))
+
+
+@dataclass(eq=False)
+class Polygon(Cornered):
+    """Convex polygon of the plane.
+
+    Parameters
+    ----------
+    body : the body it is fixed in
+    vertices : (x, y) of its corners in the body frame, anticlockwise [m]; formulas are allowed
+    """
+
+    body: BodyElement = option("the body it is fixed in")
+    vertices: Rows = option("corners (x, y) in the body frame, anticlockwise")
+
+    def __post_init__(self) -> None:
+        self.body = need_body(self.body, "Polygon", "body")
+        if not isinstance(self.vertices, (list, tuple, np.ndarray)) or len(self.vertices) < 3:
+            raise ModelError(f"needs at least 3 vertices, got {self.vertices!r:.60}", "Polygon")
+        self.vertices = [
+            as_expression(v, f"Polygon vertex {k + 1}", "m", 2) for k, v in enumerate(self.vertices)
+        ]
+        super().__post_init__()
+
+    @property
+    def carrier(self) -> Any:
+        return self.body
+
+    def corners(self) -> list[ca.SX]:
+        return [vertex.sx for vertex in self.vertices]
+
+    def conditions(self) -> list[Condition]:
+        found = self.corners()
+        turns = []
+        for a, b, c in zip(found, found[1:] + found[:1], found[2:] + found[:2], strict=True):
+            turns.append((b - a)[0] * (c - b)[1] - (b - a)[1] * (c - b)[0])
+        wrong = "its vertices are no convex polygon, anticlockwise"
+        return [*super().conditions(), (ca.vertcat(*turns), wrong)]
+
+
+@dataclass(eq=False)
+class Rectangle(Cornered, Pointed):
+    """Rectangle of the plane along the axes of its body.
+
+    Parameters
+    ----------
+    point : its middle, point of a body
+    size : (2,) lengths along x and y [m]
+    """
+
+    size: Vector = quantity("m", "lengths along x and y", size=2, above=0.0)
+
+    def corners(self) -> list[ca.SX]:
+        signs = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+        return [self.point.local.sx + self.size.sx * ca.SX(list(s)) / 2 for s in signs]

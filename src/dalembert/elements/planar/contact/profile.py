@@ -1,0 +1,129 @@
+"""Curves that touch: cams against rollers, points and flat followers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from dalembert.elements.base import Constraint, Look, option
+from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.meeting import Meeting
+from dalembert.elements.contact.shapes import Ball, Flat, Shape, Spot
+from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.curves import Curve
+from dalembert.elements.look import Path
+from dalembert.elements.pair import need_body
+from dalembert.errors import ModelError
+
+
+@dataclass(eq=False)
+class Profile(Shape):
+    """A smooth curve fixed in a body of the plane, with its matter on the left.
+
+    The place that comes nearest to another shape is a coordinate without mass, beside its distance;
+    it is found at the start and followed then. Where the curve is hollow, its radius of curvature
+    must be larger than that of what touches it; a straight line touches convex curves only.
+
+    Parameters
+    ----------
+    body : the body it is fixed in
+    curve : in the frame of the body; anticlockwise around its matter
+    """
+
+    body: BodyElement = option("the body it is fixed in")
+    curve: Curve = option("the curve, anticlockwise around its matter", default=None)
+    feels = (Ball, Flat)
+    space = 2
+
+    def __post_init__(self) -> None:
+        self.body = need_body(self.body, "Profile", "body")
+        if not isinstance(self.curve, Curve) or self.curve.dimension != 2:
+            raise ModelError(f"curve must be a curve of the plane, got {self.curve!r}", "Profile")
+        super().__post_init__()
+
+    @property
+    def carrier(self) -> Any:
+        return self.body
+
+    def look(self, near: ca.SX) -> list[Look]:
+        curve = self.curve
+        return [Path(self.body, curve.position, curve.interval(), curve.closed)]
+
+    def meet(self, other: Shape, owner: str) -> list[Meeting]:
+        if isinstance(other, Flat):
+            return [Tangency(f"{owner}_foot", self, other).meeting()]
+        return [Foot(f"{owner}_foot", self, spot).meeting() for spot in other.spots()]
+
+
+class NearestPlace(Coordinates):
+    """The place of a curve that is nearest to something, and its distance; both without mass."""
+
+    def __init__(self, name: str, curve: Curve):
+        self.name, self.interval = f"{name}.nearest", curve.interval()
+        self.make_symbols(("u", "distance"), ("", "m"))
+
+
+@dataclass(eq=False)
+class Nearest(Constraint):
+    """Equations of the place of a curve that is nearest to another shape."""
+
+    profile: Profile
+
+    def __post_init__(self) -> None:
+        self.nearest = NearestPlace(self.name, self.profile.curve)
+        self.u, self.distance = ca.vertsplit(self.nearest.pose)
+        super().__post_init__()
+
+    def own_coordinates(self) -> list[Coordinates]:
+        return [self.nearest]
+
+    @property
+    def here(self) -> ca.SX:
+        """The place on the curve, inertial."""
+        return self.profile.body.locate(self.profile.curve.position(self.u))
+
+    @property
+    def outward(self) -> ca.SX:
+        """Normal of the curve there, inertial components."""
+        curve = self.profile.curve
+        return self.profile.body.turned(
+            curve.offset_position(self.u, ca.SX(1)) - curve.position(self.u)
+        )
+
+
+@dataclass(eq=False)
+class Foot(Nearest):
+    """Foot of the perpendicular from a point, ``A_iᵀ (r_P − r_i) − c(u) − g n(u) = 0``."""
+
+    spot: Spot
+
+    def parts(self) -> list[Coordinates]:
+        return [self.profile.body, self.spot.point.body, self.nearest]
+
+    def residual(self) -> ca.SX:
+        place = self.profile.local(self.spot.point.position.sx)
+        return place - self.profile.curve.offset_position(self.u, self.distance)
+
+    def meeting(self) -> Meeting:
+        gap = self.distance - self.spot.radius
+        return Meeting(gap, self.outward, self.here + self.outward * gap / 2, self)
+
+
+@dataclass(eq=False)
+class Tangency(Nearest):
+    """Where the curve is parallel to a line, ``nᵀ (r_c(u) − r_P) − g = 0``, ``nᵀ r_c'(u) = 0``."""
+
+    flat: Flat
+
+    def parts(self) -> list[Coordinates]:
+        return [self.profile.body, self.flat.carrier, self.nearest]
+
+    def residual(self) -> ca.SX:
+        height = self.flat.distance(self.here, sharp=True)
+        return ca.vertcat(height - self.distance, ca.jacobian(height, self.u))
+
+    def meeting(self) -> Meeting:
+        up = self.flat.outward
+        return Meeting(self.distance, -up, self.here - up * self.distance / 2, self)

@@ -1,0 +1,35 @@
+"""Contact in space: shapes, and laws of how they press, rub and bounce."""
+
+from dalembert.elements.contact.friction import Coulomb, Stribeck
+from dalembert.elements.contact.laws import (
+    Flores,
+    Hertz,
+    HuntCrossley,
+    KelvinVoigt,
+    LankaraniNikravesh,
+    Restitution,
+)
+from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
+from dalembert.elements.contact.shapes import Vertex
+from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
+from dalembert.elements.spatial.contact.solids import Box, Capsule, Corners
+
+__all__ = [
+    "Box",
+    "Capsule",
+    "Corners",
+    "Coulomb",
+    "Flores",
+    "HalfSpace",
+    "Hertz",
+    "HuntCrossley",
+    "KelvinVoigt",
+    "LankaraniNikravesh",
+    "Restitution",
+    "Socket",
+    "Sphere",
+    "Stribeck",
+    "Vertex",
+    "achieved_restitution",
+    "damping_factor",
+]

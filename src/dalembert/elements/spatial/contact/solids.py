@@ -1,0 +1,135 @@
+"""Shapes of solids in space: boxes, capsules and clouds of corners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import casadi as ca
+
+from dalembert.elements.base import Look, Scalar, Vector, option, quantity
+from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
+from dalembert.elements.pair import need_point
+from dalembert.elements.point import Point
+from dalembert.elements.spatial.mesh import Mesh
+from dalembert.elements.spatial.solids import Cuboid, Pill, Surface
+from dalembert.errors import ModelError
+
+CORNERS = 200
+"""Of a mesh; each is a place where it may touch."""
+
+
+@dataclass(eq=False)
+class Box(Spotted, Pointed):
+    """Box along the axes of its body.
+
+    Parameters
+    ----------
+    point : its middle, point of a body
+    size : (3,) lengths along x, y and z [m]
+    """
+
+    space = 3
+    size: Vector = quantity("m", "lengths along x, y, z", size=3, above=0.0)
+    feels = (Ball,)
+
+    def spots(self) -> list[Spot]:
+        middle, half = self.point.local.sx, self.size.sx / 2
+        corners = (middle + half * ca.SX(list(signs)) for signs in product((-1, 1), repeat=3))
+        return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in corners]
+
+    def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
+        beyond = ca.fabs(self.local(place) - self.point.local.sx) - self.size.sx / 2
+        deepest = ca.fmax(ca.fmax(beyond[0], beyond[1]), beyond[2])
+        if sharp:
+            return deepest
+        outside = ca.sqrt(ca.sumsqr(ca.fmax(beyond, 0)) + NO_LENGTH**2)
+        return ca.if_else(deepest > 0, outside, deepest)
+
+    def look(self, near: ca.SX) -> list[Look]:
+        return [Cuboid(self.point, self.size.sx)]
+
+
+@dataclass(eq=False)
+class Capsule(Spotted):
+    """All places at a distance from the line between two points of a body.
+
+    Parameters
+    ----------
+    point_i, point_j : points of one body
+    radius : [m]
+    """
+
+    space = 3
+    point_i: Point = option("one end of its axis")
+    point_j: Point = option("the other end, of the same body")
+    radius: Scalar = quantity("m", "radius", above=0.0)
+    feels = (Ball,)
+
+    def __post_init__(self) -> None:
+        self.point_i = need_point(self.point_i, "Capsule", "point_i", 3)
+        self.point_j = need_point(self.point_j, "Capsule", "point_j", 3)
+        bodies = self.point_i.body, self.point_j.body
+        if bodies[0] is not bodies[1]:
+            names = " and ".join(body.name for body in bodies)
+            raise ModelError(f"its ends are on {names}; give two points of one body", "Capsule")
+        super().__post_init__()
+
+    @property
+    def carrier(self) -> Any:
+        return self.point_i.body
+
+    @property
+    def dimension(self) -> int:
+        return self.point_i.dimension
+
+    def spots(self) -> list[Spot]:
+        return [Spot(end, self.radius.sx) for end in (self.point_i, self.point_j)]
+
+    def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
+        start, end = self.point_i.position.sx, self.point_j.position.sx
+        axis, away = end - start, place - start
+        share = ca.fmin(1, ca.fmax(0, ca.dot(axis, away) / ca.sumsqr(axis)))
+        return ca.sqrt(ca.sumsqr(away - share * axis) + NO_LENGTH**2) - self.radius.sx
+
+    def look(self, near: ca.SX) -> list[Look]:
+        return [Pill(self.point_i, self.point_j, self.radius.sx)]
+
+
+@dataclass(eq=False)
+class Corners(Spotted):
+    """The corners of a mesh, each of which may touch; its edges and faces do not.
+
+    Parameters
+    ----------
+    body : body with the form of a mesh
+    """
+
+    space = 3
+    body: Mesh = option("body with the form of a mesh")
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.body, Mesh):
+            raise ModelError(f"needs a spatial.Mesh, got {self.body!r}", "Corners")
+        count = len(self.body.surface.corners)
+        if count > CORNERS:
+            raise ModelError(
+                f"{self.body.name} has {count} corners and {CORNERS} are allowed; "
+                "simplify the mesh, or use a box, capsule or sphere",
+                "Corners",
+            )
+        super().__post_init__()
+
+    @property
+    def carrier(self) -> Any:
+        return self.body
+
+    def spots(self) -> list[Spot]:
+        scale, surface = self.body.scale.sx, self.body.surface
+        corners = (scale * ca.SX(list(map(float, corner))) for corner in surface.corners)
+        return [Spot(Point(self.body, corner), ca.SX(0)) for corner in corners]
+
+    def look(self, near: ca.SX) -> list[Look]:
+        surface = self.body.surface
+        return [Surface(self.body, surface.corners, surface.triangles, self.body.scale.sx)]
