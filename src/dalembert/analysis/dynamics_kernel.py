@@ -10,6 +10,10 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.branches import Branches
+from dalembert.analysis.contact.change import ContactChange
+from dalembert.analysis.contact.jump import Jump
+from dalembert.analysis.contact.quantities import ContactDynamics, check_contacts
+from dalembert.analysis.contact.ruling import Ruling
 from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.analysis.transition import Transition, crossed, distances
 from dalembert.analysis.variant import Variant
@@ -23,12 +27,14 @@ from dalembert.integrators.checkpoints import States
 from dalembert.integrators.march import FixedMarch
 from dalembert.integrators.steps import Steps, Switch
 from dalembert.model.closure import AssembledState
+from dalembert.model.contacts import Phase, Phases, touching
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.results.recording import Recording, Trajectory
 from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.once import once
 
 BLOCK = 5000
 """Columns of a mapped function at once, so that what it is given takes little memory."""
@@ -94,7 +100,11 @@ class DynamicsKernel:
         if integrator.adaptive:
             self.view.hold_switches()
         self.equations = self.view.equations
+        self.contacts = bool(self.equations.contacts)
+        if self.contacts:
+            check_contacts(self.equations, formulation, integrator)
         self.variants: list[Variant] = []
+        self._contact_changes: dict[tuple, int] = {}
         self._transitions: dict[tuple[int, int, bool], int] = {}
         self._mapped: dict[tuple[ca.Function, int], Kernel] = {}
         self.fixed = FixedMarch(
@@ -103,7 +113,9 @@ class DynamicsKernel:
         self.adaptive: AdaptiveMarch | None = None
         if integrator.adaptive:
             crossed = self.crossed if self.equations.switches.count else None
-            self.adaptive = AdaptiveMarch(self._attempt, self.backend, self.fixed, crossed)
+            self.adaptive = AdaptiveMarch(
+                self._attempt, self.backend, self.fixed, crossed, self.contacts
+            )
 
     def _attempt(self, mode: int) -> Attempt:
         found = self.variants[mode].attempt
@@ -113,18 +125,62 @@ class DynamicsKernel:
 
     # variants -----------------------------------------------------------------------
     def choose(
-        self, t: float, x: np.ndarray, p: np.ndarray, rows: tuple[int, ...] | None = None
+        self,
+        t: float,
+        x: np.ndarray,
+        p: np.ndarray,
+        rows: tuple[int, ...] | None = None,
+        phases: Phases | None = None,
     ) -> int:
-        """The variant for a state, with some rows of the equations or, by default, good ones."""
+        """The variant for a state, with some rows of the equations or, by default, good ones.
+
+        Rigid gaps are apart by default.
+        """
         y = x[: self.equations.coordinate_count]
         rows = self._rows(t, y, p) if rows is None else rows
-        chosen = self.formulation.choose(self.view.with_rows(rows), t, y, p)
+        if phases is None:
+            phases = (Phase.APART,) * len(self.equations.contacts)
+        chosen = self.formulation.choose(touching(self.view.with_rows(rows), phases), t, y, p)
+        return self._mode(rows, chosen, phases)
+
+    def _mode(self, rows: tuple[int, ...], chosen: Formulation, phases: Phases) -> int:
         for mode, variant in enumerate(self.variants):
-            if (variant.rows, variant.formulation) == (rows, chosen):
+            if (variant.rows, variant.formulation, variant.phases) == (rows, chosen, phases):
                 return mode
-        made = Variant(self.view, rows, chosen, self.stabilization, self.integrator)
+        made = Variant(self.view, rows, chosen, self.stabilization, self.integrator, phases)
         self.variants.append(made)
         return len(self.variants) - 1
+
+    # rigid contacts -------------------------------------------------------------------
+    def phased(self, mode: int, phases: Phases) -> int:
+        """The mode with gaps in these phases."""
+        now = self.variants[mode]
+        return self._mode(now.rows, now.formulation, phases)
+
+    def contact_dynamics(self, mode: int) -> ContactDynamics:
+        """How gaps move with the constraints of a mode."""
+        now = self.variants[mode]
+        return _contact_dynamics(self, now.rows, now.formulation)
+
+    def contact_function(self, mode: int) -> ca.Function:
+        """The same as a function."""
+        now = self.variants[mode]
+        return _contact_function(self, now.rows, now.formulation)
+
+    def contact_change(self, mode: int, ruling: Ruling, guard: int | None) -> int:
+        """The mode in which gaps go over to other phases between steps of a mode."""
+        given = ruling.phases, ruling.gaps, ruling.pattern, ruling.dead, ruling.together
+        key = (mode, guard, ruling.impulse is None, *given)
+        if key not in self._contact_changes:
+            jump = None
+            if ruling.impulse is not None:
+                dynamics = self.contact_dynamics(mode)
+                jump = Jump(dynamics, ruling.gaps, ruling.pattern, ruling.dead)
+            after = self.variants[self.phased(mode, ruling.phases)]
+            ends = ruling.dead, ruling.together
+            self.variants.append(ContactChange(self.variants[mode], after, guard, jump, *ends))
+            self._contact_changes[key] = len(self.variants) - 1
+        return self._contact_changes[key]
 
     def _rows(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
         """The rows of the start where the others follow well from them, else the best ones."""
@@ -152,10 +208,11 @@ class DynamicsKernel:
             self._transitions[key] = len(self.variants) - 1
         return self._transitions[key]
 
-    def crossings(self, steps: Steps) -> list[tuple[int, Transition]]:
+    def crossings(self, steps: Steps) -> list[tuple[int, Transition | ContactChange]]:
         """Steps that are transitions at which forces change."""
         found = [(int(k), self.variants[steps.mode[k]]) for k in np.flatnonzero(steps.h == 0)]
-        return [(k, v) for k, v in found if isinstance(v, Transition) and v.moving]
+        kinds = Transition, ContactChange
+        return [(k, v) for k, v in found if isinstance(v, kinds) and v.moving]
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray) -> Switch:
         """How many of these steps to keep, and the variant after them."""
@@ -174,7 +231,7 @@ class DynamicsKernel:
             try:
                 if not shares.ravel()[bad[0]] <= 1:
                     rows = best_rows(self.view.whole, rows, t, y[:, kept], p)
-                following = self.choose(t, x, p, rows)
+                following = self.choose(t, x, p, rows, now.phases)
             except SingularityError as error:
                 return Switch(last_good, mode, str(error))
             if following != mode:
@@ -273,6 +330,20 @@ class DynamicsKernel:
         n = self.equations.coordinate_count + self.equations.speed_count
         work = states[n : n + 2] - steps.x[n : n + 2, :1]
         return Trajectory(times, y, v, a, multiplier, work)
+
+
+@once
+def _contact_dynamics(
+    kernel: DynamicsKernel, rows: tuple[int, ...], formulation: Formulation
+) -> ContactDynamics:
+    return ContactDynamics(kernel.view.with_rows(rows), formulation)
+
+
+@once
+def _contact_function(
+    kernel: DynamicsKernel, rows: tuple[int, ...], formulation: Formulation
+) -> ca.Function:
+    return _contact_dynamics(kernel, rows, formulation).function
 
 
 def alike(modes: np.ndarray, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:

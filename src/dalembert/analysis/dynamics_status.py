@@ -57,6 +57,10 @@ class Ending:
         """Ended at a switch that no motion leaves."""
         return self._ends(Outcome.CHATTERING, text)
 
+    def contact(self, text: str, undecided: bool) -> Status:
+        """Ended where rigid contacts have no motion or several, or open and close for ever."""
+        return self._ends(Outcome.UNDECIDED if undecided else Outcome.CHATTERING, text)
+
     def status(self, ended_by: EventRecord | None) -> Status:
         """Outcome, message and residual."""
         steps, s = self.steps, self.s

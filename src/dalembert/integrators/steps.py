@@ -71,6 +71,13 @@ class Steps:
         return Steps(t, h, self.x[:, :1], corrected, mode)
 
 
+def standstill(time: float, x0: np.ndarray, message: str) -> Steps:
+    """No step at all."""
+    none = np.zeros(0)
+    column = x0.reshape(-1, 1)
+    return Steps(np.array([time]), none, column, none > 0, none.astype(int), message=message)
+
+
 def run_length(mode: np.ndarray, begin: int, longest: int) -> int:
     """How many steps from ``begin`` on are of one mode, ``longest`` at most."""
     part = mode[begin : begin + longest]
@@ -103,8 +110,8 @@ class Crossing(NamedTuple):
     """A switch that the last step of a chunk went across, and what is put in place of that step.
 
     ``kept`` steps stay as they are; the columns ``x`` at the ends of steps from ``t`` of lengths
-    ``h`` in these modes follow. The march goes on with steps of length ``following``; with a
-    ``reason`` it ends there.
+    ``h`` in these modes follow. The march goes on with steps of length ``following``, in the mode
+    ``after`` if there is one; with a ``reason`` it ends there.
     """
 
     kept: int
@@ -114,6 +121,7 @@ class Crossing(NamedTuple):
     mode: np.ndarray
     following: float
     reason: str = ""
+    after: int | None = None
 
 
 def _never_cross(times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:

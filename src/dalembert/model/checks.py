@@ -10,9 +10,11 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Constraint, ForceElement
+from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.description import Description
+from dalembert.model.rigid_gaps import rigid_gaps
 from dalembert.symbolic.expression import free_symbols, refuse_unusable, stack, t
 
 Formulas = list[tuple[str, ca.SX]]
@@ -57,6 +59,11 @@ def check_symbols(d: Description) -> None:
 
             efforts += [(element.name, column) for pair in element.powers(rate) for column in pair]
             positions += [(element.name, s) for s in taken]
+        elif isinstance(element, Unilateral):
+            known = element.parts() or d.coordinates
+            gaps = element.gaps(lambda s, known=known: rate_of(s, known, t.sx))
+            positions += [(element.name, gap.distance) for gap in gaps]
+            efforts += [(element.name, gap.slip) for gap in gaps]
         elif not isinstance(element, Constraint):
             lengths += [(entity, f.sx) for entity, f, _ in element.checked_quantities()]
     _allow(positions, poses, ", positions and t")
@@ -68,11 +75,14 @@ def check_symbols(d: Description) -> None:
 def _refuse_bent_speeds(d: Description) -> None:
     """Nonholonomic equations are linear in speeds: their forces do not depend on how fast it is."""
     twists = stack(c.twist for c in (*d.coordinates, d.ground))
-    for constraint in d.constraints:
-        if ca.depends_on(ca.jacobian(constraint.slip, twists), twists):
+    speeds: Formulas = [(constraint.name, constraint.slip) for constraint in d.constraints]
+    for gap in rigid_gaps([*d.elements.values()], d.coordinates):
+        speeds.append((gap.name, gap.slip))
+    for entity, slip in speeds:
+        if ca.depends_on(ca.jacobian(slip, twists), twists):
             raise ModelError(
                 "an equation of speeds must be linear in them; divide by a speed or write its root",
-                constraint.name,
+                entity,
             )
 
 

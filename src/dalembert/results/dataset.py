@@ -219,7 +219,7 @@ def _add_states(data: dict, coords: dict, motion: Recording) -> None:
     coords["equation"] = model.equation_names
     data["multiplier"] = (
         ("time", "equation"),
-        s.multiplier.T,
+        s.multiplier[: len(model.equation_names)].T,
         {"long_name": "multipliers", "units": "N or N m"},
     )
 

@@ -1,5 +1,6 @@
 """Planar elements: one file per concept, listed once in ``registry``."""
 
+from dalembert.elements.contact.unilateral_constraint import UnilateralConstraint
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
@@ -50,6 +51,7 @@ __all__ = [
     "Stop",
     "Translational",
     "TranslationalDriver",
+    "UnilateralConstraint",
     "UserConstraint",
     "Weld",
 ]

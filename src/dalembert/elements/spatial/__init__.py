@@ -1,5 +1,6 @@
 """Elements in space: one file per concept, listed once in ``registry``."""
 
+from dalembert.elements.contact.unilateral_constraint import UnilateralConstraint
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.frame import Frame
 from dalembert.elements.joint_actuator import JointActuator
@@ -79,6 +80,7 @@ __all__ = [
     "TorsionSpring",
     "TranslationalDriver",
     "Universal",
+    "UnilateralConstraint",
     "UserConstraint",
     "Weld",
 ]

@@ -1,0 +1,169 @@
+"""Where gaps change their phases in a run, and the steps that are put in place there.
+
+Steps are taken as if nothing changed. Where a guard of the phases becomes negative, the instant is
+located, the step cut there, and the state asked what it does: gaps that close bounce, all that
+touch at once by one law; those that rest press, stick or slide as the accelerations ask.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.analysis.contact.choice import ContactChoice, Ruling
+from dalembert.analysis.contact.guards import Guard
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.events import locate
+from dalembert.analysis.passage import NOW, Passage
+from dalembert.integrators.steps import Crossing
+from dalembert.results.recording import ImpactRecord
+from dalembert.symbolic.kernel import Kernel
+
+PARTS = np.arange(1, 8) / 8
+"""Of a step, where it is looked for a guard that becomes negative and positive again."""
+HALVINGS = 50
+"""Of a step that begins at a zero, in search of its positive part."""
+MANY = 25
+"""Changes at one time that are recognised as chattering."""
+
+
+class ContactSearch:
+    """Looks for changes of phases in one run.
+
+    Parameters
+    ----------
+    kernel : DynamicsKernel of the run
+    p : (np,) parameters
+    start, end : of the run [s]
+
+    Attributes
+    ----------
+    impacts : ImpactRecord of every jump
+    closed : (time, element) of contacts that closed after bounces
+    trouble : why no motion goes on, or nothing
+    """
+
+    def __init__(self, kernel: DynamicsKernel, p: np.ndarray, start: float, end: float):
+        self.kernel, self.p, self.start, self.span = kernel, p, start, end - start
+        self.choice = ContactChoice(kernel, p, end - start)
+        self.impacts: list[ImpactRecord] = []
+        self.closed: list[tuple[float, str]] = []
+        self.trouble, self.inconsistent = "", False
+        self._changes: list[float] = []
+        self._kernels: dict[object, Kernel] = {}
+
+    def begin(self, x0: np.ndarray, mode: int) -> int:
+        """The mode at the start, with gaps that touch and rest there closed."""
+        ruling = self.choice.at_start(self.start, x0, mode)
+        self._told(ruling)
+        return self.kernel.phased(mode, ruling.phases)
+
+    # looking ------------------------------------------------------------------------------
+    def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
+        """What is put in place of the first step in which a guard becomes negative."""
+        guards = self.kernel.variants[mode].guards
+        if guards is None or not guards.watched or times.size < 2:
+            return None
+        found = self._first(times, states, mode)
+        if found is None:
+            return None
+        k, length, number = found
+        passage = Passage(float(times[k]), states[:, k])
+        if length > 0:
+            passage.add(length, self._state(mode, times[k], length, states[:, k]), mode)
+        moving = passage.time > self.start
+        after = self._change(passage, mode, number, moving)
+        if not passage.entries:  # no motion goes on from the start
+            passage.add(0.0, passage.x, mode)
+        made = passage.crossing(k, float(times[k + 1] - times[k]), self.trouble)
+        return made._replace(after=after)
+
+    def _first(self, times, states, mode: int) -> tuple[int, float, int] | None:
+        """Step, length from its beginning and number of the guard that becomes negative first."""
+        guards = self.kernel.variants[mode].guards
+        p = np.tile(self.p[:, None], times.size)
+        values, rates = self.kernel.over(guards.function, times.size)(times, states, p)
+        near = guards.near[:, None]
+        beyond = ~(values[:, 1:] >= -near)
+        h = np.diff(times)
+        c = PARTS[:, None, None]
+        between = (1 + 2 * c) * (1 - c) ** 2 * values[:, :-1] + c**2 * (3 - 2 * c) * values[:, 1:]
+        between += h * (c * (1 - c) ** 2 * rates[:, :-1] - c**2 * (1 - c) * rates[:, 1:])
+        dips = between < -near
+        for k in np.flatnonzero(beyond.any(axis=0) | dips.any(axis=(0, 1))):
+            ends: dict[int, float] = {int(i): float(h[k]) for i in np.flatnonzero(beyond[:, k])}
+            for i in np.flatnonzero(dips[:, :, k].any(axis=0)):
+                part = h[k] * PARTS[np.argmax(dips[:, i, k])]
+                if not self._value(mode, int(i), times[k], part, states[:, k]) >= -guards.near[i]:
+                    ends[int(i)] = float(part)
+            roots = {
+                i: self._locate(mode, i, float(times[k]), states[:, k], end)
+                for i, end in ends.items()
+            }
+            if roots:
+                number = min(roots, key=lambda i: roots[i])
+                return int(k), roots[number], number
+        return None
+
+    def _locate(self, mode: int, number: int, t: float, x: np.ndarray, longest: float) -> float:
+        """Time from the beginning of a step to the zero of a guard."""
+
+        def value(length: float) -> float:
+            return self._value(mode, number, t, length, x)
+
+        inside, guards = 0.0, self.kernel.variants[mode].guards
+        if value(0.0) <= guards.near[number]:  # it begins at a zero: only a later one counts
+            tried = (longest * 2.0**-k for k in range(1, HALVINGS))
+            inside = next((length for length in tried if value(length) > 0), 0.0)
+            if not inside:
+                return 0.0
+        return locate(value, inside, longest)
+
+    def _value(self, mode: int, number: int, t: float, length: float, x: np.ndarray) -> float:
+        state = self._state(mode, t, length, x) if length else x
+        function = self.kernel.variants[mode].guards.function
+        return float(self._call(function, t + length, state, self.p)[0].ravel()[number])
+
+    def _state(self, mode: int, t: float, h: float, x: np.ndarray) -> np.ndarray:
+        return self._call(self.kernel.variants[mode].step.function, t, h, x, self.p)[0].ravel()
+
+    def _call(self, function, *arguments) -> list[np.ndarray]:
+        if function not in self._kernels:
+            self._kernels[function] = Kernel(function)
+        return self._kernels[function](*arguments)
+
+    # going over ---------------------------------------------------------------------------
+    def _change(self, passage: Passage, mode: int, number: int, moving: bool) -> int:
+        """Let gaps go over to other phases, here and now; the mode after it."""
+        guard: Guard = self.kernel.variants[mode].guards.watched[number]
+        ruling = self.choice.ruled(passage.time, passage.x, mode, guard)
+        self._told(ruling)
+        self._changes.append(passage.time)
+        if self.trouble:
+            return mode
+        passed = passage.time - np.array(self._changes)
+        if np.sum(passed <= NOW * self.span) > MANY:
+            names = self.kernel.equations.contacts[guard.gap].name
+            self.trouble = (
+                f"{names} opens and closes again and again at t = {passage.time:.9g} s; give it "
+                "restitution=0, or a compliant contact"
+            )
+            return mode
+        change = self.kernel.contact_change(mode, ruling, number if moving else None)
+        after = self._state(change, passage.time, 0.0, passage.x)
+        passage.add(0.0, after, change)
+        if ruling.impulse is not None:
+            self._record(passage.time, ruling)
+        return self.kernel.phased(mode, ruling.phases)
+
+    def _record(self, time: float, ruling: Ruling) -> None:
+        gaps, slips = self.kernel.equations.contacts, self.choice.slips
+        for k in ruling.gaps:
+            impulse = ruling.impulse
+            if impulse[k] > 0:
+                tangential = impulse[slips[k]]
+                self.impacts.append(ImpactRecord(gaps[k].name, time, float(impulse[k]), tangential))
+        self.closed += [(time, gaps[k].name) for k in sorted(ruling.dead)]
+
+    def _told(self, ruling: Ruling) -> None:
+        if ruling.trouble:
+            self.trouble, self.inconsistent = ruling.trouble, True
