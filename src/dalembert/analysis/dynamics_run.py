@@ -152,7 +152,8 @@ class DynamicsRun:
             parameters=self.p,
             trajectory=trajectory,
             status=self.status(steps, truth, happened if ends is not None else []),
-            statistics=statistics(self.kernel, steps, trajectory, self.p, (prepared, elapsed)),
+            statistics=statistics(self.kernel, steps, trajectory, self.p, (prepared, elapsed))
+            | self.contacts.statistics(steps.end),
             events=happened,
             impacts=[i for i in self.contacts.impacts if i.time <= steps.end],
             record=DynamicsRecord(self.kernel, steps, branches),

@@ -169,7 +169,7 @@ def statistics(
     if np.unique(modes).size > 1:
         made["changes of variant"] = int(np.sum(np.diff(modes) != 0))
     if crossings := kernel.crossings(steps):
-        made["switches"] = len(crossings)
+        made["changes of contacts" if kernel.contacts else "switches"] = len(crossings)
     if h.size:
         made["time per step [µs]"] = round(1e6 * elapsed / h.size, 2)
         made["shortest step [s]"] = float(h.min())

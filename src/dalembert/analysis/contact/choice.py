@@ -59,7 +59,8 @@ class ContactChoice:
             if phase is not Phase.APART or state.distance[k] <= self.near or k == guard.gap
         ]
         limit = -RESTING * state.size
-        closing = tuple(k for k in touching if state.speed[k] < limit[k])
+        apart = [k for k in touching if before[k] is Phase.APART]
+        closing = tuple(k for k in apart if state.speed[k] < limit[k])
         if not closing:
             return self._rested(t, state, touching, before, guard)
         dead = frozenset(k for k in closing if self._expires(state, k))

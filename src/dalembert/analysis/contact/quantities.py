@@ -20,6 +20,9 @@ from dalembert.integrators.base import Integrator
 from dalembert.model.contacts import Phase, touching
 from dalembert.model.equations import Equations
 
+LEAST = 1e-3
+"""Natural speed with which speeds near zero are compared."""
+
 
 class ContactDynamics:
     """Expressions of one system of equations whose gaps are all apart.
@@ -29,7 +32,7 @@ class ContactDynamics:
     distance, speed, acceleration : ``g``, ``u``, ``w``
     response : ``M⁻¹Wᵀ`` through the constraints: change of the speeds by unit impulses
     delassus : ``G``
-    size : sum of the magnitudes that ``u`` is made of
+    size : sum of the magnitudes that ``u`` is made of, and a little that is never zero
     laws : (3, gaps) ``e``, ``e_T``, ``μ``
     """
 
@@ -48,6 +51,7 @@ class ContactDynamics:
         self.acceleration = ca.mtimes(rows, a) + whole.constraint_acceleration[m:]
         own = ca.substitute(self.speed, e.v, ca.SX.zeros(e.speed_count))
         self.size = ca.mtimes(ca.fabs(rows), ca.fabs(e.v)) + ca.fabs(own)
+        self.size += LEAST * e.scales.length / e.scales.time
         laws = [g.impact for g in e.contacts]
         self.laws = ca.horzcat(
             *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws)

@@ -7,6 +7,8 @@ touch at once by one law; those that rest press, stick or slide as the accelerat
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from dalembert.analysis.contact.choice import ContactChoice, Ruling
@@ -56,6 +58,15 @@ class ContactSearch:
         ruling = self.choice.at_start(self.start, x0, mode)
         self._told(ruling)
         return self.kernel.phased(mode, ruling.phases)
+
+    def statistics(self, end: float) -> dict[str, Any]:
+        """What happened up to a time, for people."""
+        if not self.kernel.contacts:
+            return {}
+        found: dict[str, Any] = {"impacts": sum(i.time <= end for i in self.impacts)}
+        if closed := [f"{name} at t = {t:.9g} s" for t, name in self.closed if t <= end]:
+            found["closed after ever shorter bounces"] = ", ".join(closed)
+        return found
 
     # looking ------------------------------------------------------------------------------
     def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
