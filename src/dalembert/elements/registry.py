@@ -78,6 +78,7 @@ PLANAR = Space(
             planar.JointFriction,
             planar.JointActuator,
             planar.Stop,
+            planar.UnilateralConstraint,
         ),
     },
 )
@@ -134,6 +135,7 @@ SPATIAL = Space(
             spatial.JointFriction,
             spatial.JointActuator,
             spatial.Stop,
+            spatial.UnilateralConstraint,
         ),
     },
 )

@@ -40,7 +40,9 @@ class ChangingMarch:
                 times = np.append(t[:count], t[count - 1 : count] + h[count - 1 : count])
                 times = times if count else np.array([time])
                 if count:
-                    kept, following, why = watch.switch(times, np.column_stack([last, columns]), mode)
+                    kept, following, why = watch.switch(
+                        times, np.column_stack([last, columns]), mode
+                    )
                     message = why or (message if kept == count else "")
                     times, columns, count = times[: kept + 1], columns[:, :kept], kept
                 taken = [t[:count], h[:count], flags[:count], np.full(count, mode)]

@@ -82,9 +82,7 @@ def _contacts(d: Description) -> tuple[RigidGap, ...]:
     """Rigid gaps with the ground at rest."""
     found = rigid_gaps([*d.elements.values()], d.coordinates)
     return tuple(
-        replace(
-            gap, distance=at_ground(d.ground, gap.distance), slip=at_ground(d.ground, gap.slip)
-        )
+        replace(gap, distance=at_ground(d.ground, gap.distance), slip=at_ground(d.ground, gap.slip))
         for gap in found
     )
 

@@ -10,7 +10,6 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Constraint, ForceElement
-from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.description import Description
@@ -59,13 +58,13 @@ def check_symbols(d: Description) -> None:
 
             efforts += [(element.name, column) for pair in element.powers(rate) for column in pair]
             positions += [(element.name, s) for s in taken]
-        elif isinstance(element, Unilateral):
-            known = element.parts() or d.coordinates
-            gaps = element.gaps(lambda s, known=known: rate_of(s, known, t.sx))
-            positions += [(element.name, gap.distance) for gap in gaps]
-            efforts += [(element.name, gap.slip) for gap in gaps]
         elif not isinstance(element, Constraint):
             lengths += [(entity, f.sx) for entity, f, _ in element.checked_quantities()]
+    for gap in rigid_gaps([*d.elements.values()], d.coordinates):
+        positions.append((gap.name, gap.distance))
+        efforts.append((gap.name, gap.slip))
+        law = gap.impact
+        lengths += [(gap.name, f) for f in (law.restitution, law.tangential, law.friction)]
     _allow(positions, poses, ", positions and t")
     _refuse_bent_speeds(d)
     _allow(efforts, states, ", positions, speeds and t")

@@ -10,7 +10,6 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.elements.body import BodyElement
-from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import Coordinates, rate_of
 from dalembert.elements.pair import Pair
 from dalembert.elements.point import AXES
@@ -36,8 +35,6 @@ def element_measures(element: Element, everything: list[Coordinates]) -> Measure
         return own
     if isinstance(element, ForceElement):
         return element.measures(rate)
-    if isinstance(element, Unilateral):
-        return element.contact_measures(rate)
     return constraint_measures(element, rate) if isinstance(element, Constraint) else {}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import casadi as ca
 
@@ -36,22 +37,23 @@ class RigidGap:
         return ca.vertcat(self.normal, self.tangential)
 
 
-def rigid_gaps(
-    elements: Sequence[Element], everything: list[Coordinates]
-) -> tuple[RigidGap, ...]:
+def rigid_gaps(elements: Sequence[Element], everything: list[Coordinates]) -> tuple[RigidGap, ...]:
     """The gaps of all elements that are rigid."""
     found: list[RigidGap] = []
     for element in elements:
         law = element.impact() if isinstance(element, Unilateral) else None
         if not isinstance(element, Unilateral) or law is None:
             continue
-        owners = element.parts() or everything
-        gaps = element.gaps(lambda s, owners=owners: rate_of(s, owners, t.sx))
+        gaps = element.gaps(partial(_rate, element.parts() or everything))
         found += [
             RigidGap(element.name, gap.distance, gap.slip, law, *forces)
             for gap, forces in zip(gaps, element.pressing, strict=True)
         ]
     return tuple(found)
+
+
+def _rate(owners: list[Coordinates], expression: ca.SX) -> ca.SX:
+    return rate_of(expression, owners, t.sx)
 
 
 def contact_forces(gaps: Sequence[RigidGap]) -> ca.SX:

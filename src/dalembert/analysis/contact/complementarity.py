@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import prod
+from typing import Any
 
 import numpy as np
 
@@ -77,11 +78,11 @@ def solutions(delassus: np.ndarray, c: np.ndarray, touches: Sequence[Touch]) -> 
 
 
 def pattern_matrix(
-    count: int, touches: Sequence[Touch], phases: Sequence[Phase], friction: Sequence
-) -> tuple[list[int], list[tuple[int, int, object]]]:
+    touches: Sequence[Touch], phases: Sequence[Phase], friction: Sequence[Any]
+) -> tuple[list[int], list[tuple[int, int, Any]]]:
     """Rows of ``ξ`` that vanish, and entries (row of P, unknown, factor) of P by its unknowns."""
     zero: list[int] = []
-    entries: list[tuple[int, int, object]] = []
+    entries: list[tuple[int, int, Any]] = []
     for touch, phase, mu in zip(touches, phases, friction, strict=True):
         if phase is Phase.APART:
             continue
@@ -96,7 +97,7 @@ def pattern_matrix(
 
 
 def _solved(delassus, c, touches, phases) -> Solution | None:
-    zero, entries = pattern_matrix(c.size, touches, phases, [t.friction for t in touches])
+    zero, entries = pattern_matrix(touches, phases, [t.friction for t in touches])
     if not zero:
         return Solution(phases, np.zeros(c.size), c.copy())
     spread = np.zeros((c.size, len(zero)))

@@ -46,7 +46,7 @@ class Jump:
         slips, size = slip_rows(e), d.speed.numel()
         touches = [Touch(k, slips[k][0] if slips[k] else None, 0.0, ()) for k in self.gaps]
         friction = [e.contacts[k].impact.friction for k in self.gaps]
-        zero, entries = pattern_matrix(size, touches, self.phases, friction)
+        zero, entries = pattern_matrix(touches, self.phases, friction)
         if not zero:
             return ca.SX.zeros(size)
         c, spread = ca.SX(d.speed), ca.SX.zeros(size, len(zero))

@@ -10,6 +10,7 @@ the Delassus matrix. Normal directions of all gaps come first, then those of the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
@@ -88,9 +89,10 @@ class ContactState:
     @classmethod
     def at(cls, function: ca.Function, e: Equations, t: float, x: np.ndarray, p: np.ndarray):
         g, u, size, w, delassus, laws = (f.full() for f in function(t, x, p))
-        slips = slip_rows(e)
-        flat = (f.ravel() for f in (g, u, size, w))
-        return cls(*flat, delassus, *laws, slips)
+        flat = [f.ravel() for f in (g, u, size, w)]
+        return cls(
+            flat[0], flat[1], flat[2], flat[3], delassus, laws[0], laws[1], laws[2], slip_rows(e)
+        )
 
     def rubs(self, gap: int) -> bool:
         """Whether friction acts there."""
@@ -100,7 +102,7 @@ class ContactState:
 def slip_rows(e: Equations) -> list[list[int]]:
     """Rows of ``u`` with the slip of every gap."""
     ends = len(e.contacts) + np.cumsum([0, *(gap.slip.numel() for gap in e.contacts)])
-    return [list(range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return [list(range(a, b)) for a, b in pairwise(ends)]
 
 
 def check_contacts(e: Equations, formulation: Formulation, integrator: Integrator) -> None:

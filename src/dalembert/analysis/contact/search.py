@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.contact.choice import ContactChoice, Ruling
-from dalembert.analysis.contact.guards import Guard
+from dalembert.analysis.contact.guards import Guard, Guards
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.events import locate
 from dalembert.analysis.passage import NOW, Passage
@@ -71,8 +71,7 @@ class ContactSearch:
     # looking ------------------------------------------------------------------------------
     def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
         """What is put in place of the first step in which a guard becomes negative."""
-        guards = self.kernel.variants[mode].guards
-        if guards is None or not guards.watched or times.size < 2:
+        if times.size < 2:
             return None
         found = self._first(times, states, mode)
         if found is None:
@@ -90,7 +89,7 @@ class ContactSearch:
 
     def _first(self, times, states, mode: int) -> tuple[int, float, int] | None:
         """Step, length from its beginning and number of the guard that becomes negative first."""
-        guards = self.kernel.variants[mode].guards
+        guards = self._guards(mode)
         p = np.tile(self.p[:, None], times.size)
         values, rates = self.kernel.over(guards.function, times.size)(times, states, p)
         near = guards.near[:, None]
@@ -121,7 +120,7 @@ class ContactSearch:
         def value(length: float) -> float:
             return self._value(mode, number, t, length, x)
 
-        inside, guards = 0.0, self.kernel.variants[mode].guards
+        inside, guards = 0.0, self._guards(mode)
         if value(0.0) <= guards.near[number]:  # it begins at a zero: only a later one counts
             tried = (longest * 2.0**-k for k in range(1, HALVINGS))
             inside = next((length for length in tried if value(length) > 0), 0.0)
@@ -131,11 +130,16 @@ class ContactSearch:
 
     def _value(self, mode: int, number: int, t: float, length: float, x: np.ndarray) -> float:
         state = self._state(mode, t, length, x) if length else x
-        function = self.kernel.variants[mode].guards.function
+        function = self._guards(mode).function
         return float(self._call(function, t + length, state, self.p)[0].ravel()[number])
 
     def _state(self, mode: int, t: float, h: float, x: np.ndarray) -> np.ndarray:
         return self._call(self.kernel.variants[mode].step.function, t, h, x, self.p)[0].ravel()
+
+    def _guards(self, mode: int) -> Guards:
+        found = self.kernel.variants[mode].guards
+        assert found is not None
+        return found
 
     def _call(self, function, *arguments) -> list[np.ndarray]:
         if function not in self._kernels:
@@ -145,7 +149,7 @@ class ContactSearch:
     # going over ---------------------------------------------------------------------------
     def _change(self, passage: Passage, mode: int, number: int, moving: bool) -> int:
         """Let gaps go over to other phases, here and now; the mode after it."""
-        guard: Guard = self.kernel.variants[mode].guards.watched[number]
+        guard: Guard = self._guards(mode).watched[number]
         ruling = self.choice.ruled(passage.time, passage.x, mode, guard)
         self._told(ruling)
         self._changes.append(passage.time)
@@ -163,13 +167,12 @@ class ContactSearch:
         after = self._state(change, passage.time, 0.0, passage.x)
         passage.add(0.0, after, change)
         if ruling.impulse is not None:
-            self._record(passage.time, ruling)
+            self._record(passage.time, ruling, ruling.impulse)
         return self.kernel.phased(mode, ruling.phases)
 
-    def _record(self, time: float, ruling: Ruling) -> None:
+    def _record(self, time: float, ruling: Ruling, impulse: np.ndarray) -> None:
         gaps, slips = self.kernel.equations.contacts, self.choice.slips
         for k in ruling.gaps:
-            impulse = ruling.impulse
             if impulse[k] > 0:
                 tangential = impulse[slips[k]]
                 self.impacts.append(ImpactRecord(gaps[k].name, time, float(impulse[k]), tangential))

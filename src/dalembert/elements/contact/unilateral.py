@@ -69,7 +69,7 @@ class Unilateral(Element):
             for k, gap in enumerate(self.gaps(lambda expression: expression))
         ]
 
-    def contact_measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         """Gap, slip and forces of every place; numbered where there are several."""
         found, gaps = {}, self.gaps(rate)
         for k, gap in enumerate(gaps):

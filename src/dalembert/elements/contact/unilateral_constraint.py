@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Rate, Scalar, quantity
+from dalembert.elements.base import Condition, ForceElement, Look, Powers, Rate, Scalar, quantity
 from dalembert.elements.contact.unilateral import Gap, Impact, Unilateral
 from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.look import Limit
 from dalembert.symbolic.expression import stack
 
 
 @dataclass(eq=False)
-class UnilateralConstraint(Unilateral):
+class UnilateralConstraint(Unilateral, ForceElement):
     """Any formula of poses, ``t`` and parameters that must not become negative.
 
     Where it reaches zero while closing it bounces, ``ġ⁺ = −e ġ⁻`` (Newton), and rubs by
@@ -37,7 +38,7 @@ class UnilateralConstraint(Unilateral):
     )
     friction: Scalar = quantity("", "coefficient of friction", default=0.0, minimum=0.0)
 
-    def conditions(self):
+    def conditions(self) -> list[Condition]:
         return [
             (1 - self.restitution.sx, "restitution is above 1; a bounce gives no energy"),
             (1 - self.tangential_restitution.sx, "tangential_restitution is above 1"),
@@ -51,10 +52,11 @@ class UnilateralConstraint(Unilateral):
         given = self.restitution, self.tangential_restitution, self.friction
         return Impact(*(each.sx for each in given))
 
+    def powers(self, rate: Rate) -> Powers:
+        return []
+
     def parts(self) -> list[Coordinates]:
         return []
 
-    def stated(self) -> tuple[ca.SX, ca.SX]:
-        """Formulas of positions and of speeds."""
-        (gap,) = self.gaps(lambda expression: expression)
-        return gap.distance, gap.slip
+    def look(self) -> list[Look]:
+        return [Limit(self.distance.sx, ca.SX(0), False)]

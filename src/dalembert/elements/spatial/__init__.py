@@ -79,8 +79,8 @@ __all__ = [
     "Torque",
     "TorsionSpring",
     "TranslationalDriver",
-    "Universal",
     "UnilateralConstraint",
+    "Universal",
     "UserConstraint",
     "Weld",
 ]

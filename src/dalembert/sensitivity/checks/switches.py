@@ -28,9 +28,9 @@ def over_switches(motion: Result, responses: Sequence[Response]) -> list[str]:
     kernel = getattr(getattr(motion, "record", None), "kernel", None)
     if not isinstance(motion, Recording) or not isinstance(kernel, DynamicsKernel):
         return []
-    if kernel.adaptive is None:
-        return _stepped_over(motion)
-    return [*_grazed(motion, kernel), *(n for r in responses for n in _jumping(motion, r, kernel))]
+    stepped = _stepped_over(motion) if kernel.adaptive is None else []
+    jumping = [note for r in responses for note in _jumping(motion, r, kernel)]
+    return [*stepped, *_grazed(motion, kernel), *jumping]
 
 
 def _stepped_over(motion: Recording) -> list[str]:
@@ -66,8 +66,9 @@ def _grazed(motion: Recording, kernel: DynamicsKernel) -> list[str]:
         size = transition.step.state_size
         pace = float(transition.pace(steps.t[k], steps.x[:size, k], motion.parameters))
         if not abs(pace) > GRAZING:
+            what = "a contact" if kernel.contacts else "a switch"
             notes.append(
-                f"a switch is only grazed at t = {steps.t[k]:.6g} s: its instant, and with it the "
+                f"{what} is only grazed at t = {steps.t[k]:.6g} s: its instant, and with it the "
                 "motion after it, has no derivative there; move it, or smooth the force"
             )
     return notes
