@@ -58,41 +58,57 @@ class ContactChoice:
             for k, phase in enumerate(before)
             if phase is not Phase.APART or state.distance[k] <= self.near or k == guard.gap
         ]
-        limit = -RESTING * state.size
         apart = [k for k in touching if before[k] is Phase.APART]
-        closing = tuple(k for k in apart if state.speed[k] < limit[k])
+        closing = tuple(k for k in apart if state.speed[k] < -RESTING * state.size[k])
         if not closing:
             return self._rested(t, state, touching, before, guard)
-        dead = frozenset(k for k in closing if self._expires(state, k))
+        ruling, flights = self._impact(t, x, mode, touching, closing, frozenset())
+        if dead := frozenset(k for k in closing if flights[k] <= ZENO * self.span):
+            ruling, _ = self._impact(t, x, mode, touching, closing, dead)
+        return ruling
+
+    def _impact(
+        self,
+        t: float,
+        x: np.ndarray,
+        mode: int,
+        touching: list[int],
+        closing: tuple[int, ...],
+        dead: frozenset[int],
+    ) -> tuple[Ruling, np.ndarray]:
+        """An impact and the phases after it; the time every gap would fly until it closes again."""
+        before, state = self.kernel.variants[mode].phases, self._state(t, x, mode)
+        endless = np.full(len(self.gaps), np.inf)
         found = self._struck(state, touching, dead)
         if len(found) != 1:
-            return Ruling(before, trouble=self._undecided(t, closing, found, "impact"))
-        struck = found[0]
-        pattern = struck.phases
+            return Ruling(before, trouble=self._undecided(t, closing, found, "impact")), endless
+        pattern = found[0].phases
         jump = Jump(self.kernel.contact_dynamics(mode), tuple(touching), pattern, dead)
         x_after = jump.function(t, x, self.p)[0].full().ravel()
         after = self._state(t, x_after, mode)
         terms = np.maximum(state.size, after.size)
         resting = [k for k in touching if abs(after.speed[k]) <= RESTING * terms[k]]
         rested = self._rested(t, after, resting, before, None, terms)
-        return Ruling(
+        together = closing if len(closing) > 1 else ()
+        ruling = Ruling(
             rested.phases,
             tuple(touching),
             pattern,
             dead,
-            struck.impulse,
-            closing if len(closing) > 1 else (),
+            found[0].impulse,
+            together,
             rested.trouble,
+            rested.acceleration,
         )
+        if rested.acceleration is None:
+            return ruling, endless
+        away, pull = after.speed[: endless.size], -rested.acceleration[: endless.size]
+        flying = (away > RESTING * terms[: endless.size]) & (pull > 0)
+        return ruling, np.where(flying, 2 * away / np.where(flying, pull, 1.0), np.inf)
 
     def _state(self, t: float, x: np.ndarray, mode: int) -> ContactState:
         function = self.kernel.contact_function(mode)
         return ContactState.at(function, self.kernel.equations, t, x, self.p)
-
-    def _expires(self, state: ContactState, k: int) -> bool:
-        """Whether the flight after this bounce would be too short to follow."""
-        away, pull = -state.restitution[k] * state.speed[k], -state.acceleration[k]
-        return bool(away > 0 and pull > 0 and 2 * away <= ZENO * self.span * pull)
 
     # impacts ------------------------------------------------------------------------------
     def _struck(self, state: ContactState, gaps: list[int], dead: frozenset[int]) -> list[Solution]:
@@ -134,7 +150,7 @@ class ContactChoice:
         phases = [Phase.APART] * len(self.gaps)
         for k, phase in zip(gaps, found[0].phases, strict=True):
             phases[k] = phase
-        return Ruling(tuple(phases))
+        return Ruling(tuple(phases), acceleration=found[0].result)
 
     def _resting(self, state: ContactState, k: int, before: Phase, guard, terms) -> Touch:
         allowed: tuple[Phase, ...] = (Phase.APART, *self._closed(state, k))

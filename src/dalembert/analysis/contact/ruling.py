@@ -22,6 +22,7 @@ class Ruling:
     impulse : ``P`` of the impact, None where there is none
     together : gaps that closed at the same time
     trouble : why nothing can be decided, or nothing
+    acceleration : ``u̇`` of all gaps in these phases
     """
 
     phases: Phases
@@ -31,3 +32,4 @@ class Ruling:
     impulse: np.ndarray | None = None
     together: tuple[int, ...] = ()
     trouble: str = ""
+    acceleration: np.ndarray | None = None
