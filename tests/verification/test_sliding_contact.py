@@ -1,7 +1,7 @@
 """Sliding by Coulomb's law, in closed form.
 
-Down a slope ``a = g (sin α − μ cos α)``, and nothing moves where ``tan α ≤ μ``; a sphere that is set
-down sliding rolls at ``5 v0/7`` from ``t = 2 v0/(7 μ g)`` on.
+Down a slope ``a = g (sin α − μ cos α)``, and nothing moves where ``tan α ≤ μ``; a sphere that is
+set down sliding rolls at ``5 v0/7`` from ``t = 2 v0/(7 μ g)`` on.
 """
 
 from __future__ import annotations
