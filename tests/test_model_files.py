@@ -74,6 +74,7 @@ ELEMENTS = {
         "JointFriction": 'joint = "J"\ncoulomb = "0.1*J.force_norm"\nviscous = 0.1',
         "JointActuator": 'joint = "J"\nvalue = "3*cos(t)"',
         "Stop": 'coordinate = "a.x"\nupper = 3\nstiffness = 100',
+        "UnilateralConstraint": 'distance = "a.y + k"\nslip = "a.vx"\nrestitution = 0.5',
     },
 }
 REGISTRIES = PLANAR.sections

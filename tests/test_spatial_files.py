@@ -99,6 +99,7 @@ ELEMENTS = {
         "JointFriction": "joint = 'J'\ncoulomb = '0.1*J.force_norm'\nviscous = 0.1",
         "JointActuator": "joint = 'J'\nvalue = '3*cos(t)'\nmotion = 'angle'",
         "Stop": "coordinate = 'a.x'\nupper = 3\nstiffness = 100",
+        "UnilateralConstraint": "distance = 'a.z + k'\nslip = 'a.vx'\nrestitution = 0.5",
     },
 }
 CASES = [(section, name) for section, table in SPATIAL.sections.items() for name in table]

@@ -11,9 +11,8 @@ import numpy as np
 
 from dalembert.analysis.branches import Branches
 from dalembert.analysis.contact.change import ContactChange
-from dalembert.analysis.contact.jump import Jump
-from dalembert.analysis.contact.quantities import ContactDynamics, check_contacts
-from dalembert.analysis.contact.ruling import Ruling
+from dalembert.analysis.contact.modes import ContactModes
+from dalembert.analysis.contact.quantities import check_contacts
 from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.analysis.transition import Transition, crossed, distances
 from dalembert.analysis.variant import Variant
@@ -34,7 +33,6 @@ from dalembert.results.recording import Recording, Trajectory
 from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.kernel import Kernel
-from dalembert.symbolic.once import once
 
 BLOCK = 5000
 """Columns of a mapped function at once, so that what it is given takes little memory."""
@@ -74,6 +72,7 @@ class DynamicsKernel:
     view : CoordinateView, the model in the coordinates that are integrated
     equations : Equations in these coordinates, the ones formulations see
     variants : list of Variant and Transition, by mode
+    contacts : ContactModes of rigid gaps, None where there are none
     fixed : FixedMarch over given steps; repeats those of adaptive runs, too
     adaptive : AdaptiveMarch, or None for integrators of fixed steps
 
@@ -100,11 +99,11 @@ class DynamicsKernel:
         if integrator.adaptive:
             self.view.hold_switches()
         self.equations = self.view.equations
-        self.contacts = bool(self.equations.contacts)
-        if self.contacts:
-            check_contacts(self.equations, formulation, integrator)
         self.variants: list[Variant] = []
-        self._contact_changes: dict[tuple, int] = {}
+        self.contacts: ContactModes | None = None
+        if self.equations.contacts:
+            check_contacts(self.equations, formulation, integrator)
+            self.contacts = ContactModes(self.view, self.variants, self._mode)
         self._transitions: dict[tuple[int, int, bool], int] = {}
         self._mapped: dict[tuple[ca.Function, int], Kernel] = {}
         self.fixed = FixedMarch(
@@ -114,7 +113,7 @@ class DynamicsKernel:
         if integrator.adaptive:
             crossed = self.crossed if self.equations.switches.count else None
             self.adaptive = AdaptiveMarch(
-                self._attempt, self.backend, self.fixed, crossed, self.contacts
+                self._attempt, self.backend, self.fixed, crossed, self.contacts is not None
             )
 
     def _attempt(self, mode: int) -> Attempt:
@@ -150,37 +149,6 @@ class DynamicsKernel:
         made = Variant(self.view, rows, chosen, self.stabilization, self.integrator, phases)
         self.variants.append(made)
         return len(self.variants) - 1
-
-    # rigid contacts -------------------------------------------------------------------
-    def phased(self, mode: int, phases: Phases) -> int:
-        """The mode with gaps in these phases."""
-        now = self.variants[mode]
-        return self._mode(now.rows, now.formulation, phases)
-
-    def contact_dynamics(self, mode: int) -> ContactDynamics:
-        """How gaps move with the constraints of a mode."""
-        now = self.variants[mode]
-        return _contact_dynamics(self, now.rows, now.formulation)
-
-    def contact_function(self, mode: int) -> ca.Function:
-        """The same as a function."""
-        now = self.variants[mode]
-        return _contact_function(self, now.rows, now.formulation)
-
-    def contact_change(self, mode: int, ruling: Ruling, guard: int | None) -> int:
-        """The mode in which gaps go over to other phases between steps of a mode."""
-        given = ruling.phases, ruling.gaps, ruling.pattern, ruling.dead, ruling.together
-        key = (mode, guard, ruling.impulse is None, *given)
-        if key not in self._contact_changes:
-            jump = None
-            if ruling.impulse is not None:
-                dynamics = self.contact_dynamics(mode)
-                jump = Jump(dynamics, ruling.gaps, ruling.pattern, ruling.dead)
-            after = self.variants[self.phased(mode, ruling.phases)]
-            ends = ruling.dead, ruling.together
-            self.variants.append(ContactChange(self.variants[mode], after, guard, jump, *ends))
-            self._contact_changes[key] = len(self.variants) - 1
-        return self._contact_changes[key]
 
     def _rows(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
         """The rows of the start where the others follow well from them, else the best ones."""
@@ -330,20 +298,6 @@ class DynamicsKernel:
         n = self.equations.coordinate_count + self.equations.speed_count
         work = states[n : n + 2] - steps.x[n : n + 2, :1]
         return Trajectory(times, y, v, a, multiplier, work)
-
-
-@once
-def _contact_dynamics(
-    kernel: DynamicsKernel, rows: tuple[int, ...], formulation: Formulation
-) -> ContactDynamics:
-    return ContactDynamics(kernel.view.with_rows(rows), formulation)
-
-
-@once
-def _contact_function(
-    kernel: DynamicsKernel, rows: tuple[int, ...], formulation: Formulation
-) -> ca.Function:
-    return _contact_dynamics(kernel, rows, formulation).function
 
 
 def alike(modes: np.ndarray, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:

@@ -77,7 +77,9 @@ class DynamicsRun:
         self.kernel = analysis.kernel(model)
         self.events = EventSearch(self.kernel, as_events(analysis.events), self.p)
         self.switches = SwitchSearch(self.kernel, self.p, self.start, self.end)
-        self.contacts = ContactSearch(self.kernel, self.p, self.start, self.end)
+        self.contacts: ContactSearch | None = None
+        if modes := self.kernel.contacts:
+            self.contacts = ContactSearch(self.kernel, modes, self.p, self.start, self.end)
 
     def _afford(self) -> None:
         """Steps and outputs that are too many are refused; of adaptive steps the fewest count."""
@@ -112,7 +114,7 @@ class DynamicsRun:
                 )
             )
         x0, mode = self.kernel.initial(state, self.start, self.p)
-        return x0, self.contacts.begin(x0, mode) if self.kernel.contacts else mode
+        return x0, self.contacts.begin(x0, mode) if self.contacts else mode
 
     def doubts(self, motion: Motion, truth: DynamicsTruth) -> list[str]:
         """Warnings about the choices made; an exchange of energy below round-off counts as none."""
@@ -152,12 +154,13 @@ class DynamicsRun:
             parameters=self.p,
             trajectory=trajectory,
             status=self.status(steps, truth, happened if ends is not None else []),
-            statistics=statistics(self.kernel, steps, trajectory, self.p, (prepared, elapsed))
-            | self.contacts.statistics(steps.end),
+            statistics=statistics(self.kernel, steps, trajectory, self.p, (prepared, elapsed)),
             events=happened,
-            impacts=[i for i in self.contacts.impacts if i.time <= steps.end],
             record=DynamicsRecord(self.kernel, steps, branches),
         )
+        if self.contacts:
+            motion.statistics |= self.contacts.statistics(steps.end)
+            motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
         motion.warnings = self.doubts(motion, truth)
         return motion
 
@@ -167,15 +170,15 @@ class DynamicsRun:
             self.kernel.adaptive.prepare(mode)
         else:
             count = uniform_grid(self.start, self.end, self.step).size - 1
-            count = min(count, SHORT_CHUNK) if self.kernel.contacts else count
+            count = min(count, SHORT_CHUNK) if self.contacts else count
             self.kernel.fixed.prepare(count, mode)
 
     # marching ----------------------------------------------------------------------
     def march(self, x0: np.ndarray, mode: int, watch: Watch) -> Steps:
         kernel = self.kernel
-        if self.contacts.trouble:  # nothing goes on from the start
+        if self.contacts and self.contacts.trouble:  # nothing goes on from the start
             return standstill(self.start, x0, self.contacts.trouble)
-        if kernel.adaptive is None and kernel.contacts:
+        if kernel.adaptive is None and self.contacts:
             grid = uniform_grid(self.start, self.end, self.step)
             return ChangingMarch(kernel.fixed).run(grid, x0, self.p, mode, watch)
         if kernel.adaptive is None:
@@ -199,7 +202,7 @@ class DynamicsRun:
 
     def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
         """The first change of a rigid contact or of a switch in these steps."""
-        found = self.contacts.cross(times, states, mode) if self.kernel.contacts else None
+        found = self.contacts.cross(times, states, mode) if self.contacts else None
         if self.kernel.adaptive is None or not self.kernel.equations.switches.count:
             return found
         if found is not None:
@@ -216,7 +219,7 @@ class DynamicsRun:
     def status(self, steps: Steps, truth: DynamicsTruth, ended_by: list[EventRecord]) -> Status:
         """How the run ended; ``ended_by`` are the events up to a terminal one."""
         ending = Ending(self.kernel, steps, truth.s, self.p, self.following_length(steps), truth)
-        if self.contacts.trouble and not ended_by:
+        if self.contacts and self.contacts.trouble and not ended_by:
             return ending.contact(self.contacts.trouble, self.contacts.inconsistent)
         if self.switches.trouble and not ended_by:
             return ending.chattering(self.switches.trouble)

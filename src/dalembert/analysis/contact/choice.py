@@ -7,6 +7,7 @@ import numpy as np
 from dalembert.analysis.contact.complementarity import Solution, Touch, solutions
 from dalembert.analysis.contact.guards import Change, Guard
 from dalembert.analysis.contact.jump import Jump
+from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.quantities import ContactState, slip_rows
 from dalembert.analysis.contact.ruling import Ruling
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
@@ -28,12 +29,13 @@ class ContactChoice:
     Parameters
     ----------
     kernel : DynamicsKernel of the run
+    modes : its ContactModes
     p : (np,) parameters
     span : length of the run [s]
     """
 
-    def __init__(self, kernel: DynamicsKernel, p: np.ndarray, span: float):
-        self.kernel, self.p, self.span = kernel, p, span
+    def __init__(self, kernel: DynamicsKernel, modes: ContactModes, p: np.ndarray, span: float):
+        self.kernel, self.modes, self.p, self.span = kernel, modes, p, span
         self.gaps, self.slips = kernel.equations.contacts, slip_rows(kernel.equations)
         self.near = TOUCHING * kernel.equations.scales.length
 
@@ -83,7 +85,7 @@ class ContactChoice:
         if len(found) != 1:
             return Ruling(before, trouble=self._undecided(t, closing, found, "impact")), endless
         pattern = found[0].phases
-        jump = Jump(self.kernel.contact_dynamics(mode), tuple(touching), pattern, dead)
+        jump = Jump(self.modes.dynamics(mode)[0], tuple(touching), pattern, dead)
         x_after = jump.function(t, x, self.p)[0].full().ravel()
         after = self._state(t, x_after, mode)
         terms = np.maximum(state.size, after.size)
@@ -107,7 +109,7 @@ class ContactChoice:
         return ruling, np.where(flying, 2 * away / np.where(flying, pull, 1.0), np.inf)
 
     def _state(self, t: float, x: np.ndarray, mode: int) -> ContactState:
-        function = self.kernel.contact_function(mode)
+        function = self.modes.dynamics(mode)[1]
         return ContactState.at(function, self.kernel.equations, t, x, self.p)
 
     # impacts ------------------------------------------------------------------------------

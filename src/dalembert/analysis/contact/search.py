@@ -11,8 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.choice import ContactChoice, Ruling
+from dalembert.analysis.contact.choice import ContactChoice
 from dalembert.analysis.contact.guards import Guard, Guards
+from dalembert.analysis.contact.modes import ContactModes
+from dalembert.analysis.contact.ruling import Ruling
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.events import locate
 from dalembert.analysis.passage import NOW, Passage
@@ -34,6 +36,7 @@ class ContactSearch:
     Parameters
     ----------
     kernel : DynamicsKernel of the run
+    modes : its ContactModes
     p : (np,) parameters
     start, end : of the run [s]
 
@@ -44,9 +47,11 @@ class ContactSearch:
     trouble : why no motion goes on, or nothing
     """
 
-    def __init__(self, kernel: DynamicsKernel, p: np.ndarray, start: float, end: float):
+    def __init__(
+        self, kernel: DynamicsKernel, modes: ContactModes, p: np.ndarray, start: float, end: float
+    ):
         self.kernel, self.p, self.start, self.span = kernel, p, start, end - start
-        self.choice = ContactChoice(kernel, p, end - start)
+        self.modes, self.choice = modes, ContactChoice(kernel, modes, p, end - start)
         self.impacts: list[ImpactRecord] = []
         self.closed: list[tuple[float, str]] = []
         self.trouble, self.inconsistent = "", False
@@ -57,12 +62,10 @@ class ContactSearch:
         """The mode at the start, with gaps that touch and rest there closed."""
         ruling = self.choice.at_start(self.start, x0, mode)
         self._told(ruling)
-        return self.kernel.phased(mode, ruling.phases)
+        return self.modes.phased(mode, ruling.phases)
 
     def statistics(self, end: float) -> dict[str, Any]:
         """What happened up to a time, for people."""
-        if not self.kernel.contacts:
-            return {}
         found: dict[str, Any] = {"impacts": sum(i.time <= end for i in self.impacts)}
         if closed := [f"{name} at t = {t:.9g} s" for t, name in self.closed if t <= end]:
             found["closed after ever shorter bounces"] = ", ".join(closed)
@@ -163,12 +166,12 @@ class ContactSearch:
                 "restitution=0, or a compliant contact"
             )
             return mode
-        change = self.kernel.contact_change(mode, ruling, number if moving else None)
+        change = self.modes.change(mode, ruling, number if moving else None)
         after = self._state(change, passage.time, 0.0, passage.x)
         passage.add(0.0, after, change)
         if ruling.impulse is not None:
             self._record(passage.time, ruling, ruling.impulse)
-        return self.kernel.phased(mode, ruling.phases)
+        return self.modes.phased(mode, ruling.phases)
 
     def _record(self, time: float, ruling: Ruling, impulse: np.ndarray) -> None:
         gaps, slips = self.kernel.equations.contacts, self.choice.slips
