@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.contact.complementarity import Solution, Touch, solutions
+from dalembert.analysis.contact.complementarity import Solution, Touch, solutions, too_many
 from dalembert.analysis.contact.guards import Change, Guard
 from dalembert.analysis.contact.jump import Jump
 from dalembert.analysis.contact.modes import ContactModes
@@ -37,6 +37,7 @@ class ContactChoice:
     def __init__(self, kernel: DynamicsKernel, modes: ContactModes, p: np.ndarray, span: float):
         self.kernel, self.modes, self.p, self.span = kernel, modes, p, span
         self.gaps, self.slips = kernel.equations.contacts, slip_rows(kernel.equations)
+        self.crowded = False
         self.near = TOUCHING * kernel.equations.scales.length
 
     def at_start(self, t: float, x: np.ndarray, mode: int) -> Ruling:
@@ -120,6 +121,12 @@ class ContactChoice:
                 c[k] *= 1 + state.restitution[k]
             c[state.slips[k]] *= 1 + state.tangential[k]
             touches.append(self._touch(state, k, (Phase.APART, *self._closed(state, k))))
+        return self._solutions(state, c, touches)
+
+    def _solutions(
+        self, state: ContactState, c: np.ndarray, touches: list[Touch]
+    ) -> list[Solution]:
+        self.crowded = too_many(touches)
         return solutions(state.delassus, c, touches)
 
     def _touch(self, state: ContactState, k: int, allowed: Phases, moving: bool = False) -> Touch:
@@ -146,7 +153,7 @@ class ContactChoice:
         terms = state.size if terms is None else terms
         gaps = [k for k in gaps if state.speed[k] <= RESTING * terms[k]]
         touches = [self._resting(state, k, before[k], guard, terms) for k in gaps]
-        found = solutions(state.delassus, state.acceleration, touches)
+        found = self._solutions(state, state.acceleration, touches)
         if len(found) != 1:
             return Ruling(before, trouble=self._undecided(t, gaps, found, "contact"))
         phases = [Phase.APART] * len(self.gaps)
@@ -171,6 +178,8 @@ class ContactChoice:
 
     def _undecided(self, t: float, gaps, found: list[Solution], what: str) -> str:
         names = ", ".join(dict.fromkeys(self.gaps[k].name for k in gaps))
+        if not found and self.crowded:
+            return f"so many gaps touch at t = {t:.9g} s that not all patterns are tried: {names}"
         many = f"{len(found)} motions" if found else "no motion"
         return (
             f"rigid {what} with friction has {many} at t = {t:.9g} s at {names} (Painlevé); lower "

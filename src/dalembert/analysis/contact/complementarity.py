@@ -63,7 +63,7 @@ class Solution:
 def solutions(delassus: np.ndarray, c: np.ndarray, touches: Sequence[Touch]) -> list[Solution]:
     """All that differ in ``ξ``; more patterns than ``MOST`` count as none."""
     found: list[Solution] = []
-    if prod(len(touch.allowed) for touch in touches) > MOST:
+    if too_many(touches):
         return found
     rows = sorted({t.normal for t in touches} | {t.slip for t in touches if t.slip is not None})
     size = np.max(np.abs(c[rows]), initial=0.0)
@@ -75,6 +75,11 @@ def solutions(delassus: np.ndarray, c: np.ndarray, touches: Sequence[Touch]) -> 
         if not any(known):
             found.append(solution)
     return found
+
+
+def too_many(touches: Sequence[Touch]) -> bool:
+    """Whether there are more patterns than are tried."""
+    return prod(len(touch.allowed) for touch in touches) > MOST
 
 
 def pattern_matrix(
