@@ -196,9 +196,9 @@ class DynamicsRun:
         memory = np.inf if every else self.analysis.memory
         return Watch(report, self.ends, self.switch, self.cross, memory, self.requested)
 
-    def ends(self, ends: np.ndarray, states: np.ndarray) -> bool:
+    def ends(self, ends: np.ndarray, states: np.ndarray, modes: np.ndarray) -> bool:
         """Whether a terminal event happens in these steps, or they lead to too many."""
-        return self.events.terminal_crossing(ends, states) or self.pace.exceeds(ends)
+        return self.events.terminal_crossing(ends, states, modes) or self.pace.exceeds(ends)
 
     def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
         """The first change of a rigid contact or of a switch in these steps."""

@@ -120,7 +120,7 @@ class AdaptiveMarch:
                 if message:
                     continue
                 watch.progress((state[0] - start) / (end - start))
-                if t.size and watch.stop(ends, np.column_stack([last, columns])):
+                if t.size and watch.stop(ends, np.column_stack([last, columns]), modes):
                     break
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True

@@ -59,7 +59,7 @@ class ChangingMarch:
                 recorder.add(times, columns)
                 time, mode = float(times[-1]), following
                 watch.progress((time - grid[0]) / (end - grid[0]))
-                if count and watch.stop(times, np.column_stack([last, columns])):
+                if count and watch.stop(times, np.column_stack([last, columns]), taken[3]):
                     break
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True

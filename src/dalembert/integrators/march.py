@@ -116,7 +116,9 @@ class FixedMarch:
                     break
                 if watch is not None:
                     watch.progress(done / h.size)
-                    if watch.stop(ends[: valid + 1], states[:, : valid + 1]):
+                    if watch.stop(
+                        ends[: valid + 1], states[:, : valid + 1], mode[done - valid : done]
+                    ):
                         break
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True

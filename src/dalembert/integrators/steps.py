@@ -139,7 +139,7 @@ class Watch:
     Attributes
     ----------
     progress : told the fraction done
-    stop : asked whether to end the march
+    stop : asked whether to end the march; told the modes of the steps as well
     switch : ``(times, states, mode)`` → Switch
     cross : ``(times, states, mode)`` → Crossing, or None
     memory : bytes of states that are kept before they are thinned to checkpoints
@@ -147,7 +147,7 @@ class Watch:
     """
 
     progress: Callable[[float], None] = lambda fraction: None
-    stop: Callable[[np.ndarray, np.ndarray], bool] = lambda times, states: False
+    stop: Callable[[np.ndarray, np.ndarray, np.ndarray], bool] = lambda times, states, modes: False
     switch: Callable[[np.ndarray, np.ndarray, int], Switch] = _never_switch
     cross: Callable[[np.ndarray, np.ndarray, int], Crossing | None] = _never_cross
     memory: float = np.inf
