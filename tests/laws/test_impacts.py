@@ -10,6 +10,7 @@ import pytest
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.errors import AnalysisError, ExpressionError, ModelError, UnsupportedError
+from dalembert.integrators.checkpoints import Checkpoints
 from dalembert.results.status import Outcome
 from dalembert.sensitivity.checks.certificate import certify
 
@@ -136,6 +137,54 @@ def test_contact_is_lasting_when_bounces_have_ended():
     assert np.abs(forces * gaps).max() < 1e-10  # either apart or pressing
 
 
+def test_switches_of_forces_and_contacts_go_together():
+    """Drag by the square of speeds that jump, a stop beside the floor, friction on it."""
+    system = da.System("both", gravity=(0, -9.81))
+    e, k, limit = (
+        system.parameter(name, value)
+        for name, value in (("restitution", 0.7), ("k", 300.0), ("limit", 0.25))
+    )
+    b = system.add(planar.Particle("b", mass=1.0, position=(0, 1.0), velocity=(1.0, 0)))
+    system.add(planar.UnilateralConstraint("floor", b.y, b.vx, restitution=e, friction=0.05))
+    system.add(planar.Stop("stop", b.x, upper=limit, stiffness=k, damping=0.1))
+    drag = [-0.3 * abs(v) * v for v in (b.vx, b.vy)]
+    system.add(planar.Force("drag", b.center, drag))
+    model = system.build()
+    motion = da.solve_dynamics(model, 1.6, integrator=da.DormandPrince())
+    assert motion.status.success and len(motion.impacts) == 4
+    assert certify(motion, [da.final(model[f"b.{s}"]) for s in "xy"], [0, 1, 2]).passed
+
+
+@pytest.mark.parametrize("options", [{"step": 0.01}, {"integrator": da.DormandPrince()}])
+def test_integrals_and_their_gradients_go_through_all_bounces(options):
+    """Areas of parabolas: ``∫ y dt = 2/3 h t_f + 4/3 h t_f e³/(1 − e³)`` until it rests."""
+    model = ball(restitution=None).build()
+    motion = da.solve_dynamics(model, 1.6, **options)
+    fall, e = np.sqrt(2 / 9.81), 0.5
+    area = da.integral(model["ball.y"])
+    exact = fall * (2 / 3 + 4 / 3 * e**3 / (1 - e**3))
+    assert da.evaluate(motion, area) == pytest.approx(exact, rel=1e-9)
+    for method in ("direct", "adjoint"):
+        found = da.sensitivity(motion, area, method=method).item()
+        assert found == pytest.approx(4 * fall * e**2 / (1 - e**3) ** 2, rel=1e-9)
+
+
+def test_few_states_are_kept_of_long_runs():
+    options = {"step": 0.0005, "outputs": 20, "memory": 1e4}
+    motion = da.solve_dynamics(thrown(), 0.7, **options)
+    assert isinstance(motion.record.steps.x, Checkpoints)
+    whole = da.solve_dynamics(thrown(), 0.7, step=0.0005)
+    response = da.final(thrown()["b.end.x"])
+    found = [da.sensitivity(m, response, method="adjoint").values for m in (motion, whole)]
+    np.testing.assert_allclose(*found, rtol=1e-12)
+
+
+def test_second_derivatives_are_refused():
+    motion = da.solve_dynamics(ball(restitution=None).build(), 1.0, step=0.01)
+    with pytest.raises(UnsupportedError, match="second derivatives through impacts"):
+        da.hessian_product(motion, da.final(motion.model["ball.y"]), [1.0])
+
+
 def spun() -> da.Model:
     """A box in space that falls on a corner."""
     system = da.System("spun", gravity=(0, 0, -9.81))
@@ -177,6 +226,8 @@ def ball(gap=None, slip=None, height=1.0, **law):
     particle = system.add(planar.Particle("ball", mass=1.0, position=(0, height)))
     gap = particle.y if gap is None else gap(particle)
     slip = None if slip is None else slip(particle)
+    if law.get("restitution", 0.5) is None:
+        law["restitution"] = system.parameter("e_n", 0.5)
     system.add(planar.UnilateralConstraint("floor", gap, slip, **{"restitution": 0.5} | law))
     return system
 
@@ -234,6 +285,16 @@ def test_terminal_events_end_runs_with_impacts():
     assert motion.status.outcome is Outcome.TERMINATED
     fall = np.sqrt(2 / 9.81)
     assert motion.status.time == pytest.approx(3 * fall, abs=1e-6)
+
+
+def test_analyses_that_see_no_contacts_say_so():
+    system = ball(height=-0.2)
+    spring = {"stiffness": 50.0, "free_length": 0.1}
+    particle = system.elements["ball"]
+    system.add(planar.Spring("spring", system.ground.point(0, 0.2), particle.center, **spring))
+    resting = da.solve_equilibrium(system.build())
+    assert any("the gap of floor is -" in text for text in resting.warnings)
+    assert resting.values("floor.normal_force").item() == 0.0
 
 
 REFUSED = {

@@ -70,6 +70,12 @@ class Jump:
         gained = ca.dot(v, e.inertia.times(v)) / 2 - e.kinetic_energy
         lost = -ca.dot(impulse, d.speed + ca.mtimes(d.delassus, impulse) / 2)
         work = WORK + ca.vertcat(lost, gained + lost)
-        after = ca.vertcat(e.y, v, work, e.switches.sides)
+        after = ca.vertcat(e.y, v, work, self._sides(v))
         found = [ca.densify(after), ca.densify(impulse)]
         return ca.Function("jump", [e.t, x, e.p], found, {"cse": True})
+
+    def _sides(self, v: ca.SX) -> ca.SX:
+        """Sides of switches, those over which the speeds jump turned."""
+        e, sides = self.dynamics.equations, self.dynamics.equations.switches.sides
+        before, after = e.switches.actual, ca.substitute(e.switches.actual, e.v, v)
+        return ca.if_else(before == after, sides, after) if sides.numel() else sides

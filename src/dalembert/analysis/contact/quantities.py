@@ -124,7 +124,8 @@ def check_contacts(e: Equations, formulation: Formulation, integrator: Integrato
             f"{type(formulation).__name__} does not hold the rigid contact {name} exactly; use "
             "formulation=RangeSpace()"
         )
-    wide = [gap.name for gap in e.contacts if gap.slip.numel() > 1]
+    rough = [gap for gap in e.contacts if not gap.impact.friction.is_zero()]
+    wide = [gap.name for gap in rough if gap.slip.numel() > 1]
     if wide:
         raise UnsupportedError(
             f"{wide[0]}: rigid friction along a surface, in two directions, is not supported; give "
