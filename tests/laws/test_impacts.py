@@ -169,6 +169,18 @@ def test_integrals_and_their_gradients_go_through_all_bounces(options):
         assert found == pytest.approx(4 * fall * e**2 / (1 - e**3) ** 2, rel=1e-9)
 
 
+def test_both_sides_of_an_impact_are_outputs():
+    motion = da.solve_dynamics(ball().build(), 0.6, integrator=da.DormandPrince())
+    before, after = motion.impacts[0].time + np.array([-1e-15, 1e-15])
+    found = (motion.time > before) & (motion.time < after)
+    assert np.all(np.diff(motion.time) > 0) and found.sum() == 2
+    speeds = motion.values("ball.vy")[found]
+    np.testing.assert_allclose(speeds, np.sqrt(2 * 9.81) * np.array([-1, 0.5]), rtol=1e-12)
+    assert da.evaluate(motion, da.minimum("ball.vy")) == pytest.approx(speeds[0], rel=1e-12)
+    again = motion.at(motion.time)
+    np.testing.assert_array_equal(again.values("ball.vy"), motion.values("ball.vy"))
+
+
 def test_few_states_are_kept_of_long_runs():
     options = {"step": 0.0005, "outputs": 20, "memory": 1e4}
     motion = da.solve_dynamics(thrown(), 0.7, **options)

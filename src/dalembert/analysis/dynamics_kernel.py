@@ -182,6 +182,11 @@ class DynamicsKernel:
         kinds = Transition, ContactChange
         return [(k, v) for k, v in found if isinstance(v, kinds) and v.moving]
 
+    def jumps(self, steps: Steps) -> np.ndarray:
+        """Steps in which speeds jump."""
+        changes = [(k, v) for k, v in self.crossings(steps) if isinstance(v, ContactChange)]
+        return np.array([k for k, change in changes if change.jump is not None], dtype=int)
+
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray) -> Switch:
         """How many of these steps to keep, and the variant after them."""
         everything, now = Switch(times.size - 1, mode), self.variants[mode]

@@ -145,7 +145,8 @@ class DynamicsRun:
         happened, ends = self.events.find(steps)
         if ends is not None:
             steps = self.events.cut(steps, *ends)
-        times, branches = outputs_of(steps, self.requested, ends is not None)
+        jumps = self.kernel.jumps(steps)
+        times, branches = outputs_of(steps, self.requested, ends is not None, jumps)
         trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         truth = DynamicsTruth(self.kernel, steps, trajectory, self.p, self.analysis.balance)
         motion = Motion(

@@ -20,6 +20,8 @@ from dalembert.analysis.contact.jump import Jump
 from dalembert.analysis.variant import Variant
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.step import GraphStep
+from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.implicit import ImplicitFunction
 
 CORRECTIONS = 2
 """Of the instant by Newton's method: one for its derivative, another for the second."""
@@ -87,6 +89,14 @@ class ContactChange(Variant):
         _, rates = self._guards(t, x, p)
         size = self.before.guards.watched[self.guard].size
         return ca.Function("pace", [t, x, p], [rates[self.guard] * e.scales.time / size])
+
+    # the state before it belongs to the motion before it
+    def measured(self, measure: Expression) -> ImplicitFunction:  # type: ignore[override]
+        return self.before.measured(measure)
+
+    @cached_property
+    def bodies(self) -> ca.Function:
+        return self.before.bodies
 
     @property
     def attempt(self) -> Attempt | None:
