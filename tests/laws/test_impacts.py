@@ -197,6 +197,25 @@ def test_second_derivatives_are_refused():
         da.hessian_product(motion, da.final(motion.model["ball.y"]), [1.0])
 
 
+def test_a_box_settles_on_its_face():
+    """Corners whose gaps are differences, where rounding ends the bounces before time does."""
+    system = da.System("box", gravity=(0, -9.81))
+    e = system.parameter("e_n", 0.6)
+    at = {"position": (0, 1.0), "angle": 0.3, "velocity": (1.0, 0)}
+    box = system.add(planar.Body("box", mass=1.0, inertia=0.01, **at))
+    for k, (x, y) in enumerate(((-0.15, -0.1), (0.15, -0.1), (0.15, 0.1), (-0.15, 0.1))):
+        corner = box.point(x, y)
+        law = {"restitution": e, "friction": 0.3}
+        system.add(planar.UnilateralConstraint(f"c{k}", corner.y, corner.velocity[0], **law))
+    motion = da.solve_dynamics(system.build(), 2.0, integrator=da.DormandPrince())
+    assert motion.status.success and not motion.warnings
+    assert motion.values("box.y")[-1] == pytest.approx(0.1, abs=1e-13)
+    assert motion.values("box.vx")[-1] == pytest.approx(0.0, abs=1e-13)
+    pressing = sum(motion.values(f"c{k}.normal_force")[-1] for k in range(2))
+    assert pressing == pytest.approx(9.81, rel=1e-12)
+    assert np.abs(motion.data["balance_error"]).max() < 1e-8
+
+
 def spun() -> da.Model:
     """A box in space that falls on a corner."""
     system = da.System("spun", gravity=(0, 0, -9.81))

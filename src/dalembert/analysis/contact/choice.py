@@ -107,7 +107,9 @@ class ContactChoice:
             return ruling, endless
         away, pull = after.speed[: endless.size], -rested.acceleration[: endless.size]
         flying = (away > RESTING * terms[: endless.size]) & (pull > 0)
-        return ruling, np.where(flying, 2 * away / np.where(flying, pull, 1.0), np.inf)
+        pull = np.where(flying, pull, 1.0)
+        seen = away**2 / (2 * pull) > after.blur  # higher than rounding
+        return ruling, np.where(flying, np.where(seen, 2 * away / pull, 0.0), np.inf)
 
     def _state(self, t: float, x: np.ndarray, mode: int) -> ContactState:
         function = self.modes.dynamics(mode)[1]

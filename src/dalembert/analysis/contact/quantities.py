@@ -21,6 +21,7 @@ from dalembert.integrators.base import Integrator
 from dalembert.model.contacts import Phase, touching
 from dalembert.model.equations import Equations
 
+ROUNDING = 100 * float(np.finfo(float).eps)
 LEAST = 1e-3
 """Natural speed with which speeds near zero are compared."""
 
@@ -31,6 +32,7 @@ class ContactDynamics:
     Attributes
     ----------
     distance, speed, acceleration : ``g``, ``u``, ``w``
+    blur : what rounding of its terms may leave of ``g``, with a margin
     response : ``M⁻¹Wᵀ`` through the constraints: change of the speeds by unit impulses
     delassus : ``G``
     size : sum of the magnitudes that ``u`` is made of, and a little that is never zero
@@ -48,6 +50,10 @@ class ContactDynamics:
         self.response = ca.densify(solver.solve(rows.T, none)[0])
         self.delassus = ca.mtimes(rows, self.response)
         self.distance = ca.vertcat(*(gap.distance for gap in e.contacts))
+        slopes = ca.jacobian(self.distance, ca.vertcat(e.t, e.y))
+        terms = ca.mtimes(slopes, ca.vertcat(e.t, e.y))
+        self.blur = ca.mtimes(ca.fabs(slopes), ca.fabs(ca.vertcat(e.t, e.y)))
+        self.blur = ROUNDING * (self.blur + ca.fabs(self.distance - terms))
         self.speed = -whole.velocity_constraints[m:]
         self.acceleration = ca.mtimes(rows, a) + whole.constraint_acceleration[m:]
         own = ca.substitute(self.speed, e.v, ca.SX.zeros(e.speed_count))
@@ -62,7 +68,8 @@ class ContactDynamics:
     def function(self) -> ca.Function:
         """``(t, x, p)`` → all of them."""
         e = self.equations
-        found = (self.distance, self.speed, self.size, self.acceleration, self.delassus, self.laws)
+        found = [self.distance, self.blur, self.speed, self.size, self.acceleration]
+        found += [self.delassus, self.laws]
         x = state_symbols(e)
         return ca.Function("contacts", [e.t, x, e.p], [ca.densify(f) for f in found])
 
@@ -77,6 +84,7 @@ class ContactState:
     """
 
     distance: np.ndarray
+    blur: np.ndarray
     speed: np.ndarray
     size: np.ndarray
     acceleration: np.ndarray
@@ -88,11 +96,9 @@ class ContactState:
 
     @classmethod
     def at(cls, function: ca.Function, e: Equations, t: float, x: np.ndarray, p: np.ndarray):
-        g, u, size, w, delassus, laws = (f.full() for f in function(t, x, p))
-        flat = [f.ravel() for f in (g, u, size, w)]
-        return cls(
-            flat[0], flat[1], flat[2], flat[3], delassus, laws[0], laws[1], laws[2], slip_rows(e)
-        )
+        *columns, delassus, laws = (f.full() for f in function(t, x, p))
+        g, blur, u, size, w = (f.ravel() for f in columns)
+        return cls(g, blur, u, size, w, delassus, laws[0], laws[1], laws[2], slip_rows(e))
 
     def rubs(self, gap: int) -> bool:
         """Whether friction acts there."""
