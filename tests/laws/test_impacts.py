@@ -263,16 +263,21 @@ def ball(gap=None, slip=None, height=1.0, **law):
     return system
 
 
-def test_grazing_is_told():
-    """A ball whose highest point just touches a ceiling."""
+@pytest.mark.parametrize("above", [1e-9, 1e-2])
+def test_grazing_is_told(above):
+    """A ball that flies up, and would just a little higher than the roof."""
     system = da.System("graze", gravity=(0, -9.81))
-    v = system.parameter("v", np.sqrt(2 * 9.81) * (1 + 1e-15))
+    v = system.parameter("v", np.sqrt(2 * 9.81))
     particle = system.add(planar.Particle("ball", mass=1.0, position=(0, 0), velocity=(0, v)))
-    system.add(planar.UnilateralConstraint("roof", 1.0 - 1e-13 - particle.y, restitution=0.5))
+    system.add(planar.UnilateralConstraint("roof", 1.0 - above - particle.y, restitution=0.5))
     model = system.build()
     motion = da.solve_dynamics(model, 0.6, step=0.01)
+    assert len(motion.impacts) == 1
+    assert motion.impacts[0].time == pytest.approx(
+        np.sqrt(2 / 9.81) - np.sqrt(2 * above / 9.81), abs=1e-10
+    )
     notes = da.sensitivity(motion, da.final(model["ball.y"])).attrs["notes"]
-    assert not motion.impacts or any("only grazed" in note for note in notes)
+    assert any("roof is only grazed" in note for note in notes) == (above < 1e-6)
 
 
 def test_order_that_is_not_decided_is_told():

@@ -90,6 +90,13 @@ class ContactChange(Variant):
         size = self.before.guards.watched[self.guard].size
         return ca.Function("pace", [t, x, p], [rates[self.guard] * e.scales.time / size])
 
+    @property
+    def gap(self) -> int | None:
+        """The gap whose guard reaches zero, None where no instant moves."""
+        if self.guard is None or self.before.guards is None:
+            return None
+        return self.before.guards.watched[self.guard].gap
+
     # the state before it belongs to the motion before it
     def measured(self, measure: Expression) -> ImplicitFunction:  # type: ignore[override]
         return self.before.measured(measure)

@@ -22,7 +22,7 @@ from dalembert.integrators.steps import Crossing
 from dalembert.results.recording import ImpactRecord
 from dalembert.symbolic.kernel import Kernel
 
-PARTS = np.arange(1, 8) / 8
+PARTS = np.arange(1, 8)[:, None, None] / 8
 """Of a step, where it is looked for a guard that becomes negative and positive again."""
 HALVINGS = 50
 """Of a step that begins at a zero, in search of its positive part."""
@@ -95,17 +95,15 @@ class ContactSearch:
         guards = self._guards(mode)
         p = np.tile(self.p[:, None], times.size)
         values, rates = self.kernel.over(guards.function, times.size)(times, states, p)
-        near = guards.near[:, None]
+        near, h = guards.near[:, None], np.diff(times)
         beyond = ~(values[:, 1:] >= -near)
-        h = np.diff(times)
-        c = PARTS[:, None, None]
-        between = (1 + 2 * c) * (1 - c) ** 2 * values[:, :-1] + c**2 * (3 - 2 * c) * values[:, 1:]
-        between += h * (c * (1 - c) ** 2 * rates[:, :-1] - c**2 * (1 - c) * rates[:, 1:])
-        dips = between < -near
+        ends_of = values[:, :-1], values[:, 1:], h * rates[:, :-1], h * rates[:, 1:]
+        parts = np.concatenate([np.broadcast_to(PARTS, (7, *beyond.shape)), [lowest(*ends_of)]])
+        dips = cubic(parts, *ends_of) < -near
         for k in np.flatnonzero(beyond.any(axis=0) | dips.any(axis=(0, 1))):
             ends: dict[int, float] = {int(i): float(h[k]) for i in np.flatnonzero(beyond[:, k])}
             for i in np.flatnonzero(dips[:, :, k].any(axis=0)):
-                part = h[k] * PARTS[np.argmax(dips[:, i, k])]
+                part = h[k] * parts[dips[:, i, k], i, k].min()
                 if not self._value(mode, int(i), times[k], part, states[:, k]) >= -guards.near[i]:
                     ends[int(i)] = float(part)
             roots = {
@@ -184,3 +182,19 @@ class ContactSearch:
     def _told(self, ruling: Ruling) -> None:
         if ruling.trouble:
             self.trouble, self.inconsistent = ruling.trouble, True
+
+
+def cubic(c, begin, end, slope, slope_end) -> np.ndarray:
+    """Values at parts ``c`` of steps by values and slopes at their ends (Hermite)."""
+    values = (1 + 2 * c) * (1 - c) ** 2 * begin + c**2 * (3 - 2 * c) * end
+    return values + c * (1 - c) ** 2 * slope - c**2 * (1 - c) * slope_end
+
+
+def lowest(begin, end, slope, slope_end) -> np.ndarray:
+    """Part of every step at which the cubic is least inside; the middle where it is not."""
+    a = 6 * (begin - end) + 3 * (slope + slope_end)
+    b = -6 * (begin - end) - 4 * slope - 2 * slope_end
+    with np.errstate(all="ignore"):
+        root = np.sqrt(b**2 - 4 * a * slope)
+        found = np.where(b > 0, -2 * slope / (b + root), (root - b) / (2 * a))
+    return np.where((found > 0) & (found < 1), found, 0.5)

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.transition import Transition
 from dalembert.model.model import Model
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.responses.integrals import OverRun
@@ -63,12 +64,13 @@ def _grazed(motion: Recording, kernel: DynamicsKernel) -> list[str]:
     """Switches that were crossed so slowly that their instants have no derivative."""
     steps, notes = motion.record.steps, []
     for k, transition in kernel.crossings(steps):
+        if not isinstance(transition, Transition):
+            continue  # contacts are told apart
         size = transition.step.state_size
         pace = float(transition.pace(steps.t[k], steps.x[:size, k], motion.parameters))
         if not abs(pace) > GRAZING:
-            what = "a contact" if kernel.contacts else "a switch"
             notes.append(
-                f"{what} is only grazed at t = {steps.t[k]:.6g} s: its instant, and with it the "
+                f"a switch is only grazed at t = {steps.t[k]:.6g} s: its instant, and with it the "
                 "motion after it, has no derivative there; move it, or smooth the force"
             )
     return notes
