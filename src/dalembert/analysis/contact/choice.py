@@ -6,7 +6,6 @@ import numpy as np
 
 from dalembert.analysis.contact.complementarity import Solution, Touch, solutions, too_many
 from dalembert.analysis.contact.guards import Change, Guard
-from dalembert.analysis.contact.jump import Jump
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.quantities import ContactState, slip_rows
 from dalembert.analysis.contact.ruling import Ruling
@@ -86,7 +85,7 @@ class ContactChoice:
         if len(found) != 1:
             return Ruling(before, trouble=self._undecided(t, closing, found, "impact")), endless
         pattern = found[0].phases
-        jump = Jump(self.modes.dynamics(mode)[0], tuple(touching), pattern, dead)
+        jump = self.modes.jump(mode, tuple(touching), pattern, dead)
         x_after = jump.function(t, x, self.p)[0].full().ravel()
         after = self._state(t, x_after, mode)
         terms = np.maximum(state.size, after.size)

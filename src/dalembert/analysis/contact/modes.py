@@ -31,6 +31,7 @@ class ContactModes:
     def __init__(self, view: CoordinateView, variants: list[Variant], mode_of: ModeOf):
         self.view, self.variants, self.mode_of = view, variants, mode_of
         self._changes: dict[tuple, int] = {}
+        self._jumps: dict[tuple, Jump] = {}
         self._dynamics: dict[tuple, tuple[ContactDynamics, ca.Function]] = {}
 
     def phased(self, mode: int, phases: Phases) -> int:
@@ -47,6 +48,14 @@ class ContactModes:
             self._dynamics[key] = made, made.function
         return self._dynamics[key]
 
+    def jump(self, mode: int, gaps: tuple[int, ...], pattern: Phases, dead: frozenset[int]) -> Jump:
+        """An impact in which gaps are in these phases."""
+        now = self.variants[mode]
+        key = (now.rows, now.formulation, gaps, pattern, dead)
+        if key not in self._jumps:
+            self._jumps[key] = Jump(self.dynamics(mode)[0], gaps, pattern, dead)
+        return self._jumps[key]
+
     def change(self, mode: int, ruling: Ruling, guard: int | None) -> int:
         """The mode in which gaps go over to other phases between steps of a mode."""
         given = ruling.phases, ruling.gaps, ruling.pattern, ruling.dead, ruling.together
@@ -54,7 +63,7 @@ class ContactModes:
         if key not in self._changes:
             jump = None
             if ruling.impulse is not None:
-                jump = Jump(self.dynamics(mode)[0], ruling.gaps, ruling.pattern, ruling.dead)
+                jump = self.jump(mode, ruling.gaps, ruling.pattern, ruling.dead)
             after = self.variants[self.phased(mode, ruling.phases)]
             ends = ruling.dead, ruling.together
             self.variants.append(ContactChange(self.variants[mode], after, guard, jump, *ends))

@@ -93,8 +93,11 @@ class ContactSearch:
     def _first(self, times, states, mode: int) -> tuple[int, float, int] | None:
         """Step, length from its beginning and number of the guard that becomes negative first."""
         guards = self._guards(mode)
-        p = np.tile(self.p[:, None], times.size)
-        values, rates = self.kernel.over(guards.function, times.size)(times, states, p)
+        count = 1 << (times.size - 1).bit_length()  # few sizes, for few functions
+        whole = np.minimum(np.arange(count), times.size - 1)
+        looked = self.kernel.over(guards.function, count)
+        found = looked(times[whole], states[:, whole], np.tile(self.p[:, None], count))
+        values, rates = (column[:, : times.size] for column in found)
         near, h = guards.near[:, None], np.diff(times)
         beyond = ~(values[:, 1:] >= -near)
         ends_of = values[:, :-1], values[:, 1:], h * rates[:, :-1], h * rates[:, 1:]
