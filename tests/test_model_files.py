@@ -87,6 +87,7 @@ ELEMENTS = {
         "length = 1\nstiffness = 100",
         "Contact": 'shape_j = "b"\nshape_i = { type = "Circle", point = "a", radius = "k/10" }\n'
         'law = { type = "Hertz", stiffness = "k" }\nfriction = { type = "Coulomb", dynamic = 0.3 }',
+        "UnilateralConstraint": 'distance = "a.y + k"\nslip = "a.vx"\nrestitution = 0.5',
     },
 }
 REGISTRIES = PLANAR.sections

@@ -26,7 +26,9 @@ from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.registry import INTEGRATORS as KNOWN
 
-COVERED = {kind for case in CASES.values() for kind in case.covers}
+RIGID = {planar.UnilateralConstraint, spatial.UnilateralConstraint}
+"""They have laws of their own, for they are no forces but change the motion at instants."""
+COVERED = {kind for case in CASES.values() for kind in case.covers} | RIGID
 NOT_ELEMENTS = {planar.Point}
 DEFINITE = {f"{n}, chosen": definite(f, model_of("revolute")) for n, f in FORMULATIONS.items()}
 """What formulations become once they have chosen."""

@@ -9,6 +9,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.integrators.steps import Steps
 
+NO_JUMPS = np.zeros(0, dtype=int)
 SHORT = 1e-2
 """Length of a last step, relative to the one before, whose beginning is no output by itself."""
 
@@ -56,21 +57,30 @@ def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
 
 
 def outputs_of(
-    steps: Steps, requested: np.ndarray | None, at_event: bool = False
+    steps: Steps,
+    requested: np.ndarray | None,
+    at_event: bool = False,
+    jumps: np.ndarray = NO_JUMPS,
 ) -> tuple[np.ndarray, Branches]:
     """Times of the outputs and where they lie: those asked for, or the ends of all steps.
 
     Where the run ended early, its end is an output too; where an event ended it right after the
-    beginning of a step, the end stands for both.
+    beginning of a step, the end stands for both. Of steps of no length in which the state jumps,
+    ``jumps``, the state before is an output a rounding earlier.
     """
     count = steps.count
     if requested is None and at_event and count > 1 and steps.h[-1] < SHORT * steps.h[-2]:
-        times, branches = outputs_of(steps, None)
+        times, branches = outputs_of(steps, None, jumps=jumps)
         keep = np.arange(times.size) != times.size - 2
         return times[keep], Branches(branches.index[keep], branches.length[keep])
     if requested is None or count == 0:
-        begins = steps.lasting
-        times = np.append(steps.t[begins], steps.end)
+        _, first = np.unique(steps.t[jumps], return_index=True)
+        before = jumps[first][steps.t[jumps[first]] > steps.t[0]]
+        begins = np.union1d(steps.lasting, before)
+        at = np.where(
+            np.isin(begins, before), np.nextafter(steps.t[begins], -np.inf), steps.t[begins]
+        )
+        times = np.append(at, steps.end)
         index = np.append(begins, max(count - 1, 0))
         length = np.append(np.zeros(begins.size), steps.h[-1:] if count else 0.0)
         return times, Branches(index, length)

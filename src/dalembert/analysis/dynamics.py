@@ -155,7 +155,8 @@ class Dynamics(Analysis[Model, Motion]):
         """The motion where integrals over the run look at it."""
         record: DynamicsRecord = motion.record
         kernel, steps, order = record.kernel, record.steps, self.integrator.order
-        if steps.count and (kernel.adaptive is not None or order > OF_OUTPUTS):
+        uneven = kernel.adaptive is not None or kernel.contacts is not None
+        if steps.count and (uneven or order > OF_OUTPUTS):
             points = StepQuadrature(steps, order)
             made = self._sampled(motion, points.times, points.branches)
             return replace(made, record=replace(made.record, quadrature=points))

@@ -10,6 +10,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.branches import Branches
+from dalembert.analysis.contact.change import ContactChange
+from dalembert.analysis.contact.modes import ContactModes
+from dalembert.analysis.contact.quantities import check_contacts
 from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.analysis.transition import Transition, crossed, distances
 from dalembert.analysis.variant import Variant
@@ -23,6 +26,7 @@ from dalembert.integrators.checkpoints import States
 from dalembert.integrators.march import FixedMarch
 from dalembert.integrators.steps import Steps, Switch
 from dalembert.model.closure import AssembledState
+from dalembert.model.contacts import Phase, Phases, touching
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.results.recording import Recording, Trajectory
@@ -68,6 +72,7 @@ class DynamicsKernel:
     view : CoordinateView, the model in the coordinates that are integrated
     equations : Equations in these coordinates, the ones formulations see
     variants : list of Variant and Transition, by mode
+    contacts : ContactModes of rigid gaps, None where there are none
     fixed : FixedMarch over given steps; repeats those of adaptive runs, too
     adaptive : AdaptiveMarch, or None for integrators of fixed steps
 
@@ -95,6 +100,10 @@ class DynamicsKernel:
             self.view.hold_switches()
         self.equations = self.view.equations
         self.variants: list[Variant] = []
+        self.contacts: ContactModes | None = None
+        if self.equations.contacts:
+            check_contacts(self.equations, formulation, integrator)
+            self.contacts = ContactModes(self.view, self.variants, self._mode)
         self._transitions: dict[tuple[int, int, bool], int] = {}
         self._mapped: dict[tuple[ca.Function, int], Kernel] = {}
         self.fixed = FixedMarch(
@@ -103,7 +112,9 @@ class DynamicsKernel:
         self.adaptive: AdaptiveMarch | None = None
         if integrator.adaptive:
             crossed = self.crossed if self.equations.switches.count else None
-            self.adaptive = AdaptiveMarch(self._attempt, self.backend, self.fixed, crossed)
+            self.adaptive = AdaptiveMarch(
+                self._attempt, self.backend, self.fixed, crossed, self.contacts is not None
+            )
 
     def _attempt(self, mode: int) -> Attempt:
         found = self.variants[mode].attempt
@@ -113,16 +124,29 @@ class DynamicsKernel:
 
     # variants -----------------------------------------------------------------------
     def choose(
-        self, t: float, x: np.ndarray, p: np.ndarray, rows: tuple[int, ...] | None = None
+        self,
+        t: float,
+        x: np.ndarray,
+        p: np.ndarray,
+        rows: tuple[int, ...] | None = None,
+        phases: Phases | None = None,
     ) -> int:
-        """The variant for a state, with some rows of the equations or, by default, good ones."""
+        """The variant for a state, with some rows of the equations or, by default, good ones.
+
+        Rigid gaps are apart by default.
+        """
         y = x[: self.equations.coordinate_count]
         rows = self._rows(t, y, p) if rows is None else rows
-        chosen = self.formulation.choose(self.view.with_rows(rows), t, y, p)
+        if phases is None:
+            phases = (Phase.APART,) * len(self.equations.contacts)
+        chosen = self.formulation.choose(touching(self.view.with_rows(rows), phases), t, y, p)
+        return self._mode(rows, chosen, phases)
+
+    def _mode(self, rows: tuple[int, ...], chosen: Formulation, phases: Phases) -> int:
         for mode, variant in enumerate(self.variants):
-            if (variant.rows, variant.formulation) == (rows, chosen):
+            if (variant.rows, variant.formulation, variant.phases) == (rows, chosen, phases):
                 return mode
-        made = Variant(self.view, rows, chosen, self.stabilization, self.integrator)
+        made = Variant(self.view, rows, chosen, self.stabilization, self.integrator, phases)
         self.variants.append(made)
         return len(self.variants) - 1
 
@@ -152,10 +176,16 @@ class DynamicsKernel:
             self._transitions[key] = len(self.variants) - 1
         return self._transitions[key]
 
-    def crossings(self, steps: Steps) -> list[tuple[int, Transition]]:
+    def crossings(self, steps: Steps) -> list[tuple[int, Transition | ContactChange]]:
         """Steps that are transitions at which forces change."""
         found = [(int(k), self.variants[steps.mode[k]]) for k in np.flatnonzero(steps.h == 0)]
-        return [(k, v) for k, v in found if isinstance(v, Transition) and v.moving]
+        kinds = Transition, ContactChange
+        return [(k, v) for k, v in found if isinstance(v, kinds) and v.moving]
+
+    def jumps(self, steps: Steps) -> np.ndarray:
+        """Steps in which speeds jump."""
+        changes = [(k, v) for k, v in self.crossings(steps) if isinstance(v, ContactChange)]
+        return np.array([k for k, change in changes if change.jump is not None], dtype=int)
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray) -> Switch:
         """How many of these steps to keep, and the variant after them."""
@@ -174,7 +204,7 @@ class DynamicsKernel:
             try:
                 if not shares.ravel()[bad[0]] <= 1:
                     rows = best_rows(self.view.whole, rows, t, y[:, kept], p)
-                following = self.choose(t, x, p, rows)
+                following = self.choose(t, x, p, rows, now.phases)
             except SingularityError as error:
                 return Switch(last_good, mode, str(error))
             if following != mode:

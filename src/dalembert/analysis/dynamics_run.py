@@ -11,6 +11,7 @@ import numpy as np
 from dalembert.analysis.branch_jumps import BranchJumps
 from dalembert.analysis.branches import outputs_of
 from dalembert.analysis.choices import doubts
+from dalembert.analysis.contact.search import ContactSearch
 from dalembert.analysis.dynamics_kernel import DynamicsRecord
 from dalembert.analysis.dynamics_status import Ending, statistics
 from dalembert.analysis.dynamics_truth import DynamicsTruth
@@ -32,7 +33,9 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.budget import STEP
 from dalembert.errors import AssemblyError, SingularityError
-from dalembert.integrators.steps import Steps, Switch, Watch
+from dalembert.integrators.changing_march import ChangingMarch
+from dalembert.integrators.march import SHORT_CHUNK
+from dalembert.integrators.steps import Crossing, Steps, Switch, Watch, standstill
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord
@@ -74,6 +77,9 @@ class DynamicsRun:
         self.kernel = analysis.kernel(model)
         self.events = EventSearch(self.kernel, as_events(analysis.events), self.p)
         self.switches = SwitchSearch(self.kernel, self.p, self.start, self.end)
+        self.contacts: ContactSearch | None = None
+        if modes := self.kernel.contacts:
+            self.contacts = ContactSearch(self.kernel, modes, self.p, self.start, self.end)
 
     def _afford(self) -> None:
         """Steps and outputs that are too many are refused; of adaptive steps the fewest count."""
@@ -107,7 +113,8 @@ class DynamicsRun:
                     f"{n} changed by {c:.3g}" for n, c in state.velocity_corrections.items()
                 )
             )
-        return self.kernel.initial(state, self.start, self.p)
+        x0, mode = self.kernel.initial(state, self.start, self.p)
+        return x0, self.contacts.begin(x0, mode) if self.contacts else mode
 
     def doubts(self, motion: Motion, truth: DynamicsTruth) -> list[str]:
         """Warnings about the choices made; an exchange of energy below round-off counts as none."""
@@ -138,7 +145,8 @@ class DynamicsRun:
         happened, ends = self.events.find(steps)
         if ends is not None:
             steps = self.events.cut(steps, *ends)
-        times, branches = outputs_of(steps, self.requested, ends is not None)
+        jumps = self.kernel.jumps(steps)
+        times, branches = outputs_of(steps, self.requested, ends is not None, jumps)
         trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         truth = DynamicsTruth(self.kernel, steps, trajectory, self.p, self.analysis.balance)
         motion = Motion(
@@ -151,6 +159,9 @@ class DynamicsRun:
             events=happened,
             record=DynamicsRecord(self.kernel, steps, branches),
         )
+        if self.contacts:
+            motion.statistics |= self.contacts.statistics(steps.end)
+            motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
         motion.warnings = self.doubts(motion, truth)
         return motion
 
@@ -160,11 +171,17 @@ class DynamicsRun:
             self.kernel.adaptive.prepare(mode)
         else:
             count = uniform_grid(self.start, self.end, self.step).size - 1
+            count = min(count, SHORT_CHUNK) if self.contacts else count
             self.kernel.fixed.prepare(count, mode)
 
     # marching ----------------------------------------------------------------------
     def march(self, x0: np.ndarray, mode: int, watch: Watch) -> Steps:
         kernel = self.kernel
+        if self.contacts and self.contacts.trouble:  # nothing goes on from the start
+            return standstill(self.start, x0, self.contacts.trouble)
+        if kernel.adaptive is None and self.contacts:
+            grid = uniform_grid(self.start, self.end, self.step)
+            return ChangingMarch(kernel.fixed).run(grid, x0, self.p, mode, watch)
         if kernel.adaptive is None:
             grid = uniform_grid(self.start, self.end, self.step)
             return kernel.fixed.run(grid, x0, self.p, mode, watch)
@@ -178,11 +195,23 @@ class DynamicsRun:
         kept = 24.0 * self.model.equations.coordinate_count if every else 0.0
         self.pace = Pace(self.start, self.end, STEP + kept)
         memory = np.inf if every else self.analysis.memory
-        return Watch(report, self.ends, self.switch, self.switches.cross, memory, self.requested)
+        return Watch(report, self.ends, self.switch, self.cross, memory, self.requested)
 
-    def ends(self, ends: np.ndarray, states: np.ndarray) -> bool:
+    def ends(self, ends: np.ndarray, states: np.ndarray, modes: np.ndarray) -> bool:
         """Whether a terminal event happens in these steps, or they lead to too many."""
-        return self.events.terminal_crossing(ends, states) or self.pace.exceeds(ends)
+        return self.events.terminal_crossing(ends, states, modes) or self.pace.exceeds(ends)
+
+    def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
+        """The first change of a rigid contact or of a switch in these steps."""
+        found = self.contacts.cross(times, states, mode) if self.contacts else None
+        if self.kernel.adaptive is None or not self.kernel.equations.switches.count:
+            return found
+        if found is not None:
+            times, states = times[: found.kept + 2], states[:, : found.kept + 2]
+        other = self.switches.cross(times, states, mode)
+        if found is None or other is None:
+            return found or other
+        return min(found, other, key=lambda crossing: crossing.t[0] + crossing.h[0])
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int) -> Switch:
         return self.kernel.switch(times, states, mode, self.p)
@@ -191,6 +220,8 @@ class DynamicsRun:
     def status(self, steps: Steps, truth: DynamicsTruth, ended_by: list[EventRecord]) -> Status:
         """How the run ended; ``ended_by`` are the events up to a terminal one."""
         ending = Ending(self.kernel, steps, truth.s, self.p, self.following_length(steps), truth)
+        if self.contacts and self.contacts.trouble and not ended_by:
+            return ending.contact(self.contacts.trouble, self.contacts.inconsistent)
         if self.switches.trouble and not ended_by:
             return ending.chattering(self.switches.trouble)
         if self.pace.excess:

@@ -57,6 +57,10 @@ class Ending:
         """Ended at a switch that no motion leaves."""
         return self._ends(Outcome.CHATTERING, text)
 
+    def contact(self, text: str, undecided: bool) -> Status:
+        """Ended where rigid contacts have no motion or several, or open and close for ever."""
+        return self._ends(Outcome.UNDECIDED if undecided else Outcome.CHATTERING, text)
+
     def status(self, ended_by: EventRecord | None) -> Status:
         """Outcome, message and residual."""
         steps, s = self.steps, self.s
@@ -165,7 +169,7 @@ def statistics(
     if np.unique(modes).size > 1:
         made["changes of variant"] = int(np.sum(np.diff(modes) != 0))
     if crossings := kernel.crossings(steps):
-        made["switches"] = len(crossings)
+        made["changes of contacts" if kernel.contacts else "switches"] = len(crossings)
     if h.size:
         made["time per step [µs]"] = round(1e6 * elapsed / h.size, 2)
         made["shortest step [s]"] = float(h.min())

@@ -49,10 +49,9 @@ class EventSearch:
         )
         return found[0].ravel()
 
-    def terminal_crossing(self, times: np.ndarray, states: np.ndarray) -> bool:
-        """Whether a terminal event happens between these states."""
-        # any variant will do: all give the same accelerations
-        modes = np.full(times.size, len(self.kernel.variants) - 1)
+    def terminal_crossing(self, times: np.ndarray, states: np.ndarray, modes: np.ndarray) -> bool:
+        """Whether a terminal event happens between these states, by the modes of the steps."""
+        modes = np.append(modes, modes[-1:])
         return any(
             event.terminal and event.crossings(self.values(name, times, states, modes)).size
             for name, event in self.events.items()

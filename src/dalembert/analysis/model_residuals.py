@@ -90,7 +90,8 @@ class ModelResiduals:
         """Rows of the equations of motion; magnitudes of their terms."""
         s = self.looked
         mapped, p = _motion(self.model, s.t.size), np.tile(self.p[:, None], s.t.size)
-        residuals, terms = mapped(s.t, s.y, s.v, s.a, s.multiplier, p)
+        forces = s.forces(self.model.all_equations.transmitted.numel())
+        residuals, terms = mapped(s.t, s.y, s.v, s.a, forces, p)
         return residuals, terms
 
     # the worst of each ------------------------------------------------------------------
@@ -182,6 +183,11 @@ def _motion(model: Model, count: int) -> Kernel:
     terms = sum(
         map(ca.fabs, (push, e.bias, e.force)), ca.mtimes(ca.fabs(c).T, ca.fabs(e.multiplier))
     )
+    for gap in e.contacts:
+        along = e.by_displacement(gap.distance), ca.jacobian(gap.slip, e.v)
+        for rows, force in zip(along, (gap.normal, gap.tangential), strict=True):
+            pull -= ca.mtimes(rows.T, force)
+            terms += ca.mtimes(ca.fabs(rows).T, ca.fabs(force))
     outputs = [ca.densify(push + e.bias - e.force + pull), ca.densify(terms)]
-    inputs = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
+    inputs = [e.t, e.y, e.v, e.a, e.transmitted, e.p]
     return Kernel(ca.Function("motion", inputs, outputs).map(count))

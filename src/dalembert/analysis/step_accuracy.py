@@ -38,8 +38,10 @@ class StepAccuracy:
         self.kernel, self.steps, self.p = kernel, steps, p
         e = kernel.equations
         self.positions, self.size = e.coordinate_count, e.coordinate_count + e.speed_count
-        count = min(MOST, -(-steps.count // EVERY))
+        count = min(MOST, -(-steps.lasting.size // EVERY))
         kept = steps.x.number[:-1] if isinstance(steps.x, Checkpoints) else np.arange(steps.count)
+        kept = kept[steps.h[kept] > 0]  # changes take no time
+        count = min(count, kept.size)
         middle = (np.arange(count) + 0.5) / count
         self.chosen = np.unique(kept[(middle * kept.size).astype(int)])
         self.begins = steps.x[:, self.chosen]
@@ -47,7 +49,7 @@ class StepAccuracy:
     @property
     def doubts(self) -> list[str]:
         """What to say where the steps are too long for the motion; else nothing."""
-        if not self.steps.count:
+        if not self.chosen.size:
             return []
         try:
             way, ends = self._way(), [self._ends(1), self._ends(2)]
@@ -98,5 +100,5 @@ class StepAccuracy:
         moving = way > 0
         if not np.all(np.isfinite(error)) or not moving.any():
             return 0.0
-        added = self.steps.count * np.abs(error[moving]).mean(axis=1)
+        added = self.steps.lasting.size * np.abs(error[moving]).mean(axis=1)
         return float(np.max(added / way[moving]))

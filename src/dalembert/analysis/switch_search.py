@@ -12,6 +12,7 @@ import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.events import locate
+from dalembert.analysis.passage import NOW, Passage
 from dalembert.analysis.switch_owners import owner_of
 from dalembert.formulations.base import state_symbols
 from dalembert.integrators.adaptive import ATTEMPTS
@@ -19,8 +20,6 @@ from dalembert.integrators.steps import Crossing
 from dalembert.symbolic.kernel import Kernel
 
 ROUNDING = 4 * float(np.finfo(float).eps)
-NOW = 1e-13
-"""Time, relative to the run, that counts as none."""
 RESTART = 1e-4
 """First step, relative to the run, of methods that lose their memory at a switch."""
 HALVINGS = 50
@@ -34,23 +33,6 @@ MANY, SHORTLY = 100, 1e-7
 
 
 CURE = "smooth it, for friction by tanh(speed/transition) or JointFriction"
-
-
-class Passage:
-    """What is put in place of a step: part of it, then transitions, one column each."""
-
-    def __init__(self, time: float, x: np.ndarray):
-        self.time, self.x = time, x
-        self.entries: list[tuple[float, float, np.ndarray, int]] = []
-
-    def add(self, length: float, x: np.ndarray, mode: int) -> None:
-        self.entries.append((self.time, length, x, mode))
-        self.time, self.x = self.time + length, x
-
-    def crossing(self, kept: int, following: float, reason: str) -> Crossing:
-        t, h, columns, modes = zip(*self.entries, strict=True)
-        x = np.column_stack(columns)
-        return Crossing(kept, np.array(t), np.array(h), x, np.array(modes), following, reason)
 
 
 class SwitchSearch:

@@ -36,7 +36,7 @@ class Transition(Variant):
 
     def __init__(self, variant: Variant, number: int, moving: bool):
         strategies = variant.formulation, variant.stabilization, variant.integrator
-        super().__init__(variant.view, variant.rows, *strategies)
+        super().__init__(variant.view, variant.rows, *strategies, variant.phases)
         self.variant, self.number, self.moving = variant, number, moving
 
     @cached_property

@@ -6,15 +6,18 @@ from functools import cached_property
 
 import casadi as ca
 
+from dalembert.analysis.contact.guards import Guards, guards_of
 from dalembert.formulations.base import Formulation, state_rate, state_sizes, state_symbols
 from dalembert.formulations.consistency import with_consistent_speeds
 from dalembert.formulations.redundancy import TRUSTED, largest_share
+from dalembert.formulations.sliding import SlidingSolver
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.step import Step
+from dalembert.model.contacts import Phases, touching
 from dalembert.model.coordinates import CoordinateView
 from dalembert.model.equations import Equations
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.expression import Expression, stack
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
@@ -28,6 +31,7 @@ class Variant:
     rows : of its constraint equations, those that are solved
     formulation : as ``Formulation.choose`` made it
     stabilization, integrator : of the run
+    phases : of rigid gaps
     """
 
     def __init__(
@@ -37,8 +41,10 @@ class Variant:
         formulation: Formulation,
         stabilization: Stabilization,
         integrator: Integrator,
+        phases: Phases = (),
     ):
-        self.view, self.rows, self.equations = view, rows, view.with_rows(rows)
+        self.view, self.rows, self.phases = view, rows, phases
+        self.equations = touching(view.with_rows(rows), phases)
         self.formulation, self.stabilization = formulation, stabilization
         self.integrator = integrator
         self.xi = stabilization.constraint_acceleration(self.equations)
@@ -70,8 +76,7 @@ class Variant:
     @cached_property
     def rate(self) -> ImplicitFunction:
         """``(t, x, p) → ẋ``."""
-        e = self.equations
-        return self.formulation.acceleration(e, self.xi, [state_rate(e)], "state_rate")
+        return self._accelerated(self.equations, [state_rate(self.equations)], "state_rate")
 
     @cached_property
     def step(self) -> Step:
@@ -93,7 +98,7 @@ class Variant:
         e = self.equations
         if not e.switches.count:
             return self._seen(e, self.view.everything, "bodies").function
-        choosing = self.view.choosing.with_rows(list(self.rows))
+        choosing = touching(self.view.choosing.with_rows(list(self.rows)), self.phases)
         found = self._seen(choosing, self.view.everything, "bodies").function
         x, count = state_symbols(e), found.numel_in(1)
         return ca.Function("bodies", [e.t, x, e.p], found.call([e.t, x[:count], e.p]))
@@ -101,8 +106,24 @@ class Variant:
     def _seen(self, e: Equations, expressions: list[ca.SX], name: str) -> ImplicitFunction:
         """Expressions of the view, with the multipliers of equations not solved at zero."""
         outputs = [e.without_dropped(expression) for expression in expressions]
+        return self._accelerated(e, outputs, name)
+
+    def _accelerated(self, e: Equations, outputs: list[ca.SX], name: str) -> ImplicitFunction:
+        """Outputs of accelerations and multipliers, by a solver that knows of sliding friction."""
+        bare = self.formulation.saddle(e)
+        saddle = SlidingSolver(bare, e) if e.rubbing.nnz() else bare
         xi = self.stabilization.constraint_acceleration(e)
-        return self.formulation.acceleration(e, xi, outputs, name)
+        return self.formulation.acceleration(e, xi, outputs, name, saddle)
+
+    @cached_property
+    def guards(self) -> Guards | None:
+        """What ends the phases of its gaps; None where there are no gaps."""
+        e = self.equations
+        if not e.contacts:
+            return None
+        watched = guards_of(e, self.phases)
+        values = self._seen(e, [stack(g.value for g in watched)], "guards").function
+        return Guards(e, watched, values, self.rate.function)
 
     @cached_property
     def conditioning(self) -> ca.Function | None:

@@ -82,6 +82,7 @@ PLANAR = Space(
             planar.Contact,
             planar.ClearanceRevolute,
             planar.Cable,
+            planar.UnilateralConstraint,
         ),
     },
 )
@@ -142,6 +143,7 @@ SPATIAL = Space(
             spatial.Contact,
             spatial.ClearanceSpherical,
             spatial.Cable,
+            spatial.UnilateralConstraint,
         ),
     },
 )

@@ -49,6 +49,10 @@ class SaddleSolver:
         n = self.speed_count
         return ca.vertcat(*self.solve(rhs[:n, :], rhs[n:, :]))
 
+    def solve_transposed(self, rhs: ca.SX) -> ca.SX:
+        """``solve_stacked`` with the transposed matrix, which mostly is the same."""
+        return self.solve_stacked(rhs)
+
 
 @dataclass(frozen=True)
 class Formulation:
@@ -128,6 +132,7 @@ class Formulation:
         xi: ca.SX,
         outputs: list[ca.SX] | None = None,
         name: str = "acceleration",
+        saddle: SaddleSolver | None = None,
     ) -> ImplicitFunction:
         """``(t, [y; v; w], p) → outputs`` of the accelerations and multipliers.
 
@@ -136,13 +141,14 @@ class Formulation:
         e : Equations
         xi : SX (m,), right-hand side ``ξ`` of ``C v̇ = ξ``, stabilised or not
         outputs : expressions of t, y, v, v̇, λ, p; by default ``[v̇, λ]``
+        saddle : solver of the system, the formulation's own by default
         """
         c = e.jacobian
         xi = self.constraint_acceleration(e, xi)
-        solver = self.saddle(e)
+        solver = self.saddle(e) if saddle is None else saddle
         unknown = ca.vertcat(e.a, e.multiplier)
         residual = ca.vertcat(
-            e.inertia.times(e.a) + e.bias - e.force + ca.mtimes(c.T, e.multiplier),
+            e.inertia.times(e.a) + e.bias - e.force - e.rubbing + ca.mtimes(c.T, e.multiplier),
             ca.mtimes(c, e.a) - solver.softness * e.multiplier - xi,
         )
         value = ca.vertcat(*solver.solve(e.force - e.bias, xi))
@@ -154,7 +160,8 @@ class Formulation:
             residual, value, *outputs = ca.substitute(
                 [residual, value, *outputs], [e.v], [speeds.unknown]
             )
-        stages.append(Stage(unknown, residual, value, solver.solve_stacked, solver.solve_stacked))
+        both = solver.solve_stacked, solver.solve_transposed
+        stages.append(Stage(unknown, residual, value, *both))
         return ImplicitFunction(name, [e.t, state_symbols(e), e.p], stages, outputs)
 
     def semi_explicit(self, e: Equations, xi: ca.SX) -> SemiExplicit:

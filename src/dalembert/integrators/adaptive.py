@@ -29,6 +29,7 @@ class AdaptiveMarch:
     fixed : repeats the steps taken, where not all states are kept
     crossed : ``(t, x, p)`` → how far the state lies beyond each switch, or None; attempts from a
         state beyond one are not made
+    changes : steps may be crossed by changes that attempts do not see
     """
 
     def __init__(
@@ -37,8 +38,10 @@ class AdaptiveMarch:
         backend: Backend | None = None,
         fixed: FixedMarch | None = None,
         crossed: ca.Function | None = None,
+        changes: bool = False,
     ):
         self.attempt_of, self.fixed, self.crossed = attempt_of, fixed, crossed
+        self.changes = changes
         self.backend = backend or VirtualMachine()
         self._singles: dict[int, ca.Function] = {}
         self._chunks: dict[ca.Function, Kernel] = {}
@@ -96,7 +99,8 @@ class AdaptiveMarch:
                     state = out[:, -1]
                 ends = np.append(t, t[-1:] + h[-1:] if t.size else begin)
                 crossing = None
-                if out.shape[1] == made and not message and self.crossed is not None:
+                whole = out.shape[1] == made and self.crossed is not None
+                if (whole or self.changes) and not message:
                     crossing = watch.cross(ends, np.column_stack([last, columns]), following)
                 if crossing is not None:
                     t, h, columns, modes = _replaced(crossing, t, h, columns, modes)
@@ -106,6 +110,8 @@ class AdaptiveMarch:
                 parts.append((t, h, modes))
                 recorder.add(ends, columns)
                 mode = following
+                if crossing is not None and crossing.after is not None:
+                    mode = crossing.after
                 if message or not out.shape[1]:
                     continue
                 message = _trouble(state, end - start)
@@ -114,7 +120,7 @@ class AdaptiveMarch:
                 if message:
                     continue
                 watch.progress((state[0] - start) / (end - start))
-                if t.size and watch.stop(ends, np.column_stack([last, columns])):
+                if t.size and watch.stop(ends, np.column_stack([last, columns]), modes):
                     break
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True

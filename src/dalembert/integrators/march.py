@@ -98,7 +98,7 @@ class FixedMarch:
                 longest = min(2 * longest, CHUNK)
                 part = slice(done, done + count)
                 given = (times[part], h[part], corrected[part])
-                out, reason, explained = self._advance(int(mode[done]), recorder.last, given, p)
+                out, reason, explained = self.advance(int(mode[done]), recorder.last, given, p)
                 good = np.all(np.isfinite(out), axis=0)
                 valid = count if good.all() else int(np.argmin(good))
                 ends = np.append(times[done : done + valid], (times[part] + h[part])[valid - 1])
@@ -116,7 +116,9 @@ class FixedMarch:
                     break
                 if watch is not None:
                     watch.progress(done / h.size)
-                    if watch.stop(ends[: valid + 1], states[:, : valid + 1]):
+                    if watch.stop(
+                        ends[: valid + 1], states[:, : valid + 1], mode[done - valid : done]
+                    ):
                         break
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True
@@ -133,7 +135,7 @@ class FixedMarch:
         steps.x = recorder.states(self.again(steps, p))
         return steps
 
-    def _advance(
+    def advance(
         self, mode: int, x: np.ndarray, given, p: np.ndarray
     ) -> tuple[np.ndarray, str, bool]:
         """States after a chunk of steps; NaN from where a solver inside gave up, and why.

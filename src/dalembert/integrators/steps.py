@@ -71,6 +71,13 @@ class Steps:
         return Steps(t, h, self.x[:, :1], corrected, mode)
 
 
+def standstill(time: float, x0: np.ndarray, message: str) -> Steps:
+    """No step at all."""
+    none = np.zeros(0)
+    column = x0.reshape(-1, 1)
+    return Steps(np.array([time]), none, column, none > 0, none.astype(int), message=message)
+
+
 def run_length(mode: np.ndarray, begin: int, longest: int) -> int:
     """How many steps from ``begin`` on are of one mode, ``longest`` at most."""
     part = mode[begin : begin + longest]
@@ -103,8 +110,8 @@ class Crossing(NamedTuple):
     """A switch that the last step of a chunk went across, and what is put in place of that step.
 
     ``kept`` steps stay as they are; the columns ``x`` at the ends of steps from ``t`` of lengths
-    ``h`` in these modes follow. The march goes on with steps of length ``following``; with a
-    ``reason`` it ends there.
+    ``h`` in these modes follow. The march goes on with steps of length ``following``, in the mode
+    ``after`` if there is one; with a ``reason`` it ends there.
     """
 
     kept: int
@@ -114,6 +121,7 @@ class Crossing(NamedTuple):
     mode: np.ndarray
     following: float
     reason: str = ""
+    after: int | None = None
 
 
 def _never_cross(times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
@@ -131,7 +139,7 @@ class Watch:
     Attributes
     ----------
     progress : told the fraction done
-    stop : asked whether to end the march
+    stop : asked whether to end the march; told the modes of the steps as well
     switch : ``(times, states, mode)`` → Switch
     cross : ``(times, states, mode)`` → Crossing, or None
     memory : bytes of states that are kept before they are thinned to checkpoints
@@ -139,7 +147,7 @@ class Watch:
     """
 
     progress: Callable[[float], None] = lambda fraction: None
-    stop: Callable[[np.ndarray, np.ndarray], bool] = lambda times, states: False
+    stop: Callable[[np.ndarray, np.ndarray, np.ndarray], bool] = lambda times, states, modes: False
     switch: Callable[[np.ndarray, np.ndarray, int], Switch] = _never_switch
     cross: Callable[[np.ndarray, np.ndarray, int], Crossing | None] = _never_cross
     memory: float = np.inf

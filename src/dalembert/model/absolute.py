@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from dataclasses import replace
 
 import casadi as ca
 
@@ -13,6 +14,7 @@ from dalembert.model.description import Description
 from dalembert.model.equations import ConstraintKinematics, Equations
 from dalembert.model.inertia import BlockInertia
 from dalembert.model.manifold import Manifold
+from dalembert.model.rigid_gaps import RigidGap, rigid_gaps
 from dalembert.symbolic.expression import stack, t
 
 
@@ -73,6 +75,16 @@ def absolute_equations(d: Description) -> Equations:
         manifold=Manifold.of(groups),
         powers=ca.vertcat(losses, applied + losses + delivered),
         known=None if known is None else ConstraintKinematics(*map(plain, known)),
+        contacts=_contacts(d),
+    )
+
+
+def _contacts(d: Description) -> tuple[RigidGap, ...]:
+    """Rigid gaps with the ground at rest."""
+    found = rigid_gaps([*d.elements.values()], d.coordinates)
+    return tuple(
+        replace(gap, distance=at_ground(d.ground, gap.distance), slip=at_ground(d.ground, gap.slip))
+        for gap in found
     )
 
 

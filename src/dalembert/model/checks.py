@@ -13,6 +13,7 @@ from dalembert.elements.base import Constraint, ForceElement
 from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.description import Description
+from dalembert.model.rigid_gaps import rigid_gaps
 from dalembert.symbolic.expression import free_symbols, refuse_unusable, stack, t
 
 Formulas = list[tuple[str, ca.SX]]
@@ -59,6 +60,11 @@ def check_symbols(d: Description) -> None:
             positions += [(element.name, s) for s in taken]
         elif not isinstance(element, Constraint):
             lengths += [(entity, f.sx) for entity, f, _ in element.checked_quantities()]
+    for gap in rigid_gaps([*d.elements.values()], d.coordinates):
+        positions.append((gap.name, gap.distance))
+        efforts.append((gap.name, gap.slip))
+        law = gap.impact
+        lengths += [(gap.name, f) for f in (law.restitution, law.tangential, law.friction)]
     _allow(positions, poses, ", positions and t")
     _refuse_bent_speeds(d)
     _allow(efforts, states, ", positions, speeds and t")
@@ -68,11 +74,14 @@ def check_symbols(d: Description) -> None:
 def _refuse_bent_speeds(d: Description) -> None:
     """Nonholonomic equations are linear in speeds: their forces do not depend on how fast it is."""
     twists = stack(c.twist for c in (*d.coordinates, d.ground))
-    for constraint in d.constraints:
-        if ca.depends_on(ca.jacobian(constraint.slip, twists), twists):
+    speeds: Formulas = [(constraint.name, constraint.slip) for constraint in d.constraints]
+    for gap in rigid_gaps([*d.elements.values()], d.coordinates):
+        speeds.append((gap.name, gap.slip))
+    for entity, slip in speeds:
+        if ca.depends_on(ca.jacobian(slip, twists), twists):
             raise ModelError(
                 "an equation of speeds must be linear in them; divide by a speed or write its root",
-                constraint.name,
+                entity,
             )
 
 

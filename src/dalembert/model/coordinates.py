@@ -60,9 +60,9 @@ class CoordinateView:
 
     @property
     def everything(self) -> list[ca.SX]:
-        """``y, v, v̇`` of the bodies and ``λ`` of all equations."""
+        """``y, v, v̇`` of the bodies, ``λ`` of all equations and forces of rigid contacts."""
         e = self.model.all_equations
-        return [self.lift(column) for column in (e.y, e.v, e.a, e.multiplier)]
+        return [self.lift(column) for column in (e.y, e.v, e.a, e.transmitted)]
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from scipy import sparse
 
 from dalembert.model.inertia import Inertia
 from dalembert.model.manifold import Manifold
+from dalembert.model.rigid_gaps import RigidGap, contact_forces
 from dalembert.model.scales import Scales
 from dalembert.symbolic.switches import Switches, hold
 
@@ -64,6 +65,9 @@ class Equations:
     scales : natural sizes of coordinates, rows and the rest; units where nothing is known
     manifold : of the positions; that of coordinates whose rates are the speeds where not given
     known : derivatives of the constraints that need not be made of them
+    contacts : rigid gaps, of which ``touching`` makes constraints
+    follows : SX symbols of forces that follow from multipliers, and what they are
+    rubbing : (n,) generalised forces of these
     switches : of forces and constraints, held on sides that belong to the state; none where
         formulas follow the branches they choose
     """
@@ -88,6 +92,9 @@ class Equations:
     manifold: Manifold = field(default=None)  # type: ignore[assignment]
     nonholonomic: ca.SX = field(default=None)  # type: ignore[assignment]
     known: ConstraintKinematics | None = None
+    contacts: tuple[RigidGap, ...] = ()
+    follows: tuple[ca.SX, ca.SX] = field(default_factory=lambda: (ca.SX(0, 1), ca.SX(0, 1)))
+    rubbing: ca.SX = field(default=None)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         if self.scales is None:
@@ -95,6 +102,8 @@ class Equations:
             object.__setattr__(self, "scales", known)
         if self.nonholonomic is None:
             object.__setattr__(self, "nonholonomic", ca.SX(self.constraint_count, 1))
+        if self.rubbing is None:
+            object.__setattr__(self, "rubbing", ca.SX(self.speed_count, 1))
         if self.manifold is None:
             object.__setattr__(self, "manifold", Manifold.plain(self.y))
 
@@ -132,8 +141,14 @@ class Equations:
         return replace(kept, powers=kept.without_dropped(self.powers))
 
     def without_dropped(self, expression: ca.SX) -> ca.SX:
-        """The expression with the multipliers of equations left out at zero."""
+        """The expression with forces that follow, and multipliers of equations left out at zero."""
+        expression = ca.substitute(expression, *self.follows)
         return ca.substitute(expression, self.dropped, ca.SX.zeros(self.dropped.numel()))
+
+    @property
+    def transmitted(self) -> ca.SX:
+        """Multipliers, and behind them the forces of rigid contacts."""
+        return ca.vertcat(self.multiplier, contact_forces(self.contacts))
 
     @property
     def mass(self) -> ca.SX:

@@ -20,6 +20,7 @@ from dalembert.model.kinematic_tree import between_neighbours, links_of
 from dalembert.model.link import Link
 from dalembert.model.manifold import Manifold
 from dalembert.model.model import Model
+from dalembert.model.rigid_gaps import RigidGap
 from dalembert.model.tree_inertia import TreeInertia
 from dalembert.model.tree_motion import TreeMotion
 from dalembert.symbolic.expression import stack
@@ -117,8 +118,13 @@ class JointView(CoordinateView):
                 displacements=sizes,
             ),
             manifold=self.manifold,
+            contacts=tuple(self._moved_gap(gap) for gap in e.contacts),
         )
         return replace(made, massless=self._massless(inertia)) if e.massless else made
+
+    def _moved_gap(self, gap: RigidGap) -> RigidGap:
+        distance, slip = self.moved([gap.distance, gap.slip])
+        return replace(gap, distance=distance, slip=slip)
 
     def _shortened(self, constraints: ca.SX) -> ca.SX:
         """Loop equations, those between a body and its carrier by their joint alone."""

@@ -121,10 +121,13 @@ class Model(ParametricModel):
 
     @once
     def function(self, *measures: Expression) -> ca.Function:
-        """``(t, y, v, a, λ of all equations, p) → measures`` one above the other."""
+        """``(t, y, v, a, λ of all equations, p) → measures`` one above the other.
+
+        Behind ``λ`` stand the forces of rigid contacts.
+        """
         e = self.all_equations
         column = ca.vertcat(*(ca.densify(self._grounded(m).sx) for m in measures))
-        inputs = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
+        inputs = [e.t, e.y, e.v, e.a, e.transmitted, e.p]
         return ca.Function("measures", inputs, [column], {"cse": True})
 
     @cached_property

@@ -204,6 +204,8 @@ def motion_dataset(motion: Recording) -> xr.Dataset:
     _add_states(data, coords, motion)
     _add_energies(data, motion)
     _add_events(data, coords, motion)
+    if motion.impacts:
+        _add_impacts(data, coords, motion)
     return xr.Dataset(data, coords, attrs=_attributes(motion))
 
 
@@ -219,7 +221,7 @@ def _add_states(data: dict, coords: dict, motion: Recording) -> None:
     coords["equation"] = model.equation_names
     data["multiplier"] = (
         ("time", "equation"),
-        s.multiplier.T,
+        s.multiplier[: len(model.equation_names)].T,
         {"long_name": "multipliers", "units": "N or N m"},
     )
 
@@ -259,6 +261,16 @@ def _add_events(data: dict, coords: dict, motion: Recording) -> None:
         table = np.array(states, dtype=float).reshape(len(events), len(coords[along]))
         units = {"units": "m or rad (per second for speeds)"}
         data[name] = (("event", along), table, {"long_name": text, **units})
+
+
+def _add_impacts(data: dict, coords: dict, motion: Recording) -> None:
+    coords["impact"] = np.array([impact.name for impact in motion.impacts], dtype=str)
+    for name, values, units, text in (
+        ("impact_time", [i.time for i in motion.impacts], "s", "time of the impact"),
+        ("impact_impulse", [i.normal for i in motion.impacts], "N s", "impulse along the gap"),
+    ):
+        table = np.array(values, dtype=float)
+        data[name] = ("impact", table, {"units": units, "long_name": text})
 
 
 def _speeds_of(model: Model) -> str:

@@ -28,7 +28,7 @@ class Motion(LabelledRecording):
     def summary(self) -> dict[str, Any]:
         """Status, statistics, events, final energies and largest violations."""
         data, some = self.data, bool(self.time.size)
-        return {
+        told: dict[str, Any] = {
             "status": str(self.status),
             "time": self.status.time,
             "residual": self.status.residual,
@@ -38,6 +38,9 @@ class Motion(LabelledRecording):
             "final": {name: float(data[name][-1]) for name in FINAL if some},
             "largest": {name: float(data[name].max()) for name in LARGEST if some},
         }
+        if self.impacts:
+            told["impacts"] = [impact.row for impact in self.impacts]
+        return told
 
     # files and pictures ------------------------------------------------------------
     def save(  # type: ignore[override]

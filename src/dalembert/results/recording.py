@@ -23,7 +23,8 @@ class Trajectory:
     Attributes
     ----------
     t : (K,) ; y, v, a : (n, K) of the bodies; multiplier : (M, K) of all equations, zero where
-    one is left out as redundant ; work : (2, K) dissipated energy and input
+    one is left out as redundant, then the forces of rigid contacts where there are any ;
+    work : (2, K) dissipated energy and input
     """
 
     t: np.ndarray
@@ -32,6 +33,10 @@ class Trajectory:
     a: np.ndarray
     multiplier: np.ndarray
     work: np.ndarray
+
+    def forces(self, count: int) -> np.ndarray:
+        """(count, K) multipliers and contact forces; none act where the analysis knows of none."""
+        return np.pad(self.multiplier, ((0, count - self.multiplier.shape[0]), (0, 0)))
 
     def some(self, which: np.ndarray) -> Trajectory:
         """These columns only."""
@@ -63,6 +68,29 @@ class EventRecord:
         return {"name": self.name, "time": self.time, "direction": self.direction}
 
 
+@dataclass(frozen=True, eq=False)
+class ImpactRecord:
+    """A rigid contact that bounced, or closed with a jump of the speeds.
+
+    Attributes
+    ----------
+    name : of the element
+    time : when [s]
+    normal : impulse along the gap [N s]
+    tangential : (k,) impulse along the slip [N s]
+    """
+
+    name: str
+    time: float
+    normal: float
+    tangential: np.ndarray
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """What is told of it in JSON."""
+        return {"name": self.name, "time": self.time, "impulse": self.normal}
+
+
 @dataclass(eq=False, repr=False)
 class Recording(Result):
     """States of a mechanism over time, and any measure of them.
@@ -77,6 +105,7 @@ class Recording(Result):
     statistics : name → number or text, for people
     events : what happened, by time; ``data`` has them along the dimension ``event``
     warnings : doubts about the choices made, each with the number that shows it
+    impacts : jumps of the speeds at rigid contacts, by time
     record : what a gradient needs of the run (steps taken, branches to the outputs)
     """
 
@@ -88,6 +117,7 @@ class Recording(Result):
     statistics: dict[str, Any] = field(default_factory=dict)
     events: list[EventRecord] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    impacts: list[ImpactRecord] = field(default_factory=list)
     record: Any = None
 
     @property
@@ -111,7 +141,8 @@ class Recording(Result):
         if not s.t.size:
             return np.zeros((function.size1_out(0), 0))
         p = np.tile(self.parameters[:, None], s.t.size)
-        return Kernel(function.map(s.t.size))(s.t, s.y, s.v, s.a, s.multiplier, p)[0]
+        forces = s.forces(function.size1_in(4))
+        return Kernel(function.map(s.t.size))(s.t, s.y, s.v, s.a, forces, p)[0]
 
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, a formula or an expression; see ``Model.expression``."""

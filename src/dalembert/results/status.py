@@ -15,6 +15,7 @@ class Outcome(StrEnum):
     LOCKED = "locked: no position satisfies the drivers"
     SINGULAR = "singular position"
     CHATTERING = "chattering"
+    UNDECIDED = "contact forces undecided"
     DIVERGED = "diverged"
     NOT_CONVERGED = "not converged"
     VIOLATED = "violates the model's equations"

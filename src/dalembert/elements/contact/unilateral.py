@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 
@@ -54,3 +55,30 @@ class Unilateral(Element):
     def impact(self) -> Impact | None:
         """How it bounces; None of what is compliant, which states forces instead."""
         return None
+
+    @cached_property
+    def pressing(self) -> list[tuple[ca.SX, ca.SX]]:
+        """Symbols of the forces ``N`` and ``T`` of what is rigid, gap by gap."""
+        if self.impact() is None:
+            return []
+        return [
+            (
+                ca.SX.sym(f"{self.name}.normal{k}"),
+                ca.SX.sym(f"{self.name}.tangential{k}", gap.slip.numel()),
+            )
+            for k, gap in enumerate(self.gaps(lambda expression: expression))
+        ]
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        """Gap, slip and forces of every place; numbered where there are several."""
+        found, gaps = {}, self.gaps(rate)
+        for k, gap in enumerate(gaps):
+            end = str(k) if len(gaps) > 1 else ""
+            found[f"gap{end}"] = (gap.distance, "m")
+            if gap.slip.numel():
+                found[f"slip{end}"] = (gap.slip, "m/s")
+            for normal, tangential in self.pressing[k : k + 1]:
+                found[f"normal_force{end}"] = (normal, "N")
+                if gap.slip.numel():
+                    found[f"friction_force{end}"] = (tangential, "N")
+        return found

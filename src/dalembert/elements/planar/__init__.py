@@ -2,6 +2,7 @@
 
 from dalembert.elements.contact.cable import Cable
 from dalembert.elements.contact.contact import Contact
+from dalembert.elements.contact.unilateral_constraint import UnilateralConstraint
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
@@ -59,6 +60,7 @@ __all__ = [
     "Stop",
     "Translational",
     "TranslationalDriver",
+    "UnilateralConstraint",
     "UserConstraint",
     "Weld",
 ]

@@ -2,6 +2,7 @@
 
 from dalembert.elements.contact.cable import Cable
 from dalembert.elements.contact.contact import Contact
+from dalembert.elements.contact.unilateral_constraint import UnilateralConstraint
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.frame import Frame
 from dalembert.elements.joint_actuator import JointActuator
@@ -87,6 +88,7 @@ __all__ = [
     "Torque",
     "TorsionSpring",
     "TranslationalDriver",
+    "UnilateralConstraint",
     "Universal",
     "UserConstraint",
     "Weld",

@@ -13,6 +13,7 @@ from dalembert.model.model import Model
 from dalembert.responses.base import Response
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
+from dalembert.sensitivity.checks.contacts import through_contacts
 from dalembert.sensitivity.checks.kinks import ties
 from dalembert.sensitivity.checks.scales import parameter_scales
 from dalembert.sensitivity.checks.switches import over_switches
@@ -96,6 +97,7 @@ def changes_of_variant(f: Findings) -> list[str]:
         return []
     lasting = steps.lasting
     changes = lasting[np.flatnonzero(np.diff(steps.mode[lasting]))]
+    changes = changes[~np.isin(changes + 1, np.flatnonzero(steps.h == 0))]  # those are contacts
     if not changes.size:
         return []
     return [
@@ -154,12 +156,18 @@ def switches_of_forces(f: Findings) -> list[str]:
     return over_switches(f.motion, f.responses)
 
 
+def rigid_contacts(f: Findings) -> list[str]:
+    """Impacts beside which the motion is another one."""
+    return through_contacts(f.motion)
+
+
 NOTES: tuple[Callable[[Findings], list[str]], ...] = (
     one_sided,
     without_influence,
     at_bounds,
     changes_of_variant,
     switches_of_forces,
+    rigid_contacts,
     near_singular,
     doubts_of_the_run,
 )

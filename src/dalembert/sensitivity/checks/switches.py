@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.transition import Transition
 from dalembert.model.model import Model
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.responses.integrals import OverRun
@@ -28,9 +29,9 @@ def over_switches(motion: Result, responses: Sequence[Response]) -> list[str]:
     kernel = getattr(getattr(motion, "record", None), "kernel", None)
     if not isinstance(motion, Recording) or not isinstance(kernel, DynamicsKernel):
         return []
-    if kernel.adaptive is None:
-        return _stepped_over(motion)
-    return [*_grazed(motion, kernel), *(n for r in responses for n in _jumping(motion, r, kernel))]
+    stepped = _stepped_over(motion) if kernel.adaptive is None else []
+    jumping = [note for r in responses for note in _jumping(motion, r, kernel)]
+    return [*stepped, *_grazed(motion, kernel), *jumping]
 
 
 def _stepped_over(motion: Recording) -> list[str]:
@@ -63,6 +64,8 @@ def _grazed(motion: Recording, kernel: DynamicsKernel) -> list[str]:
     """Switches that were crossed so slowly that their instants have no derivative."""
     steps, notes = motion.record.steps, []
     for k, transition in kernel.crossings(steps):
+        if not isinstance(transition, Transition):
+            continue  # contacts are told apart
         size = transition.step.state_size
         pace = float(transition.pace(steps.t[k], steps.x[:size, k], motion.parameters))
         if not abs(pace) > GRAZING:

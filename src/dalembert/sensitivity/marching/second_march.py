@@ -53,8 +53,9 @@ class SecondMarch(DirectionalMarch):
             The run went over switches, whose transitions are right to first order.
         """
         if crossings := self.kernel.crossings(self.steps):
+            what = "switches of forces" if self.kernel.contacts is None else "impacts and contacts"
             raise UnsupportedError(
-                f"second derivatives through switches of forces are not available, and this run "
+                f"second derivatives through {what} are not available, and this run "
                 f"went over {len(crossings)}, first at t = {self.steps.t[crossings[0][0]]:.6g} s; "
                 "smooth the forces, or take differences of gradients"
             )

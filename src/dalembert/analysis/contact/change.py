@@ -1,0 +1,117 @@
+"""Gaps go over to other phases: a step of no length, with the jump of an impact if there is one.
+
+The instant ``t* = t + δ`` at which the guard reaches zero moves with the parameters, the times of
+the steps do not. So the old motion is followed to it, the speeds jump there, and the new motion is
+followed back:
+
+    x⁺ = φ⁺(−δ, J(φ⁻(δ, x))),      guard(φ⁻(δ, x)) = 0
+
+In the run itself ``δ`` is zero but for rounding; the derivative is the saltation matrix (Aizerman
+and Gantmacher 1958).
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import casadi as ca
+
+from dalembert.analysis.contact.jump import Jump
+from dalembert.analysis.variant import Variant
+from dalembert.integrators.base import Attempt
+from dalembert.integrators.step import GraphStep
+from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.implicit import ImplicitFunction
+
+CORRECTIONS = 2
+"""Of the instant by Newton's method: one for its derivative, another for the second."""
+
+
+class ContactChange(Variant):
+    """A step of no length between steps of two variants.
+
+    Parameters
+    ----------
+    before, after : the variants
+    guard : number of the guard of ``before`` that reaches zero; None where no instant moves
+    jump : of the speeds, or None
+    closes : gaps that bounce no more, after bounces that accumulate
+    together : gaps that reach zero at the same time
+    """
+
+    moving = True
+
+    def __init__(
+        self,
+        before: Variant,
+        after: Variant,
+        guard: int | None,
+        jump: Jump | None,
+        closes: frozenset[int] = frozenset(),
+        together: tuple[int, ...] = (),
+    ):
+        strategies = before.formulation, before.stabilization, before.integrator
+        super().__init__(before.view, before.rows, *strategies, before.phases)
+        self.before, self.after, self.guard, self.jump = before, after, guard, jump
+        self.closes, self.together = closes, together
+
+    @cached_property
+    def step(self) -> GraphStep:
+        size, count = self.before.step.state_size, self.before.step.parameter_count
+        t, h = ca.MX.sym("t"), ca.MX.sym("h")
+        x, p = ca.MX.sym("x", size), ca.MX.sym("p", count)
+        there, delay = x, ca.MX(0)
+        if self.guard is not None:
+            for _ in range(CORRECTIONS):
+                values, rates = self._guards(t + delay, there, p)
+                value, rate = values[self.guard], rates[self.guard]
+                grazed = rate == 0
+                delay += ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
+                there = flow(self.before, t, x, p, delay)
+        if self.jump is not None:
+            there = self.jump.function(t + delay, there, p)[0]
+        if self.guard is not None:
+            there = flow(self.after, t + delay, there, p, -delay)
+        return GraphStep(ca.Function("contact_change", [t, h, x, p], [there]), size)
+
+    @property
+    def _guards(self) -> ca.Function:
+        assert self.before.guards is not None
+        return self.before.guards.function
+
+    @cached_property
+    def pace(self) -> ca.Function:
+        """``(t, x, p)`` → speed at which the guard reaches zero, in natural units."""
+        e = self.before.equations
+        t, x, p = self.rate.inputs
+        if self.guard is None or self.before.guards is None:
+            return ca.Function("pace", [t, x, p], [ca.SX(1)])
+        _, rates = self._guards(t, x, p)
+        size = self.before.guards.watched[self.guard].size
+        return ca.Function("pace", [t, x, p], [rates[self.guard] * e.scales.time / size])
+
+    @property
+    def gap(self) -> int | None:
+        """The gap whose guard reaches zero, None where no instant moves."""
+        if self.guard is None or self.before.guards is None:
+            return None
+        return self.before.guards.watched[self.guard].gap
+
+    # the state before it belongs to the motion before it
+    def measured(self, measure: Expression) -> ImplicitFunction:  # type: ignore[override]
+        return self.before.measured(measure)
+
+    @cached_property
+    def bodies(self) -> ca.Function:
+        return self.before.bodies
+
+    @property
+    def attempt(self) -> Attempt | None:
+        return self.before.attempt
+
+
+def flow(variant: Variant, t: ca.MX, x: ca.MX, p: ca.MX, length: ca.MX) -> ca.MX:
+    """The motion a moment on, right to second order (explicit midpoint rule)."""
+    rate = variant.rate.function
+    middle = x + length / 2 * rate(t, x, p)
+    return x + length * rate(t + length / 2, middle, p)

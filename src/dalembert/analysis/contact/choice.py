@@ -1,0 +1,188 @@
+"""What gaps do at a state: bounce, rest, stick, slide or part."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.analysis.contact.complementarity import Solution, Touch, solutions, too_many
+from dalembert.analysis.contact.guards import Change, Guard
+from dalembert.analysis.contact.modes import ContactModes
+from dalembert.analysis.contact.quantities import ContactState, slip_rows
+from dalembert.analysis.contact.ruling import Ruling
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.errors import AnalysisError
+from dalembert.model.contacts import Phase, Phases
+
+TOUCHING = 1e-9
+"""Gap, in natural lengths, that counts as none."""
+RESTING = 1e-9
+"""Speed, relative to what it is the sum of, that counts as none."""
+ZENO = 1e-9
+"""Time of flight, relative to the run, below which a gap bounces no more."""
+CLOSED = (Phase.SMOOTH, Phase.STICKING, Phase.FORWARD, Phase.BACKWARD)
+
+
+class ContactChoice:
+    """Decides for one run.
+
+    Parameters
+    ----------
+    kernel : DynamicsKernel of the run
+    modes : its ContactModes
+    p : (np,) parameters
+    span : length of the run [s]
+    """
+
+    def __init__(self, kernel: DynamicsKernel, modes: ContactModes, p: np.ndarray, span: float):
+        self.kernel, self.modes, self.p, self.span = kernel, modes, p, span
+        self.gaps, self.slips = kernel.equations.contacts, slip_rows(kernel.equations)
+        self.crowded = False
+        self.near = TOUCHING * kernel.equations.scales.length
+
+    def at_start(self, t: float, x: np.ndarray, mode: int) -> Ruling:
+        """Phases at the start; what closes there is left to the first step."""
+        state = self._state(t, x, mode)
+        for k in np.flatnonzero(state.distance < -self.near):
+            raise AnalysisError(
+                f"{self.gaps[k].name}: its gap is {state.distance[k]:.6g} at the start; it must "
+                "not be negative, so move the bodies apart"
+            )
+        apart = (Phase.APART,) * len(self.gaps)
+        resting = np.abs(state.speed) <= RESTING * state.size
+        touching = [k for k in range(len(self.gaps)) if state.distance[k] <= self.near]
+        return self._rested(t, state, [k for k in touching if resting[k]], apart, None)
+
+    def ruled(self, t: float, x: np.ndarray, mode: int, guard: Guard) -> Ruling:
+        """What happens where a guard has reached zero."""
+        before, state = self.kernel.variants[mode].phases, self._state(t, x, mode)
+        touching = [
+            k
+            for k, phase in enumerate(before)
+            if phase is not Phase.APART or state.distance[k] <= self.near or k == guard.gap
+        ]
+        apart = [k for k in touching if before[k] is Phase.APART]
+        closing = tuple(k for k in apart if state.speed[k] < -RESTING * state.size[k])
+        if not closing:
+            return self._rested(t, state, touching, before, guard)
+        ruling, flights = self._impact(t, x, mode, touching, closing, frozenset())
+        if dead := frozenset(k for k in closing if flights[k] <= ZENO * self.span):
+            ruling, _ = self._impact(t, x, mode, touching, closing, dead)
+        return ruling
+
+    def _impact(
+        self,
+        t: float,
+        x: np.ndarray,
+        mode: int,
+        touching: list[int],
+        closing: tuple[int, ...],
+        dead: frozenset[int],
+    ) -> tuple[Ruling, np.ndarray]:
+        """An impact and the phases after it; the time every gap would fly until it closes again."""
+        before, state = self.kernel.variants[mode].phases, self._state(t, x, mode)
+        endless = np.full(len(self.gaps), np.inf)
+        found = self._struck(state, touching, dead)
+        if len(found) != 1:
+            return Ruling(before, trouble=self._undecided(t, closing, found, "impact")), endless
+        pattern = found[0].phases
+        jump = self.modes.jump(mode, tuple(touching), pattern, dead)
+        x_after = jump.function(t, x, self.p)[0].full().ravel()
+        after = self._state(t, x_after, mode)
+        terms = np.maximum(state.size, after.size)
+        resting = [k for k in touching if abs(after.speed[k]) <= RESTING * terms[k]]
+        rested = self._rested(t, after, resting, before, None, terms)
+        together = closing if len(closing) > 1 else ()
+        ruling = Ruling(
+            rested.phases,
+            tuple(touching),
+            pattern,
+            dead,
+            found[0].impulse,
+            together,
+            rested.trouble,
+            rested.acceleration,
+        )
+        if rested.acceleration is None:
+            return ruling, endless
+        away, pull = after.speed[: endless.size], -rested.acceleration[: endless.size]
+        flying = (away > RESTING * terms[: endless.size]) & (pull > 0)
+        pull = np.where(flying, pull, 1.0)
+        seen = away**2 / (2 * pull) > after.blur  # higher than rounding
+        return ruling, np.where(flying, np.where(seen, 2 * away / pull, 0.0), np.inf)
+
+    def _state(self, t: float, x: np.ndarray, mode: int) -> ContactState:
+        function = self.modes.dynamics(mode)[1]
+        return ContactState.at(function, self.kernel.equations, t, x, self.p)
+
+    # impacts ------------------------------------------------------------------------------
+    def _struck(self, state: ContactState, gaps: list[int], dead: frozenset[int]) -> list[Solution]:
+        c, touches = state.speed.copy(), []
+        for k in gaps:
+            if k not in dead:
+                c[k] *= 1 + state.restitution[k]
+            c[state.slips[k]] *= 1 + state.tangential[k]
+            touches.append(self._touch(state, k, (Phase.APART, *self._closed(state, k))))
+        return self._solutions(state, c, touches)
+
+    def _solutions(
+        self, state: ContactState, c: np.ndarray, touches: list[Touch]
+    ) -> list[Solution]:
+        self.crowded = too_many(touches)
+        return solutions(state.delassus, c, touches)
+
+    def _touch(self, state: ContactState, k: int, allowed: Phases, moving: bool = False) -> Touch:
+        slip = state.slips[k][0] if state.rubs(k) else None
+        return Touch(k, slip, float(state.friction[k]), allowed, moving)
+
+    @staticmethod
+    def _closed(state: ContactState, k: int) -> Phases:
+        if not state.rubs(k):
+            return (Phase.SMOOTH,)
+        return (Phase.STICKING, Phase.FORWARD, Phase.BACKWARD, Phase.SMOOTH)
+
+    # lasting contact ------------------------------------------------------------------------
+    def _rested(
+        self,
+        t: float,
+        state: ContactState,
+        gaps: list[int],
+        before: Phases,
+        guard: Guard | None,
+        terms: np.ndarray | None = None,
+    ) -> Ruling:
+        """Phases of gaps that touch and do not move apart; the others are apart."""
+        terms = state.size if terms is None else terms
+        gaps = [k for k in gaps if state.speed[k] <= RESTING * terms[k]]
+        touches = [self._resting(state, k, before[k], guard, terms) for k in gaps]
+        found = self._solutions(state, state.acceleration, touches)
+        if len(found) != 1:
+            return Ruling(before, trouble=self._undecided(t, gaps, found, "contact"))
+        phases = [Phase.APART] * len(self.gaps)
+        for k, phase in zip(gaps, found[0].phases, strict=True):
+            phases[k] = phase
+        return Ruling(tuple(phases), acceleration=found[0].result)
+
+    def _resting(self, state: ContactState, k: int, before: Phase, guard, terms) -> Touch:
+        allowed: tuple[Phase, ...] = (Phase.APART, *self._closed(state, k))
+        moving = False
+        if state.rubs(k):
+            row = state.slips[k][0]
+            slip = state.speed[row]
+            stops = guard is not None and guard.gap == k and guard.change is Change.STOPS
+            if abs(slip) > RESTING * terms[row] and not stops:
+                allowed = (Phase.APART, Phase.FORWARD if slip > 0 else Phase.BACKWARD)
+                moving = True
+        if guard is not None and guard.gap == k and before is not Phase.APART:
+            left = CLOSED if guard.change is Change.LIFTS else (before,)
+            allowed = tuple(phase for phase in allowed if phase not in left)
+        return self._touch(state, k, allowed, moving)
+
+    def _undecided(self, t: float, gaps, found: list[Solution], what: str) -> str:
+        names = ", ".join(dict.fromkeys(self.gaps[k].name for k in gaps))
+        if not found and self.crowded:
+            return f"so many gaps touch at t = {t:.9g} s that not all patterns are tried: {names}"
+        many = f"{len(found)} motions" if found else "no motion"
+        return (
+            f"rigid {what} with friction has {many} at t = {t:.9g} s at {names} (Painlevé); lower "
+            "the friction, or use a compliant contact"
+        )

@@ -1,0 +1,139 @@
+"""How gaps move and how impulses move them, at a state.
+
+With all gaps' rates ``u = (ġ; slip)`` and forces ``F = (N; T)``, through the constraints,
+
+    u⁺ = u⁻ + G P,      u̇ = w + G F,      G = W (M⁻¹ − M⁻¹Cᵀ(C M⁻¹Cᵀ)⁻¹C M⁻¹) Wᵀ
+
+the Delassus matrix. Normal directions of all gaps come first, then those of the slips.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import UnsupportedError
+from dalembert.formulations.base import Formulation, state_symbols
+from dalembert.integrators.base import Integrator
+from dalembert.model.contacts import Phase, touching
+from dalembert.model.equations import Equations
+
+ROUNDING = 100 * float(np.finfo(float).eps)
+LEAST = 1e-3
+"""Natural speed with which speeds near zero are compared."""
+
+
+class ContactDynamics:
+    """Expressions of one system of equations whose gaps are all apart.
+
+    Attributes
+    ----------
+    distance, speed, acceleration : ``g``, ``u``, ``w``
+    blur : what rounding of its terms may leave of ``g``, with a margin
+    response : ``M⁻¹Wᵀ`` through the constraints: change of the speeds by unit impulses
+    delassus : ``G``
+    size : sum of the magnitudes that ``u`` is made of, and a little that is never zero
+    laws : (3, gaps) ``e``, ``e_T``, ``μ``
+    """
+
+    def __init__(self, e: Equations, formulation: Formulation):
+        self.equations = e
+        whole = touching(e, [Phase.STICKING] * len(e.contacts))
+        m = e.constraint_count
+        rows = ca.densify(-whole.jacobian[m:, :])
+        solver = formulation.saddle(e)
+        a, _ = solver.solve(e.force - e.bias, e.constraint_acceleration)
+        none = ca.SX.zeros(m, rows.shape[0])
+        self.response = ca.densify(solver.solve(rows.T, none)[0])
+        self.delassus = ca.mtimes(rows, self.response)
+        self.distance = ca.vertcat(*(gap.distance for gap in e.contacts))
+        slopes = ca.jacobian(self.distance, ca.vertcat(e.t, e.y))
+        terms = ca.mtimes(slopes, ca.vertcat(e.t, e.y))
+        self.blur = ca.mtimes(ca.fabs(slopes), ca.fabs(ca.vertcat(e.t, e.y)))
+        self.blur = ROUNDING * (self.blur + ca.fabs(self.distance - terms))
+        self.speed = -whole.velocity_constraints[m:]
+        self.acceleration = ca.mtimes(rows, a) + whole.constraint_acceleration[m:]
+        own = ca.substitute(self.speed, e.v, ca.SX.zeros(e.speed_count))
+        self.size = ca.mtimes(ca.fabs(rows), ca.fabs(e.v)) + ca.fabs(own)
+        self.size += LEAST * e.scales.length / e.scales.time
+        laws = [g.impact for g in e.contacts]
+        self.laws = ca.horzcat(
+            *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws)
+        )
+
+    @property
+    def function(self) -> ca.Function:
+        """``(t, x, p)`` → all of them."""
+        e = self.equations
+        found = [self.distance, self.blur, self.speed, self.size, self.acceleration]
+        found += [self.delassus, self.laws]
+        x = state_symbols(e)
+        return ca.Function("contacts", [e.t, x, e.p], [ca.densify(f) for f in found])
+
+
+@dataclass(frozen=True, eq=False)
+class ContactState:
+    """Their values at a state; see ``ContactDynamics``.
+
+    Attributes
+    ----------
+    slips : rows of the slip of every gap, empty where nothing rubs
+    """
+
+    distance: np.ndarray
+    blur: np.ndarray
+    speed: np.ndarray
+    size: np.ndarray
+    acceleration: np.ndarray
+    delassus: np.ndarray
+    restitution: np.ndarray
+    tangential: np.ndarray
+    friction: np.ndarray
+    slips: list[list[int]]
+
+    @classmethod
+    def at(cls, function: ca.Function, e: Equations, t: float, x: np.ndarray, p: np.ndarray):
+        *columns, delassus, laws = (f.full() for f in function(t, x, p))
+        g, blur, u, size, w = (f.ravel() for f in columns)
+        return cls(g, blur, u, size, w, delassus, laws[0], laws[1], laws[2], slip_rows(e))
+
+    def rubs(self, gap: int) -> bool:
+        """Whether friction acts there."""
+        return bool(self.slips[gap]) and self.friction[gap] > 0
+
+
+def slip_rows(e: Equations) -> list[list[int]]:
+    """Rows of ``u`` with the slip of every gap."""
+    ends = len(e.contacts) + np.cumsum([0, *(gap.slip.numel() for gap in e.contacts)])
+    return [list(range(a, b)) for a, b in pairwise(ends)]
+
+
+def check_contacts(e: Equations, formulation: Formulation, integrator: Integrator) -> None:
+    """Refuse what cannot be stopped at impacts.
+
+    Raises
+    ------
+    UnsupportedError
+        Names what works.
+    """
+    name = e.contacts[0].name
+    if integrator.implicit:
+        raise UnsupportedError(
+            f"{integrator.name} does not stop at the impacts of {name}; use RK4(), DormandPrince() "
+            "or another explicit integrator, or a compliant contact"
+        )
+    if formulation.every_equation or not formulation.gives_accelerations:
+        raise UnsupportedError(
+            f"{type(formulation).__name__} does not hold the rigid contact {name} exactly; use "
+            "formulation=RangeSpace()"
+        )
+    rough = [gap for gap in e.contacts if not gap.impact.friction.is_zero()]
+    wide = [gap.name for gap in rough if gap.slip.numel() > 1]
+    if wide:
+        raise UnsupportedError(
+            f"{wide[0]}: rigid friction along a surface, in two directions, is not supported; give "
+            "one direction of slip, no friction, or a compliant contact"
+        )

@@ -1,0 +1,203 @@
+"""Where gaps change their phases in a run, and the steps that are put in place there.
+
+Steps are taken as if nothing changed. Where a guard of the phases becomes negative, the instant is
+located, the step cut there, and the state asked what it does: gaps that close bounce, all that
+touch at once by one law; those that rest press, stick or slide as the accelerations ask.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.contact.choice import ContactChoice
+from dalembert.analysis.contact.guards import Guard, Guards
+from dalembert.analysis.contact.modes import ContactModes
+from dalembert.analysis.contact.ruling import Ruling
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.events import locate
+from dalembert.analysis.passage import NOW, Passage
+from dalembert.integrators.steps import Crossing
+from dalembert.results.recording import ImpactRecord
+from dalembert.symbolic.kernel import Kernel
+
+PARTS = np.arange(1, 8)[:, None, None] / 8
+"""Of a step, where it is looked for a guard that becomes negative and positive again."""
+HALVINGS = 50
+"""Of a step that begins at a zero, in search of its positive part."""
+MANY = 25
+"""Changes at one time that are recognised as chattering."""
+
+
+class ContactSearch:
+    """Looks for changes of phases in one run.
+
+    Parameters
+    ----------
+    kernel : DynamicsKernel of the run
+    modes : its ContactModes
+    p : (np,) parameters
+    start, end : of the run [s]
+
+    Attributes
+    ----------
+    impacts : ImpactRecord of every jump
+    closed : (time, element) of contacts that closed after bounces
+    trouble : why no motion goes on, or nothing
+    """
+
+    def __init__(
+        self, kernel: DynamicsKernel, modes: ContactModes, p: np.ndarray, start: float, end: float
+    ):
+        self.kernel, self.p, self.start, self.span = kernel, p, start, end - start
+        self.modes, self.choice = modes, ContactChoice(kernel, modes, p, end - start)
+        self.impacts: list[ImpactRecord] = []
+        self.closed: list[tuple[float, str]] = []
+        self.trouble, self.inconsistent = "", False
+        self._changes: list[float] = []
+        self._kernels: dict[object, Kernel] = {}
+
+    def begin(self, x0: np.ndarray, mode: int) -> int:
+        """The mode at the start, with gaps that touch and rest there closed."""
+        ruling = self.choice.at_start(self.start, x0, mode)
+        self._told(ruling)
+        return self.modes.phased(mode, ruling.phases)
+
+    def statistics(self, end: float) -> dict[str, Any]:
+        """What happened up to a time, for people."""
+        found: dict[str, Any] = {"impacts": sum(i.time <= end for i in self.impacts)}
+        if closed := [f"{name} at t = {t:.9g} s" for t, name in self.closed if t <= end]:
+            found["closed after ever shorter bounces"] = ", ".join(closed)
+        return found
+
+    # looking ------------------------------------------------------------------------------
+    def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
+        """What is put in place of the first step in which a guard becomes negative."""
+        if times.size < 2:
+            return None
+        found = self._first(times, states, mode)
+        if found is None:
+            return None
+        k, length, number = found
+        passage = Passage(float(times[k]), states[:, k])
+        if length > 0:
+            passage.add(length, self._state(mode, times[k], length, states[:, k]), mode)
+        moving = passage.time > self.start
+        after = self._change(passage, mode, number, moving)
+        if not passage.entries:  # no motion goes on from the start
+            passage.add(0.0, passage.x, mode)
+        made = passage.crossing(k, float(times[k + 1] - times[k]), self.trouble)
+        return made._replace(after=after)
+
+    def _first(self, times, states, mode: int) -> tuple[int, float, int] | None:
+        """Step, length from its beginning and number of the guard that becomes negative first."""
+        guards = self._guards(mode)
+        count = 1 << (times.size - 1).bit_length()  # few sizes, for few functions
+        whole = np.minimum(np.arange(count), times.size - 1)
+        looked = self.kernel.over(guards.function, count)
+        found = looked(times[whole], states[:, whole], np.tile(self.p[:, None], count))
+        values, rates = (column[:, : times.size] for column in found)
+        near, h = guards.near[:, None], np.diff(times)
+        beyond = ~(values[:, 1:] >= -near)
+        ends_of = values[:, :-1], values[:, 1:], h * rates[:, :-1], h * rates[:, 1:]
+        parts = np.concatenate([np.broadcast_to(PARTS, (7, *beyond.shape)), [lowest(*ends_of)]])
+        dips = cubic(parts, *ends_of) < -near
+        for k in np.flatnonzero(beyond.any(axis=0) | dips.any(axis=(0, 1))):
+            ends: dict[int, float] = {int(i): float(h[k]) for i in np.flatnonzero(beyond[:, k])}
+            for i in np.flatnonzero(dips[:, :, k].any(axis=0)):
+                part = h[k] * parts[dips[:, i, k], i, k].min()
+                if not self._value(mode, int(i), times[k], part, states[:, k]) >= -guards.near[i]:
+                    ends[int(i)] = float(part)
+            roots = {
+                i: self._locate(mode, i, float(times[k]), states[:, k], end)
+                for i, end in ends.items()
+            }
+            if roots:
+                number = min(roots, key=lambda i: roots[i])
+                return int(k), roots[number], number
+        return None
+
+    def _locate(self, mode: int, number: int, t: float, x: np.ndarray, longest: float) -> float:
+        """Time from the beginning of a step to the zero of a guard."""
+
+        def value(length: float) -> float:
+            return self._value(mode, number, t, length, x)
+
+        inside, guards = 0.0, self._guards(mode)
+        if value(0.0) <= guards.near[number]:  # it begins at a zero: only a later one counts
+            tried = (longest * 2.0**-k for k in range(1, HALVINGS))
+            inside = next((length for length in tried if value(length) > 0), 0.0)
+            if not inside:
+                return 0.0
+        return locate(value, inside, longest)
+
+    def _value(self, mode: int, number: int, t: float, length: float, x: np.ndarray) -> float:
+        state = self._state(mode, t, length, x) if length else x
+        function = self._guards(mode).function
+        return float(self._call(function, t + length, state, self.p)[0].ravel()[number])
+
+    def _state(self, mode: int, t: float, h: float, x: np.ndarray) -> np.ndarray:
+        return self._call(self.kernel.variants[mode].step.function, t, h, x, self.p)[0].ravel()
+
+    def _guards(self, mode: int) -> Guards:
+        found = self.kernel.variants[mode].guards
+        assert found is not None
+        return found
+
+    def _call(self, function, *arguments) -> list[np.ndarray]:
+        if function not in self._kernels:
+            self._kernels[function] = Kernel(function)
+        return self._kernels[function](*arguments)
+
+    # going over ---------------------------------------------------------------------------
+    def _change(self, passage: Passage, mode: int, number: int, moving: bool) -> int:
+        """Let gaps go over to other phases, here and now; the mode after it."""
+        guard: Guard = self._guards(mode).watched[number]
+        ruling = self.choice.ruled(passage.time, passage.x, mode, guard)
+        self._told(ruling)
+        self._changes.append(passage.time)
+        if self.trouble:
+            return mode
+        passed = passage.time - np.array(self._changes)
+        if np.sum(passed <= NOW * self.span) > MANY:
+            names = self.kernel.equations.contacts[guard.gap].name
+            self.trouble = (
+                f"{names} opens and closes again and again at t = {passage.time:.9g} s; give it "
+                "restitution=0, or a compliant contact"
+            )
+            return mode
+        change = self.modes.change(mode, ruling, number if moving else None)
+        after = self._state(change, passage.time, 0.0, passage.x)
+        passage.add(0.0, after, change)
+        if ruling.impulse is not None:
+            self._record(passage.time, ruling, ruling.impulse)
+        return self.modes.phased(mode, ruling.phases)
+
+    def _record(self, time: float, ruling: Ruling, impulse: np.ndarray) -> None:
+        gaps, slips = self.kernel.equations.contacts, self.choice.slips
+        for k in ruling.gaps:
+            if impulse[k] > 0:
+                tangential = impulse[slips[k]]
+                self.impacts.append(ImpactRecord(gaps[k].name, time, float(impulse[k]), tangential))
+        self.closed += [(time, gaps[k].name) for k in sorted(ruling.dead)]
+
+    def _told(self, ruling: Ruling) -> None:
+        if ruling.trouble:
+            self.trouble, self.inconsistent = ruling.trouble, True
+
+
+def cubic(c, begin, end, slope, slope_end) -> np.ndarray:
+    """Values at parts ``c`` of steps by values and slopes at their ends (Hermite)."""
+    values = (1 + 2 * c) * (1 - c) ** 2 * begin + c**2 * (3 - 2 * c) * end
+    return values + c * (1 - c) ** 2 * slope - c**2 * (1 - c) * slope_end
+
+
+def lowest(begin, end, slope, slope_end) -> np.ndarray:
+    """Part of every step at which the cubic is least inside; the middle where it is not."""
+    a = 6 * (begin - end) + 3 * (slope + slope_end)
+    b = -6 * (begin - end) - 4 * slope - 2 * slope_end
+    with np.errstate(all="ignore"):
+        root = np.sqrt(b**2 - 4 * a * slope)
+        found = np.where(b > 0, -2 * slope / (b + root), (root - b) / (2 * a))
+    return np.where((found > 0) & (found < 1), found, 0.5)

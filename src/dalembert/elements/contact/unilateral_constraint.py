@@ -1,0 +1,62 @@
+"""One-sided constraint written by the user."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Condition, ForceElement, Look, Powers, Rate, Scalar, quantity
+from dalembert.elements.contact.unilateral import Gap, Impact, Unilateral
+from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.look import Limit
+from dalembert.symbolic.expression import stack
+
+
+@dataclass(eq=False)
+class UnilateralConstraint(Unilateral, ForceElement):
+    """Any formula of poses, ``t`` and parameters that must not become negative.
+
+    Where it reaches zero while closing it bounces, ``ġ⁺ = −e ġ⁻`` (Newton), and rubs by
+    ``|T| ≤ μ N`` (Coulomb) along the slip; where it stays at zero it holds, ``N ≥ 0``, and sticks
+    or slides. Forces have the dual units of the formulas.
+
+    Parameters
+    ----------
+    distance : formula of positions, positive while apart
+    slip : formula of speeds along the surface, linear in them; None where nothing rubs
+    restitution : ``e``
+    tangential_restitution : of the slip
+    friction : ``μ``
+    """
+
+    distance: Scalar = quantity("m", "formula that must not become negative")
+    slip: Scalar = quantity("m/s", "formula of speeds along the surface", default=None)
+    restitution: Scalar = quantity("", "share of the speed that returns", minimum=0.0, keyword=True)
+    tangential_restitution: Scalar = quantity(
+        "", "share of the slip that returns", default=0.0, minimum=0.0
+    )
+    friction: Scalar = quantity("", "coefficient of friction", default=0.0, minimum=0.0)
+
+    def conditions(self) -> list[Condition]:
+        return [
+            (1 - self.restitution.sx, "restitution is above 1; a bounce gives no energy"),
+            (1 - self.tangential_restitution.sx, "tangential_restitution is above 1"),
+        ]
+
+    def gaps(self, rate: Rate) -> list[Gap]:
+        slip = stack([] if self.slip is None else [self.slip.sx])
+        return [Gap(self.distance.sx, slip)]
+
+    def impact(self) -> Impact:
+        given = self.restitution, self.tangential_restitution, self.friction
+        return Impact(*(each.sx for each in given))
+
+    def powers(self, rate: Rate) -> Powers:
+        return []
+
+    def parts(self) -> list[Coordinates]:
+        return []
+
+    def look(self) -> list[Look]:
+        return [Limit(self.distance.sx, ca.SX(0), False)]

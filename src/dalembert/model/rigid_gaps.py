@@ -1,0 +1,61 @@
+"""The rigid gaps of a mechanism, with the symbols of their forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import casadi as ca
+
+from dalembert.elements.base import Element
+from dalembert.elements.contact.unilateral import Impact, Unilateral
+from dalembert.elements.coordinates import Coordinates, rate_of
+from dalembert.symbolic.expression import stack, t
+
+
+@dataclass(frozen=True, eq=False)
+class RigidGap:
+    """A gap with its law and the symbols of its forces.
+
+    Attributes
+    ----------
+    name : of the element
+    distance, slip : as of ``Gap``
+    impact : Impact
+    normal, tangential : symbols of ``N`` and ``T``
+    """
+
+    name: str
+    distance: ca.SX
+    slip: ca.SX
+    impact: Impact
+    normal: ca.SX
+    tangential: ca.SX
+
+    def forces(self) -> ca.SX:
+        return ca.vertcat(self.normal, self.tangential)
+
+
+def rigid_gaps(elements: Sequence[Element], everything: list[Coordinates]) -> tuple[RigidGap, ...]:
+    """The gaps of all elements that are rigid."""
+    found: list[RigidGap] = []
+    for element in elements:
+        law = element.impact() if isinstance(element, Unilateral) else None
+        if not isinstance(element, Unilateral) or law is None:
+            continue
+        gaps = element.gaps(partial(_rate, element.parts() or everything))
+        found += [
+            RigidGap(element.name, gap.distance, gap.slip, law, *forces)
+            for gap, forces in zip(gaps, element.pressing, strict=True)
+        ]
+    return tuple(found)
+
+
+def _rate(owners: list[Coordinates], expression: ca.SX) -> ca.SX:
+    return rate_of(expression, owners, t.sx)
+
+
+def contact_forces(gaps: Sequence[RigidGap]) -> ca.SX:
+    """Symbols of all contact forces, gap by gap."""
+    return stack(gap.forces() for gap in gaps)

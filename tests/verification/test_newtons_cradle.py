@@ -1,0 +1,33 @@
+"""Newton's cradle by Newton's law in all gaps at once: (−1/3, 2/3, 2/3), not what cradles do.
+
+Balls that touch are struck at one time. The law of restitution then gives the speeds above for
+``e = 1`` (e.g. Glocker and Aeberhard 2006); a small distance between the balls, one impact after
+the other, gives the cradle of everyday.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+
+
+@pytest.mark.parametrize(
+    ("between", "speeds"), [(0.0, (-1 / 3, 2 / 3, 2 / 3)), (1e-3, (0.0, 0.0, 1.0))]
+)
+def test_three_balls(between, speeds):
+    system = da.System("cradle")
+    places, size = (0.0, 1.0, 1.2 + between), system.parameter("size", 0.2)
+    balls = [
+        system.add(planar.Particle(f"b{k}", mass=1.0, position=(x, 0), velocity=(k == 0, 0)))
+        for k, x in enumerate(places)
+    ]
+    for k in range(2):
+        gap = balls[k + 1].x - balls[k].x - size
+        system.add(planar.UnilateralConstraint(f"c{k}", gap, restitution=1.0))
+    motion = da.solve_dynamics(system.build(), 1.0, step=0.01)
+    found = [motion.values(f"b{k}.vx")[-1] for k in range(3)]
+    np.testing.assert_allclose(found, speeds, atol=1e-13)
+    assert [impact.name for impact in motion.impacts] == ["c0", "c1"]
