@@ -1,5 +1,6 @@
 """Planar elements: one file per concept, listed once in ``registry``."""
 
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.joint_actuator import JointActuator
 from dalembert.elements.joint_friction import JointFriction
@@ -27,6 +28,7 @@ __all__ = [
     "Bar",
     "Body",
     "Bushing",
+    "Collisions",
     "CoordinateDriver",
     "Coupling",
     "DistanceDriver",

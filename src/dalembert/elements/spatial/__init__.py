@@ -1,5 +1,6 @@
 """Elements in space: one file per concept, listed once in ``registry``."""
 
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.frame import Frame
 from dalembert.elements.joint_actuator import JointActuator
@@ -45,6 +46,7 @@ __all__ = [
     "Bushing",
     "Capsule",
     "ConstantVelocity",
+    "Collisions",
     "CoordinateDriver",
     "Coupling",
     "Cylinder",
