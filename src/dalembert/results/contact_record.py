@@ -23,7 +23,7 @@ class ContactRecord:
     loss : (K,) energy that contacts took [J]
     penetration : (K+1,) of the deepest gap [m]
     residual : (K,) of the conditions of contact, as a speed [m/s]
-    sweeps : (K,) of Gauss–Seidel
+    rounds : (K,) of the proximal method
     """
 
     t: np.ndarray
@@ -39,7 +39,7 @@ class ContactRecord:
     loss: np.ndarray
     penetration: np.ndarray
     residual: np.ndarray
-    sweeps: np.ndarray
+    rounds: np.ndarray
 
     @property
     def pressing(self) -> np.ndarray:

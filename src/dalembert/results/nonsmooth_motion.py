@@ -33,10 +33,14 @@ class NonsmoothMotion(Motion):
         normal = record.summed(self.time, record.impulse[:, 0])
         friction = record.summed(self.time, np.linalg.norm(record.impulse[:, 1:], axis=1))
         depth = np.interp(self.time, record.t, record.penetration)
-        return motion_dataset(self).assign_coords(contact=list(record.names)).assign(
-            normal_impulse=(("time", "contact"), normal, _told("normal impulses", "N s")),
-            friction_impulse=(("time", "contact"), friction, _told("friction impulses", "N s")),
-            penetration=("time", depth, _told("depth of the deepest gap", "m")),
+        return (
+            motion_dataset(self)
+            .assign_coords(contact=list(record.names))
+            .assign(
+                normal_impulse=(("time", "contact"), normal, _told("normal impulses", "N s")),
+                friction_impulse=(("time", "contact"), friction, _told("friction impulses", "N s")),
+                penetration=("time", depth, _told("depth of the deepest gap", "m")),
+            )
         )
 
     def impulse(self, name: str) -> xr.DataArray:

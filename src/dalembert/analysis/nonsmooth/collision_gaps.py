@@ -7,12 +7,12 @@ import numpy as np
 from scipy import sparse
 
 from dalembert.analysis.nonsmooth.gap_source import GapSource
-from dalembert.analysis.nonsmooth.patterned import Patterned
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.meeting import Meeting
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.model import Model
 from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.patterned import Patterned
 
 SMALLEST = 16
 """Columns of the smallest mapped function; others have twice, four times … as many."""
@@ -62,8 +62,14 @@ class CollisionGaps(GapSource):
         velocities = self._velocities(time, y, p)[0]
         moved = (velocities @ travels).reshape(places.shape[0], TWIST, -1)[:, :3]
         reach = 2 * float(np.linalg.norm(moved, axis=1).max(initial=0.0))
-        pairs, against = self._pairs(places, radii, reach), self._walls(places, normals, radii, reach)
-        parts = [self._meet(pairs, places, radii, None), self._meet(against, places, radii, normals)]
+        pairs, against = (
+            self._pairs(places, radii, reach),
+            self._walls(places, normals, radii, reach),
+        )
+        parts = [
+            self._meet(pairs, places, radii, None),
+            self._meet(against, places, radii, normals),
+        ]
         distance = np.concatenate([part[0] for part in parts])
         blocks = np.concatenate([part[1] for part in parts])
         first, second = np.hstack([pairs, against])
@@ -112,7 +118,9 @@ class CollisionGaps(GapSource):
         if not count:
             return np.zeros(0), np.zeros((0, self.width, 2 * TWIST))
         size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
-        padded = np.resize(pairs, (2, count)) if size == count else pairs[:, np.arange(size) % count]
+        padded = (
+            np.resize(pairs, (2, count)) if size == count else pairs[:, np.arange(size) % count]
+        )
         first, second = padded
         if normals is None:
             about = np.vstack([places[first].T, radii[first]])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import sparse
 
 from dalembert.analysis.nonsmooth.gap_source import GapSource
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion, Solve
@@ -14,6 +13,7 @@ from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.friction_problem import FrictionProblem
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
 from dalembert.model.model import Model
+from dalembert.symbolic.patterned import dense
 
 ROUNDS = 50
 """Times that contacts may ask for something else in one step."""
@@ -124,7 +124,7 @@ class ContactStep:
 
     def _mobility(self, contacts: Contacts, solve: Solve) -> tuple[np.ndarray, np.ndarray]:
         """Changes of speeds and of multipliers by impulses."""
-        directions = contacts.directions.T.toarray()
+        directions = dense(contacts.directions).T
         return solve(directions, None)
 
     def _impulses(
@@ -133,28 +133,26 @@ class ContactStep:
         """Impulses of the contacts, once they have settled on what they ask for."""
         contacts, shape = approach.contacts, approach.before.shape
         if not contacts.count:
-            return Impulses(np.zeros(shape), 0.0, True, 0)
-        matrix = sparse.csr_array(contacts.directions @ mobility)
+            return Impulses(np.zeros(shape), 0.0, True)
+        matrix = contacts.directions @ mobility
         offsets = self.scheme.first(approach)
         scale = float(max(np.abs(approach.free).max(), np.abs(approach.before).max()))
-        start, sweeps = remembered(contacts, before, shape), 0
+        start, rounds = remembered(contacts, before, shape), 0
         for _ in range(ROUNDS):
             problem = FrictionProblem(
                 matrix, approach.free + offsets, contacts.friction, scale or 1.0
             )
             found = self.solver.solve(problem, start)
-            start, sweeps = found.impulses, sweeps + found.sweeps
+            start, rounds = found.impulses, rounds + found.rounds
             after = problem.speeds(found.impulses) - offsets
             changed = self.scheme.again(approach, offsets, found.impulses, after)
             if changed is None or not found.converged:
                 break
             offsets = changed
-        return replace(found, sweeps=sweeps)
+        return replace(found, rounds=rounds)
 
 
-def remembered(
-    contacts: Contacts, before: StepResult | None, shape: tuple[int, ...]
-) -> np.ndarray:
+def remembered(contacts: Contacts, before: StepResult | None, shape: tuple[int, ...]) -> np.ndarray:
     """Impulses of the same gaps in the step before, zero where there are none."""
     start = np.zeros(shape)
     if before is None or not before.known[0].size:

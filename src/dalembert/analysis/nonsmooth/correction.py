@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
 
 from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep
 from dalembert.integrators.contact.friction_problem import FrictionProblem
+from dalembert.symbolic.patterned import dense
 
 ROUNDS = 10
 """Of Newton's method; each leaves the square of what was left."""
 
 
-def corrected(step: ContactStep, t: float, y: np.ndarray, v: np.ndarray) -> np.ndarray:
+def corrected(
+    step: ContactStep, t: float, y: np.ndarray, v: np.ndarray, open_gaps: bool
+) -> np.ndarray:
     """The nearest position with ``Φ = 0`` and ``g ≥ 0``: ``δ = M⁻¹(Wᵀ P − Cᵀ λ)``, ``P ≥ 0``.
 
     Speeds are left alone, so that no impulse does work here; weights that are lifted keep what
@@ -21,17 +23,18 @@ def corrected(step: ContactStep, t: float, y: np.ndarray, v: np.ndarray) -> np.n
     smooth, model = step.smooth, step.model
     sizes = model.equations.scales.rows
     for _ in range(ROUNDS):
-        solve, left, _, _ = smooth.at(t, y, step.p)
-        gaps = step.closed(t, y)
-        if not gaps.count and np.all(np.abs(left) <= CLOSED * sizes):
+        gaps = step.closed(t, y) if open_gaps else None
+        left = smooth.open_by(t, y, step.p)
+        if np.all(np.abs(left) <= CLOSED * sizes) and (gaps is None or not gaps.count):
             break
+        solve = smooth.at(t, y, step.p)[0]
         shift = solve(np.zeros(v.size), -left)[0]
-        if gaps.count:
+        if gaps is not None and gaps.count:
             k = gaps.drift.shape[1]
             normals = gaps.directions[np.arange(gaps.count) * k]
-            way = solve(normals.T.toarray(), None)[0]
+            way = solve(dense(normals).T, None)[0]
             open_by = (gaps.distance + normals @ shift)[:, None]
-            matrix = sparse.csr_array(normals @ way)
+            matrix = normals @ way
             scale = float(np.abs(open_by).max())
             problem = FrictionProblem(matrix, open_by, np.zeros(gaps.count), scale)
             shift = shift + way @ step.solver.solve(problem).impulses.ravel()

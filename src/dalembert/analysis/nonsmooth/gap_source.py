@@ -6,9 +6,7 @@ from abc import ABC, abstractmethod
 
 import casadi as ca
 import numpy as np
-from scipy import sparse
 
-from dalembert.analysis.nonsmooth.patterned import Patterned
 from dalembert.elements.base import Element, Rate
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
@@ -17,6 +15,7 @@ from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.model import Model
 from dalembert.symbolic.expression import t
 from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.patterned import Patterned, dense
 
 
 class GapSource(ABC):
@@ -85,16 +84,13 @@ class FormulaGaps(GapSource):
         distance, directions, drift = self._gaps(time, y, p)
         reach = np.abs(directions @ travels).max(initial=0.0)
         count = self.owner.size
-        rows = np.arange(count * self.width)
-        wide = (rows // self.width) * width + rows % self.width
-        spread = sparse.csr_array(
-            (np.ones(rows.size), (wide, rows)), shape=(count * width, rows.size)
-        )
+        more = ((0, 0), (0, width - self.width), (0, 0))
+        rows = np.pad(dense(directions).reshape(count, self.width, -1), more)
         restitution, tangential, friction = self._laws(p)[0][:, self.owner]
         every = Contacts(
             distance,
-            sparse.csr_array(spread @ sparse.csr_array(directions)),
-            (spread @ drift).reshape(count, width),
+            rows.reshape(count * width, -1),
+            np.pad(drift.reshape(count, self.width), more[:2]),
             restitution,
             tangential,
             friction,

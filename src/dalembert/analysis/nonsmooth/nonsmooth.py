@@ -99,7 +99,9 @@ def solve_nonsmooth(
     progress: bool | Callable[[float], None] = False,
     **options: Any,
 ) -> NonsmoothMotion:
-    """Integrate ``M dv = (f − d) dt − Cᵀ dΛ + Wᵀ dP`` with ``0 ≤ g ⟂ dP_N ≥ 0``, impact and friction.
+    """Integrate ``M dv = (f − d) dt − Cᵀ dΛ + Wᵀ dP``, ``0 ≤ g ⟂ dP_N ≥ 0``.
+
+    Impacts follow Newton's law and friction Coulomb's, in fixed steps.
 
     Parameters
     ----------

@@ -109,9 +109,9 @@ class NonsmoothRun:
     def opened(self, t: float, taken: StepResult) -> tuple[np.ndarray, np.ndarray]:
         """Position and speeds with joints closed and, where the scheme asks for it, gaps open."""
         y, v = taken.y, taken.v
-        joints = self.step.smooth.has_joints
-        if joints or getattr(self.analysis.integrator, "projection", True):
-            y = corrected(self.step, t, y, v)
+        joints, gaps = self.step.smooth.has_joints, self.analysis.integrator.projection
+        if joints or gaps:
+            y = corrected(self.step, t, y, v, gaps)
         return y, consistent(self.step, t, y, v) if joints else v
 
     def trouble(self, t: float, taken: StepResult) -> Status | None:
@@ -123,8 +123,8 @@ class NonsmoothRun:
         if not found.converged:
             text = (
                 f"the impulses of {taken.contacts.count} contacts at t = {t:.9g} s were not found "
-                f"(residual {found.residual:.3g} m/s after {found.sweeps} sweeps); with much "
-                "friction there may be none, else give ContactSolver more sweeps"
+                f"(residual {found.residual:.3g} m/s after {found.rounds} rounds); with much "
+                "friction there may be none, else give ContactSolver more max_iterations"
             )
             return Status(Outcome.NOT_CONVERGED, text, t, found.residual)
         return None
@@ -137,7 +137,7 @@ class NonsmoothRun:
             "integration time [s]": round(elapsed, 6),
             "time per step [ms]": round(1e3 * elapsed / count, 3),
             "most contacts pressing": int(record.pressing.max(initial=0)),
-            "sweeps": int(record.sweeps.sum()),
+            "proximal rounds": int(record.rounds.sum()),
             "largest residual [m/s]": float(record.residual.max(initial=0.0)),
             "deepest penetration [m]": float(record.penetration.max(initial=0.0)),
             "energy lost in contacts [J]": float(record.loss.sum()),
@@ -166,7 +166,9 @@ def sampled(model: Model, record: ContactRecord, times: np.ndarray) -> Trajector
     if not record.loss.size:
         none = np.zeros((record.v.shape[0], times.size))
         multiplier = np.zeros((record.multiplier.shape[0], times.size))
-        y, v, work = (np.repeat(s[:, :1], times.size, axis=1) for s in (record.y, record.v, record.work))
+        y, v, work = (
+            np.repeat(s[:, :1], times.size, axis=1) for s in (record.y, record.v, record.work)
+        )
         return Trajectory(times, y, v, none, multiplier, work)
     share = (times - record.t[k]) / (record.t[k + 1] - record.t[k])
     manifold = model.equations.manifold

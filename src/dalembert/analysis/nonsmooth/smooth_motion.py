@@ -9,10 +9,10 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from dalembert.analysis.nonsmooth.patterned import Patterned
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.model.model import Model
 from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.patterned import Matrix, Patterned
 
 Solve = Callable[[np.ndarray, np.ndarray | None], tuple[np.ndarray, np.ndarray]]
 """``(right side of the speeds, of the joints or None) → (speeds, multipliers)``."""
@@ -21,9 +21,9 @@ Solve = Callable[[np.ndarray, np.ndarray | None], tuple[np.ndarray, np.ndarray]]
 class SmoothMotion:
     """Functions of a model for steps by the θ-method,
 
-        (M − h θ D − h² θ² K)(v⁺ − v) = h (F + h θ K v) − Cᵀ Λ,      C v⁺ = −Φ_t
+        (M − h θ D − h² θ² K)(v⁺ − v) = h F − Cᵀ Λ,      C v⁺ = −Φ_t
 
-    with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at the middle of the step; of linear forces
+    with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at ``y ⊕ θ h v`` and ``v``; of linear forces
     this is the θ-method itself.
 
     Parameters
@@ -47,12 +47,13 @@ class SmoothMotion:
         self._forces = Patterned("forces", inputs, [driving, damping, stiffness])
         self._mass = Patterned("mass", [e.y, e.p], [e.mass])
         self._joints = Patterned("joints", place, [e.jacobian, still, e.constraints])
-        self.powers = Kernel(ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p],
-                                         [ca.densify(e.powers)]))
+        self.powers = Kernel(
+            ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [ca.densify(e.powers)])
+        )
         energies = ca.densify(ca.vertcat(e.kinetic_energy, e.potential))
         self.energies = Kernel(ca.Function("energies", inputs, [energies]))
+        self._reacts = ca.sparsify(ca.horzcat(damping, stiffness)).nnz() > 0
         self.has_joints = e.constraint_count > 0
-        self.holds = list(e.holds)
 
     def step(
         self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray, h: float, theta: float
@@ -61,20 +62,27 @@ class SmoothMotion:
         ``y`` and ``t`` are those of the middle."""
         force, damping, stiffness = self._forces(t, y, v, p)
         mass = self._mass(y, p)[0]
-        matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
-        right = h * (force + h * theta * (stiffness @ v))
+        matrix = mass
+        if self._reacts:
+            matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
         joints, still = self._joints(t, y, p)[:2]
         solve = solver(matrix, joints)
-        change, multiplier = solve(right, -still - joints @ v)
+        change, multiplier = solve(h * force, -still - joints @ v)
         return v + change, multiplier, solve
 
-    def at(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[Solve, np.ndarray, np.ndarray, sparse.csr_array]:
+    def open_by(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """``Φ``."""
+        return self._joints(t, y, p)[2]
+
+    def at(
+        self, t: float, y: np.ndarray, p: np.ndarray
+    ) -> tuple[Solve, np.ndarray, np.ndarray, Matrix]:
         """Solver with ``M`` and ``C`` at a position, ``Φ``, ``Φ_t`` and ``C``."""
         joints, still, open_by = self._joints(t, y, p)
         return solver(self._mass(y, p)[0], joints), open_by, still, joints
 
 
-def solver(matrix: sparse.csr_array, joints: sparse.csr_array) -> Solve:
+def solver(matrix: Matrix, joints: Matrix) -> Solve:
     """Solves ``A x + Cᵀ λ = r``, ``C x = s``, for one or many right sides.
 
     Raises
@@ -83,22 +91,39 @@ def solver(matrix: sparse.csr_array, joints: sparse.csr_array) -> Solve:
         The matrix has no inverse.
     """
     m, n = joints.shape
-    diagonal = matrix.diagonal()
-    if not m and matrix.nnz == np.count_nonzero(diagonal) == n:
+    if not m and (diagonal := _diagonal(matrix)) is not None:
         return lambda right, _: ((right.T / diagonal).T, np.zeros((0, *right.shape[1:])))
-    if m:
-        whole = sparse.block_array([[matrix, joints.T], [joints, None]], format="csc")
-    else:
-        whole = sparse.csc_array(matrix)
-    try:
-        factors = splu(whole)
-    except RuntimeError:
-        text = "inertia and joints of a step have no solution; look for a singular position"
-        raise SingularityError(text) from None
+    factors = _factors(matrix, joints)
 
     def solve(right: np.ndarray, below: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         rest = np.zeros((m, *right.shape[1:])) if below is None else below
-        found = factors.solve(np.concatenate([right, rest]))
+        found = factors(np.concatenate([right, rest]))
         return found[:n], found[n:]
 
     return solve
+
+
+def _diagonal(matrix: Matrix) -> np.ndarray | None:
+    """The diagonal of a matrix with nothing else in it."""
+    diagonal = matrix.diagonal()
+    others = matrix.count_nonzero() if sparse.issparse(matrix) else np.count_nonzero(matrix)
+    return diagonal if np.all(diagonal) and others == diagonal.size else None
+
+
+def _factors(matrix: Matrix, joints: Matrix) -> Callable[[np.ndarray], np.ndarray]:
+    m, n = joints.shape
+    text = "inertia and joints of a step have no solution; look for a singular position"
+    if not (sparse.issparse(matrix) or sparse.issparse(joints)):
+        from scipy.linalg import lu_factor, lu_solve
+
+        whole = np.zeros((n + m, n + m))
+        whole[:n, :n], whole[n:, :n], whole[:n, n:] = matrix, joints, joints.T
+        if not np.isfinite(whole).all():
+            raise SingularityError(text)
+        factored = lu_factor(whole, check_finite=False)
+        return lambda right: lu_solve(factored, right, check_finite=False)
+    blocks = [[matrix, joints.T], [joints, None]] if m else [[matrix]]
+    try:
+        return splu(sparse.block_array(blocks, format="csc")).solve
+    except RuntimeError:
+        raise SingularityError(text) from None

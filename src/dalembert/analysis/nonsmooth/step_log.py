@@ -59,8 +59,9 @@ class StepLog:
         model, taken = self.step.model, self.taken
         m = model.equations.constraint_count
         a = np.diff(v, axis=1) / h
-        multiplier = np.stack([s.multiplier / d for s, d in zip(taken, h, strict=True)] or
-                              [np.zeros(m)], 1)[:, : h.size]
+        multiplier = np.stack(
+            [s.multiplier / d for s, d in zip(taken, h, strict=True)] or [np.zeros(m)], 1
+        )[:, : h.size]
         pressed = [s.impulses.impulses[:, 0] > 0 for s in taken]
         impulses = [s.impulses.impulses[w] for s, w in zip(taken, pressed, strict=True)]
         owners = [s.contacts.owner[w] for s, w in zip(taken, pressed, strict=True)]
@@ -80,7 +81,7 @@ class StepLog:
             loss=loss,
             penetration=np.array(self.depths),
             residual=np.array([s.impulses.residual for s in taken]),
-            sweeps=np.array([s.impulses.sweeps for s in taken], dtype=int),
+            rounds=np.array([s.impulses.rounds for s in taken], dtype=int),
         )
 
     def _work(self, y, v, a, multiplier, h: np.ndarray, loss: np.ndarray) -> np.ndarray:

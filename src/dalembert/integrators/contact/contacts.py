@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from dalembert.symbolic.patterned import Matrix
+
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
@@ -23,7 +25,7 @@ class Contacts:
     """
 
     distance: np.ndarray
-    directions: sparse.csr_array
+    directions: Matrix
     drift: np.ndarray
     restitution: np.ndarray
     tangential: np.ndarray
@@ -68,5 +70,9 @@ class Contacts:
             strict=True,
         )
         distance, drift, *rest = (np.concatenate(column) for column in columns)
-        stacked = sparse.csr_array(sparse.vstack([p.directions for p in parts]))
+        rows = [p.directions for p in parts]
+        if any(sparse.issparse(part) for part in rows):
+            stacked: Matrix = sparse.csr_array(sparse.vstack(rows))
+        else:
+            stacked = np.vstack(rows)
         return cls(distance, stacked, drift, *rest)

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,13 +20,13 @@ class FrictionProblem:
 
     Attributes
     ----------
-    matrix : (n k, n k) ``H``, sparse, positive semidefinite
+    matrix : (n k, n k) ``H``, positive semidefinite
     velocity : (n, k) ``b``
     friction : (n,) ``μ``
     scale : size of the speeds, to which residuals are compared
     """
 
-    matrix: sparse.csr_array
+    matrix: np.ndarray
     velocity: np.ndarray
     friction: np.ndarray
     scale: float = 1.0

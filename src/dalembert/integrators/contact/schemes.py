@@ -47,6 +47,7 @@ class ContactScheme(ABC):
     """
 
     theta: float
+    projection: bool
     anticipates: ClassVar[bool] = False
     """Gaps stay open by themselves, so that none needs to be opened after the step."""
 
@@ -115,6 +116,7 @@ class AnticipatedImpacts(ContactScheme):
     """
 
     theta: ClassVar[float] = 0.5  # type: ignore[misc]
+    projection: ClassVar[bool] = True  # type: ignore[misc]
     anticipates: ClassVar[bool] = True
 
     def acting(self, approach: Approach) -> np.ndarray:

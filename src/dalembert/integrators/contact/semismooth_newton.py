@@ -28,15 +28,25 @@ def semismooth_newton(
         step = _step(problem, found)
         if step is None:
             break
-        for share in (*HALVINGS, _first_change(problem, found, step)):
-            trial = found + share * step
-            after = _missed(problem, trial)
-            if after < left:
-                break
-        else:
+        found, after = _advanced(problem, found, step, left)
+        if not after < left:
             break
-        found, left = trial, after
+        left = after
     return found
+
+
+def _advanced(
+    problem: FrictionProblem, impulses: np.ndarray, step: np.ndarray, left: float
+) -> tuple[np.ndarray, float]:
+    """The longest share of a step that reduces what is missed, and what is then; or no step."""
+    for share in HALVINGS:
+        trial = impulses + share * step
+        after = _missed(problem, trial)
+        if after < left:
+            return trial, after
+    trial = impulses + _first_change(problem, impulses, step) * step
+    after = _missed(problem, trial)
+    return (trial, after) if after < left else (impulses, left)
 
 
 def _first_change(problem: FrictionProblem, impulses: np.ndarray, step: np.ndarray) -> float:
@@ -87,7 +97,7 @@ def _step(problem: FrictionProblem, impulses: np.ndarray) -> np.ndarray | None:
     quiet[active] = 0.0
     block = problem.matrix[rows]
     reached = (block @ quiet.ravel()).reshape(-1, k)
-    matrix = block[:, rows].toarray()
+    matrix = block[:, rows]
     softness = np.column_stack([normal[active], np.tile(along[active, None], k - 1)])
     matrix[np.diag_indices_from(matrix)] += SOFTNESS * softness.ravel()
     size = active.size
@@ -121,9 +131,10 @@ def _pieces(
     slips = (length > radius) | (friction == 0)
     way = aimed / np.where(length > 0, length, 1.0)[:, None]
     across = np.eye(k - 1) - way[:, :, None] * way[:, None, :]
-    turning = across * np.where(length > 0, radius / np.where(length > 0, length, 1.0), 0.0)[
-        :, None, None
-    ]
+    turning = (
+        across
+        * np.where(length > 0, radius / np.where(length > 0, length, 1.0), 0.0)[:, None, None]
+    )
     share = np.where(slips[:, None, None], np.eye(k - 1) - turning, 0.0)
     own[:, 1:, 1:] = share
     coupled[:, 1:, 1:] = (np.eye(k - 1) - share) / along[active, None, None]
