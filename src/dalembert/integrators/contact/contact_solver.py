@@ -11,10 +11,11 @@ from dalembert.integrators.contact.friction_problem import FrictionProblem
 from dalembert.integrators.contact.semismooth_newton import semismooth_newton
 from dalembert.options import options
 
-WEIGHT, STRONGER, WEAKER, MOST = 0.01, 4.0, 0.5, 1.0
-"""Of the nearness to the impulses before: at first, after a failure, after a success, at most."""
-SHARE = 0.01
-"""Residual of a proximal problem, as a share of that of the problem itself."""
+WEIGHT, STRONGER, WEAKER, MOST, LEAST = 0.01, 4.0, 0.3, 1.0, 1e-11
+"""Of the nearness to the impulses before: at first, after a failure, after a success, at most, at
+least."""
+SHARE, ENOUGH = 0.01, 0.3
+"""Residual of a proximal problem, as a share of that of the problem itself and of the tolerance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,23 +64,24 @@ class ContactSolver:
 
     def solve(self, problem: FrictionProblem, start: np.ndarray | None = None) -> Impulses:
         """Impulses of a problem, from ``start`` if given."""
-        allowed = self.tolerance * problem.scale
         begun = np.zeros(problem.shape) if start is None else start
+        allowed = self.tolerance * problem.size(begun)
         found = semismooth_newton(problem, begun, allowed)
         left = problem.residual(found)
+        allowed = self.tolerance * problem.size(found)
         if left <= allowed:
             return Impulses(found, left, True)
-        return self._proximal(problem, begun, allowed)
+        return self._proximal(problem, begun, self.tolerance * problem.size(begun))
 
     def _proximal(self, problem: FrictionProblem, found: np.ndarray, allowed: float) -> Impulses:
         weight, left, rounds = WEIGHT, problem.residual(found), 0
         best = found, left
         while best[1] > allowed and rounds < self.max_iterations and np.isfinite(left):
             near = nearer(problem, found, weight)
-            wanted = SHARE * max(left, allowed)
+            wanted = max(SHARE * left, ENOUGH * allowed)
             tried = semismooth_newton(near, found, wanted)
             solved = near.residual(tried) <= wanted
-            weight = max(weight * WEAKER, 1e-6) if solved else min(weight * STRONGER, MOST)
+            weight = max(weight * WEAKER, LEAST) if solved else min(weight * STRONGER, MOST)
             rounds += 1
             if solved or weight == MOST:
                 found, left = tried, problem.residual(tried)

@@ -23,7 +23,7 @@ class FrictionProblem:
     matrix : (n k, n k) ``H``, positive semidefinite
     velocity : (n, k) ``b``
     friction : (n,) ``μ``
-    scale : size of the speeds, to which residuals are compared
+    scale : size of the speeds, to which residuals are compared at least
     """
 
     matrix: np.ndarray
@@ -48,6 +48,11 @@ class FrictionProblem:
         normal = np.where(diagonal[:, 0] > 0, diagonal[:, 0], 1.0)
         along = diagonal[:, 1:].sum(axis=1)
         return normal, np.where(along > 0, along, normal)
+
+    def size(self, impulses: np.ndarray) -> float:
+        """Largest speed that takes part, those by which an impulse moves its own contact too."""
+        moved = np.linalg.norm(impulses, axis=1) * self.mobility[0]
+        return max(self.scale, float(np.nan_to_num(moved).max(initial=0.0)))
 
     def projected(self, impulses: np.ndarray, speeds: np.ndarray) -> np.ndarray:
         """``proj(P − ρ u)``: the normal part on ``≥ 0``, the other on the disc of ``μ P_N``."""

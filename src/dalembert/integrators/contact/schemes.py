@@ -99,6 +99,12 @@ class MoreauJean(ContactScheme):
         return approach.newton()
 
 
+SLOW, CLOSING = 2.0, 0.5
+"""Approach, by what forces change in a step, that counts as rest; share of a gap closed in one."""
+ROUNDING = 1e-10
+"""Share of the energy that goes through contacts by which its sum is uncertain."""
+
+
 @options
 class AnticipatedImpacts(ContactScheme):
     """Gaps are kept open at the end of every step, so that nothing passes through anything.
@@ -109,10 +115,11 @@ class AnticipatedImpacts(ContactScheme):
 
     (gaps at the end of the step: Stewart & Trinkle 1996, Anitescu & Potra 1997). An impact, which
     would leave no room for the half step it still goes on, is taken while there is room:
-    ``u_N⁺ ≥ max(−e u_N⁻, s)``. As ``u_N⁺ = s`` or ``−e u_N⁻`` is at most ``−u_N⁻``, the work of
-    each normal impulse, ``P_N (u_N⁺ + u_N⁻)/2``, is never positive. Friction that would do work,
-    as it stops what a force turns back within the step, follows ``u_T⁺ + u_T⁻`` instead of
-    ``u_T⁺``, against which it does none.
+    ``u_N⁺ ≥ max(−e u_N⁻, s)``. What comes no faster than forces can change in two steps rests, and
+    is let on to the surface slowly. The work ``P·(u⁺ + u⁻)/2`` of an impact is not positive. A
+    contact does work where it stops what a force turns back within the step; if all contacts
+    together would, ``u⁺ + u⁻`` takes the place of ``u⁺`` there, against which they do none, so that
+    contacts never create energy.
     """
 
     theta: ClassVar[float] = 0.5  # type: ignore[misc]
@@ -124,8 +131,8 @@ class AnticipatedImpacts(ContactScheme):
 
     def first(self, approach: Approach) -> Offsets:
         offsets = approach.newton()
-        room = _room(approach)
-        impact = (approach.free[:, 0] < room) & (approach.before[:, 0] <= 0)
+        room = _room(approach, approach.contacts.restitution)
+        impact = approach.free[:, 0] < room
         offsets[:, 0] = -np.where(impact, _bounce(approach), room)
         return offsets
 
@@ -133,15 +140,16 @@ class AnticipatedImpacts(ContactScheme):
         self, approach: Approach, offsets: Offsets, impulses: np.ndarray, after: np.ndarray
     ) -> Offsets | None:
         bounce = _bounce(approach)
-        pressed = (impulses[:, 0] > 0) & (approach.before[:, 0] <= 0) & (-offsets[:, 0] < bounce)
-        work = (impulses[:, 1:] * (after + approach.before)[:, 1:]).sum(axis=1)
-        pushing = (work > 0) & (offsets[:, 1:] != approach.before[:, 1:]).any(axis=1)
-        if not (pressed.any() or pushing.any()):
-            return None
+        pressed = (impulses[:, 0] > 0) & (-offsets[:, 0] < bounce)
         changed = offsets.copy()
         changed[pressed, 0] = -bounce[pressed]
-        changed[pushing, 1:] = approach.before[pushing, 1:]
-        return changed
+        taking_part = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
+        work = (impulses * (after + approach.before)).sum(axis=1)
+        if work.sum() > ROUNDING * taking_part.sum():
+            idle = np.maximum(changed, approach.before)
+            idle[:, 1:] = approach.before[:, 1:]
+            changed[work > 0] = idle[work > 0]
+        return changed if (changed != offsets).any() else None
 
 
 def _open(approach: Approach) -> np.ndarray:
@@ -149,18 +157,19 @@ def _open(approach: Approach) -> np.ndarray:
     return -2 * np.maximum(approach.contacts.distance, 0) / approach.h - approach.before[:, 0]
 
 
-def _bounce(approach: Approach) -> np.ndarray:
-    """What an impact asks for."""
-    wanted = -approach.contacts.restitution * approach.before[:, 0]
-    return np.maximum(wanted, _open(approach))
-
-
-def _room(approach: Approach) -> np.ndarray:
+def _room(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
     """The least speed that leaves room for an impact in the next step, ``g⁺ ≥ −(1−e) h u_N⁺/2``."""
+    gap = np.maximum(approach.contacts.distance, 0) + approach.h * approach.before[:, 0] / 2
+    return np.maximum(-gap / (approach.h * (1 - restitution / 2)), _open(approach))
+
+
+def _bounce(approach: Approach) -> np.ndarray:
+    """The least speed of what is pressed: after an impact, of what rests, of what parts."""
     before, e = approach.before[:, 0], approach.contacts.restitution
-    gap = np.maximum(approach.contacts.distance, 0) + approach.h * before / 2
-    least = -gap / (approach.h * (1 - e / 2))
-    return np.where(before <= 0, np.maximum(least, _open(approach)), _open(approach))
+    forced = float(np.abs(approach.free[:, 0] - before).max(initial=0.0))
+    closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
+    resting = np.where(before > 0, _room(approach, 0.0), -np.minimum(closing, forced))
+    return np.maximum(np.where(before < -SLOW * forced, -e * before, resting), _open(approach))
 
 
 def check_share(owner: str, name: str, value: float) -> None:
