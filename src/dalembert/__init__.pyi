@@ -21,6 +21,10 @@ from dalembert.analysis.kinematics import (
     solve_kinematics as solve_kinematics,
 )
 from dalembert.analysis.linearization import Linearization as Linearization, linearize as linearize
+from dalembert.analysis.nonsmooth.nonsmooth import (
+    Nonsmooth as Nonsmooth,
+    solve_nonsmooth as solve_nonsmooth,
+)
 from dalembert.analysis.structural.buckling import (
     Buckling as Buckling,
     solve_buckling as solve_buckling,
@@ -92,6 +96,11 @@ from dalembert.integrators.backward_euler import (
     Trapezoidal as Trapezoidal,
 )
 from dalembert.integrators.bdf import Bdf as Bdf
+from dalembert.integrators.contact.contact_solver import ContactSolver as ContactSolver
+from dalembert.integrators.contact.schemes import (
+    AnticipatedImpacts as AnticipatedImpacts,
+    MoreauJean as MoreauJean,
+)
 from dalembert.integrators.generalized_alpha import HHT as HHT, GeneralizedAlpha as GeneralizedAlpha
 from dalembert.integrators.newmark import Newmark as Newmark
 from dalembert.integrators.radau import Radau as Radau

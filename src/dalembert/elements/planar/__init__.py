@@ -1,6 +1,7 @@
 """Planar elements: one file per concept, listed once in ``registry``."""
 
 from dalembert.elements.contact.cable import Cable
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact import Contact
 from dalembert.elements.contact.unilateral_constraint import UnilateralConstraint
 from dalembert.elements.driver import DistanceDriver
@@ -36,6 +37,7 @@ __all__ = [
     "Bushing",
     "Cable",
     "ClearanceRevolute",
+    "Collisions",
     "Contact",
     "CoordinateDriver",
     "Coupling",

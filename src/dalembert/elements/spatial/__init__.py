@@ -1,6 +1,7 @@
 """Elements in space: one file per concept, listed once in ``registry``."""
 
 from dalembert.elements.contact.cable import Cable
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact import Contact
 from dalembert.elements.contact.unilateral_constraint import UnilateralConstraint
 from dalembert.elements.driver import DistanceDriver
@@ -53,6 +54,7 @@ __all__ = [
     "Cable",
     "Capsule",
     "ClearanceSpherical",
+    "Collisions",
     "ConstantVelocity",
     "Contact",
     "CoordinateDriver",

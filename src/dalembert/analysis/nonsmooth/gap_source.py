@@ -1,0 +1,105 @@
+"""Where gaps of a model come from."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.base import Element, Rate
+from dalembert.elements.contact.unilateral import Unilateral
+from dalembert.elements.coordinates import rate_of
+from dalembert.errors import ModelError
+from dalembert.integrators.contact.contacts import Contacts
+from dalembert.model.model import Model
+from dalembert.symbolic.expression import t
+from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.patterned import Patterned, dense
+
+
+class GapSource(ABC):
+    """Finds the gaps of some elements that are near enough to matter.
+
+    Attributes
+    ----------
+    elements : whose gaps they are
+    width : components of the relative velocity at a gap
+    """
+
+    elements: list[Element]
+    width: int
+
+    @abstractmethod
+    def near(
+        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+    ) -> Contacts:
+        """Gaps no wider than anything goes by ``travels`` (n_v, m), displacements of the model.
+
+        Their velocities have ``width`` components, zero where there are fewer.
+        """
+
+
+class FormulaGaps(GapSource):
+    """Gaps of elements that state them one by one, all in one function.
+
+    Parameters
+    ----------
+    model : Model
+    elements : its rigid ``Unilateral`` elements
+    """
+
+    def __init__(self, model: Model, elements: list[Unilateral]):
+        self.elements = list(elements)
+        e = model.all_equations
+        gaps = [
+            (k, gap)
+            for k, element in enumerate(elements)
+            for gap in element.gaps(_rate(model, element))
+        ]
+        self.width = 1 + max(gap.slip.numel() for _, gap in gaps)
+        self.owner = np.array([k for k, _ in gaps])
+        columns = []
+        for k, gap in gaps:
+            missing = ca.SX.zeros(self.width - 1 - gap.slip.numel())
+            columns.append(ca.vertcat(_rate(model, elements[k])(gap.distance), gap.slip, missing))
+        speeds = model.at_ground(ca.vertcat(*columns))
+        directions = ca.jacobian(speeds, e.v)
+        if ca.depends_on(directions, e.v):
+            raise ModelError("velocities of a gap must be linear in speeds", elements[0].name)
+        drift = ca.substitute(speeds, e.v, ca.SX.zeros(e.speed_count))
+        distances = model.at_ground(ca.vertcat(*(gap.distance for _, gap in gaps)))
+        laws = [element.impact() for element in elements]
+        shares = ca.horzcat(
+            *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws if law)
+        )
+        inputs = [e.t, e.y, e.p]
+        outputs = [distances, directions, drift]
+        self._gaps = Patterned("gaps", inputs, outputs)
+        self._laws = Kernel(ca.Function("laws", [e.p], [ca.densify(shares)]))
+
+    def near(
+        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+    ) -> Contacts:
+        distance, directions, drift = self._gaps(time, y, p)
+        reach = np.abs(directions @ travels).max(initial=0.0)
+        count = self.owner.size
+        more = ((0, 0), (0, width - self.width), (0, 0))
+        rows = np.pad(dense(directions).reshape(count, self.width, -1), more)
+        restitution, tangential, friction = self._laws(p)[0][:, self.owner]
+        every = Contacts(
+            distance,
+            rows.reshape(count * width, -1),
+            np.pad(drift.reshape(count, self.width), more[:2]),
+            restitution,
+            tangential,
+            friction,
+            np.arange(count),
+            self.owner,
+        )
+        return every.some(distance <= reach)
+
+
+def _rate(model: Model, element: Unilateral) -> Rate:
+    owners = element.parts() or model.coordinates
+    return lambda s: rate_of(s, owners, t.sx)

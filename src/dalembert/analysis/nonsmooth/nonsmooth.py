@@ -1,0 +1,121 @@
+"""Dynamics with rigid contacts in fixed steps, however many of them act at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field, replace
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.kinematics import refuse_outside
+from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun, sampled
+from dalembert.analysis.timeline import check_times
+from dalembert.errors import AnalysisError
+from dalembert.integrators.contact.contact_solver import ContactSolver
+from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactScheme
+from dalembert.model.model import Model
+from dalembert.options import options
+from dalembert.results.nonsmooth_motion import NonsmoothMotion
+from dalembert.results.result import Analysis
+
+
+@options
+class Nonsmooth(Analysis[Model, NonsmoothMotion]):
+    """Dynamics with rigid contacts as a strategy object.
+
+    Impacts are not located: all that fall into a step are solved at once, as impulses. The motion
+    is of first order in the step. There are no gradients: the impulses are solutions of
+    inequalities, whose derivatives are those of the scheme and not of the motion.
+
+    Parameters
+    ----------
+    duration : length of the run from t = 0 [s]; this or ``t_span``
+    t_span : (start, end) of the run [s]
+    step : step length, by default a thousandth of the run [s]
+    outputs : number of equally spaced times, or the times [s]; default every step
+    integrator : ``AnticipatedImpacts()`` or ``MoreauJean()``
+    solver : of the impulses
+    """
+
+    spoken = "dynamics with contacts"
+    integrates = True
+
+    duration: float | None = None
+    step: float | None = None
+    outputs: int | Sequence[float] | None = None
+    t_span: tuple[float, float] | None = None
+    integrator: ContactScheme = field(default_factory=AnticipatedImpacts)
+    solver: ContactSolver = field(default_factory=ContactSolver)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.integrator, ContactScheme):
+            raise AnalysisError(
+                f"integrator is {self.integrator!r}; give AnticipatedImpacts() or MoreauJean()"
+            )
+        if not isinstance(self.solver, ContactSolver):
+            raise AnalysisError(f"solver is {self.solver!r}; give ContactSolver()")
+
+    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
+        """Times are in order."""
+        return {
+            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs)
+        }
+
+    def run(
+        self,
+        model: Model,
+        parameters: Mapping[str, float] | np.ndarray | None = None,
+        progress: bool | Callable[[float], None] = False,
+    ) -> NonsmoothMotion:
+        """Step on; a run that fails keeps what it had and says why in its status.
+
+        Raises
+        ------
+        AnalysisError
+            Wrong step, duration or outputs, or nothing that may touch.
+        AssemblyError, SingularityError, UnsupportedError
+            The run cannot begin.
+        """
+        return NonsmoothRun(self, model, parameters).execute(progress)
+
+    def resample(self, motion: NonsmoothMotion, times: np.ndarray) -> NonsmoothMotion:
+        """The motion at other times within the run; steps go straight from end to end.
+
+        Raises
+        ------
+        AnalysisError
+            A time outside the run.
+        """
+        refuse_outside(times, motion.record.t)
+        return replace(motion, trajectory=sampled(motion.model, motion.record, times))
+
+
+def solve_nonsmooth(
+    model: Model,
+    duration: float | None = None,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    progress: bool | Callable[[float], None] = False,
+    **options: Any,
+) -> NonsmoothMotion:
+    """Integrate ``M dv = (f − d) dt − Cᵀ dΛ + Wᵀ dP``, ``0 ≤ g ⟂ dP_N ≥ 0``.
+
+    Impacts follow Newton's law and friction Coulomb's, in fixed steps.
+
+    Parameters
+    ----------
+    model : Model with rigid contacts: ``Collisions``, or other elements with gaps
+    duration : [s]
+    parameters : new values of parameters, without rebuilding
+    progress : True for a bar, or a function of the fraction done
+    **options : fields of ``Nonsmooth``: step, outputs, integrator, solver, t_span
+
+    Raises
+    ------
+    AnalysisError
+        Wrong options; ``AssemblyError``, ``SingularityError`` where the run cannot begin.
+    """
+    return Nonsmooth.of("solve_nonsmooth", duration=duration, **options).run(
+        model, parameters, progress
+    )

@@ -1,0 +1,129 @@
+"""The part of a step that knows of no contact: forces, inertia and joints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import casadi as ca
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from dalembert.errors import SingularityError, UnsupportedError
+from dalembert.model.model import Model
+from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.patterned import Matrix, Patterned
+
+Solve = Callable[[np.ndarray, np.ndarray | None], tuple[np.ndarray, np.ndarray]]
+"""``(right side of the speeds, of the joints or None) → (speeds, multipliers)``."""
+
+
+class SmoothMotion:
+    """Functions of a model for steps by the θ-method,
+
+        (M − h θ D − h² θ² K)(v⁺ − v) = h F − Cᵀ Λ,      C v⁺ = −Φ_t
+
+    with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at ``y ⊕ θ h v`` and ``v``; of linear forces
+    this is the θ-method itself.
+
+    Parameters
+    ----------
+    model : Model
+    """
+
+    def __init__(self, model: Model):
+        e = model.equations
+        driving = ca.densify(e.force - e.bias)
+        unknown = ca.vertcat(e.a, e.multiplier, e.dropped)
+        if ca.depends_on(driving, unknown):
+            raise UnsupportedError(
+                "a force depends on reactions or accelerations (friction in a joint does), which "
+                "solve_nonsmooth does not know before the step; use solve_dynamics"
+            )
+        place = [e.t, e.y, e.p]
+        still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
+        damping, stiffness = ca.jacobian(driving, e.v), e.by_displacement(driving)
+        inputs = [e.t, e.y, e.v, e.p]
+        self._forces = Patterned("forces", inputs, [driving, damping, stiffness])
+        self._mass = Patterned("mass", [e.y, e.p], [e.mass])
+        self._joints = Patterned("joints", place, [e.jacobian, still, e.constraints])
+        self.powers = Kernel(
+            ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [ca.densify(e.powers)])
+        )
+        energies = ca.densify(ca.vertcat(e.kinetic_energy, e.potential))
+        self.energies = Kernel(ca.Function("energies", inputs, [energies]))
+        self._reacts = ca.sparsify(ca.horzcat(damping, stiffness)).nnz() > 0
+        self.has_joints = e.constraint_count > 0
+
+    def step(
+        self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray, h: float, theta: float
+    ) -> tuple[np.ndarray, np.ndarray, Solve]:
+        """Speeds at the end without impulses, multipliers times ``h``, and the solver of the step;
+        ``y`` and ``t`` are those of the middle."""
+        force, damping, stiffness = self._forces(t, y, v, p)
+        mass = self._mass(y, p)[0]
+        matrix = mass
+        if self._reacts:
+            matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
+        joints, still = self._joints(t, y, p)[:2]
+        solve = solver(matrix, joints)
+        change, multiplier = solve(h * force, -still - joints @ v)
+        return v + change, multiplier, solve
+
+    def open_by(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """``Φ``."""
+        return self._joints(t, y, p)[2]
+
+    def at(
+        self, t: float, y: np.ndarray, p: np.ndarray
+    ) -> tuple[Solve, np.ndarray, np.ndarray, Matrix]:
+        """Solver with ``M`` and ``C`` at a position, ``Φ``, ``Φ_t`` and ``C``."""
+        joints, still, open_by = self._joints(t, y, p)
+        return solver(self._mass(y, p)[0], joints), open_by, still, joints
+
+
+def solver(matrix: Matrix, joints: Matrix) -> Solve:
+    """Solves ``A x + Cᵀ λ = r``, ``C x = s``, for one or many right sides.
+
+    Raises
+    ------
+    SingularityError
+        The matrix has no inverse.
+    """
+    m, n = joints.shape
+    if not m and (diagonal := _diagonal(matrix)) is not None:
+        return lambda right, _: ((right.T / diagonal).T, np.zeros((0, *right.shape[1:])))
+    factors = _factors(matrix, joints)
+
+    def solve(right: np.ndarray, below: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+        rest = np.zeros((m, *right.shape[1:])) if below is None else below
+        found = factors(np.concatenate([right, rest]))
+        return found[:n], found[n:]
+
+    return solve
+
+
+def _diagonal(matrix: Matrix) -> np.ndarray | None:
+    """The diagonal of a matrix with nothing else in it."""
+    diagonal = matrix.diagonal()
+    others = matrix.count_nonzero() if sparse.issparse(matrix) else np.count_nonzero(matrix)
+    return diagonal if np.all(diagonal) and others == diagonal.size else None
+
+
+def _factors(matrix: Matrix, joints: Matrix) -> Callable[[np.ndarray], np.ndarray]:
+    m, n = joints.shape
+    text = "inertia and joints of a step have no solution; look for a singular position"
+    if not (sparse.issparse(matrix) or sparse.issparse(joints)):
+        from scipy.linalg import lu_factor, lu_solve
+
+        whole = np.zeros((n + m, n + m))
+        whole[:n, :n], whole[n:, :n], whole[:n, n:] = matrix, joints, joints.T
+        if not np.isfinite(whole).all():
+            raise SingularityError(text)
+        factored = lu_factor(whole, check_finite=False)
+        return lambda right: lu_solve(factored, right, check_finite=False)
+    blocks = [[matrix, joints.T], [joints, None]] if m else [[matrix]]
+    try:
+        return splu(sparse.block_array(blocks, format="csc")).solve
+    except RuntimeError:
+        raise SingularityError(text) from None

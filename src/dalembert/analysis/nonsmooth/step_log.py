@@ -1,0 +1,98 @@
+"""What is kept of the steps of a run with contacts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
+from dalembert.results.contact_record import ContactRecord
+from dalembert.symbolic.kernel import Kernel
+
+
+class StepLog:
+    """Grows by one step at a time; made a record at the end.
+
+    Attributes
+    ----------
+    t, y, v : the last state
+    """
+
+    def __init__(self, step: ContactStep, t: float, y: np.ndarray, v: np.ndarray):
+        self.step = step
+        self.times, self.lengths, self.positions, self.speeds = [t], [], [y], [v]
+        self.taken: list[StepResult] = []
+        self.depths = [self._depth(t, y)]
+
+    @property
+    def t(self) -> float:
+        return self.times[-1]
+
+    @property
+    def y(self) -> np.ndarray:
+        return self.positions[-1]
+
+    @property
+    def v(self) -> np.ndarray:
+        return self.speeds[-1]
+
+    @property
+    def open_by(self) -> float:
+        """The deepest penetration [m]."""
+        return max(self.depths)
+
+    def add(self, t: float, h: float, y: np.ndarray, v: np.ndarray, taken: StepResult) -> None:
+        """A step and the state it has led to."""
+        self.times.append(t)
+        self.lengths.append(h)
+        self.positions.append(y)
+        self.speeds.append(v)
+        self.taken.append(taken)
+        self.depths.append(self._depth(t, y))
+
+    def _depth(self, t: float, y: np.ndarray) -> float:
+        none = np.zeros((self.step.model.equations.speed_count, 1))
+        return float(-self.step.near(t, y, none).distance.min(initial=0.0))
+
+    def record(self) -> ContactRecord:
+        """All of it in arrays."""
+        y, v, h = np.stack(self.positions, 1), np.stack(self.speeds, 1), np.array(self.lengths)
+        model, taken = self.step.model, self.taken
+        m = model.equations.constraint_count
+        a = np.diff(v, axis=1) / h
+        multiplier = np.stack(
+            [s.multiplier / d for s, d in zip(taken, h, strict=True)] or [np.zeros(m)], 1
+        )[:, : h.size]
+        pressed = [s.impulses.impulses[:, 0] > 0 for s in taken]
+        impulses = [s.impulses.impulses[w] for s, w in zip(taken, pressed, strict=True)]
+        owners = [s.contacts.owner[w] for s, w in zip(taken, pressed, strict=True)]
+        counts = [int(w.sum()) for w in pressed]
+        loss = np.array([s.loss for s in taken])
+        return ContactRecord(
+            t=np.array(self.times),
+            y=y,
+            v=v,
+            a=a,
+            multiplier=model.all_multipliers(multiplier),
+            work=self._work(y, v, a, multiplier, h, loss),
+            names=tuple(e.name for source in self.step.sources for e in source.elements),
+            step=np.repeat(np.arange(h.size), counts),
+            owner=np.concatenate([*owners, np.zeros(0, dtype=int)]),
+            impulse=np.concatenate([*impulses, np.zeros((0, self.step.width))]),
+            loss=loss,
+            penetration=np.array(self.depths),
+            residual=np.array([s.impulses.residual for s in taken]),
+            rounds=np.array([s.impulses.rounds for s in taken], dtype=int),
+        )
+
+    def _work(self, y, v, a, multiplier, h: np.ndarray, loss: np.ndarray) -> np.ndarray:
+        """Dissipated energy and input at the ends of the steps, by the midpoint rule."""
+        work = np.zeros((2, h.size + 1))
+        if not h.size:
+            return work
+        manifold, t = self.step.model.equations.manifold, np.array(self.times)
+        middle = manifold.go(y[:, :-1], manifold.lead(y[:, :-1], y[:, 1:]) / 2)
+        powers = Kernel(self.step.smooth.powers.function.map(h.size))
+        speeds, p = (v[:, 1:] + v[:, :-1]) / 2, np.tile(self.step.p[:, None], h.size)
+        rates = powers(t[:-1] + h / 2, middle, speeds, a, multiplier, p)[0]
+        work[:, 1:] = np.cumsum(h * rates + np.vstack([loss, np.zeros_like(loss)]), axis=1)
+        return work

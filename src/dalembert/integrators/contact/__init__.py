@@ -1,0 +1,1 @@
+"""Steps with impacts and friction: which contacts act, and with which impulses."""
