@@ -194,6 +194,8 @@ class ForceElement(Element):
 
     conservative = False
     """All its work is its potential's, exactly."""
+    internal = False
+    """It acts within one body, and ties it to nothing."""
 
     def powers(self, rate: Rate) -> Powers:
         """Efforts with the velocities they do power on: ``rate(s)`` of a coordinate, ``ω`` …"""

@@ -8,7 +8,7 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Element, Vector
+from dalembert.elements.base import Element, ForceElement, Vector
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
@@ -24,6 +24,8 @@ class BodyElement(Element, Coordinates):
     """
 
     rotates = True
+    tangible = True
+    """Whether its frame is fixed in its matter, so that joints can hold on it."""
     dimension = 2
     """Number of coordinates of its points."""
     initial_fields: tuple[str, ...] = ("position", "velocity")
@@ -62,6 +64,14 @@ class BodyElement(Element, Coordinates):
     def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Force, moment and where it is taken, of a generalised force by speeds; inertial axes."""
         raise NotImplementedError
+
+    def undeformed(self, local: ca.SX) -> ca.SX:
+        """Where a place is in the frame of the owner's coordinates while nothing is deformed."""
+        return local
+
+    def own_forces(self) -> list[ForceElement]:
+        """Forces within it that it brings along."""
+        return []
 
     # names on it ------------------------------------------------------------------------------
     def declare(self, named: dict[str, tuple[ca.SX, str]], given: Mapping[str, Vector]) -> None:

@@ -26,7 +26,7 @@ def check_membership(d: Description) -> None:
     known = {id(c) for c in (*d.coordinates, d.ground)}
     for element in d.elements.values():
         for part in element.parts():
-            if id(part) not in known:
+            if id(part.owner) not in known:
                 raise ModelError(
                     f"is tied to {part.name!r}, which was not added to the system; "
                     f"add it with system.add(...)",
