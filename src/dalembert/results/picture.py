@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from dalembert.elements.point import AXES
-from dalembert.elements.spatial.body import EULER_PARAMETERS
+from dalembert.elements.spatial.frame import EULER_PARAMETERS
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.outlines import outline
 from dalembert.results.scene import is_spatial, motion_scene

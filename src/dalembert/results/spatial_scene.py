@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from dalembert.elements.point import AXES
-from dalembert.elements.spatial.body import EULER_PARAMETERS, Body
+from dalembert.elements.spatial.body import Body
+from dalembert.elements.spatial.frame import EULER_PARAMETERS
 from dalembert.elements.spatial.inertia_tensor import tensor
 from dalembert.results.drawing import Drawing
 from dalembert.results.spatial_sketch import SpatialSketch

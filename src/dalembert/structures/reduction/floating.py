@@ -53,7 +53,7 @@ def floating_shapes(
     rigid = rigid_motions(degrees, places - origin)
     coordinates, squares = _modes(reduced, held, rigid.shape[1])
     shapes = reduced.shapes @ coordinates
-    shapes, norm = _at_unit_size(shapes, degrees)
+    shapes, norm = _at_unit_size(shapes, degrees, places)
     modal_mass = norm**2
     pairs = np.zeros((0, 2), dtype=int)
     amplitudes = shapes
@@ -121,11 +121,17 @@ def _modes(
     return found, squares
 
 
-def _at_unit_size(shapes: np.ndarray, degrees: Numbering) -> tuple[np.ndarray, np.ndarray]:
-    """Shapes whose largest displacement is one metre, and by what they were multiplied."""
-    moved = np.abs(shapes[degrees.table[:, : degrees.dimension].ravel()]).max(axis=0, initial=0.0)
-    factor = 1.0 / np.where(moved > 0, moved, 1.0)
-    return shapes * factor, factor
+def _at_unit_size(
+    shapes: np.ndarray, degrees: Numbering, places: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Shapes whose largest displacement, or turn of the whole length, is one metre.
+
+    Also by what they were multiplied.
+    """
+    length = float(np.ptp(places, axis=0).max())
+    sizes = np.where(degrees.rotations, length, 1.0)
+    largest = np.abs(sizes[:, None] * shapes).max(axis=0, initial=0.0)
+    return shapes / largest, 1.0 / largest
 
 
 def _mass_centre(mass, degrees: Numbering, places: np.ndarray) -> np.ndarray:
