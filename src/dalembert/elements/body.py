@@ -38,6 +38,11 @@ class BodyElement(Element, Coordinates):
     frames: dict[str, Frame]
     _measures: dict[str, tuple[ca.SX, str]]
 
+    @property
+    def shown(self) -> str:
+        """Its name in drawings."""
+        return self.name
+
     # where things on it are -------------------------------------------------------------------
     def locate(self, local: ca.SX) -> ca.SX:
         """Inertial position of a place in the body frame."""

@@ -6,7 +6,7 @@ from collections import defaultdict, deque
 
 import casadi as ca
 
-from dalembert.elements.planar.body import Body, rotation
+from dalembert.elements.planar.body import PlanarFrame, rotation
 from dalembert.elements.planar.joint import TreeJoint
 from dalembert.model.description import Description
 from dalembert.model.spatial_placement import spatial_poses
@@ -27,7 +27,7 @@ def placed_guesses(d: Description) -> ca.SX:
         if isinstance(joint, TreeJoint) and not joint.joint_coordinates():
             for body in joint.ends():
                 joints[body.name].append(joint)
-    planar = [body for body in d.bodies if isinstance(body, Body)]
+    planar = [body for body in d.bodies if isinstance(body, PlanarFrame)]
     angles = {body.name: angle for body in planar if (angle := _given_angle(body)) is not None}
     placed: dict[str, Pose] = {"ground": (ca.SX.zeros(2), ca.SX(0))}
     for body in planar:
@@ -39,7 +39,7 @@ def placed_guesses(d: Description) -> ca.SX:
         while waiting:
             base = waiting.popleft()
             for joint in joints[base]:
-                child = joint.ends()[joint.ends()[0].name == base]
+                child = joint.ends()[joint.ends()[0].name == base].owner
                 if child.name not in placed:
                     found = _carried(joint, child, placed[base], angles.get(child.name))
                     if found is not None:
@@ -54,9 +54,9 @@ def placed_guesses(d: Description) -> ca.SX:
     )
 
 
-def _carried(joint: TreeJoint, child: Body, base: Pose, angle: ca.SX | None) -> Pose | None:
+def _carried(joint: TreeJoint, child: PlanarFrame, base: Pose, angle: ca.SX | None) -> Pose | None:
     """The pose of a body at which its joint closes, None where the angle is not known."""
-    forward = joint.ends()[1] is child
+    forward = joint.ends()[1].owner is child
     closed = ca.SX.zeros(joint.equations.numel())
     turn = joint.fixed_turn(closed)
     if angle is None and turn is not None:
@@ -67,20 +67,22 @@ def _carried(joint: TreeJoint, child: Body, base: Pose, angle: ca.SX | None) -> 
         return child.initial[0].sx, angle
     on_base, on_child = (joint.point_i, joint.point_j)[:: 1 if forward else -1]
     opening = joint.opening(ca.SX(0, 1), closed, base[1] if forward else angle)
-    place = base[0] + ca.mtimes(rotation(base[1]), on_base.local.sx)
+    place = base[0] + ca.mtimes(rotation(base[1]), on_base.undeformed)
     place += opening if forward else -opening
-    return place - ca.mtimes(rotation(angle), on_child.local.sx), angle
+    return place - ca.mtimes(rotation(angle), on_child.undeformed), angle
 
 
 def _pose(group, placed: dict[str, Pose]) -> ca.SX:
     if group.name in placed:
-        return ca.vertcat(*placed[group.name])[: group.pose.numel()]
+        count = group.pose.numel()
+        rigid = ca.vertcat(*placed[group.name])[: min(count, 3)]
+        return ca.vertcat(rigid, ca.SX.zeros(count - rigid.numel()))  # nothing is deformed
     given, rest = group.guesses()[0], group.rest
     known = (ca.SX(r) if g is None else g for g, r in zip(given, rest, strict=True))
     return ca.vertcat(*known)
 
 
-def _given_angle(body: Body) -> ca.SX | None:
+def _given_angle(body: PlanarFrame) -> ca.SX | None:
     """Its angle; None where it is missing."""
     if not body.rotates:
         return ca.SX(0)

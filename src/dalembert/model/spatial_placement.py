@@ -11,8 +11,8 @@ import casadi as ca
 from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
 from dalembert.elements.spatial import Spherical
-from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.fixed_turn import FixedTurn
+from dalembert.elements.spatial.frame import SpatialFrame
 from dalembert.elements.spatial.joint import FrameJoint
 from dalembert.model.description import Description
 from dalembert.symbolic import rotation
@@ -38,7 +38,7 @@ def spatial_poses(d: Description) -> dict[str, ca.SX]:
     A body of known orientation goes where the origins of its joint to a placed body coincide, from
     joint to joint; ``Weld`` and ``Prismatic`` tell orientations, too.
     """
-    solids = [body for body in d.bodies if isinstance(body, Body)]
+    solids = [body for body in d.bodies if isinstance(body, SpatialFrame)]
     joints: dict[str, list[Any]] = defaultdict(list)
     for joint in d.constraints:
         if isinstance(joint, (FrameJoint, Spherical)):
@@ -55,8 +55,8 @@ def spatial_poses(d: Description) -> dict[str, ca.SX]:
         while waiting:
             base = waiting.popleft()
             for joint in joints[base]:
-                child = joint.ends()[joint.ends()[0].name == base]
-                if isinstance(child, Body) and child.name not in placed:
+                child = joint.ends()[joint.ends()[0].name == base].owner
+                if isinstance(child, SpatialFrame) and child.name not in placed:
                     found = _carried(joint, child, placed[base], turned.get(child.name))
                     if found is not None:
                         placed[child.name] = found
@@ -64,7 +64,7 @@ def spatial_poses(d: Description) -> dict[str, ca.SX]:
     return {body.name: _pose(body, placed[body.name]) for body in solids if body.name in placed}
 
 
-def _given_orientation(body: Body) -> ca.SX | None:
+def _given_orientation(body: SpatialFrame) -> ca.SX | None:
     """Its Euler parameters; None where they are missing."""
     if not body.rotates:
         return UNTURNED
@@ -72,10 +72,10 @@ def _given_orientation(body: Body) -> ca.SX | None:
     return None if given is None else given.sx
 
 
-def _carried(joint: Any, child: Body, base: Placed, euler: ca.SX | None) -> Placed | None:
+def _carried(joint: Any, child: SpatialFrame, base: Placed, euler: ca.SX | None) -> Placed | None:
     """The pose of a body at which its joint closes, None where its orientation is not known."""
     held = "frame" if isinstance(joint, FrameJoint) else "point"
-    forward = joint.ends()[1] is child
+    forward = joint.ends()[1].owner is child
     on_base, on_child = (getattr(joint, f"{held}_{side}") for side in ("ij" if forward else "ji"))
     if euler is None and isinstance(joint, FixedTurn):
         euler = _prescribed(joint, base.euler, on_base, on_child, forward)
@@ -83,8 +83,8 @@ def _carried(joint: Any, child: Body, base: Placed, euler: ca.SX | None) -> Plac
         return None
     if child.initial[0] is not None:
         return Placed(child.initial[0].sx, euler)
-    arm = ca.mtimes(rotation.matrix(euler), on_child.local.sx)
-    return Placed(base.at(on_base.local.sx) - arm, euler)
+    arm = ca.mtimes(rotation.matrix(euler), on_child.undeformed)
+    return Placed(base.at(on_base.undeformed) - arm, euler)
 
 
 def _prescribed(
@@ -99,7 +99,9 @@ def _prescribed(
     return rotation.product(there, rotation.conjugate(second))
 
 
-def _pose(body: Body, placed: Placed) -> ca.SX:
-    """Mass centre and Euler parameters."""
-    center = placed.at(body.center_of_mass.sx)
-    return ca.vertcat(center, placed.euler) if body.rotates else center
+def _pose(body: SpatialFrame, placed: Placed) -> ca.SX:
+    """Mass centre, or origin, and Euler parameters; nothing deformed."""
+    center = placed.at(body.offset)
+    if not body.rotates:
+        return center
+    return ca.vertcat(center, placed.euler, ca.SX.zeros(body.pose.numel() - 7))

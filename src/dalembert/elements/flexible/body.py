@@ -81,7 +81,7 @@ class Flexible(FloatingFrame):
 
     def _make_sections(self) -> None:
         """Name a section, and its point or frame, for every interface."""
-        self.sections: dict[str, Any] = {}
+        self.sections = {}
         for label, shapes in self.shapes.sections.items():
             section = self.section_kind(self, label, shapes)
             self._claim("point", label)

@@ -6,6 +6,8 @@ frame and by the shapes (see ``shapes``); the strain energy is ``½ Σ k q²``.
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 
@@ -22,10 +24,12 @@ class FloatingFrame(BodyElement):
     ----------
     shapes : FloatingShapes
     q : SX symbols ``q``
+    sections : interface → Section
     """
 
     shapes: FloatingShapes
     q: ca.SX
+    sections: dict[str, Any]
 
     @property
     def amplitudes(self) -> ca.SX:

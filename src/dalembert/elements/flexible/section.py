@@ -37,6 +37,10 @@ class Section(BodyElement):
         return self._owner
 
     @property
+    def shown(self) -> str:
+        return f"{self.name}.{self.label}"
+
+    @property
     def shift(self) -> ca.SX:
         """(d,) its displacement in the axes of the frame."""
         return ca.mtimes(ca.SX(ca.DM(self.shapes.shift)), self.owner.amplitudes)

@@ -98,8 +98,8 @@ def craig_bampton(
         found = _fixed_modes(inner, stiffness, mass, factor, modes, up_to)
     shapes = np.concatenate([shapes, found[0]], axis=1)
     reduced = [shapes.T @ (matrix @ shapes) for matrix in (stiffness, mass)]
-    symmetric = [(matrix + matrix.T) / 2 for matrix in reduced]
-    return CraigBampton(inner, interfaces, p, shapes, *symmetric, found[1], factor)
+    k, m = ((matrix + matrix.T) / 2 for matrix in reduced)
+    return CraigBampton(inner, interfaces, p, shapes, k, m, found[1], factor)
 
 
 def _constraint_modes(interfaces: list[Interface], size: int) -> np.ndarray:

@@ -18,6 +18,10 @@ from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.interface import Interface
 
 
+NONE = 1e-7
+"""Share of the largest displacement of second order below which one is left out."""
+
+
 def second_order_shapes(
     reduced: CraigBampton, held: Interface, shapes: np.ndarray, stiffness: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -39,8 +43,10 @@ def second_order_shapes(
         # what the full relief moves along shape i is −third/stiffness
         share = np.array([_share(i, k, l) for i in range(count)])
         relief[:, column] += shapes @ ((1 - share) * third[:, column] / stiffness)
-    factor = np.array([0.5 if k == l else 1.0 for k, l in pairs])
-    return np.array(pairs, dtype=int).reshape(-1, 2), relief * factor
+    relief *= np.array([0.5 if k == l else 1.0 for k, l in pairs])
+    sizes = np.abs(relief).max(axis=0)
+    kept = sizes > NONE * sizes.max(initial=0.0)
+    return np.array(pairs, dtype=int).reshape(-1, 2)[kept], relief[:, kept]
 
 
 def _share(i: int, k: int, l: int) -> float:
