@@ -4,6 +4,7 @@ Data of Simeon (Modelling a flexible slider crank mechanism by a mixed system of
 Mathematical Modelling of Systems 2, 1996): a steel rod, driven at 150 rad/s.
 """
 
+import itertools
 import sys
 
 import matplotlib.pyplot as plt
@@ -22,7 +23,7 @@ def rod_structure(elements: int = 8):
     structure = da.Structure("rod")
     section = {"area": WIDTH**2, "second_moment": WIDTH**4 / 12}
     nodes = [structure.node(f"n{k}", ROD * k / elements, 0.0) for k in range(elements + 1)]
-    for k, ends in enumerate(zip(nodes, nodes[1:], strict=False)):
+    for k, ends in enumerate(itertools.pairwise(nodes)):
         beam = Frame(f"e{k}", *ends, **section, modulus=MODULUS, density=DENSITY)
         structure.add(beam)
     return structure.build()

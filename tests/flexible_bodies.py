@@ -39,6 +39,31 @@ def beam(
     return structure.build()
 
 
+def write_beam(folder, dimension: int) -> None:
+    """The file of a structure, ``beam.toml``."""
+    more = "second_moment = 1e-8"
+    if dimension == 3:
+        more = "second_moment_y = 1e-8\nsecond_moment_z = 1e-8\ntorsion_constant = 2e-8"
+        more += "\nshear_modulus = 8e8\norientation = [0, 1, 0]"
+    kind, zeros = ("Frame", "0") if dimension == 2 else ("SpaceFrame", "0, 0")
+    text = f'''format = 1
+kind = "structure"
+[parameters]
+E = 1e9
+[nodes]
+n0 = [0, {zeros}]
+n1 = [1, {zeros}]
+[elements.bar]
+type = "{kind}"
+connect = ["n0", "n1"]
+area = 1e-4
+modulus = "E"
+density = 1000
+{more}
+'''
+    (folder / "beam.toml").write_text(text, encoding="utf-8")
+
+
 def block(dimension: int):
     """A block of solid elements, and its ends."""
     structure, size = da.Structure("block"), (1.0, 0.1, 0.15)[:dimension]

@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from flexible_bodies import write_beam
 
 from dalembert.elements.base import Element
 from dalembert.elements.registry import SPATIAL
@@ -58,6 +59,8 @@ ELEMENTS = {
         "Sphere": "radius = 'k'\nmass = 1",
         "Capsule": "radius = 'k'\nlength = 1\ndensity = 1",
         "Mesh": "file = 'wedge.obj'\nscale = 'k'\ndensity = 1",
+        "FlexibleBody": "structure = 'beam.toml'\ninterface = ['n0', 'n1']\nmodes = 1\n"
+        "rayleigh = ['k', 0]",
     },
     "joints": {
         "Spherical": POINTS,
@@ -113,6 +116,7 @@ def schema():
 def written(section: str, name: str, folder: Path) -> Element:
     """An element read from a file in the folder, beside some bodies and joints."""
     (folder / "wedge.obj").write_text(OBJ)
+    write_beam(folder, 3)
     text = f'{HEAD}[{section}.new]\ntype = "{name}"\n{ELEMENTS[section][name]}\n'
     (folder / "model.toml").write_text(text, encoding="utf-8")
     return load(folder / "model.toml").elements["new"]

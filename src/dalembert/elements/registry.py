@@ -48,7 +48,7 @@ PLANAR = Space(
     "planar",
     2,
     {
-        "bodies": named(planar.Body, planar.Bar, planar.Particle),
+        "bodies": named(planar.Body, planar.Bar, planar.Particle, planar.FlexibleBody),
         "joints": named(
             planar.Revolute,
             planar.Translational,
@@ -94,6 +94,7 @@ SPATIAL = Space(
             spatial.Sphere,
             spatial.Capsule,
             spatial.Mesh,
+            spatial.FlexibleBody,
         ),
         "joints": named(
             spatial.Spherical,

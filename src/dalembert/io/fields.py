@@ -22,6 +22,8 @@ from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows, Vector
 from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.body import Interfaces, Numbers
+from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.point import Point
@@ -59,6 +61,7 @@ KNOWN: dict[Any, Any] = {
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
         *(Constraint, Law, Laws, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
         *(Frames, Orientation, CountOrTimes),
+        *(FlexibleStructure, Interfaces, Numbers),
         *(Coordinates, Formulation, Stabilization, Integrator),
     )
 } | {

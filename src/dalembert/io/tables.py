@@ -15,6 +15,8 @@ from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.body import Interfaces, Numbers
+from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law, Product, Sum
 from dalembert.elements.point import Point
@@ -36,6 +38,7 @@ from dalembert.io.fields import (
     connected,
     written,
 )
+from dalembert.io.interfaces import InterfacesType
 from dalembert.io.orientations import FrameTable, InlineFrame, OrientationType
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.values import (
@@ -120,6 +123,9 @@ VALUES: dict[Any, Any] = {
     fields.CountOrTimes: CountOrTimes,
     Interval: list_of(Number, 2, "start, end"),
     Names: list[Text],
+    FlexibleStructure: Text,
+    Interfaces: InterfacesType,
+    Numbers: dict[str, Number],
     Rayleigh: RayleighTable,
     Orientation: OrientationType,
     Frames: dict[str, FrameTable],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,8 +15,10 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression
 
 MEAN = "mean"
-Interfaces = Any
+Interfaces = Mapping[str, Any] | Sequence[Any]
 """Name → nodes, or nodes."""
+Numbers = Mapping[str, float]
+"""Name → value."""
 
 
 @dataclass(eq=False)
@@ -26,7 +28,7 @@ class Flexible(FloatingFrame):
     Points and frames are those of its interfaces.
     """
 
-    structure: FlexibleStructure
+    structure: FlexibleStructure = option("a structure without supports")
     interface: Interfaces = option("name → nodes on which joints and forces hold")
     modes: int = option("modes between the interfaces, at most", default=6)
     up_to: float | None = option("only those up to this frequency [rad/s]", default=None)
@@ -34,7 +36,7 @@ class Flexible(FloatingFrame):
     stiffening: bool = option("with displacements of second order", default=False)
     damping_ratio: Scalar = quantity("1", "of every shape", default=0.0, minimum=0.0)
     rayleigh: Vector = quantity("", "shares of mass and stiffness", default=(0.0, 0.0), size=2)
-    parameters: Mapping[str, float] | None = option("of the structure", default=None)
+    parameters: Numbers | None = option("of the structure", default=None)
 
     section_kind = Section
 

@@ -17,7 +17,6 @@ import numpy as np
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.interface import Interface
 
-
 NONE = 1e-7
 """Share of the largest displacement of second order below which one is left out."""
 
