@@ -23,6 +23,8 @@ from dalembert.analysis.events import Event, Events
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.body import Interfaces, Numbers
+from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.registry import CURVES, LAWS, PLANAR, SPATIAL
@@ -59,6 +61,9 @@ HOLDS: dict[object, str] = {
     Path: "path beside the model file",
     BodyElement: "name of a body",
     Constraint: "name of a joint",
+    FlexibleStructure: "file of a structure",
+    Interfaces: "name of a section: nodes; or list of nodes",
+    Numbers: "table of numbers",
     Rows: "list",
     fields.Laws: "list of laws, numbers or formulas",
     fields.CountOrTimes: "count or list of times",

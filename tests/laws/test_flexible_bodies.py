@@ -193,6 +193,98 @@ def test_free_body_keeps_its_energy(dimension):
     system = da.System("free")
     spin = {"angular_velocity": 3.0} if dimension == 2 else {"angular_velocity": (3.0, 1.0, 2.0)}
     body = system.add(flexible(dimension, reference="mean", modes=0, **spin))
-    system.initial(body.modal[0], 0.02)
+    system.initial(body.q1, 0.02)
     motion = da.solve_dynamics(system.build(), 0.2, step=1e-4, outputs=21)
     assert np.abs(motion["energy"] - motion["energy"][0]).max() < 1e-6 * float(motion["energy"][0])
+
+
+@SPACES
+def test_gradients_pass_through_it(dimension):
+    """Direct, adjoint and differences, by what holds it, damps it and moves it."""
+    system = da.System("swing", gravity=(0.0, -9.81, 0.0)[:dimension])
+    stiffness = system.parameter("k", 30.0)
+    ratio, place = system.parameter("ratio", 0.05), system.parameter("x", 0.1)
+    at = (place, 0.0, 0.0)[:dimension]
+    turned = {"angle": 0.0} if dimension == 2 else {"rotation": np.eye(3)}
+    soft = beam(dimension, modulus=2e7)
+    body = system.add(
+        flexible(dimension, soft, modes=0, position=at, damping_ratio=ratio, **turned)
+    )
+    pin = planar.Revolute if dimension == 2 else spatial.Spherical
+    system.add(pin("pin", system.ground.point(*at), body.point("root")))
+    anchor = system.ground.point(*(1.0, 0.5, 0.2)[:dimension])
+    spring = KINDS[dimension].Spring
+    system.add(spring("spring", anchor, body.point("tip"), stiffness=stiffness))
+    motion = da.solve_dynamics(system.build(), 0.05, step=5e-4, integrator=da.RK4())
+    tip = da.final("rod.tip.y")
+    found = [
+        da.sensitivity(motion, tip, method=method).values.ravel()
+        for method in ("direct", "adjoint", "finite-difference")
+    ]
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-8, atol=1e-13)
+    np.testing.assert_allclose(found[2], found[0], rtol=1e-5, atol=1e-9)
+
+
+def test_the_structure_is_recovered():
+    """A clamped beam that gravity bends, damped until it rests, has the moments of statics."""
+    gravity, soft = (0.0, -1.0), {"modulus": 2e8}
+    system = da.System("sag", gravity=gravity)
+    options = {"position": (0.0, 0.0), "damping_ratio": 1.0}
+    body = system.add(flexible(2, beam(2, **soft), interface={"root": "n0"}, **options | MANY))
+    system.add(planar.Weld("clamp", system.ground.center, body.point("root")))
+    motion = da.solve_dynamics(system.build(), 10.0, step=0.5, integrator=da.Radau(fixed=True))
+    found = motion.structure("rod")
+    statics = da.solve_statics(beam(2, clamped=True, gravity=gravity, **soft))
+    np.testing.assert_allclose(found.displacements[:, -1], statics.displacements[:, 0], rtol=1e-6)
+    for end in "ij":
+        moment = float(statics[f"e0.moment_{end}"])
+        assert float(found[f"e0.moment_{end}"][-1]) == pytest.approx(moment, rel=1e-6)
+    with pytest.raises(da.AnalysisError, match="no flexible body 'rot'"):
+        motion.structure("rot")
+
+
+MANY = {"modes": 12}
+"""As many as there are: nothing is reduced."""
+
+WRONG = [
+    ({"interface": {}}, "needs an interface"),
+    ({"interface": ["nowhere"]}, "unknown node 'nowhere'"),
+    ({"interface": {"a": "n0", "b": ["n0", "n1"]}}, "which another interface holds too"),
+    ({"reference": "middle"}, "unknown frame 'middle'"),
+    ({"reference": "mean", "stiffening": True}, "second-order displacements need a frame"),
+    ({"parameters": {"F": 1.0}}, "F"),
+    ({"structure": "beam"}, "must be a structure that was built"),
+]
+
+
+@pytest.mark.parametrize(("options", "told"), WRONG)
+def test_what_cannot_be_is_refused(options, told):
+    with pytest.raises(da.ModelError, match=told):
+        flexible(2, **options)
+
+
+def test_supports_are_refused():
+    with pytest.raises(da.ModelError, match=r"rod: .*has supports"):
+        flexible(2, beam(2, clamped=True))
+
+
+def test_formulas_for_the_structure_are_refused():
+    """Shapes do not follow parameters of the system, and gradients would miss them."""
+    stiffness = da.System("x").parameter("E", 1e9)
+    with pytest.raises(da.ModelError, match=r"parameters\['E'\] is a formula"):
+        flexible(2, parameters={"E": stiffness})
+
+
+def test_one_name_for_two_parameters_is_refused():
+    system = da.System("x")
+    system.parameter("E", 1e9)
+    system.add(flexible(2))
+    with pytest.raises(da.ModelError, match="parameter 'E' of its structure"):
+        system.build()
+
+
+def test_mean_axes_hold_no_joint():
+    system = da.System("x")
+    body = system.add(flexible(2, reference="mean"))
+    with pytest.raises(da.ModelError, match="nowhere fixed in it"):
+        system.add(planar.Revolute("pin", system.ground.center, body))

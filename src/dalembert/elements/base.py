@@ -124,6 +124,10 @@ class Element:
         """What had better hold at the values of the parameters, and is told where it does not."""
         return []
 
+    def foreign_parameters(self) -> list[str]:
+        """Parameters of what it is made of that are none of the mechanism."""
+        return []
+
     def parts(self) -> list[Coordinates]:
         """The bodies (and own coordinates) this element ties together."""
         return []

@@ -13,6 +13,8 @@ from dalembert.symbolic.expression import Expression
 if TYPE_CHECKING:
     import pandas as pd
 
+    from dalembert.results.structural.recovered import RecoveredStates
+
 
 Names = Sequence[str] | None
 Groups = Sequence[Sequence[str]] | None
@@ -38,6 +40,18 @@ class Motion(LabelledRecording):
             "final": {name: float(data[name][-1]) for name in FINAL if some},
             "largest": {name: float(data[name].max()) for name in LARGEST if some},
         }
+
+    def structure(self, body: str) -> RecoveredStates:
+        """The structure of a flexible body over the motion: displacements, stresses, pictures.
+
+        Raises
+        ------
+        AnalysisError
+            There is no flexible body of this name.
+        """
+        from dalembert.results.structural.recovered import recovered
+
+        return recovered(self, body)
 
     # files and pictures ------------------------------------------------------------
     def save(  # type: ignore[override]

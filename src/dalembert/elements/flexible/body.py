@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import casadi as ca
+
 from dalembert.elements.base import Scalar, Vector, option, quantity
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.flexible.section import Section, SectionFrame, SectionPoint
@@ -76,10 +78,17 @@ class Flexible(FloatingFrame):
         self.tangible = self.reference != MEAN
         self.mass = Expression(self.shapes.total_mass, f"{self.name}.mass", "kg")
 
+    def foreign_parameters(self) -> list[str]:
+        return list(self.structure.parameters)
+
     @property
     def modal_names(self) -> tuple[str, ...]:
         """Names of the coordinates ``q``."""
         return tuple(f"q{k + 1}" for k in range(self.shapes.count))
+
+    def _modal_measures(self) -> dict[str, tuple[ca.SX, str]]:
+        """The coordinates ``q1``, ``q2``, …: largest displacements of their shapes."""
+        return {name: (self.q[k], "m") for k, name in enumerate(self.modal_names)}
 
     def _make_sections(self) -> None:
         """Name a section, and its point or frame, for every interface."""

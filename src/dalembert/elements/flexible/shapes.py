@@ -85,6 +85,7 @@ class FlexibleStructure(Protocol):
     """What can become a flexible body; ``StructuralModel`` can."""
 
     name: str
+    parameters: Mapping[str, Any]
 
     def floating(
         self,

@@ -74,7 +74,7 @@ class FlexibleBody(PlanarFrame, Flexible):
         self.make_symbols(names, ("m", "m", "rad", *("m" for _ in self.modal_names)))
         self.pose_position, self.pose_angle, self.q = self.pose[:2], self.pose[2], self.pose[3:]
         self.mass_center = self.locate(self._centre())
-        self.declare(motion_measures(self) | {"modal": (self.q, "m")}, {})
+        self.declare(motion_measures(self) | self._modal_measures(), {})
         self._make_sections()
 
     @property

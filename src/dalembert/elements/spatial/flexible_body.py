@@ -98,7 +98,7 @@ class FlexibleBody(SpatialFrame, Flexible):
         self._make_coordinates(self.modal_names)
         self.q = self.pose[7:]
         self.mass_center = self.locate(self._centre())
-        self.declare(self.motion_measures() | {"modal": (self.q, "m")}, {})
+        self.declare(self.motion_measures() | self._modal_measures(), {})
         self._make_sections()
 
     @property
