@@ -82,7 +82,7 @@ def main(folder=None) -> dict[str, float]:
         for name, motion in motions.items():
             right.plot(1e3 * motion.time, 1e3 * bent[name], label=name)
         right.set(title="middle off the line of the ends [mm]", xlabel="t [ms]")
-        right.legend(loc="upper right")
+        right.legend(loc="lower left")
         style.save(figure, folder, "elastic_slider_crank")
     return numbers
 
