@@ -39,7 +39,8 @@ class Drawing:
             for look in element.look():
                 sketch.draw(look, element)
         for body in self.model.bodies:
-            self.outline(body)
+            if not isinstance(body, FloatingFrame):
+                self.outline(body)
         sketch.fill_in()
         gravity = self.model.parts.gravity
         return {

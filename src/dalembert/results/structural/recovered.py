@@ -39,7 +39,7 @@ class RecoveredStates(StructuralMotion):
             time=float(self.time[k]),
         )
 
-    def at(self, times: np.ndarray) -> StructuralMotion:
+    def at(self, times: np.ndarray) -> RecoveredStates:
         """Refused: sample the motion of the mechanism.
 
         Raises
@@ -66,14 +66,16 @@ def recovered(motion: Recording, body: str) -> RecoveredStates:
     amplitudes = found.amplitudes
     rates = rate_of(amplitudes, [found], t.sx), second_rate_of(amplitudes, [found], t.sx)
     columns = motion.columns([Expression(ca.densify(x)) for x in (amplitudes, *rates)])
-    tables = [shapes.displacements @ x.reshape(motion.time.size, -1).T for x in columns]
+    u, v, a = (shapes.displacements @ x.reshape(motion.time.size, -1).T for x in columns)
     return RecoveredStates(
         model,
         motion.analysis,
         shapes.p,
         motion.time,
-        *tables,
-        np.zeros_like(tables[0]),
+        u,
+        v,
+        a,
+        np.zeros_like(u),
         model.assembly.mass(shapes.p),
         motion.status,
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from dalembert.structures.block import ElementBlock
@@ -10,11 +12,44 @@ from dalembert.structures.numbering import Numbering
 
 def node_places(blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray) -> np.ndarray:
     """(nodes, d) where the nodes are at parameter values ``p`` [m]."""
-    places = np.zeros((len(degrees.table), degrees.dimension))
+    return _by_node(blocks, degrees, lambda block: block.data(p))
+
+
+def push_places(
+    blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray, dp: np.ndarray
+) -> np.ndarray:
+    """(nodes, d) their change with the parameters."""
+    return _by_node(blocks, degrees, lambda block: block.push_data(p, dp))
+
+
+def pull_places(
+    blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray, weights: np.ndarray
+) -> np.ndarray:
+    """Weights (np,) of the parameters from weights (nodes, d) of the places."""
+    left, p_bar = weights.copy(), np.zeros(p.size)
     for block in blocks:
         n, d = block.nodes.shape[0], degrees.dimension
-        places[block.nodes] = block.data(p)[: n * d].reshape(n, d, -1).transpose(0, 2, 1)
-    return places
+        data = np.zeros((block.kind.data_count, block.count))
+        for k, nodes in enumerate(block.nodes):
+            _, first = np.unique(nodes, return_index=True)  # each node counts once
+            data[k * d : (k + 1) * d, first] = left[nodes[first]].T
+            left[nodes] = 0.0
+        if n and data.any():
+            p_bar += block.pull_data(p, data)
+    return p_bar
+
+
+def _by_node(
+    blocks: list[ElementBlock],
+    degrees: Numbering,
+    data: Callable[[ElementBlock], np.ndarray],
+) -> np.ndarray:
+    """(nodes, d) of numbers of elements that begin with those of their nodes."""
+    found = np.zeros((len(degrees.table), degrees.dimension))
+    for block in blocks:
+        n, d = block.nodes.shape[0], degrees.dimension
+        found[block.nodes] = data(block)[: n * d].reshape(n, d, -1).transpose(0, 2, 1)
+    return found
 
 
 def spins(dimension: int) -> np.ndarray:
