@@ -13,7 +13,7 @@ from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.flexible.section import Section, SectionFrame, SectionPoint
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.point import Point
-from dalembert.errors import ModelError
+from dalembert.errors import AnalysisError, ModelError
 from dalembert.symbolic.expression import Expression
 
 MEAN = "mean"
@@ -57,6 +57,7 @@ class Flexible(FloatingFrame):
                 )
         if not self.interface:
             raise ModelError("needs an interface: nodes on which joints hold", self.name)
+        self._check_options()
         self.reference = self.reference or MEAN
         try:
             self.shapes = self.structure.floating(
@@ -67,7 +68,7 @@ class Flexible(FloatingFrame):
                 second_order=self.stiffening,
                 parameters=self.parameters,
             )
-        except ModelError as error:
+        except (ModelError, AnalysisError) as error:
             raise ModelError(str(error), self.name) from None
         if self.shapes.dimension != self.dimension:
             raise ModelError(
@@ -77,6 +78,18 @@ class Flexible(FloatingFrame):
             )
         self.tangible = self.reference != MEAN
         self.mass = Expression(self.shapes.total_mass, f"{self.name}.mass", "kg")
+
+    def _check_options(self) -> None:
+        if isinstance(self.modes, bool) or not isinstance(self.modes, int) or self.modes < 0:
+            raise ModelError(f"modes is a count; got {self.modes!r}", self.name)
+        if self.up_to is not None and not self.up_to > 0:
+            raise ModelError(f"up_to is a frequency [rad/s]; got {self.up_to!r}", self.name)
+        if not isinstance(self.reference, str) or not isinstance(self.stiffening, bool):
+            raise ModelError(
+                "reference is the name of an interface or 'mean', stiffening True or False; got "
+                f"{self.reference!r} and {self.stiffening!r}",
+                self.name,
+            )
 
     def foreign_parameters(self) -> list[str]:
         return list(self.structure.parameters)
