@@ -26,6 +26,8 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.body import Interfaces, Numbers
+from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.point import Point
@@ -73,6 +75,9 @@ HOLDS: dict[object, str] = {
     Point: "point",
     Frame: "frame",
     Constraint: "name of a joint",
+    FlexibleStructure: "file of a structure",
+    Interfaces: "name of a section: nodes; or list of nodes",
+    Numbers: "table of numbers",
     Rows: "list",
     fields.Laws: "list of laws, numbers or formulas",
     fields.CountOrTimes: "count or list of times",

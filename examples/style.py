@@ -55,8 +55,10 @@ def draw(ax, motion, time: float = 0.0, alpha: float = 1.0, colours=COLOURS) -> 
         turn, place = poses[body]
         return np.vstack(points) @ turn.T + place
 
+    names = [b["name"] for b in scene["bodies"]]
     bodies = [
-        (b["name"], b["shapes"], colours[n % len(colours)]) for n, b in enumerate(scene["bodies"])
+        (b["name"], b["shapes"], colours[names.index(b.get("of", b["name"])) % len(colours)])
+        for b in scene["bodies"]
     ]
     for name, shapes, colour in [("ground", scene["ground"]["shapes"], "0.72"), *bodies]:
         for shape in shapes:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flexible_bodies import write_beam
 
 import dalembert as da
 from dalembert import planar
@@ -49,7 +50,13 @@ connect = ["ground.G", "a"]
 TWO_POINTS, TWO_BODIES = 'connect = ["a.P", "b"]\n', 'connect = ["a", "b"]\n'
 # every registered element: what a file gives besides its type
 ELEMENTS = {
-    "bodies": {"Body": "", "Bar": 'length = "k/2"\nmass = 1', "Particle": "mass = 1"},
+    "bodies": {
+        "Body": "",
+        "Bar": 'length = "k/2"\nmass = 1',
+        "Particle": "mass = 1",
+        "FlexibleBody": 'structure = "beam.toml"\ninterface = { P = "n0", Q = ["n1"] }\n'
+        'reference = "P"\ndamping_ratio = "k/100"\nparameters = { E = 2e9 }',
+    },
     "joints": {
         "Revolute": TWO_POINTS,
         "Translational": TWO_POINTS + 'axis = ["k", 1]\nangle = 0.1',
@@ -120,6 +127,7 @@ CASES = [(s, name) for s, registry in REGISTRIES.items() for name in registry]
 
 @pytest.mark.parametrize(("section", "name"), CASES, ids=[n for _, n in CASES])
 def test_every_element_can_be_written(section, name, tmp_path, schema):
+    write_beam(tmp_path, 2)
     text = f'{HEAD}[{section}.new]\ntype = "{name}"\n{ELEMENTS[section][name]}\n'
     system = load(written(tmp_path, text))
     assert type(system.elements["new"]) is REGISTRIES[section][name]

@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from flexible_bodies import write_beam
 
 import dalembert as da
 from dalembert.elements.base import Element
@@ -61,6 +62,8 @@ ELEMENTS = {
         "Sphere": "radius = 'k'\nmass = 1",
         "Capsule": "radius = 'k'\nlength = 1\ndensity = 1",
         "Mesh": "file = 'wedge.obj'\nscale = 'k'\ndensity = 1",
+        "FlexibleBody": "structure = 'beam.toml'\ninterface = ['n0', 'n1']\nmodes = 1\n"
+        "rayleigh = ['k', 0]",
     },
     "beams": {
         "Beam": "frame_i = { body = 'ground' }\nlength = 'k'\naxial_rigidity = 9\n"
@@ -122,6 +125,7 @@ CASES = [(section, name) for section, table in SPATIAL.sections.items() for name
 def written(section: str, name: str, folder: Path) -> Element:
     """An element read from a file in the folder, beside some bodies and joints."""
     (folder / "wedge.obj").write_text(OBJ)
+    write_beam(folder, 3)
     text = f'{HEAD}[{section}.new]\ntype = "{name}"\n{ELEMENTS[section][name]}\n'
     (folder / "model.toml").write_text(text, encoding="utf-8")
     return load(folder / "model.toml").elements["new"]

@@ -137,6 +137,10 @@ class Element:
         """What had better hold at the values of the parameters, and is told where it does not."""
         return []
 
+    def foreign_parameters(self) -> list[str]:
+        """Parameters of what it is made of that are none of the mechanism."""
+        return []
+
     def parts(self) -> list[Coordinates]:
         """The bodies (and own coordinates) this element ties together."""
         return []
@@ -230,6 +234,8 @@ class ForceElement(Element):
 
     conservative = False
     """All its work is its potential's, exactly."""
+    internal = False
+    """It acts within one body, and ties it to nothing."""
 
     def powers(self, rate: Rate) -> Powers:
         """Efforts with the velocities they do power on: ``rate(s)`` of a coordinate, ``ω`` …"""

@@ -8,7 +8,7 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Element, Vector
+from dalembert.elements.base import Element, ForceElement, Vector
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
@@ -26,6 +26,8 @@ class BodyElement(Element, Coordinates):
     rotates = True
     node = False
     """A node of an element that is drawn by this."""
+    tangible = True
+    """Whether its frame is fixed in its matter, so that joints can hold on it."""
     dimension = 2
     """Number of coordinates of its points."""
     initial_fields: tuple[str, ...] = ("position", "velocity")
@@ -37,6 +39,11 @@ class BodyElement(Element, Coordinates):
     points: dict[str, Point]
     frames: dict[str, Frame]
     _measures: dict[str, tuple[ca.SX, str]]
+
+    @property
+    def shown(self) -> str:
+        """Its name in drawings."""
+        return self.name
 
     # where things on it are -------------------------------------------------------------------
     def locate(self, local: ca.SX) -> ca.SX:
@@ -67,6 +74,14 @@ class BodyElement(Element, Coordinates):
 
     def masses(self) -> list[tuple[ca.SX, ca.SX]]:
         return [(self.mass_center, self.mass.sx)]
+
+    def undeformed(self, local: ca.SX) -> ca.SX:
+        """Where a place is in the frame of the owner's coordinates while nothing is deformed."""
+        return local
+
+    def own_forces(self) -> list[ForceElement]:
+        """Forces within it that it brings along."""
+        return []
 
     # names on it ------------------------------------------------------------------------------
     def declare(self, named: dict[str, tuple[ca.SX, str]], given: Mapping[str, Vector]) -> None:

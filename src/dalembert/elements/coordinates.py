@@ -45,6 +45,11 @@ class Coordinates:
     speed_names: tuple[str, ...]
     speed_units: tuple[str, ...]
 
+    @property
+    def owner(self) -> Coordinates:
+        """The group whose coordinates it has: its own, but for parts of a flexible body."""
+        return self
+
     def make_symbols(self, names: tuple[str, ...], units: tuple[str, ...]) -> None:
         """Coordinates whose rates are the speeds."""
         self.coordinate_names, self.coordinate_units = names, units
@@ -100,6 +105,7 @@ class Coordinates:
 
 def rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
     """Total time derivative of a position-level expression."""
+    owners = list(dict.fromkeys(o.owner for o in owners))
     pose = ca.vertcat(time, *(o.pose for o in owners))
     speed = ca.vertcat(1, *(o.pose_rate for o in owners))
     return ca.jtimes(expression, pose, speed)
@@ -107,6 +113,7 @@ def rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
 
 def motion_rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
     """Total time derivative of an expression of positions and speeds."""
+    owners = list(dict.fromkeys(o.owner for o in owners))
     state = ca.vertcat(time, *(ca.vertcat(o.pose, o.twist) for o in owners))
     speed = ca.vertcat(1, *(ca.vertcat(o.pose_rate, o.acceleration_symbols) for o in owners))
     return ca.jtimes(expression, state, speed)

@@ -25,6 +25,7 @@ def need_point(value: Any, owner: str, field: str, dimension: int = 2) -> Point:
     dimension : of the point beside it, where there is one
     """
     if isinstance(value, BodyElement):
+        refuse_intangible(value, owner, field)
         return Point(value, (0.0,) * max(value.dimension, dimension))
     if not isinstance(value, Point):
         raise ModelError(
@@ -37,11 +38,23 @@ def need_body(value: Any, owner: str, field: str) -> Any:
     """Check that an element was given a body."""
     if not isinstance(value, BodyElement):
         raise ModelError(f"{field} must be a body; got {value!r}", owner)
+    refuse_intangible(value, owner, field)
     return value
 
 
+def refuse_intangible(body: BodyElement, owner: str, field: str) -> None:
+    """Frames that follow the mean axes of a flexible body are not fixed in it."""
+    if not body.tangible and body.owner is body:
+        raise ModelError(
+            f"{field} is the frame of {body.name}, which follows its mean axes and is nowhere "
+            f"fixed in it; take one of its sections, {body.name}.section(…), or give the body "
+            "reference= an interface",
+            owner,
+        )
+
+
 def refuse_same_body(body_i: BodyElement, body_j: BodyElement, owner: str) -> None:
-    if body_i is body_j:
+    if body_i.owner is body_j.owner:
         raise ModelError(f"ties {body_i.name} to itself; connect two different bodies", owner)
 
 
@@ -151,7 +164,7 @@ class PointJoint(BetweenPoints, Pair, Constraint):
 def initial_value(expression: ca.SX, bodies: Sequence[BodyElement]) -> Expression:
     """A position-level expression at the bodies' given guesses, at rest where they are missing."""
     symbols, values = [], []
-    for body in dict.fromkeys(bodies):  # the carrier may be one of the ends
+    for body in dict.fromkeys(b.owner for b in bodies):  # the carrier may be one of the ends
         expression = ca.substitute(expression, *body.followers)
         own = ca.vertsplit(body.pose)[: len(body.rest)]
         for symbol, guess, rest in zip(own, body.guesses()[0], body.rest, strict=True):

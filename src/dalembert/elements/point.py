@@ -58,6 +58,11 @@ class Point:
         return self.body.turned(self.local.sx)
 
     @property
+    def undeformed(self) -> ca.SX:
+        """Its place in the frame of its body while nothing is deformed."""
+        return self.body.undeformed(self.local.sx)
+
+    @property
     def position(self) -> Expression:
         return self._named(self.body.locate(self.local.sx), "position", "m")
 

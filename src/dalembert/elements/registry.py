@@ -48,7 +48,7 @@ PLANAR = Space(
     "planar",
     2,
     {
-        "bodies": named(planar.Body, planar.Bar, planar.Particle),
+        "bodies": named(planar.Body, planar.Bar, planar.Particle, planar.FlexibleBody),
         "beams": named(planar.Beam),
         "joints": named(
             planar.Revolute,
@@ -99,6 +99,7 @@ SPATIAL = Space(
             spatial.Sphere,
             spatial.Capsule,
             spatial.Mesh,
+            spatial.FlexibleBody,
         ),
         "beams": named(spatial.Beam),
         "joints": named(

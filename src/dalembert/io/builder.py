@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
 from dalembert.elements.base import Constraint, ForceElement, Rows
 from dalembert.elements.body import BodyElement
@@ -14,6 +14,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.point import Point
@@ -33,13 +34,18 @@ from dalembert.io.fields import (
 )
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
+from dalembert.io.messages import explain
 from dalembert.io.order import dependency_order
 from dalembert.io.orientations import read_frame, read_orientation
 from dalembert.io.parameters import declare_parameters
+from dalembert.io.reading import read_document
 from dalembert.io.references import References
 from dalembert.io.schema import DerivedTable, Document
 from dalembert.io.shapes import Shapes, made_of
+from dalembert.io.structure_builder import StructureBuilder
+from dalembert.io.structure_schema import StructureDocument
 from dalembert.model.system import System
+from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.text import visible
 
@@ -60,6 +66,7 @@ class Builder:
         self.system = System(name, description=document.description)
         self.formulas = Formulas(self.system)
         self.references = References(document, self.system, self.formulas)
+        self.structures: dict[Path, StructuralModel] = {}
         self.shapes = Shapes(self.located, self.formulas)
 
     def build(self) -> System:
@@ -163,6 +170,7 @@ class Builder:
             Friction: lambda: self.ingredient(FRICTIONS, given, where),
             Rows: lambda: [self.vector(row, Scope.PARAMETERS) for row in given],
             Path: lambda: self.source.parent / given,
+            FlexibleStructure: lambda: self.structure(self.source.parent / given),
             **dict.fromkeys(
                 (BodyElement, Point, Frame), lambda: self.references.end(field.holds, given)
             ),
@@ -186,6 +194,17 @@ class Builder:
             lambda field, value, here: self.value(field, value, Scope.PARAMETERS, here),
         )
         return made_of(cls, **keys)
+
+    def structure(self, path: Path) -> StructuralModel:
+        """The structure in another file, which is read once."""
+        if path not in self.structures:
+            data = read_document(path)
+            try:
+                document = StructureDocument.model_validate(data)
+            except ValidationError as error:
+                raise explain(error, data, path) from None
+            self.structures[path] = StructureBuilder(document, path).build().build()
+        return self.structures[path]
 
     def force_law(self, text: float | str, scope: Scope) -> Callable:
         """The function (extension, rate) → force that a formula describes."""

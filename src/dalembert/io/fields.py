@@ -25,6 +25,8 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.body import Interfaces, Numbers
+from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.point import Point
@@ -63,6 +65,7 @@ KNOWN: dict[Any, Any] = {
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
         *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
         *(Frames, Orientation, CountOrTimes, Shape, NormalLaw, Friction),
+        *(FlexibleStructure, Interfaces, Numbers),
         *(Coordinates, Formulation, Stabilization, Integrator),
     )
 } | {

@@ -18,6 +18,8 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.body import Interfaces, Numbers
+from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law, Product, Sum
 from dalembert.elements.point import Point
@@ -40,6 +42,7 @@ from dalembert.io.fields import (
     connected,
     written,
 )
+from dalembert.io.interfaces import InterfacesType
 from dalembert.io.orientations import FrameTable, InlineFrame, OrientationType
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.values import (
@@ -124,6 +127,9 @@ VALUES: dict[Any, Any] = {
     fields.CountOrTimes: CountOrTimes,
     Interval: list_of(Number, 2, "start, end"),
     Names: list[Text],
+    FlexibleStructure: Text,
+    Interfaces: InterfacesType,
+    Numbers: dict[str, Number],
     Rayleigh: RayleighTable,
     Orientation: OrientationType,
     Frames: dict[str, FrameTable],

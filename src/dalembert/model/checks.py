@@ -21,16 +21,26 @@ Formulas = list[tuple[str, ca.SX]]
 
 
 def check_membership(d: Description) -> None:
-    """Every part an element is tied to must belong to the mechanism."""
+    """Every part an element is tied to must belong to the mechanism.
+
+    Parameters of a structure stay out of it, so that none may have the name of one within.
+    """
     if not d.bodies:
         raise ModelError("has no bodies; add at least one", d.name)
     known = {id(c) for c in (*d.coordinates, d.ground)}
     for element in d.elements.values():
         for part in element.parts():
-            if id(part) not in known:
+            if id(part.owner) not in known:
                 raise ModelError(
                     f"is tied to {part.name!r}, which was not added to the system; "
                     f"add it with system.add(...)",
+                    element.name,
+                )
+        for name in element.foreign_parameters():
+            if name in d.parameters:
+                raise ModelError(
+                    f"the parameter {name!r} of its structure is not that of the system, and no "
+                    "gradient would tell; give one of them another name",
                     element.name,
                 )
         joint = getattr(element, "joint", None)

@@ -85,6 +85,7 @@ class Description:
     @property
     def forces(self) -> list[ForceElement]:
         own = [e for e in self.elements.values() if isinstance(e, ForceElement)]
+        own += [force for body in self.bodies for force in body.own_forces()]
         if self.gravity is not None:
             own.insert(0, Gravity(self.gravity, list(self.elements.values())))
         return own

@@ -137,7 +137,9 @@ def diagnose(d: Description, closure: Closure, mass: sparse.csc_array) -> Diagno
     independent_joint_rows = int(np.sum(kept & ~is_driver))
     redundancies = tuple(_redundancy(closure, k) for k in range(len(closure.owners)) if not kept[k])
     touched = {b.name for c in d.constraints for b in c.parts()}
-    touched |= {b.name for f in d.forces if f.name != "gravity" for b in f.parts()}
+    touched |= {
+        b.name for f in d.forces if f.name != "gravity" and not f.internal for b in f.parts()
+    }
     return Diagnosis(
         coordinates=n - own,
         joint_equations=joint_rows - own,

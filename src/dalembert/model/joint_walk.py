@@ -27,7 +27,7 @@ def carried_along(
     of_body: dict[str, list[Any]] = defaultdict(list)
     for joint in joints:
         for body in joint.ends():
-            of_body[body.name].append(joint)
+            of_body[body.owner.name].append(joint)
     found = dict(placed)
     for root in (*placed, *loose):
         if root not in found:
@@ -36,7 +36,7 @@ def carried_along(
         while waiting:
             base = waiting.popleft()
             for joint in of_body[base]:
-                child = joint.ends()[joint.ends()[0].name == base]
+                child = joint.ends()[joint.ends()[0].owner.name == base].owner
                 if child.name in found:
                     continue
                 pose = carry(joint, child, found[base])

@@ -10,8 +10,8 @@ import casadi as ca
 from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
 from dalembert.elements.spatial import Spherical
-from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.fixed_turn import FixedTurn
+from dalembert.elements.spatial.frame import SpatialFrame
 from dalembert.elements.spatial.joint import FrameJoint
 from dalembert.model.description import Description
 from dalembert.model.joint_walk import carried_along
@@ -38,7 +38,7 @@ def spatial_poses(d: Description) -> dict[str, ca.SX]:
     A body of known orientation goes where the origins of its joint to a placed body coincide, from
     joint to joint; ``Weld`` and ``Prismatic`` tell orientations, too.
     """
-    solids = [body for body in d.bodies if isinstance(body, Body)]
+    solids = [body for body in d.bodies if isinstance(body, SpatialFrame)]
     turned = {b.name: e for b in solids if (e := _given_orientation(b)) is not None}
     given = {"ground": Placed(ca.SX.zeros(3), UNTURNED)}
     for body in solids:
@@ -53,7 +53,7 @@ def spatial_poses(d: Description) -> dict[str, ca.SX]:
     return {body.name: _pose(body, placed[body.name]) for body in solids if body.name in placed}
 
 
-def _given_orientation(body: Body) -> ca.SX | None:
+def _given_orientation(body: SpatialFrame) -> ca.SX | None:
     """Its Euler parameters; None where they are missing."""
     if not body.rotates:
         return UNTURNED
@@ -63,10 +63,10 @@ def _given_orientation(body: Body) -> ca.SX | None:
 
 def _carried(joint: Any, child: Any, base: Placed, euler: ca.SX | None) -> Placed | None:
     """The pose of a body at which its joint closes, None where its orientation is not known."""
-    if not isinstance(child, Body):
+    if not isinstance(child, SpatialFrame):
         return None
     held = "frame" if isinstance(joint, FrameJoint) else "point"
-    forward = joint.ends()[1] is child
+    forward = joint.ends()[1].owner is child
     on_base, on_child = (getattr(joint, f"{held}_{side}") for side in ("ij" if forward else "ji"))
     if euler is None and isinstance(joint, FixedTurn):
         euler = _prescribed(joint, base.euler, on_base, on_child, forward)
@@ -74,8 +74,8 @@ def _carried(joint: Any, child: Any, base: Placed, euler: ca.SX | None) -> Place
         return None
     if child.initial[0] is not None:
         return Placed(child.initial[0].sx, euler)
-    arm = ca.mtimes(rotation.matrix(euler), on_child.local.sx)
-    return Placed(base.at(on_base.local.sx) - arm, euler)
+    arm = ca.mtimes(rotation.matrix(euler), on_child.undeformed)
+    return Placed(base.at(on_base.undeformed) - arm, euler)
 
 
 def _prescribed(
@@ -90,7 +90,9 @@ def _prescribed(
     return rotation.product(there, rotation.conjugate(second))
 
 
-def _pose(body: Body, placed: Placed) -> ca.SX:
-    """Mass centre and Euler parameters."""
-    center = placed.at(body.center_of_mass.sx)
-    return ca.vertcat(center, placed.euler) if body.rotates else center
+def _pose(body: SpatialFrame, placed: Placed) -> ca.SX:
+    """Mass centre, or origin, and Euler parameters; nothing deformed."""
+    center = placed.at(body.offset)
+    if not body.rotates:
+        return center
+    return ca.vertcat(center, placed.euler, ca.SX.zeros(body.pose.numel() - 7))

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.point import Point
+from dalembert.results.deformed import pieces, section_poses
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.sketch import Sketch
 
@@ -37,7 +39,7 @@ class Drawing:
             for look in element.look():
                 sketch.draw(look, element)
         for body in self.model.bodies:
-            if not body.node:
+            if not (body.node or isinstance(body, FloatingFrame)):
                 self.outline(body)
         sketch.fill_in()
         gravity = self.model.parts.gravity
@@ -46,7 +48,8 @@ class Drawing:
             "bodies": [
                 {"name": b.name, "node": b.node, **self.poses(b), "shapes": sketch.shapes[b.name]}
                 for b in self.model.bodies
-            ],
+            ]
+            + self.deformed(),
             "ground": {"shapes": sketch.shapes["ground"]},
             "joints": sketch.joints,
             "links": sketch.links,
@@ -57,6 +60,27 @@ class Drawing:
                 for p in b.points.values()
             ],
         }
+
+    def deformed(self) -> list[dict[str, Any]]:
+        """Sections and pieces of flexible bodies, as bodies that belong to them."""
+        sketch, found = self.sketch, []
+        for section in sketch.sections:
+            pose = section_poses(sketch.motion, self.keep, section)
+            described = {"name": section.shown, "of": section.name, **self.pose(*pose)}
+            found.append(described | {"shapes": sketch.shapes[section.shown]})
+        for body in self.model.bodies:
+            if isinstance(body, FloatingFrame):
+                for k, (pose, length) in enumerate(pieces(sketch.motion, self.keep, body)):
+                    ends = np.zeros((2, sketch.dimension))
+                    ends[1, 0] = length
+                    bar = {"kind": "bar", "from": ends[0].tolist(), "to": ends[1].tolist()}
+                    described = {"name": f"{body.name}/{k + 1}", "of": body.name}
+                    found.append(described | self.pose(*pose) | {"shapes": [bar]})
+        return found
+
+    def pose(self, place: np.ndarray, turn: np.ndarray) -> dict[str, list[float]]:
+        """Columns of places and turns."""
+        raise NotImplementedError
 
     def poses(self, body: Any) -> dict[str, list[float]]:
         """Columns of a body's pose."""
@@ -69,13 +93,14 @@ class Drawing:
     def collect_points(self) -> None:
         """Places on each body, named ones first."""
         for body in self.model.bodies:
-            self.points[body.name] = [tuple(self.sketch.local(p)) for p in body.points.values()]
+            for point in body.points.values():
+                self.points[point.body.shown].append(tuple(self.sketch.local(point)))
         for element in self.sketch.elements:
             for point in vars(element).values():
                 if isinstance(point, Point):
                     spot = tuple(self.sketch.local(point))
-                    if spot not in self.points[point.body.name]:
-                        self.points[point.body.name].append(spot)
+                    if spot not in self.points[point.body.shown]:
+                        self.points[point.body.shown].append(spot)
 
     def extent(self) -> float:
         """Size of the mechanism, for symbols without a size of their own."""

@@ -13,6 +13,8 @@ from dalembert.symbolic.expression import Expression
 if TYPE_CHECKING:
     import pandas as pd
 
+    from dalembert.results.structural.recovered import RecoveredStates
+
 
 Names = Sequence[str] | None
 Groups = Sequence[Sequence[str]] | None
@@ -41,6 +43,18 @@ class Motion(LabelledRecording):
         if self.impacts:
             told["impacts"] = [impact.row for impact in self.impacts]
         return told
+
+    def structure(self, body: str) -> RecoveredStates:
+        """The structure of a flexible body over the motion: displacements, stresses, pictures.
+
+        Raises
+        ------
+        AnalysisError
+            There is no flexible body of this name.
+        """
+        from dalembert.results.structural.recovered import recovered
+
+        return recovered(self, body)
 
     # files and pictures ------------------------------------------------------------
     def save(  # type: ignore[override]

@@ -40,9 +40,13 @@ class Picture:
         self.parts: list[tuple[Any, str, np.ndarray]] = []
         for shape in self.scene["ground"]["shapes"]:
             self._add("ground", shape, "0.6")
-        for k, body in enumerate(self.scene["bodies"]):
+        names = [body["name"] for body in self.scene["bodies"]]
+        for body in self.scene["bodies"]:
+            owner = body.get("of", body["name"])
             for shape in body["shapes"]:
-                self._add(body["name"], shape, COLOURS[k % len(COLOURS)])
+                self._add(body["name"], shape, COLOURS[names.index(owner) % len(COLOURS)])
+                if owner != body["name"]:
+                    self.parts[-1][0].set_marker("")
         for joint in self.scene["joints"] if self.spatial else ():
             line = self._line(color="0.25", marker="o", ms=4, mfc="white")
             self.parts.append((line, joint["body"], np.array([joint["point"]])))

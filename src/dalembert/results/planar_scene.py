@@ -34,11 +34,10 @@ class PlanarDrawing(Drawing):
 
     def poses(self, body: Body) -> dict[str, list[float]]:
         at = self.data.sel(body=body.name)
-        return {
-            "x": at["position"].values[self.keep, 0].tolist(),
-            "y": at["position"].values[self.keep, 1].tolist(),
-            "angle": at["angle"].values[self.keep].tolist(),
-        }
+        return self.pose(at["position"].values[self.keep], at["angle"].values[self.keep])
+
+    def pose(self, place: np.ndarray, turn: np.ndarray) -> dict[str, list[float]]:
+        return {"x": place[:, 0].tolist(), "y": place[:, 1].tolist(), "angle": turn.tolist()}
 
 
 def _hull(points: list[list[float]]) -> list[list[float]]:

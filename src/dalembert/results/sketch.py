@@ -14,6 +14,7 @@ import numpy as np
 
 from dalembert.elements.base import Look
 from dalembert.elements.body import BodyElement
+from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.look import Arrow, Ball, Contact, Link, Path, Rail, Segment, Twist
 from dalembert.elements.point import AXES, Point
 from dalembert.results.labelled import LabelledRecording
@@ -48,7 +49,9 @@ class Sketch:
         self.data, self.parameters = motion.data, self.model.equations.p
         self.elements = [*self.model.constraints, *self.model.forces]
         self.pivots = Pivots(self.elements)
-        names = ["ground", *(b.name for b in self.model.bodies)]
+        flexible = (b for b in self.model.bodies if isinstance(b, FloatingFrame))
+        self.sections = [section for body in flexible for section in body.sections.values()]
+        names = ["ground", *(b.shown for b in (*self.model.bodies, *self.sections))]
         self.shapes: dict[str, list[dict]] = {name: [] for name in names}
         self.joints: list[dict] = []
         self.links: list[dict] = []
@@ -75,7 +78,7 @@ class Sketch:
 
     def place(self, point: Point) -> Place:
         """A point, as pages read it."""
-        return {"body": point.body.name, "point": self.local(point)}
+        return {"body": point.body.shown, "point": self.local(point)}
 
     def components(self, name: str, vector: ca.SX) -> tuple[str, ...]:
         """Names of a vector's columns; in the plane a moment has only one."""
@@ -100,12 +103,12 @@ class Sketch:
     @draw.register
     def _(self, look: Segment, element: Any) -> None:
         ends = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
-        self.shapes[look.point_i.body.name].insert(0, {"kind": "bar", **ends})
+        self.shapes[look.point_i.body.shown].insert(0, {"kind": "bar", **ends})
 
     @draw.register
     def _(self, look: Ball, element: Any) -> None:
         shape = {"kind": "particle", "center": self.local(look.point)}
-        self.shapes[look.point.body.name].append(shape)
+        self.shapes[look.point.body.shown].append(shape)
 
     @draw.register
     def _(self, look: Rail, element: Any) -> None:
@@ -116,7 +119,7 @@ class Sketch:
         axis, origin = axis / np.linalg.norm(axis), np.array(self.local(look.point))
         ends = [(origin + s * axis).tolist() for s in (low - margin, high + margin)]
         shape = {"kind": "line", "from": ends[0], "to": ends[1]}
-        self.shapes[look.point.body.name].append(shape)
+        self.shapes[look.point.body.shown].append(shape)
 
     @draw.register
     def _(self, look: Path, element: Any) -> None:
@@ -127,7 +130,7 @@ class Sketch:
         parameters = np.tile(self.motion.parameters[:, None], CURVE_SAMPLES)
         points = place.map(CURVE_SAMPLES)(samples, parameters).full().T.tolist()
         shape = {"kind": "curve", "points": points, "closed": bool(look.closed)}
-        self.shapes[look.body.name].append(shape)
+        self.shapes[look.body.shown].append(shape)
 
     @draw.register
     def _(self, look: Link, element: Any) -> None:

@@ -37,6 +37,13 @@ class SpatialDrawing(Drawing):
         elif body.dimension == 2:
             half = at["angle"].values[self.keep] / 2
             turn = np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], axis=1)
+        return self.pose(place, turn)
+
+    def pose(self, place: np.ndarray, turn: np.ndarray) -> dict[str, list[float]]:
+        if place.shape[1] == 2:  # of what moves in a plane
+            half, still = turn / 2, np.zeros(len(turn))
+            place = np.column_stack([place, still])
+            turn = np.column_stack([np.cos(half), still, still, np.sin(half)])
         columns = [*place.T, *turn.T]
         return dict(zip((*AXES, *EULER_PARAMETERS), (c.tolist() for c in columns), strict=True))
 

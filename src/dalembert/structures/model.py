@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.errors import ModelError
 from dalembert.structures.assembly import Assembly
 from dalembert.structures.block import ElementBlock
@@ -17,6 +19,10 @@ from dalembert.structures.load_cases import LoadCaseMaker
 from dalembert.structures.measures import Measure
 from dalembert.structures.named_measures import StructuralMeasures
 from dalembert.structures.numbering import Numbering
+from dalembert.structures.reduction.craig_bampton import CraigBampton, craig_bampton
+from dalembert.structures.reduction.floating import MEAN, floating_shapes
+from dalembert.structures.reduction.interface import GivenInterfaces, interfaces_of
+from dalembert.structures.reduction.rigid import node_places
 from dalembert.symbolic.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.names import Names
 from dalembert.symbolic.parametric_array import ArrayEntries
@@ -120,6 +126,55 @@ class StructuralModel(ParametricModel):
         """
         for block in self.blocks:
             _check_block(block, p)
+
+    # few shapes -----------------------------------------------------------------------------
+    def craig_bampton(
+        self,
+        interface: GivenInterfaces,
+        modes: int = 6,
+        *,
+        up_to: float | None = None,
+        parameters: Mapping[str, float] | None = None,
+    ) -> CraigBampton:
+        """Craig–Bampton reduction.
+
+        Parameters
+        ----------
+        interface : name → nodes that move as one rigid section, or nodes, each by itself
+        modes : how many modes between the interfaces, at most
+        up_to : only those up to this frequency [rad/s]
+        parameters : new values of parameters, without rebuilding
+
+        Raises
+        ------
+        ModelError, SingularityError
+            Wrong interfaces, supports, or parts that move without straining.
+        """
+        p, linear = self.values(parameters), self.linearized
+        places = node_places(self.blocks, self.degrees, p)
+        held = interfaces_of(interface, self.degrees, places)
+        return craig_bampton(linear.assembly, self.degrees, p, held, modes, up_to)
+
+    def floating(
+        self,
+        interface: GivenInterfaces,
+        modes: int = 6,
+        *,
+        up_to: float | None = None,
+        frame: str = MEAN,
+        second_order: bool = False,
+        parameters: Mapping[str, float] | None = None,
+    ) -> FloatingShapes:
+        """Shapes in a frame that floats with the structure, for a ``FlexibleBody``.
+
+        Parameters
+        ----------
+        frame : interface in which the frame is fixed, or ``"mean"`` axes
+        second_order : with displacements of second order
+        """
+        reduced = self.craig_bampton(interface, modes, up_to=up_to, parameters=parameters)
+        places = node_places(self.blocks, self.degrees, reduced.p)
+        return floating_shapes(reduced, self.degrees, places, frame, second_order, self)
 
     # access ---------------------------------------------------------------------------------
     @cached_property

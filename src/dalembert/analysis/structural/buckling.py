@@ -9,12 +9,13 @@ import numpy as np
 
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectral import SpectralAnalysis
-from dalembert.analysis.structural.spectrum import Spectrum, largest
+from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.analysis.structural.statics import Statics, factorised
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
 from dalembert.results.result import Given
 from dalembert.results.structural.buckling_modes import BucklingModes
+from dalembert.structures.eigenpairs import largest
 from dalembert.structures.model import StructuralModel
 
 

@@ -11,13 +11,14 @@ import scipy.sparse.linalg as linalg
 
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectral import SpectralAnalysis
-from dalembert.analysis.structural.spectrum import Spectrum, nearest
+from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.analysis.structural.statics import factorised
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
 from dalembert.results.result import Given
 from dalembert.results.structural.result import StructuralResult
 from dalembert.results.structural.vibration_modes import VibrationModes
+from dalembert.structures.eigenpairs import nearest
 from dalembert.structures.model import StructuralModel
 
 

@@ -6,20 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sparse
 import scipy.sparse.linalg as linalg
 
-from dalembert.errors import SingularityError
 from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
+from dalembert.structures.factors import factors_of
 from dalembert.structures.model import StructuralModel
-
-SOFTEST = 1e-14
-"""Energy of a motion that counts as none, relative to the terms of which it is the difference."""
-
-BACKWARD = 1e-10
-"""Backward error that factors without pivots may have."""
 
 
 @dataclass(frozen=True)
@@ -93,50 +86,4 @@ def factorised(model: StructuralModel, matrix) -> linalg.SuperLU | None:
     SingularityError
         It is singular: names the nodes that can move without straining anything.
     """
-    if not matrix.shape[0]:
-        return None
-    own = np.abs(matrix.diagonal())
-    own[own == 0] = own.max() or 1.0
-    factor = _factors(matrix, own)
-    motion, error = _softest(factor, matrix, np.sqrt(own))
-    if not (error < BACKWARD and SOFTEST * np.linalg.norm(motion) < 1.0):
-        factor = _factors(matrix, own, pivoting=True)  # past a limit point pivots may vanish
-        motion, error = _softest(factor, matrix, np.sqrt(own))
-    if not np.all(np.isfinite(motion)):
-        raise SingularityError("the stiffness matrix is singular; support the structure")
-    if SOFTEST * np.linalg.norm(motion) > 1.0:
-        shape = np.abs(motion) / np.sqrt(own)
-        moved = model.assembly.free[shape > 0.1 * shape.max()][:100]
-        moving = dict.fromkeys(model.degrees.place(int(k))[0] for k in moved)
-        raise SingularityError(
-            f"the structure is a mechanism: {', '.join(list(moving)[:8])} can move without "
-            "straining anything that counts beside the stiffness of the rest; support them or add "
-            "elements"
-        )
-    return factor
-
-
-def _factors(matrix, own: np.ndarray, pivoting: bool = False) -> linalg.SuperLU:
-    """Factors by symmetric elimination, or with pivots; of a matrix nearby where one vanishes."""
-    options: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A"}
-    if not pivoting:
-        options |= {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-    try:
-        return linalg.splu(matrix.tocsc(), **options)
-    except RuntimeError:
-        shifted = matrix + sparse.diags(0.1 * SOFTEST * own)
-        return linalg.splu(shifted.tocsc(), **options)
-
-
-def _softest(factor: linalg.SuperLU, matrix, root: np.ndarray) -> tuple[np.ndarray, float]:
-    """The softest motion by inverse iteration, in units of ``root`` and so long as it is soft.
-
-    The backward error of the factors comes along.
-    """
-    motion = np.random.default_rng(0).standard_normal(root.size)
-    for _ in range(2):
-        load = root * motion / np.linalg.norm(motion)
-        moved = factor.solve(load)
-        motion = root * moved
-    size = abs(matrix) @ np.abs(moved) + np.abs(load)
-    return motion, float((np.abs(matrix @ moved - load) / size).max())
+    return factors_of(matrix, model.degrees, model.assembly.free)

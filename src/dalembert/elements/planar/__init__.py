@@ -16,6 +16,7 @@ from dalembert.elements.planar.drivers import (
     RotationalDriver,
     TranslationalDriver,
 )
+from dalembert.elements.planar.flexible_body import FlexibleBody
 from dalembert.elements.planar.gear import Coupling, GearPair, RackAndPinion, RollingDisc
 from dalembert.elements.planar.loads import Force, Moment
 from dalembert.elements.planar.point_on_curve import PointOnCurve
@@ -42,6 +43,7 @@ __all__ = [
     "CoordinateDriver",
     "Coupling",
     "DistanceDriver",
+    "FlexibleBody",
     "Force",
     "GearPair",
     "Ground",

@@ -49,8 +49,46 @@ def unit_vector(vector: ca.SX, entity: str) -> ca.SX:
     return vector / ca.sqrt(vector[0] ** 2 + vector[1] ** 2)
 
 
+class PlanarFrame(BodyElement):
+    """What stands somewhere in the plane at an angle."""
+
+    pose_position: ca.SX
+    pose_angle: ca.SX
+
+    def locate(self, local: ca.SX) -> ca.SX:
+        place = self.pose_position
+        return self.turned(local) + (place if local.numel() == 2 else ca.vertcat(place, 0))
+
+    def turned(self, local: ca.SX) -> ca.SX:
+        in_plane = ca.mtimes(rotation(self.pose_angle), local[:2])
+        return in_plane if local.numel() == 2 else ca.vertcat(in_plane, local[2])
+
+    @property
+    def orientation(self) -> ca.SX:
+        return about_z(self.pose_angle)
+
+
+def motion_measures(body: PlanarFrame) -> dict[str, tuple[ca.SX, str]]:
+    """Measures of the pose ``(x, y, φ, …)`` of a body and of its rates."""
+    columns = body.pose, body.twist, body.acceleration_symbols
+    place, velocity, accelerated = (column[:2] for column in columns)
+    angles = ((column[2] if body.rotates else ca.SX(0)) for column in columns)
+    angle, speed, acceleration = angles
+    return {
+        "position": (place, "m"),
+        "velocity": (velocity, "m/s"),
+        "acceleration": (accelerated, "m/s^2"),
+        "angle": (angle, "rad"),
+        "angular_velocity": (speed, "rad/s"),
+        "angular_acceleration": (acceleration, "rad/s^2"),
+        **components("", place, "m"),
+        **components("v", velocity, "m/s"),
+        **components("a", accelerated, "m/s^2"),
+    }
+
+
 @dataclass(eq=False)
-class Body(BodyElement):
+class Body(PlanarFrame):
     """Rigid body in the plane.
 
     Poses and speeds are guesses that assembly corrects; after construction the attributes
@@ -101,40 +139,9 @@ class Body(BodyElement):
         self._declare(given)
 
     def _declare(self, points: dict) -> None:
-        zero = ca.SX(0)
         self.pose_position = self.mass_center = self.pose[:2]
-        self.pose_angle = self.pose[2] if self.rotates else zero
-        angle, speed, acceleration = (
-            (column[2] if self.rotates else zero)
-            for column in (self.pose, self.twist, self.acceleration_symbols)
-        )
-        place, velocity, accelerated = (
-            column[:2] for column in (self.pose, self.twist, self.acceleration_symbols)
-        )
-        named = {
-            "position": (place, "m"),
-            "velocity": (velocity, "m/s"),
-            "acceleration": (accelerated, "m/s^2"),
-            "angle": (angle, "rad"),
-            "angular_velocity": (speed, "rad/s"),
-            "angular_acceleration": (acceleration, "rad/s^2"),
-            **components("", place, "m"),
-            **components("v", velocity, "m/s"),
-            **components("a", accelerated, "m/s^2"),
-        }
-        self.declare(named, points)
-
-    def locate(self, local: ca.SX) -> ca.SX:
-        place = self.pose_position
-        return self.turned(local) + (place if local.numel() == 2 else ca.vertcat(place, 0))
-
-    def turned(self, local: ca.SX) -> ca.SX:
-        in_plane = ca.mtimes(rotation(self.pose_angle), local[:2])
-        return in_plane if local.numel() == 2 else ca.vertcat(in_plane, local[2])
-
-    @property
-    def orientation(self) -> ca.SX:
-        return about_z(self.pose_angle)
+        self.pose_angle = self.pose[2] if self.rotates else ca.SX(0)
+        self.declare(motion_measures(self), points)
 
     @property
     def turning(self) -> ca.SX:

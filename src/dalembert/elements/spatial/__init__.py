@@ -20,6 +20,7 @@ from dalembert.elements.spatial.drivers import (
     RotationalDriver,
     TranslationalDriver,
 )
+from dalembert.elements.spatial.flexible_body import FlexibleBody
 from dalembert.elements.spatial.knife_edge import KnifeEdge
 from dalembert.elements.spatial.links import (
     RevoluteRevoluteLink,
@@ -62,6 +63,7 @@ __all__ = [
     "Cylinder",
     "Cylindrical",
     "DistanceDriver",
+    "FlexibleBody",
     "Force",
     "Frame",
     "GearPair",

@@ -12,7 +12,12 @@ from dalembert.elements.base import Condition, Element
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.frame import Frame
-from dalembert.elements.pair import initial_value, need_point, refuse_same_body
+from dalembert.elements.pair import (
+    initial_value,
+    need_point,
+    refuse_intangible,
+    refuse_same_body,
+)
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.turn import Turn
 from dalembert.errors import ModelError
@@ -21,6 +26,7 @@ from dalembert.errors import ModelError
 def need_frame(value: Any, owner: str, field: str) -> Frame:
     """Check that a joint was given a frame of a body."""
     if isinstance(value, BodyElement):
+        refuse_intangible(value, owner, field)
         value = Frame(value)
     if not isinstance(value, Frame):
         raise ModelError(

@@ -389,7 +389,7 @@ class Scene {
     });
     for (const body of this.motion.bodies) {
       const pose = this.poses.get(body);
-      if (pose && !body.node && !body.shapes.length) centreMark(this.ctx, this.screen([pose.x, pose.y]), this.half, this.looks[body.index].edge, Theme.surface);
+      if (pose && !body.node && !body.shapes.length && !body.of) centreMark(this.ctx, this.screen([pose.x, pose.y]), this.half, this.looks[body.index].edge, Theme.surface);
     }
   }
 
@@ -529,7 +529,7 @@ class Scene {
     ctx.font = `600 12px ${Theme.font}`;
     for (const body of this.motion.bodies) {
       const pose = this.poses.get(body);
-      if (!pose || body.node) continue;
+      if (!pose || body.node || !body.label) continue;
       const wide = ctx.measureText(body.label).width / 2;
       const places = this.labelPlaces(body, pose, wide);
       const cost = ([x, y], more = 0) => {

@@ -32,7 +32,7 @@ class Overlay {
     const { ctx, scene } = this, { motion } = scene, taken = [];
     const small = motion.joints.filter((j) => j.name && j.name.length <= 3);
     const wanted = [
-      ...motion.bodies.map((body) => ({ text: body.label, at: this.seen(motion.at(body, this.anchors.get(body))), font: `600 12px ${Theme.font}`, colour: mix(Theme.colour(body.index), Theme.ink, 0.35), lift: 0 })),
+      ...motion.bodies.filter((body) => body.label).map((body) => ({ text: body.label, at: this.seen(motion.at(body, this.anchors.get(body))), font: `600 12px ${Theme.font}`, colour: mix(Theme.colour(body.index), Theme.ink, 0.35), lift: 0 })),
       ...(small.length > 24 ? [] : small).map((j) => ({ text: j.name, at: this.seen(motion.placeOf(j)), font: `italic 12px ${Theme.font}`, colour: Theme.muted, lift: 1 })),
     ].filter(({ at }) => at).sort((a, b) => a.lift - b.lift || a.at.depth - b.at.depth);
     for (const { text, at, font, colour, lift } of wanted) {

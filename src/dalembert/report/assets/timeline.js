@@ -22,7 +22,11 @@ class Timeline {
 
   setBodies(given, read) {
     this.bodies = list(given).map((body, index) => ({ name: String(body.name ?? `body ${index + 1}`), index, ...read(body) }));
-    for (const body of this.bodies) body.label = body.name.length > 28 ? `${body.name.slice(0, 27)}…` : body.name;
+    for (const [k, { of }] of list(given).entries()) {  // what belongs to another one looks like it
+      const owner = this.bodies.find((body) => of !== undefined && body.name === String(of));
+      if (owner) Object.assign(this.bodies[k], { index: owner.index, of: owner });
+    }
+    for (const body of this.bodies) body.label = body.of ? "" : body.name.length > 28 ? `${body.name.slice(0, 27)}…` : body.name;
     this.byName = new Map(this.bodies.map((body) => [body.name, body]));
   }
 

@@ -1,0 +1,1 @@
+"""Flexible bodies: structures that move with a floating frame and deform in it by few shapes."""

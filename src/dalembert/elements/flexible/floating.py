@@ -1,0 +1,95 @@
+"""A floating frame with shapes that deform in it: inertia and elasticity.
+
+``y = (frame, q)``. The kinetic energy is that of the finite elements, whose nodes move with the
+frame and by the shapes (see ``shapes``); the strain energy is ``½ Σ k q²``.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.base import ForceElement
+from dalembert.elements.body import BodyElement
+from dalembert.elements.flexible.elasticity import Elasticity
+from dalembert.elements.flexible.shapes import FloatingShapes
+
+
+class FloatingFrame(BodyElement):
+    """What moves with a frame and deforms in it.
+
+    Attributes
+    ----------
+    shapes : FloatingShapes
+    q : SX symbols ``q``
+    sections : interface → Section
+    """
+
+    shapes: FloatingShapes
+    q: ca.SX
+    sections: dict[str, Any]
+
+    @property
+    def amplitudes(self) -> ca.SX:
+        """``a(q)``: the coordinates, then products of pairs."""
+        products = [self.q[k] * self.q[l] for k, l in self.shapes.pairs]
+        return ca.vertcat(self.q, *products)
+
+    @property
+    def frame_axes(self) -> ca.SX:
+        """(d, d) axes of the frame as columns."""
+        raise NotImplementedError
+
+    @property
+    def local_spin(self) -> ca.SX:
+        """Angular velocity of the frame in its axes."""
+        raise NotImplementedError
+
+    def _centre(self) -> ca.SX:
+        """(d,) mass centre in the frame, ``c + Σ c_k a_k``."""
+        d, g, n = self.dimension, self.shapes.inertia, self.shapes.rotations
+        first = np.linalg.lstsq(_turning(d).reshape(-1, d), g[:d, d : d + n].T.ravel(), rcond=None)[
+            0
+        ]
+        size = self.amplitudes.numel()
+        moved = ca.mtimes(ca.SX(ca.DM(g[:d, d + n : d + n + size])), self.amplitudes)
+        return (ca.SX(first) + moved) / self.shapes.total_mass
+
+    def inertia_by_speeds(self) -> tuple[ca.SX, ca.SX]:
+        """``M`` and ``d`` by Lagrange's equations of ``T = ½ sᵀ (Wᵀ M W) s``.
+
+        ``d = ṗ − Aᵀ ∂T/∂y`` with ``v̇ = 0``, and ``ω' × p_ω`` where speeds are those of a turning
+        frame (Hamel).
+        """
+        d, v, q = self.dimension, self.twist, self.q
+        a, spin = self.amplitudes, self.local_spin
+        grown = ca.jtimes(a, q, v[-q.numel() :]) if q.numel() else ca.SX(0, 1)
+        fields = ca.vertcat(spin, grown, *(a * w for w in ca.vertsplit(spin)))
+        g = ca.sparsify(ca.SX(ca.DM(self.shapes.inertia)))
+        mass, coupled, inner = g[0, 0], ca.mtimes(self.frame_axes, g[:d, d:]), g[d:, d:]
+        by_rest = ca.sparsify(ca.jacobian(fields, v[d:]))
+        across = ca.mtimes(coupled, by_rest)
+        own = ca.mtimes([by_rest.T, inner, by_rest])
+        matrix = ca.blockcat([[mass * ca.SX.eye(d), across], [across.T, own]])
+        momentum = ca.mtimes(matrix, v)
+        energy = mass * ca.sumsqr(v[:d]) / 2 + ca.mtimes([v[:d].T, coupled, fields])
+        energy += ca.mtimes([fields.T, inner, fields]) / 2
+        bias = ca.jtimes(momentum, self.pose, self.pose_rate)
+        bias -= ca.jtimes(self.pose_rate, v, ca.gradient(energy, self.pose), True)
+        return matrix, bias + self._turning_momentum(momentum)
+
+    def _turning_momentum(self, momentum: ca.SX) -> ca.SX:
+        """Change of the momentum by speeds of a turning frame; none where speeds are rates."""
+        return ca.SX(momentum.numel(), 1)
+
+    def own_forces(self) -> list[ForceElement]:
+        return [Elasticity(self)] if self.shapes.count else []
+
+
+def _turning(dimension: int) -> np.ndarray:
+    """(rotations, d, d) ``e_j ×``."""
+    if dimension == 2:
+        return np.array([[[0.0, -1.0], [1.0, 0.0]]])
+    return np.stack([np.cross(np.eye(3)[k], np.eye(3)).T for k in range(3)])

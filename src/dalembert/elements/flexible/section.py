@@ -1,0 +1,108 @@
+"""Sections: the interfaces of a flexible body, on which joints, forces and drivers hold."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+
+from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import rate_of
+from dalembert.elements.flexible.shapes import SectionShapes
+from dalembert.elements.frame import Frame
+from dalembert.elements.point import Point
+from dalembert.symbolic.expression import t
+
+
+class Section(BodyElement):
+    """An interface as a body of its own, whose pose follows from that of the flexible body.
+
+    It is at ``r + R (x + Φ_S a)`` and turns against the frame by ``Ψ_S a``.
+
+    Parameters
+    ----------
+    owner : the flexible body, whose coordinates it has
+    label : name of the interface
+    shapes : how it moves in the frame
+    """
+
+    def __init__(self, owner: Any, label: str, shapes: SectionShapes):
+        self._owner, self.label, self.shapes = owner, label, shapes
+        self.name, self.dimension = owner.name, owner.dimension
+        self.rotates = bool(shapes.turn.size)
+        self.points, self.frames, self._measures = {}, {}, {}
+
+    @property
+    def owner(self) -> Any:
+        return self._owner
+
+    @property
+    def shown(self) -> str:
+        return f"{self.name}.{self.label}"
+
+    @property
+    def shift(self) -> ca.SX:
+        """(d,) its displacement in the axes of the frame."""
+        return ca.mtimes(ca.SX(ca.DM(self.shapes.shift)), self.owner.amplitudes)
+
+    @property
+    def turn(self) -> ca.SX:
+        """Its small turn against the frame; none where it only shifts."""
+        return ca.mtimes(ca.SX(ca.DM(self.shapes.turn)), self.owner.amplitudes)
+
+    @property
+    def place(self) -> ca.SX:
+        """(d,) where it is, inertial axes."""
+        return self.owner.locate(ca.SX(self.shapes.place) + self.shift)
+
+    def undeformed(self, local: ca.SX) -> ca.SX:
+        return ca.SX(self.shapes.place)[: local.numel()] + local
+
+    def velocity_at(self, place: ca.SX) -> ca.SX:
+        velocity = rate_of(self.place, [self], t.sx)
+        moved = ca.vertcat(self.place, ca.SX.zeros(3 - self.dimension))
+        velocity = ca.vertcat(velocity, ca.SX.zeros(3 - self.dimension))
+        return velocity + ca.cross(self.turning, place - moved)
+
+    def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+        return self.owner.wrench(effort)
+
+    def guesses(self) -> tuple[list, list]:
+        return self.owner.guesses()
+
+    def guessed(self) -> list[bool]:
+        return self.owner.guessed()
+
+
+def _of_owner(name: str) -> property:
+    return property(lambda self: getattr(self.owner, name))
+
+
+for _name in (
+    *("pose", "pose_rate", "twist", "acceleration_symbols", "followers", "rest", "initial"),
+    *("coordinate_names", "coordinate_units", "speed_names", "speed_units"),
+):
+    setattr(Section, _name, _of_owner(_name))
+
+
+class SectionFrame(Frame):
+    """Place and axes of a section, with its deflection among the measures."""
+
+    def measures(self) -> dict[str, tuple[ca.SX, str]]:
+        return super().measures() | deflections(self)
+
+
+class SectionPoint(Point):
+    """Place of a section, with its deflection among the measures."""
+
+    def measures(self) -> dict[str, tuple[ca.SX, str]]:
+        return super().measures() | deflections(self)
+
+
+def deflections(point: Point) -> dict[str, tuple[ca.SX, str]]:
+    """Displacement and turn of its section against the frame, in the axes of the frame."""
+    section = point.body
+    found = {"deflection": (section.shift, "m")}
+    if section.rotates:
+        found["turn"] = (section.turn, "rad")
+    return found

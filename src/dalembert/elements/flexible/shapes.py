@@ -1,0 +1,100 @@
+"""What a flexible body is made of: numbers that a structure gives, once, by its few shapes.
+
+Nodal displacements in the floating frame are ``u = Φ q + ½ Σ Θ_kl q_k q_l``, so ``u = Φ_a a(q)``
+with the amplitudes ``a = (q, q_k q_l)``. A velocity of the body is
+
+    w = T v' + R ω' + Φ_a ȧ + Σ (e_j × Φ_a) a ω'_j = W s,      s = (v', ω', ȧ, a ⊗ ω')
+
+by the nodal velocities ``w`` in the axes of the frame, so that the kinetic energy is
+``½ sᵀ (Wᵀ M W) s`` with the mass matrix ``M`` of the finite elements: all inertia integrals are
+entries of one matrix of numbers, and none is typed (nodal-based floating frame: Zwölfer and
+Gerstmayr, The nodal-based floating frame of reference formulation, Acta Mechanica 232, 2021).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class SectionShapes:
+    """How an interface moves in the floating frame.
+
+    Attributes
+    ----------
+    place : (d,) where it is undeformed
+    shift : (d, amplitudes)
+    turn : (rotations, amplitudes), small turns; without rows where it only shifts
+    """
+
+    place: np.ndarray
+    shift: np.ndarray
+    turn: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class FloatingShapes:
+    """A structure in a floating frame by ``m`` shapes.
+
+    Attributes
+    ----------
+    dimension : 2 or 3
+    frequencies : (m,) of the shapes with the frame at rest [rad/s]
+    stiffness, mass : (m,) of the shapes, which are orthogonal
+    pairs : (k, 2) shapes whose products have second-order displacements of their own
+    inertia : (N, N) ``Wᵀ M W``
+    sections : interface → SectionShapes
+    origin : (d,) of the frame, in the axes of the structure
+    displacements : (n, amplitudes) of all nodes, ``Φ_a``
+    structure, p : where they come from
+    """
+
+    dimension: int
+    frequencies: np.ndarray
+    stiffness: np.ndarray
+    mass: np.ndarray
+    pairs: np.ndarray
+    inertia: np.ndarray
+    sections: Mapping[str, SectionShapes]
+    origin: np.ndarray
+    displacements: np.ndarray
+    structure: Any
+    p: np.ndarray
+
+    @property
+    def count(self) -> int:
+        """Number of shapes ``m``."""
+        return int(self.stiffness.size)
+
+    @property
+    def total_mass(self) -> float:
+        """Of the body [kg]."""
+        return float(self.inertia[0, 0])
+
+    @property
+    def rotations(self) -> int:
+        """Axes to turn about."""
+        return 1 if self.dimension == 2 else 3
+
+
+class FlexibleStructure(Protocol):
+    """What can become a flexible body; ``StructuralModel`` can."""
+
+    name: str
+    parameters: Mapping[str, Any]
+
+    def floating(
+        self,
+        interface: Any,
+        modes: int = 6,
+        *,
+        up_to: float | None = None,
+        frame: str = "",
+        second_order: bool = False,
+        parameters: Mapping[str, float] | None = None,
+    ) -> FloatingShapes:
+        """Its shapes in a floating frame."""

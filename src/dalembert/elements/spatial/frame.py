@@ -1,0 +1,195 @@
+"""Frames in space: a place and Euler parameters, ``y = (r, e)``, with ``v = (ṙ, ω')``.
+
+The angular velocity is that in axes of the frame (Ch. 2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.base import Condition
+from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates, rate_of, second_rate_of
+from dalembert.elements.point import components
+from dalembert.elements.spatial.attitude import Attitude
+from dalembert.symbolic import rotation
+from dalembert.symbolic.expression import Expression, t
+
+
+class SpatialFrame(BodyElement):
+    """What moves with a frame in space.
+
+    Attributes
+    ----------
+    origin : SX symbols ``r``, of the mass centre of a rigid body
+    e, axes : SX, Euler parameters and the axes as columns
+    spin : SX symbols ``ω'``
+    initial : position, orientation, velocity and angular velocity of the body's origin
+    """
+
+    dimension = 3
+    initial_fields = ("position", "rotation", "velocity", "angular_velocity")
+    initial: tuple[Any, Any, Any, Any]
+
+    def _make_coordinates(self, others: tuple[str, ...] = ()) -> None:
+        """Pose and twist; behind them other coordinates [m], whose rates are speeds."""
+        place, turn, beside = Coordinates(), Coordinates(), Coordinates()
+        if self.rotates:
+            turn = Attitude(self.name)
+        else:
+            turn.make_symbols((), ())
+        place.name = beside.name = self.name
+        place.make_symbols(("x", "y", "z"), ("m",) * 3)
+        beside.make_symbols(others, ("m",) * len(others))
+        groups = self._groups = (place, turn, beside)
+        for name in ("coordinate_names", "coordinate_units", "speed_names", "speed_units", "rest"):
+            setattr(self, name, sum((getattr(group, name) for group in groups), ()))
+        for name in ("pose", "twist", "acceleration_symbols", "pose_rate"):
+            setattr(self, name, ca.vertcat(*(getattr(group, name) for group in groups)))
+        self.origin, self.e, self.spin = place.pose, turn.pose, turn.twist
+        self.axes = rotation.matrix(self.e) if self.rotates else ca.SX.eye(3)
+
+    def motion_measures(self) -> dict[str, tuple[ca.SX, str]]:
+        """Measures of the pose and its rates."""
+        place = self.locate(ca.SX.zeros(3))
+        velocity = rate_of(place, [self], t.sx)
+        acceleration = second_rate_of(place, [self], t.sx)
+        named = {
+            "position": (place, "m"),
+            "velocity": (velocity, "m/s"),
+            "acceleration": (acceleration, "m/s^2"),
+            **components("", place, "m"),
+            **components("v", velocity, "m/s"),
+            **components("a", acceleration, "m/s^2"),
+        }
+        if self.rotates:
+            accelerated = self.acceleration_symbols[3:6]
+            named |= {
+                "euler_parameters": (self.e, "1"),
+                "rotation": (ca.vec(self.axes.T), "1"),
+                "bryant": (rotation.angles(self.axes, "xyz"), "rad"),
+                "angular_velocity": (self.turning, "rad/s"),
+                "angular_velocity_local": (self.spin, "rad/s"),
+                "angular_acceleration": (ca.mtimes(self.axes, accelerated), "rad/s^2"),
+            }
+        return named
+
+    def euler(self, sequence: str) -> Expression:
+        """(3,) angles of turns about body axes that lead to its orientation, such as ``"zxz"``.
+
+        The second is in [−π/2, π/2], of ``zxz`` and its like in [0, π]. At the ends of that range,
+        the singular attitude, the first and the third are not determined and change fast nearby.
+
+        Raises
+        ------
+        ModelError
+            Other than three axes, or one twice in a row.
+        """
+        return Expression(rotation.angles(self.axes, sequence), f"{self.name}.{sequence}", "rad")
+
+    # a manifold -------------------------------------------------------------------------------
+    @property
+    def flat(self) -> bool:
+        return not self.rotates
+
+    def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
+        parts = zip(self._groups, self._of_pose(pose), self._of_twist(displacement), strict=True)
+        return ca.vertcat(*(group.retract(y, delta) for group, y, delta in parts))
+
+    def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
+        parts = zip(self._groups, self._of_pose(pose), self._of_pose(other), strict=True)
+        return ca.vertcat(*(group.displacement(y, z) for group, y, z in parts))
+
+    def bounds(self, pose: ca.SX) -> ca.SX:
+        parts = zip(self._groups, self._of_pose(pose), strict=True)
+        return ca.vertcat(*(group.bounds(y) for group, y in parts))
+
+    def _of_pose(self, pose: ca.SX) -> list[ca.SX]:
+        """The part of each group."""
+        return ca.vertsplit(pose, np.cumsum([0, *(g.pose.numel() for g in self._groups)]).tolist())
+
+    def _of_twist(self, twist: ca.SX) -> list[ca.SX]:
+        """The part of each group."""
+        return ca.vertsplit(
+            twist, np.cumsum([0, *(g.twist.numel() for g in self._groups)]).tolist()
+        )
+
+    @contextmanager
+    def enriched(self) -> Iterator[tuple[ca.SX, ca.SX]]:
+        """By the axes, whose rates ``Ṙ = R ω̃'`` need no Euler parameters."""
+        if not self.rotates:
+            with super().enriched() as nothing:
+                yield nothing
+            return
+        pose, rate, axes = self.pose, self.pose_rate, self.axes
+        symbols = ca.SX.sym(f"{self.name}.R", 3, 3)
+        turning = ca.mtimes(symbols, rotation.skew(self.spin))
+        self.axes, self.followers = symbols, (ca.vec(symbols), ca.vec(axes))
+        self.pose, self.pose_rate = (
+            ca.vertcat(pose, ca.vec(symbols)),
+            ca.vertcat(rate, ca.vec(turning)),
+        )
+        try:
+            yield self.followers
+        finally:
+            self.pose, self.pose_rate, self.axes = pose, rate, axes
+            del self.followers
+
+    # mechanics --------------------------------------------------------------------------------
+    @property
+    def offset(self) -> ca.SX:
+        """(3,) where ``r`` is in the body frame."""
+        return ca.SX.zeros(3)
+
+    def locate(self, local: ca.SX) -> ca.SX:
+        return self.origin + self.turned(local - self.offset)
+
+    def turned(self, local: ca.SX) -> ca.SX:
+        return ca.mtimes(self.axes, local)
+
+    @property
+    def orientation(self) -> ca.SX:
+        return self.e if self.rotates else ca.SX(list(rotation.IDENTITY))
+
+    @property
+    def turning(self) -> ca.SX:
+        return self.turned(self.spin) if self.rotates else ca.SX.zeros(3)
+
+    def velocity_at(self, place: ca.SX) -> ca.SX:
+        return self.twist[:3] + ca.cross(self.turning, place - self.origin)
+
+    def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+        moment = self.turned(effort[3:6]) if self.rotates else ca.SX.zeros(3)
+        return effort[:3], moment, self.origin
+
+    # the start --------------------------------------------------------------------------------
+    def guesses(self) -> tuple[list, list]:
+        position, orientation, velocity, angular_velocity = self.initial
+        first = ca.SX(list(rotation.IDENTITY)) if orientation is None else orientation.sx
+        arm = ca.mtimes(rotation.matrix(first), self.offset)
+        spin = ca.SX.zeros(3) if angular_velocity is None else angular_velocity.sx
+        swing = ca.cross(spin, self.turned(self.offset))
+        pose = [None] * 3 if position is None else ca.vertsplit(position.sx + arm)
+        twist = [None] * 3 if velocity is None else ca.vertsplit(velocity.sx + swing)
+        if self.rotates:
+            pose = [*pose, *([None] * 4 if orientation is None else ca.vertsplit(first))]
+            local = ca.mtimes(self.axes.T, spin)
+            twist = [*twist, *([None] * 3 if angular_velocity is None else ca.vertsplit(local))]
+        return pose, twist
+
+    def guessed(self) -> list[bool]:
+        position, orientation, *_ = self.initial
+        turns = [orientation is not None] * 3 if self.rotates else []
+        return [position is not None] * 3 + turns
+
+    def doubts(self) -> list[Condition]:
+        return [] if self.initial[1] is None else self.initial[1].doubts
+
+    def conditions(self) -> list[Condition]:
+        turned = [] if self.initial[1] is None else self.initial[1].conditions()
+        return [*super().conditions(), *turned]

@@ -1,0 +1,94 @@
+"""Rigid motions of a structure, by the displacements of its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from dalembert.structures.block import ElementBlock
+from dalembert.structures.numbering import Numbering
+
+
+def node_places(blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray) -> np.ndarray:
+    """(nodes, d) where the nodes are at parameter values ``p`` [m]."""
+    return _by_node(blocks, degrees, lambda block: block.data(p))
+
+
+def push_places(
+    blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray, dp: np.ndarray
+) -> np.ndarray:
+    """(nodes, d) their change with the parameters."""
+    return _by_node(blocks, degrees, lambda block: block.push_data(p, dp))
+
+
+def pull_places(
+    blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray, weights: np.ndarray
+) -> np.ndarray:
+    """Weights (np,) of the parameters from weights (nodes, d) of the places."""
+    left, p_bar = weights.copy(), np.zeros(p.size)
+    for block in blocks:
+        n, d = block.nodes.shape[0], degrees.dimension
+        data = np.zeros((block.kind.data_count, block.count))
+        for k, nodes in enumerate(block.nodes):
+            _, first = np.unique(nodes, return_index=True)  # each node counts once
+            data[k * d : (k + 1) * d, first] = left[nodes[first]].T
+            left[nodes] = 0.0
+        if n and data.any():
+            p_bar += block.pull_data(p, data)
+    return p_bar
+
+
+def _by_node(
+    blocks: list[ElementBlock],
+    degrees: Numbering,
+    data: Callable[[ElementBlock], np.ndarray],
+) -> np.ndarray:
+    """(nodes, d) of numbers of elements that begin with those of their nodes."""
+    found = np.zeros((len(degrees.table), degrees.dimension))
+    for block in blocks:
+        n, d = block.nodes.shape[0], degrees.dimension
+        found[block.nodes] = data(block)[: n * d].reshape(n, d, -1).transpose(0, 2, 1)
+    return found
+
+
+def spins(dimension: int) -> np.ndarray:
+    """(rotations, d, d) ``S_k`` with ``e_k × x = S_k x``."""
+    third = np.array([[0.0, -1.0], [1.0, 0.0]])
+    if dimension == 2:
+        return third[None]
+    found = np.zeros((3, 3, 3))
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        found[k][np.ix_([i, j], [i, j])] = third
+    return found
+
+
+def rigid_motions(degrees: Numbering, places: np.ndarray) -> np.ndarray:
+    """(n, d + rotations) displacements of translations and of small turns about the origin."""
+    d, turning = degrees.dimension, spins(degrees.dimension)
+    found = np.zeros((len(degrees), d + len(turning)))
+    translations = degrees.table[:, :d]
+    for k in range(d):
+        found[translations[:, k], k] = 1.0
+    for k, spin in enumerate(turning):
+        found[translations, d + k] = places @ spin.T
+        turned = degrees.table[:, d + k]
+        found[turned[turned >= 0], d + k] = 1.0
+    return found
+
+
+def carried(degrees: Numbering, shapes: np.ndarray) -> np.ndarray:
+    """(n, k · rotations) velocities ``e_j × φ_k`` of displaced nodes as the frame turns.
+
+    ``e_1 × φ_1, e_1 × φ_2, …``, then ``e_2 × φ_1, …``
+    """
+    d = degrees.dimension
+    translations = degrees.table[:, :d]
+    moved = shapes[translations]
+    parts = []
+    for spin in spins(d):
+        part = np.zeros_like(shapes)
+        part[translations] = np.einsum("ij,njk->nik", spin, moved)
+        parts.append(part)
+    return np.concatenate(parts, axis=1)

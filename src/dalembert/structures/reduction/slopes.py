@@ -1,0 +1,140 @@
+"""How reduced matrices follow the parameters of a structure.
+
+Only the space that the shapes span matters, so fixed-interface modes change by what lies outside of
+it: ``(K − ω² M) φ' = −(K' − ω² M') φ``, M-orthogonal to the modes. Modes that coincide, or cross
+among each other, make no difference; the derivatives are those of the reduced matrices for shapes
+that follow so, and of whatever does not depend on their basis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sparse
+import scipy.sparse.linalg as linalg
+
+from dalembert.structures.numbering import Numbering
+from dalembert.structures.reduction.craig_bampton import CraigBampton
+from dalembert.structures.reduction.rigid import pull_places, push_places, spins
+
+
+class ReductionSlopes:
+    """Directional derivatives of a Craig–Bampton reduction, forwards and backwards.
+
+    Parameters
+    ----------
+    reduced : CraigBampton
+    degrees : numbers of the displacements
+    """
+
+    def __init__(self, reduced: CraigBampton, degrees: Numbering):
+        self.reduced, self.degrees = reduced, degrees
+        self.assembly, self.p = reduced.assembly, reduced.p
+        self.rest = np.zeros(self.assembly.size)
+        self.stiffness = self.assembly.stiffness(self.rest, self.p)
+        self.mass = self.assembly.mass(self.p)
+        self.statics = reduced.shapes.shape[1] - reduced.frequencies.size
+        """Number of constraint modes."""
+
+    def push(self, dp: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Changes (r, r) of the reduced stiffness and mass along a change of the parameters."""
+        shapes = self.reduced.shapes
+        stiffer = self._columns(lambda b: self._push_stiffness(b, dp), shapes)
+        heavier = self._columns(lambda b: self.assembly.push_mass(b, self.p, dp), shapes)
+        moved = self._push_motions(dp)
+        free, first = self.assembly.free, slice(self.statics)
+        if self.reduced.factor is not None:
+            open_by = stiffer[:, first] + self.stiffness @ moved[:, first]
+            moved[free, first] = -self.reduced.factor.solve(open_by[free])
+            for k, frequency in enumerate(self.reduced.frequencies):
+                column = self.statics + k
+                load = stiffer[free, column] - frequency**2 * heavier[free, column]
+                moved[free, column] = -self._outside(k, load)
+        found = []
+        for matrix, change in ((self.stiffness, stiffer), (self.mass, heavier)):
+            half = moved.T @ (matrix @ shapes)
+            found.append(half + half.T + shapes.T @ change)
+        return found[0], found[1]
+
+    def pull(self, stiffness_bar: np.ndarray, mass_bar: np.ndarray) -> np.ndarray:
+        """Weights (np,) of the parameters from weights (r, r) of both matrices."""
+        k_bar, m_bar = ((bar + bar.T) / 2 for bar in (stiffness_bar, mass_bar))
+        shapes, free = self.reduced.shapes, self.assembly.free
+        v_bar = 2 * (self.stiffness @ shapes @ k_bar + self.mass @ shapes @ m_bar)
+        stiff, heavy = shapes @ k_bar, shapes @ m_bar  # what weighs K' and M' on each shape
+        if self.reduced.factor is not None:
+            first, held = slice(self.statics), self.assembly.prescribed
+            eased = np.zeros((self.assembly.size, self.statics))
+            eased[free] = self.reduced.factor.solve(v_bar[free, first])
+            stiff[:, first] -= eased
+            v_bar[held, first] -= (self.stiffness @ eased)[held]
+            for k, frequency in enumerate(self.reduced.frequencies):
+                column = self.statics + k
+                eased_mode = self._outside(k, v_bar[free, column])
+                stiff[free, column] -= eased_mode
+                heavy[free, column] += frequency**2 * eased_mode
+        p_bar = self._pull_motions(v_bar)
+        for k, shape in enumerate(shapes.T):
+            p_bar += self.assembly.pull_stiffness(stiff[:, k], shape, self.rest, self.p)[1]
+            p_bar += self.assembly.pull_mass(heavy[:, k], shape, self.p)
+        return p_bar
+
+    # modes between the interfaces ---------------------------------------------------------
+    def _outside(self, k: int, load: np.ndarray) -> np.ndarray:
+        """``(K − ω² M)⁻¹`` of a load, on what is M-orthogonal to all modes; symmetric."""
+        modes = self.reduced.shapes[self.assembly.free, self.statics :]
+        own = load - self._momenta @ (modes.T @ load)
+        found = self._bordered[k](np.concatenate([own, np.zeros(modes.shape[1])]))
+        return found[: own.size]
+
+    @cached_property
+    def _momenta(self) -> np.ndarray:
+        modes = self.reduced.shapes[self.assembly.free, self.statics :]
+        return self.assembly.inner(self.mass) @ modes
+
+    @cached_property
+    def _bordered(self) -> list[Callable[[np.ndarray], np.ndarray]]:
+        """Solves with ``K − ω² M`` where displacements have no part along the modes."""
+        k, m = (self.assembly.inner(matrix) for matrix in (self.stiffness, self.mass))
+        border = sparse.csc_matrix(self._momenta)
+        return [
+            linalg.splu(sparse.bmat([[k - w**2 * m, border], [border.T, None]]).tocsc()).solve
+            for w in self.reduced.frequencies
+        ]
+
+    # parts --------------------------------------------------------------------------------
+    def _push_stiffness(self, b: np.ndarray, dp: np.ndarray) -> np.ndarray:
+        return self.assembly.push_stiffness(b, self.rest, self.p, self.rest, dp)
+
+    @staticmethod
+    def _columns(act: Callable[[np.ndarray], np.ndarray], table: np.ndarray) -> np.ndarray:
+        return np.stack([act(column) for column in table.T], axis=1)
+
+    def _push_motions(self, dp: np.ndarray) -> np.ndarray:
+        """(n, r) change of unit motions of the interfaces, as their nodes move apart."""
+        moved, d = np.zeros_like(self.reduced.shapes), self.degrees.dimension
+        places = push_places(self.assembly.blocks, self.degrees, self.p, dp)
+        for interface in self.reduced.interfaces:
+            if interface.turns:
+                arms = places[interface.nodes] - places[interface.nodes].mean(axis=0)
+                rows = self.degrees.table[interface.nodes, :d]
+                for k, spin in enumerate(spins(d)):
+                    moved[rows, self._turn(interface.name, k)] = arms @ spin.T
+        return moved
+
+    def _pull_motions(self, v_bar: np.ndarray) -> np.ndarray:
+        d = self.degrees.dimension
+        places = np.zeros((len(self.degrees.table), d))
+        for interface in self.reduced.interfaces:
+            if interface.turns:
+                rows = self.degrees.table[interface.nodes, :d]
+                for k, spin in enumerate(spins(d)):
+                    bar = v_bar[rows, self._turn(interface.name, k)] @ spin
+                    places[interface.nodes] += bar - bar.mean(axis=0)
+        return pull_places(self.assembly.blocks, self.degrees, self.p, places)
+
+    def _turn(self, interface: str, axis: int) -> int:
+        """Column of a turn of an interface."""
+        return self.reduced.columns[interface].start + self.degrees.dimension + axis
