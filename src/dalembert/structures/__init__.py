@@ -7,7 +7,7 @@ from dalembert.structures.attached import (
     PointInertia,
     PointMass,
 )
-from dalembert.structures.flexible_structure import FlexibleStructure
+from dalembert.structures.elastic_structure import ElasticStructure
 from dalembert.structures.frame import Frame, TimoshenkoFrame
 from dalembert.structures.mesh_generators import box_mesh, line_mesh, rectangle_mesh
 from dalembert.structures.node import Node
@@ -20,7 +20,7 @@ from dalembert.structures.truss import Truss
 
 __all__ = [
     "AxialSpring",
-    "FlexibleStructure",
+    "ElasticStructure",
     "Frame",
     "GroundRotationSpring",
     "GroundSpring",

@@ -61,7 +61,7 @@ class Cell:
 
 
 @dataclass(eq=False)
-class FlexibleStructure(ForceElement):
+class ElasticStructure(ForceElement):
     """A structure with all its nodes, which stands free of stress where it is drawn at the start.
 
     What holds and loads it are joints and forces of the mechanism, on ``node("A")``.

@@ -68,7 +68,7 @@ def held(shape: str, load: float) -> da.Model:
     build(structure, modulus)
     d = structure.dimension
     kinds = planar if d == 2 else spatial
-    made = system.add(structures.FlexibleStructure("S", structure=structure))
+    made = system.add(structures.ElasticStructure("S", structure=structure))
     for foot in feet:
         body = made.node(foot)
         place = structure.nodes[foot].position
@@ -125,7 +125,7 @@ def test_it_turns_as_a_rigid_body_does():
     system, structure = da.System("thrown"), structures.Structure("frame")
     frame(structure, 1e9)
     system.add(
-        structures.FlexibleStructure(
+        structures.ElasticStructure(
             "S", structure=structure, velocity=(0.3, -0.2), angular_velocity=2.0
         )
     )
@@ -153,7 +153,7 @@ def test_weight_and_measures():
     system, structure = da.System("rope", gravity=(0, -10)), structures.Structure("rope")
     top, low = structure.node("A", 0.0, 0.0), structure.node("D", 0.0, -1.0)
     structure.add(structures.Truss("bar", top, low, area=1e-3, modulus=SOFT, density=1000.0))
-    made = system.add(structures.FlexibleStructure("S", structure=structure))
+    made = system.add(structures.ElasticStructure("S", structure=structure))
     system.add(planar.Revolute("hold", system.ground.center, made.node("A")))
     found = da.solve_equilibrium(system.build())
     assert found["S.bar.force"].values[0] == pytest.approx(5.0, rel=1e-9)
@@ -162,10 +162,10 @@ def test_weight_and_measures():
 def test_what_cannot_be_part_of_a_mechanism_is_told():
     supported = alone("bars", 1.0)
     with pytest.raises(da.ModelError, match=r"S: its structure has supports.*S\.node"):
-        structures.FlexibleStructure("S", structure=supported)
+        structures.ElasticStructure("S", structure=supported)
     own = structures.Structure("own")
     frame(own, own.parameter("E", 1.0))
     with pytest.raises(da.ModelError, match=r"parameters of its own \(E\)"):
-        structures.FlexibleStructure("S", structure=own)
+        structures.ElasticStructure("S", structure=own)
     with pytest.raises(da.ModelError, match="structure must be a Structure"):
-        structures.FlexibleStructure("S", structure=None)
+        structures.ElasticStructure("S", structure=None)
