@@ -57,6 +57,10 @@ ELEMENTS = {
         "FlexibleBody": 'structure = "beam.toml"\ninterface = { P = "n0", Q = ["n1"] }\n'
         'reference = "P"\ndamping_ratio = "k/100"\nparameters = { E = 2e9 }',
     },
+    "beams": {
+        "Beam": "length = 'k'\naxial_rigidity = 9\nshear_rigidity = 5\nbending_rigidity = 'k'\n"
+        "mass_per_length = 1\nframe_i = 'a.P'",
+    },
     "joints": {
         "Revolute": TWO_POINTS,
         "Translational": TWO_POINTS + 'axis = ["k", 1]\nangle = 0.1',
