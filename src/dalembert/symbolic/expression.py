@@ -212,5 +212,5 @@ def free_symbols(sx: ca.SX) -> set[str]:
 
 def stack(columns: Iterable[ca.SX]) -> ca.SX:
     """Vertical concatenation that keeps an empty result a column."""
-    columns = [ca.densify(c) for c in columns]
-    return ca.vertcat(*columns) if columns else ca.SX(0, 1)
+    columns = list(columns)
+    return ca.densify(ca.vertcat(*columns)) if columns else ca.SX(0, 1)
