@@ -128,6 +128,10 @@ class Element:
         """The bodies (and own coordinates) this element ties together."""
         return []
 
+    def own_coordinates(self) -> list[Coordinates]:
+        """Coordinates this element brings along (the parameter of a curve)."""
+        return []
+
     def own_constraints(self) -> list[Constraint]:
         """Equations that what is no constraint itself brings along (the foot of a contact)."""
         return []
@@ -178,10 +182,6 @@ class Constraint(Element):
     def compared(self) -> tuple[ca.SX, ca.SX] | None:
         """The length or angle that its equation measures, and what it asks for; None if none."""
         return None
-
-    def own_coordinates(self) -> list[Coordinates]:
-        """Coordinates this constraint brings along (the parameter of a curve)."""
-        return []
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         """Named quantities of its own: name → (expression, unit)."""

@@ -76,9 +76,10 @@ class Description:
 
     @property
     def coordinates(self) -> list[Coordinates]:
-        """All groups of coordinates: bodies, then those that constraints bring along."""
+        """All groups of coordinates: bodies, then those that constraints and forces bring along."""
         own = [c for constraint in self.constraints for c in constraint.own_coordinates()]
-        return [*self.bodies, *own]
+        forces = (e for e in self.elements.values() if isinstance(e, ForceElement))
+        return [*self.bodies, *own, *(c for force in forces for c in force.own_coordinates())]
 
     def body(self, name: str) -> Any:
         """The body (or the ground) of this name."""
