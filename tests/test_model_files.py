@@ -175,6 +175,7 @@ CONTACT_TABLES = {
 FRICTION_TABLES = {
     "Coulomb": 'dynamic = 0.2, static = 0.3, slip_speed = "k"',
     "Stribeck": "dynamic = 0.2, stribeck_speed = 1, viscous = 0.1",
+    "LuGre": 'dynamic = 0.2, stiffness = "1e5*k", damping = 0.1',
 }
 
 

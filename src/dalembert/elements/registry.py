@@ -207,4 +207,4 @@ CONTACT_LAWS = named(
     planar.contact.KelvinVoigt,
     planar.contact.Restitution,
 )
-FRICTIONS = named(planar.contact.Coulomb, planar.contact.Stribeck)
+FRICTIONS = named(planar.contact.Coulomb, planar.contact.Stribeck, planar.contact.LuGre)

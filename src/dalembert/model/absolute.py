@@ -65,7 +65,7 @@ def absolute_equations(d: Description) -> Equations:
         p=stack(p.sx for p in d.parameters.values()),
         a=stack(c.acceleration_symbols for c in groups),
         multiplier=multiplier,
-        pose_rate=stack(c.pose_rate for c in groups),
+        pose_rate=plain(stack(c.pose_rate for c in groups)),
         inertia=BlockInertia(mass),
         bias=ca.densify(bias),
         force=force + work,

@@ -187,8 +187,12 @@ class Equations:
 
     @cached_property
     def lift(self) -> ca.SX:
-        """``A(y)`` (4.1)."""
-        return ca.jacobian(self.pose_rate, self.v)
+        """``A(y)`` (4.1); nothing displaces a coordinate whose rate is no speed."""
+        found = ca.jacobian(self.pose_rate, self.v)
+        if not ca.depends_on(found, self.v):
+            return found
+        bent = [ca.depends_on(found[k, :], self.v) for k in range(found.shape[0])]
+        return ca.sparsify(ca.mtimes(ca.diag(ca.SX([0 if b else 1 for b in bent])), found))
 
     @cached_property
     def jacobian(self) -> ca.SX:

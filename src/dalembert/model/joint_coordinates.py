@@ -49,5 +49,11 @@ class JointCoordinates(Coordinates):
                 f"{', '.join(spread)}: mass between bodies has no tree of joints; use "
                 "coordinates=AbsoluteCoordinates()"
             )
+        for group in model.coordinates:
+            if group.pose.numel() and not group.twist.numel():
+                raise UnsupportedError(
+                    f"{group.name} has a rate of its own and no speed, which joint coordinates do "
+                    "not know; use AbsoluteCoordinates()"
+                )
         absolute = self.angles == "absolute"
         return JointView(model, self.cut, absolute, self.reactions, every_equation)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -48,6 +49,10 @@ class Compliant(Unilateral, ForceElement):
         """How it rubs; not at all by default."""
         return None
 
+    def states(self) -> Iterable[ca.SX]:
+        """Those of friction, by gap."""
+        return itertools.repeat(ca.SX(0, 1))
+
     def ingredients(self) -> dict[str, Ingredient]:
         """What it is made of beside numbers, by field."""
         return {}
@@ -66,13 +71,13 @@ class Compliant(Unilateral, ForceElement):
         law, friction, found = self.normal_law(), self.rubbing(), []
         if law is None:
             return []
-        for gap in self.gaps(rate):
+        for gap, state in zip(self.gaps(rate), self.states(), strict=False):
             depth, speed = -gap.distance, rate(gap.distance)
             press = pressed(depth, lambda d, v=-speed, law=law: law.force(d, v))
             elastic = pressed(depth, law.elastic)
             rub = ca.SX(gap.slip.numel(), 1)
             if friction is not None and gap.slip.numel():
-                rub = friction.force(press, gap.slip)
+                rub = friction.force(press, gap.slip, state)
             found.append(Touch(gap, speed, press, elastic, rub))
         return found
 

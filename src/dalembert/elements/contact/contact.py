@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -10,6 +11,7 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint, Look, Rate, option
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.bristle import Bristles
 from dalembert.elements.contact.compliant import Compliant
 from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
@@ -53,6 +55,20 @@ class Touching(Compliant):
                 self.name,
             )
         self.meetings: list[Meeting] = meetings(i, j, self.name)
+        self.bristles = self._bristles()
+
+    def _bristles(self) -> list[Bristles]:
+        """The states of friction that has some, one group by gap."""
+        found: list[Bristles] = []
+        if self.friction is None:
+            return found
+        for k, gap in enumerate(self._gaps):
+            made = Bristles(f"{self.name}.bristles{k + 1}", gap.slip.numel())
+            rate = self.friction.bending(gap.slip, made.pose)
+            if rate is not None:
+                made.pose_rate = rate
+                found.append(made)
+        return found
 
     def _need(self, field: str, given: bool) -> None:
         if not given:
@@ -71,7 +87,13 @@ class Touching(Compliant):
 
     def parts(self) -> list[Coordinates]:
         feet = [c for foot in self.own_constraints() for c in foot.own_coordinates()]
-        return [*self.ends(), *feet]
+        return [*self.ends(), *feet, *self.bristles]
+
+    def own_coordinates(self) -> list[Coordinates]:
+        return list(self.bristles)
+
+    def states(self) -> Iterable[ca.SX]:
+        return (group.pose for group in self.bristles) if self.bristles else super().states()
 
     def own_constraints(self) -> list[Constraint]:
         return [meeting.foot for meeting in self.meetings if meeting.foot is not None]

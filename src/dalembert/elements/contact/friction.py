@@ -21,8 +21,12 @@ class Friction(Ingredient):
         """Coefficient of bodies that slide, for impacts of rigid ones."""
         raise NotImplementedError
 
-    def force(self, press: ca.SX, slip: ca.SX) -> ca.SX:
-        """(k,) force at a normal force [N] and a slip (k,) [m/s]."""
+    def bending(self, slip: ca.SX, bent: ca.SX) -> ca.SX | None:
+        """(k,) rate of its state (k,); None of friction that has none."""
+        return None
+
+    def force(self, press: ca.SX, slip: ca.SX, bent: ca.SX) -> ca.SX:
+        """(k,) force at a normal force [N] and a slip (k,) [m/s], with its state if it has one."""
         raise NotImplementedError
 
 
@@ -60,7 +64,7 @@ class Coulomb(Friction):
         """``μ`` at a speed relative to the transition speed."""
         return self.dynamic.sx * ca.tanh(4 * x) + self.excess * x / (x**2 / 4 + 0.75) ** 2
 
-    def force(self, press: ca.SX, slip: ca.SX) -> ca.SX:
+    def force(self, press: ca.SX, slip: ca.SX, bent: ca.SX) -> ca.SX:
         direction = slip / self.slip_speed.sx
         x = ca.sqrt(ca.sumsqr(direction) + AT_REST**2)
         return -press * self.coefficient(x) * direction / x
@@ -86,3 +90,52 @@ class Stribeck(Coulomb):
         fallen = ca.exp(-((speed / self.stribeck_speed.sx) ** 2))
         dry = (self.dynamic.sx + self.excess * fallen) * ca.tanh(4 * x)
         return dry + self.viscous.sx * speed
+
+
+@dataclass(eq=False)
+class LuGre(Friction):
+    """Friction by bristles that bend and slip (Canudas de Wit, Olsson, Åström, Lischinsky 1995):
+
+        T = −N (σ0 z + σ1 ż + σ2 u),  ż = u − σ0 |u|/g z,  g = μ_d + (μ_s − μ_d) exp(−(u/v_s)²).
+
+    It sticks: bodies at rest stay where they are, on bristles of the stiffness ``σ0 N``. Its state
+    is ``σ0 z/μ_d``, which is 1 where it slides on.
+
+    Parameters
+    ----------
+    dynamic, static : coefficients of sliding and of the largest friction, μ_d and μ_s
+    stiffness : σ0, by the normal force [1/m]
+    damping : σ1, of the bristles [s/m]
+    viscous : σ2 [s/m]
+    stribeck_speed : v_s [m/s]
+    """
+
+    dynamic: Scalar = quantity("", "coefficient of sliding friction", above=0.0)
+    static: Scalar = quantity("", "largest coefficient of friction", default=None, above=0.0)
+    stiffness: Scalar = quantity("1/m", "stiffness σ0 of the bristles", default=1e5, above=0.0)
+    damping: Scalar = quantity("s/m", "their damping σ1", default=0.0, minimum=0.0)
+    viscous: Scalar = quantity("s/m", "viscous part σ2", default=0.0, minimum=0.0)
+    stribeck_speed: Scalar = quantity("m/s", "Stribeck speed", default=1e-2, above=0.0)
+
+    @property
+    def excess(self) -> ca.SX:
+        """``μ_s − μ_d``."""
+        return ca.SX(0) if self.static is None else self.static.sx - self.dynamic.sx
+
+    def conditions(self) -> list[Condition]:
+        return [*super().conditions(), (self.excess, "static= is below dynamic=")]
+
+    def sliding(self) -> ca.SX:
+        return self.dynamic.sx
+
+    def bending(self, slip: ca.SX, bent: ca.SX) -> ca.SX:
+        small = AT_REST * self.stribeck_speed.sx
+        size = ca.sqrt(ca.sumsqr(slip) + small**2)
+        fallen = ca.exp(-ca.sumsqr(slip) / self.stribeck_speed.sx**2)
+        most = 1 + self.excess / self.dynamic.sx * fallen
+        return self.stiffness.sx / self.dynamic.sx * (slip - (size - small) / most * bent)
+
+    def force(self, press: ca.SX, slip: ca.SX, bent: ca.SX) -> ca.SX:
+        spring = self.dynamic.sx * bent
+        rate = self.dynamic.sx / self.stiffness.sx * self.bending(slip, bent)
+        return -press * (spring + self.damping.sx * rate + self.viscous.sx * slip)

@@ -1,6 +1,6 @@
 """Contact in space: shapes, and laws of how they press, rub and bounce."""
 
-from dalembert.elements.contact.friction import Coulomb, Stribeck
+from dalembert.elements.contact.friction import Coulomb, LuGre, Stribeck
 from dalembert.elements.contact.laws import (
     Flores,
     Hertz,
@@ -25,6 +25,7 @@ __all__ = [
     "HuntCrossley",
     "KelvinVoigt",
     "LankaraniNikravesh",
+    "LuGre",
     "Restitution",
     "Socket",
     "Sphere",
