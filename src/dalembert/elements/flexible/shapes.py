@@ -7,7 +7,8 @@ with the amplitudes ``a = (q, q_k q_l)``. A velocity of the body is
 
 by the nodal velocities ``w`` in the axes of the frame, so that the kinetic energy is
 ``½ sᵀ (Wᵀ M W) s`` with the mass matrix ``M`` of the finite elements: all inertia integrals are
-entries of one matrix of numbers, and none is typed (nodal-based floating frame: Zwölfer and
+entries of one matrix of numbers, and none is typed; with products of amplitudes, those up to the
+second order (nodal-based floating frame: Zwölfer and
 Gerstmayr, The nodal-based floating frame of reference formulation, Acta Mechanica 232, 2021).
 """
 

@@ -16,7 +16,7 @@ from dalembert.errors import ModelError
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.interface import Interface
-from dalembert.structures.reduction.rigid import carried, rigid_motions
+from dalembert.structures.reduction.rigid import carried, rigid_motions, spins
 from dalembert.structures.reduction.second_order import second_order_shapes
 from dalembert.text import unknown
 
@@ -73,7 +73,7 @@ def floating_shapes(
         stiffness=squares * modal_mass,
         mass=modal_mass,
         pairs=pairs,
-        inertia=_cleared(fields.T @ (mass @ fields)),
+        inertia=_cleared(fields.T @ (mass @ fields)) * _up_to_second(rigid, shapes, pairs),
         sections={i.name: _section(i, origin, amplitudes) for i in reduced.interfaces},
         origin=origin,
         displacements=amplitudes,
@@ -155,6 +155,17 @@ def _section(interface: Interface, origin: np.ndarray, amplitudes: np.ndarray) -
 def _small(rows: np.ndarray) -> np.ndarray:
     """Without round-off."""
     return np.where(np.abs(rows) > ROUND_OFF * np.abs(rows).max(initial=0.0), rows, 0.0)
+
+
+def _up_to_second(rigid: np.ndarray, shapes: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    """One where an entry of the inertia counts in the second order of the coordinates, else zero.
+
+    Strain energy and displacements are not known beyond.
+    """
+    orders = np.repeat([1, 2], [shapes.shape[1], len(pairs)])
+    rotations = spins(3 if rigid.shape[1] == 6 else 2).shape[0]
+    every = np.concatenate([np.zeros(rigid.shape[1], dtype=int), *[orders] * (1 + rotations)])
+    return np.where(every[:, None] + every <= 2, 1.0, 0.0)
 
 
 def _cleared(products: np.ndarray) -> np.ndarray:
