@@ -181,6 +181,21 @@ def test_both_sides_of_an_impact_are_outputs():
     np.testing.assert_array_equal(again.values("ball.vy"), motion.values("ball.vy"))
 
 
+@pytest.mark.parametrize("options", [{"step": 0.01}, {"integrator": da.DormandPrince()}])
+@pytest.mark.parametrize("speed", [-1.0, 0.0, 1.0])
+def test_starts_on_the_surface(options, speed):
+    """Closing it bounces at once, at rest it begins closed, opening it flies."""
+    system = da.System("start", gravity=(0, -9.81))
+    v = system.parameter("v", speed)
+    particle = system.add(planar.Particle("ball", mass=1.0, position=(0, 0), velocity=(0, v)))
+    system.add(planar.UnilateralConstraint("floor", particle.y, restitution=0.5))
+    motion = da.solve_dynamics(system.build(), 0.1, **options)
+    away = max(speed, -0.5 * speed)
+    height = away * 0.1 - 9.81 * 0.1**2 / 2 if away else 0.0
+    assert motion.values("ball.y")[-1] == pytest.approx(height, abs=1e-14)
+    assert [i.time for i in motion.impacts] == ([0.0] if speed < 0 else [])
+
+
 def test_few_states_are_kept_of_long_runs():
     options = {"step": 0.0005, "outputs": 20, "memory": 1e4}
     motion = da.solve_dynamics(thrown(), 0.7, **options)
