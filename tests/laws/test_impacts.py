@@ -123,6 +123,18 @@ def test_gradients_are_certified_by_differences():
     assert certify(motion, responses, list(range(len(PARAMETERS)))).passed
 
 
+def test_joints_transmit_what_lasting_contacts_give():
+    """Reactions found along the tree of joints are those of the equations of all bodies."""
+    options = {"parameters": {"restitution": 0.2}, "integrator": da.DormandPrince(rtol=1e-10)}
+    absolute, joints = (
+        da.solve_dynamics(thrown(), 1.0, outputs=[0.9, 1.0], coordinates=chosen, **options)
+        for chosen in (da.AbsoluteCoordinates(), da.JointCoordinates())
+    )
+    assert joints.status.success and joints.values("A.normal_force")[-1] > 1
+    found = [motion.values("hinge.force") for motion in (absolute, joints)]
+    np.testing.assert_allclose(*found, atol=1e-5)
+
+
 def test_contact_is_lasting_when_bounces_have_ended():
     """In the end both bars lie on the floor, which carries their weight."""
     motion = da.solve_dynamics(
@@ -304,6 +316,7 @@ def test_order_that_is_not_decided_is_told():
     model = system.build()
     motion = da.solve_dynamics(model, 0.5, step=0.01)
     assert len(motion.impacts) == 2
+    assert "left and right at t = " in motion.statistics["closed at one time"]
     notes = da.sensitivity(motion, da.final(model["bar.end.y"])).attrs["notes"]
     assert any("left, right close at one time" in note for note in notes)
 
