@@ -130,6 +130,16 @@ def test_both_sides_of_an_impact_are_outputs():
     np.testing.assert_array_equal(again.values("ball.vy"), motion.values("ball.vy"))
 
 
+def test_plots_break_at_impacts():
+    motion = da.solve_dynamics(ball().build(), 0.6, step=0.01, outputs=7)
+    (line,) = motion.plot("ball.vy").lines
+    time, speed = line.get_data()
+    k = int(np.flatnonzero(np.isnan(speed))[0])
+    impact = np.sqrt(2 * 9.81)
+    np.testing.assert_allclose(time[k - 1 : k + 2], np.sqrt(2 / 9.81), rtol=1e-8)
+    np.testing.assert_allclose(speed[[k - 1, k + 1]], [-impact, impact / 2], rtol=1e-8)
+
+
 def test_few_states_are_kept_of_long_runs():
     options = {"step": 0.0005, "outputs": 20, "memory": 1e4}
     motion = da.solve_dynamics(thrown(), 0.7, **options)
