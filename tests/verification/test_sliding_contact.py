@@ -54,3 +54,25 @@ def test_sliding_to_rolling():
     for method in ("direct", "adjoint"):
         found = da.sensitivity(motion, da.final(model["ball.x"]), method=method).item()
         assert found == pytest.approx(slope, rel=1e-12)
+
+
+def test_two_corners_share_a_load_until_both_slide():
+    """A push that grows by 1 N/s moves a box at ``μ m g``, however corners share the friction."""
+    system = da.System("pushed", gravity=(0, -G))
+    mu, end = system.parameter("mu", 0.5), 6.0
+    box = system.add(planar.Body("box", mass=1.0, inertia=0.01, position=(0, 0.1)))
+    for k, x in enumerate((-0.15, 0.15)):
+        corner = box.point(x, -0.1)
+        law = {"restitution": 0.3, "friction": mu}
+        system.add(planar.UnilateralConstraint(f"c{k}", corner.y, corner.velocity[0], **law))
+    system.add(planar.Force("push", box.center, (da.t, 0)))
+    model = system.build()
+    motion = da.solve_dynamics(model, end, step=0.01)
+    slides = end - 0.5 * G
+    assert motion.values("box.x")[-1] == pytest.approx(slides**3 / 6, rel=1e-12)
+    resting = motion.time < 0.5 * G
+    shared = motion.values("c0.friction_force") + motion.values("c1.friction_force")
+    np.testing.assert_allclose(shared[resting], -motion.time[resting], atol=1e-12)
+    for method in ("direct", "adjoint"):
+        found = da.sensitivity(motion, da.final(model["box.x"]), method=method).item()
+        assert found == pytest.approx(-(slides**2) / 2 * G, rel=1e-11)

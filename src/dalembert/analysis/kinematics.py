@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.contact.unseen import negative_gaps
 from dalembert.analysis.driven_instants import driven_instant
 from dalembert.analysis.events import Occurrence
 from dalembert.analysis.kinematics_run import TOLERANCE, KinematicsRun
@@ -71,7 +72,9 @@ class Kinematics(Analysis[Model, Motion]):
         AssemblyError
             It cannot be assembled at the start.
         """
-        return KinematicsRun(self, model, parameters).execute(progress)
+        motion = KinematicsRun(self, model, parameters).execute(progress)
+        motion.warnings += negative_gaps(model, motion.trajectory, motion.parameters)
+        return motion
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
         """The motion at other times, each reached from the nearest position of the run.

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.branch_points import BranchPoints
-from dalembert.analysis.contact.unseen import negative_gaps
 from dalembert.analysis.critical import Fold, find_fold
 from dalembert.analysis.kinematics_kernel import KinematicsRecord, kinematics_kernel
 from dalembert.analysis.model_truth import MOTION, ModelTruth
@@ -110,7 +109,6 @@ class KinematicsRun:
             self.status(trajectory, table),
             statistics,
             sorted(events, key=lambda e: e.time),
-            warnings=negative_gaps(self.model, trajectory, self.p),
             record=KinematicsRecord(self.kernel, path),
         )
 

@@ -23,7 +23,7 @@ from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law, Product, Sum
 from dalembert.elements.point import Point
-from dalembert.elements.registry import CONTACT_LAWS, CURVES, FRICTIONS, LAWS, SHAPES
+from dalembert.elements.registry import CONTACT_LAWS, CURVES, FRICTIONS, LAWS, SHAPES, SPACES
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.io import fields
@@ -182,7 +182,11 @@ def curve_type() -> Any:
 @cache
 def shape_type(dimension: int) -> Any:
     """Any shape of the plane or of space, or the name of a point that touches."""
-    tables = {n: table_of(n, c, dimension=dimension) for n, c in SHAPES[dimension].items()}
+    space = SPACES[dimension].name.title()
+    tables = {
+        name: table_of(name, cls, dimension=dimension, title=f"{space}{name}Shape")
+        for name, cls in SHAPES[dimension].items()
+    }
     return one_of(tables, plain=Text)
 
 

@@ -151,6 +151,15 @@ class Equations:
         return ca.vertcat(self.multiplier, contact_forces(self.contacts))
 
     @property
+    def contact_push(self) -> ca.SX:
+        """(n,) generalised forces ``Wᵀ N + Uᵀ T`` of rigid contacts."""
+        push = ca.SX(self.speed_count, 1)
+        for gap in self.contacts:
+            push += ca.mtimes(self.by_displacement(gap.distance).T, gap.normal)
+            push += ca.mtimes(ca.jacobian(gap.slip, self.v).T, gap.tangential)
+        return push
+
+    @property
     def mass(self) -> ca.SX:
         """``M`` as a matrix."""
         return self.inertia.matrix

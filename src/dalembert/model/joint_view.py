@@ -213,7 +213,8 @@ class JointView(CoordinateView):
         pull = ca.SX.zeros(e.speed_count)
         if self.loop_rows:  # C_IIᵀ λ_II
             pull = ca.mtimes(e.jacobian[self.loop_rows, :].T, e.multiplier[self.loop_rows, :])
-        transmitted = self.moved([e.force - e.bias - pull - ca.mtimes(e.mass, e.a)])[0]
+        push = e.force + e.contact_push
+        transmitted = self.moved([push - e.bias - pull - ca.mtimes(e.mass, e.a)])[0]
         if self.reactions == "augmented":  # (7.13)
             return ca.densify(m.basis.opened_transposed(transmitted))
         held = e.by_displacement(e.constraints[self.tree_rows, :])

@@ -135,10 +135,15 @@ class ContactChoice:
         return Touch(k, slip, float(state.friction[k]), allowed, moving)
 
     @staticmethod
-    def _closed(state: ContactState, k: int) -> Phases:
+    def _closed(state: ContactState, k: int, slips: bool = False) -> Phases:
+        """Phases of a closed gap; the first that fits counts where several gaps share a load.
+
+        Then at rest few of them rub, and all slide together when the last one begins to.
+        """
         if not state.rubs(k):
             return (Phase.SMOOTH,)
-        return (Phase.STICKING, Phase.FORWARD, Phase.BACKWARD, Phase.SMOOTH)
+        resting, sliding = (Phase.STICKING, Phase.SMOOTH), (Phase.FORWARD, Phase.BACKWARD)
+        return sliding + resting if slips else resting + sliding
 
     # lasting contact ------------------------------------------------------------------------
     def _rested(
@@ -163,7 +168,8 @@ class ContactChoice:
         return Ruling(tuple(phases), acceleration=found[0].result)
 
     def _resting(self, state: ContactState, k: int, before: Phase, guard, terms) -> Touch:
-        allowed: tuple[Phase, ...] = (Phase.APART, *self._closed(state, k))
+        slips = guard is not None and guard.change is Change.SLIPS
+        allowed: tuple[Phase, ...] = (Phase.APART, *self._closed(state, k, slips))
         moving = False
         if state.rubs(k):
             row = state.slips[k][0]

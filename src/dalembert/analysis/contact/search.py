@@ -44,6 +44,7 @@ class ContactSearch:
     ----------
     impacts : ImpactRecord of every jump
     closed : (time, element) of contacts that closed after bounces
+    together : (time, elements) of gaps that closed at one time
     trouble : why no motion goes on, or nothing
     """
 
@@ -54,6 +55,7 @@ class ContactSearch:
         self.modes, self.choice = modes, ContactChoice(kernel, modes, p, end - start)
         self.impacts: list[ImpactRecord] = []
         self.closed: list[tuple[float, str]] = []
+        self.together: list[tuple[float, str]] = []
         self.trouble, self.inconsistent = "", False
         self._changes: list[float] = []
         self._kernels: dict[object, Kernel] = {}
@@ -67,6 +69,8 @@ class ContactSearch:
     def statistics(self, end: float) -> dict[str, Any]:
         """What happened up to a time, for people."""
         found: dict[str, Any] = {"impacts": sum(i.time <= end for i in self.impacts)}
+        if together := [f"{names} at t = {t:.9g} s" for t, names in self.together if t <= end]:
+            found["closed at one time"] = ", ".join(together)
         if closed := [f"{name} at t = {t:.9g} s" for t, name in self.closed if t <= end]:
             found["closed after ever shorter bounces"] = ", ".join(closed)
         return found
@@ -180,6 +184,8 @@ class ContactSearch:
             if impulse[k] > 0:
                 tangential = impulse[slips[k]]
                 self.impacts.append(ImpactRecord(gaps[k].name, time, float(impulse[k]), tangential))
+        if ruling.together:
+            self.together.append((time, " and ".join(gaps[k].name for k in ruling.together)))
         self.closed += [(time, gaps[k].name) for k in sorted(ruling.dead)]
 
     def _told(self, ruling: Ruling) -> None:

@@ -1,0 +1,102 @@
+"""Rigid contacts that stay closed: what they carry, how they begin, and where they are not seen."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rigid_contacts import ball, thrown
+
+import dalembert as da
+from dalembert import planar
+from dalembert.results.status import Outcome
+
+
+def test_joints_transmit_what_lasting_contacts_give():
+    """Reactions found along the tree of joints are those of the equations of all bodies."""
+    options = {"parameters": {"restitution": 0.2}, "integrator": da.DormandPrince(rtol=1e-10)}
+    absolute, joints = (
+        da.solve_dynamics(thrown(), 1.0, outputs=[0.9, 1.0], coordinates=chosen, **options)
+        for chosen in (da.AbsoluteCoordinates(), da.JointCoordinates())
+    )
+    assert joints.status.success and joints.values("A.normal_force")[-1] > 1
+    found = [motion.values("hinge.force") for motion in (absolute, joints)]
+    np.testing.assert_allclose(*found, atol=1e-5)
+
+
+def test_contact_is_lasting_when_bounces_have_ended():
+    """In the end both bars lie on the floor, which carries their weight."""
+    motion = da.solve_dynamics(
+        thrown(), 2.0, parameters={"restitution": 0.2}, integrator=da.DormandPrince()
+    )
+    assert motion.status.success
+    gaps = np.array([motion.values(f"{name}.gap") for name in "ABC"])
+    forces = np.array([motion.values(f"{name}.normal_force") for name in "ABC"])
+    assert gaps.min() > -1e-12 and forces.min() > -1e-9
+    assert np.abs(gaps[:, -1]).max() < 1e-12
+    assert forces[:, -1].sum() == pytest.approx(3 * 9.81, rel=1e-9)
+    assert np.abs(forces * gaps).max() < 1e-10  # either apart or pressing
+
+
+@pytest.mark.parametrize("options", [{"step": 0.01}, {"integrator": da.DormandPrince()}])
+@pytest.mark.parametrize("speed", [-1.0, 0.0, 1.0])
+def test_starts_on_the_surface(options, speed):
+    """Closing it bounces at once, at rest it begins closed, opening it flies."""
+    system = da.System("start", gravity=(0, -9.81))
+    v = system.parameter("v", speed)
+    particle = system.add(planar.Particle("ball", mass=1.0, position=(0, 0), velocity=(0, v)))
+    system.add(planar.UnilateralConstraint("floor", particle.y, restitution=0.5))
+    motion = da.solve_dynamics(system.build(), 0.1, **options)
+    away = max(speed, -0.5 * speed)
+    height = away * 0.1 - 9.81 * 0.1**2 / 2 if away else 0.0
+    assert motion.values("ball.y")[-1] == pytest.approx(height, abs=1e-14)
+    assert [i.time for i in motion.impacts] == ([0.0] if speed < 0 else [])
+
+
+def test_a_box_settles_on_its_face():
+    """Corners whose gaps are differences, where rounding ends the bounces before time does."""
+    system = da.System("box", gravity=(0, -9.81))
+    e = system.parameter("e_n", 0.6)
+    at = {"position": (0, 1.0), "angle": 0.3, "velocity": (1.0, 0)}
+    box = system.add(planar.Body("box", mass=1.0, inertia=0.01, **at))
+    for k, (x, y) in enumerate(((-0.15, -0.1), (0.15, -0.1), (0.15, 0.1), (-0.15, 0.1))):
+        corner = box.point(x, y)
+        law = {"restitution": e, "friction": 0.3}
+        system.add(planar.UnilateralConstraint(f"c{k}", corner.y, corner.velocity[0], **law))
+    motion = da.solve_dynamics(system.build(), 2.0, integrator=da.DormandPrince())
+    assert motion.status.success and not motion.warnings
+    assert motion.values("box.y")[-1] == pytest.approx(0.1, abs=1e-13)
+    assert motion.values("box.vx")[-1] == pytest.approx(0.0, abs=1e-13)
+    pressing = sum(motion.values(f"c{k}.normal_force")[-1] for k in range(2))
+    assert pressing == pytest.approx(9.81, rel=1e-12)
+    assert np.abs(motion.data["balance_error"]).max() < 1e-8
+
+
+def test_a_belt_that_moves_drags_along():
+    system = ball(slip=lambda b: b.vx - 2.0, height=0.0, restitution=0.0, friction=0.5)
+    motion = da.solve_dynamics(system.build(), 1.0, step=0.01)
+    reached = 2.0 / (0.5 * 9.81)
+    assert motion.values("ball.vx")[-1] == pytest.approx(2.0, rel=1e-13)
+    assert motion.values("ball.x")[-1] == pytest.approx(2.0 * (1 - reached / 2), rel=1e-12)
+    assert np.abs(motion.data["balance_error"]).max() < 1e-12
+
+
+def test_terminal_events_end_runs_with_impacts():
+    motion = da.solve_dynamics(
+        ball().build(),
+        3.0,
+        step=0.01,
+        events={"carried": da.Event("floor.normal_force - 5", terminal=True)},
+    )
+    assert motion.status.outcome is Outcome.TERMINATED
+    fall = np.sqrt(2 / 9.81)
+    assert motion.status.time == pytest.approx(3 * fall, abs=1e-6)
+
+
+def test_analyses_that_see_no_contacts_say_so():
+    system = ball(height=-0.2)
+    spring = {"stiffness": 50.0, "free_length": 0.1}
+    particle = system.elements["ball"]
+    system.add(planar.Spring("spring", system.ground.point(0, 0.2), particle.center, **spring))
+    resting = da.solve_equilibrium(system.build())
+    assert any("the gap of floor is -" in text for text in resting.warnings)
+    assert resting.values("floor.normal_force").item() == 0.0
