@@ -6,7 +6,7 @@ import pytest
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.nonsmooth_run import gap_sources
-from dalembert.errors import AnalysisError, ModelError
+from dalembert.errors import AnalysisError, ModelError, UnsupportedError
 
 RADIUS = 0.05
 
@@ -38,7 +38,7 @@ def box_of_discs(count: int = 12, friction: float = 0.3, restitution: float = 0.
 
 
 @pytest.fixture(scope="module")
-def settled() -> da.Nonsmooth:
+def settled():
     return da.solve_nonsmooth(box_of_discs().build(), 0.8, step=2e-3)
 
 
@@ -168,5 +168,7 @@ def test_nothing_to_touch_and_wrong_strategies():
     model = system.build()
     with pytest.raises(AnalysisError, match="nothing in the model may touch"):
         da.solve_nonsmooth(model, 1.0)
+    with pytest.raises(UnsupportedError, match="solve_nonsmooth"):
+        da.solve_dynamics(box_of_discs(2).build(), 1.0)
     with pytest.raises(AnalysisError, match="AnticipatedImpacts"):
         da.solve_nonsmooth(model, 1.0, integrator=da.RK4())

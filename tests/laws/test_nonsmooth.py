@@ -21,22 +21,17 @@ def bouncing_ball(restitution: float, height: float = 1.0) -> da.Model:
 
 
 @schemes
-def test_bouncing_ball_is_of_first_order(scheme):
-    """Height after one bounce, the mean over steps that meet the floor at different phases."""
-    model, e, end, fall = bouncing_ball(0.7), 0.7, 0.8, np.sqrt(2 / G)
+@pytest.mark.parametrize("step", [1.7e-2, 7e-3, 3.1e-3])
+def test_bouncing_ball_is_of_first_order(scheme, step):
+    """The bounce comes a step too early or late, at most two: ``(1 + e) v`` times that in height."""
+    e, end, fall = 0.7, 0.8, np.sqrt(2 / G)
     exact = e * G * fall * (end - fall) - G / 2 * (end - fall) ** 2
-    phases = np.linspace(0.7, 1.0, 7)
-
-    def error(h: float) -> float:
-        motions = (da.solve_nonsmooth(model, end, step=h * f, integrator=scheme) for f in phases)
-        return float(np.mean([abs(m.values("ball.y")[-1] - 0.1 - exact) for m in motions]))
-
-    order = np.log2(error(8e-3) / error(1e-3)) / 3
-    assert 0.7 < order < 1.4
+    motion = da.solve_nonsmooth(bouncing_ball(e), end, step=step, integrator=scheme)
+    assert abs(motion.values("ball.y")[-1] - 0.1 - exact) <= 2 * (1 + e) * G * fall * step
 
 
 def test_elastic_ball_keeps_its_energy():
-    motion = da.solve_nonsmooth(bouncing_ball(1.0), 2.0, step=2e-3)
+    motion = da.solve_nonsmooth(bouncing_ball(1.0), 2.0, step=4e-3)
     energy = motion.data["energy"].values
     assert np.ptp(energy) <= 1e-12 * energy[0]
     assert motion.data["penetration"].max() <= 1e-13
@@ -45,11 +40,11 @@ def test_elastic_ball_keeps_its_energy():
 @schemes
 def test_bounces_without_end_end(scheme):
     """Infinitely many impacts in finite time; the ball lies on the floor then."""
-    motion = da.solve_nonsmooth(bouncing_ball(0.5), 2.0, step=2e-3, integrator=scheme)
+    motion = da.solve_nonsmooth(bouncing_ball(0.5), 2.0, step=4e-3, integrator=scheme)
     assert motion.status.success
-    assert motion.values("ball.y")[-1] == pytest.approx(0.1, abs=3 * G * 2e-3**2 + 0.01)
-    assert abs(motion.values("ball.vy")[-1]) <= 2 * G * 2e-3
-    assert motion.impulse("floor").values[-1] == pytest.approx(2.0 * G * 2e-3, rel=1e-6)
+    assert motion.values("ball.y")[-1] == pytest.approx(0.1, abs=3 * G * 4e-3**2 + 0.02)
+    assert abs(motion.values("ball.vy")[-1]) <= 2 * G * 4e-3
+    assert motion.impulse("floor").values[-1] == pytest.approx(2.0 * G * 4e-3, rel=1e-6)
 
 
 @schemes
