@@ -39,7 +39,7 @@ def model(count: int = 100) -> da.Model:
     return system.build()
 
 
-def solve(count: int = 100, duration: float = 1.0, step: float = 2e-3):
+def solve(count: int = 100, duration: float = 1.0, step: float = 4e-3):
     return da.solve_nonsmooth(model(count), duration, step=step)
 
 
@@ -70,12 +70,23 @@ def picture(motion, folder) -> None:
     style.save(figure, folder, "discs_in_a_box")
 
 
-def main(folder: str = "docs/gallery") -> None:
-    motion = solve()
+def main(folder=None, count: int = 100) -> dict[str, float]:
+    """Draw the fall of so many discs; returns how deep any went and what energy did."""
+    motion = solve(count)
     print(motion)
-    for name, value in motion.statistics.items():
-        print(f"{name}: {value}")
-    picture(motion, folder)
+    energy = motion.data["energy"].values
+    found = {
+        "deepest penetration [radii]": float(motion.data["penetration"].max()) / LARGEST,
+        "largest gain of energy [share]": float(np.diff(energy).max()) / energy[0],
+        "energy left [share]": float(energy[-1] / energy[0]),
+        "most contacts pressing": float(motion.statistics["most contacts pressing"]),
+        "finished": float(motion.status.success),
+    }
+    for name, value in found.items():
+        print(f"{name:32s} {value:.3g}")
+    if folder:
+        picture(motion, folder)
+    return found
 
 
 if __name__ == "__main__":

@@ -132,7 +132,7 @@ def test_parameters_are_run_time_inputs():
     rough = da.solve_nonsmooth(model, 0.3, step=2e-3)
     smooth = da.solve_nonsmooth(model, 0.3, step=2e-3, parameters={"friction": 0.0})
     assert float(rough.data["friction_impulse"].sum()) > 0
-    assert float(smooth.data["friction_impulse"].sum()) == 0
+    assert float(smooth.data["friction_impulse"].sum()) < 1e-15
     assert not np.allclose(rough.trajectory.y, smooth.trajectory.y)
 
 
