@@ -36,7 +36,7 @@ class Patterned:
             for s in (output.sparsity() for output in found)
         ]
         entries = [
-            ca.densify(output) if small else ca.densify(stack(output.nonzeros()))
+            ca.densify(output) if small else ca.densify(stack(output.nonzeros()))  # type: ignore[arg-type]
             for output, small in zip(found, self._small, strict=True)
         ]
         self._call = Kernel(ca.Function(name, list(inputs), entries, {"cse": True}))
