@@ -761,3 +761,14 @@ def test_ten_bar_truss_is_the_published_one(pictures: Path) -> None:
     assert found["weight"] == pytest.approx(5060.85, rel=1e-5)
     assert found["area of bar 0"] == pytest.approx(30.5218, rel=1e-4)
     assert found["deflection"] == pytest.approx(2.0, abs=1e-6)
+
+
+def test_discs_in_a_box(pictures: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer of them here: nothing passes through anything, and no energy comes from contacts."""
+    discs = script("discs_in_a_box")
+    monkeypatch.setattr(discs.main, "__defaults__", (None, 12))
+    found = numbers("discs_in_a_box", pictures)
+    assert found["finished"] == 1
+    assert found["deepest penetration [radii]"] <= 1e-6
+    assert found["largest gain of energy [share]"] <= 1e-12
+    assert 0.2 < found["energy left [share]"] < 0.9

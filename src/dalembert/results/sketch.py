@@ -14,6 +14,7 @@ import numpy as np
 
 from dalembert.elements.base import Look
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.look import Arrow, Ball, Contact, Link, Path, Rail, Segment, Twist
 from dalembert.elements.point import AXES, Point
@@ -48,6 +49,9 @@ class Sketch:
         self.motion, self.model, self.keep, self.loads = motion, motion.model, keep, loads
         self.data, self.parameters = motion.data, self.model.equations.p
         self.elements = [*self.model.constraints, *self.model.forces]
+        self.elements += [
+            e for e in self.model.parts.elements.values() if isinstance(e, Collisions)
+        ]
         self.pivots = Pivots(self.elements)
         flexible = (b for b in self.model.bodies if isinstance(b, FloatingFrame))
         self.sections = [section for body in flexible for section in body.sections.values()]

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from scipy import sparse
 
+from dalembert.symbolic.expression import stack
 from dalembert.symbolic.kernel import Kernel
 
-Matrix = np.ndarray | sparse.csr_array
+Matrix = Any
+"""A NumPy array, or one of SciPy's compressed by rows."""
 SMALL = 2500
 """Entries of a matrix that is dense in any case: handling a pattern costs more."""
 
@@ -33,7 +36,7 @@ class Patterned:
             for s in (output.sparsity() for output in found)
         ]
         entries = [
-            ca.densify(output) if small else ca.densify(ca.vertcat(*output.nonzeros()))
+            ca.densify(output) if small else ca.densify(stack(output.nonzeros()))  # type: ignore[arg-type]
             for output, small in zip(found, self._small, strict=True)
         ]
         self._call = Kernel(ca.Function(name, list(inputs), entries, {"cse": True}))

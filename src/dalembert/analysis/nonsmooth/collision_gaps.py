@@ -80,7 +80,9 @@ class CollisionGaps(GapSource):
             distance,
             sparse.csr_array(directions @ velocities),
             np.zeros((count, width)),
-            *same,
+            same[0],
+            same[1],
+            same[2],
             first * places.shape[0] + second,
             np.zeros(count, dtype=int),
         ).some(distance <= reach)

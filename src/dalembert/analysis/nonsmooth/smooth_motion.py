@@ -23,7 +23,7 @@ class SmoothMotion:
 
         (M − h θ D − h² θ² K)(v⁺ − v) = h F − Cᵀ Λ,      C v⁺ = −Φ_t
 
-    with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at ``y ⊕ θ h v`` and ``v``; of linear forces
+    with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at ``y ⊕ θ h v``, ``v``; of linear forces
     this is the θ-method itself.
 
     Parameters

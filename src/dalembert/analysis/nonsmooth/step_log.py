@@ -19,7 +19,8 @@ class StepLog:
 
     def __init__(self, step: ContactStep, t: float, y: np.ndarray, v: np.ndarray):
         self.step = step
-        self.times, self.lengths, self.positions, self.speeds = [t], [], [y], [v]
+        self.times, self.positions, self.speeds = [t], [y], [v]
+        self.lengths: list[float] = []
         self.taken: list[StepResult] = []
         self.depths = [self._depth(t, y)]
 

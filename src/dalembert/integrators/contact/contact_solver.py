@@ -51,12 +51,12 @@ class ContactSolver:
     max_iterations : rounds of the proximal method
     """
 
-    tolerance: float = 1e-10
-    max_iterations: int = 300
+    tolerance: float = 1e-9
+    max_iterations: int = 500
 
     def __post_init__(self) -> None:
         if not 0 < self.tolerance < 1:
-            text = f"ContactSolver(tolerance={self.tolerance}): give a share such as 1e-10"
+            text = f"ContactSolver(tolerance={self.tolerance}): give a share such as 1e-9"
             raise UnsupportedError(text)
         if self.max_iterations < 0:
             text = f"ContactSolver(max_iterations={self.max_iterations}): give 0 or more"

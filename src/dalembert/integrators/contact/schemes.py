@@ -141,6 +141,8 @@ class AnticipatedImpacts(ContactScheme):
     ) -> Offsets | None:
         bounce = _bounce(approach)
         pressed = (impulses[:, 0] > 0) & (-offsets[:, 0] < bounce)
+        parting = approach.before[:, 0]
+        pressed &= (parting <= 0) | (offsets[:, 0] < parting)  # others have been made idle
         changed = offsets.copy()
         changed[pressed, 0] = -bounce[pressed]
         taking_part = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))

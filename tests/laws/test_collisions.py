@@ -1,0 +1,174 @@
+"""Many discs and balls: nothing passes through anything, and contacts create no energy."""
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, spatial
+from dalembert.analysis.nonsmooth.nonsmooth_run import gap_sources
+from dalembert.errors import AnalysisError, ModelError, UnsupportedError
+
+RADIUS = 0.05
+
+
+def box_of_discs(count: int = 12, friction: float = 0.3, restitution: float = 0.4) -> da.System:
+    """Discs of different sizes that fall into a box with moving discs among them."""
+    rng = np.random.default_rng(1)
+    system = da.System("box", gravity=(0.0, -9.81))
+    friction_of = system.parameter("friction", friction)
+    balls = []
+    for k in range(count):
+        radius = RADIUS * rng.uniform(0.8, 1.0)
+        place = (-0.2 + 0.13 * (k % 4) + 0.005 * rng.random(), 0.06 + 0.11 * (k // 4))
+        disc = planar.Body(
+            f"disc_{k}",
+            mass=1.0,
+            inertia=radius**2 / 2,
+            position=place,
+            angle=0.0,
+            velocity=tuple(0.3 * rng.normal(size=2)),
+        )
+        balls.append((system.add(disc), radius))
+    corner = system.ground.point(-0.3, 0.0), system.ground.point(0.3, 0.0)
+    walls = [(corner[0], (0.0, 1.0)), (corner[0], (1.0, 0.0)), (corner[1], (-1.0, 0.0))]
+    system.add(
+        planar.Collisions("collisions", balls, walls, restitution=restitution, friction=friction_of)
+    )
+    return system
+
+
+@pytest.fixture(scope="module")
+def settled():
+    return da.solve_nonsmooth(box_of_discs().build(), 0.8, step=2e-3)
+
+
+def test_nothing_passes_through_anything(settled):
+    """From the positions alone: centres and walls keep their distance."""
+    assert settled.status.success
+    assert settled.data["penetration"].max() <= 1e-6 * RADIUS
+    element = settled.model.parts.elements["collisions"]
+    radii = np.array([float(ball.radius.sx) for ball in element.balls])
+    place = settled.data["position"].values
+    first, second = np.triu_indices(radii.size, 1)
+    apart = np.linalg.norm(place[:, first] - place[:, second], axis=2)
+    limit = 1e-6 * RADIUS
+    assert (apart - radii[first] - radii[second]).min() >= -limit
+    assert (place[:, :, 1] - radii).min() >= -limit
+    assert (0.3 - np.abs(place[:, :, 0]) - radii).min() >= -limit
+
+
+def test_energy_is_never_created(settled):
+    """At no step; what is lost is what contacts took, to round-off."""
+    energy = settled.data["energy"].values
+    assert np.diff(energy).max() <= 1e-12 * energy[0]
+    assert np.abs(settled.data["balance_error"]).max() <= 1e-12 * energy[0]
+    assert settled.statistics["energy lost in contacts [J]"] > 0
+
+
+def test_impulses_carry_the_weight():
+    """A heap at rest: what the walls give upwards is the weight."""
+    motion = da.solve_nonsmooth(box_of_discs(friction=0.5, restitution=0.0).build(), 1.0, step=4e-3)
+    assert motion.status.success
+    total = motion.data["velocity"].values[:, :, 1].sum(axis=1)
+    assert abs(total[-1] - total[-60]) < 0.02  # momentum has settled
+    assert motion.impulse("collisions").values[-60:].min() > 0
+
+
+def test_pairs_near_each_other_are_all_pairs_near_each_other():
+    model = box_of_discs().build()
+    source, y, p = gap_sources(model)[0], model.start.y, model.nominal
+    shift = np.full((y.size, 1), 0.02)
+    found = source.near(0.0, y, p, shift, 2)
+    everything = source.near(0.0, y, p, 100 * shift, 2)
+    assert everything.count == 12 * 11 // 2 + 3 * 12
+    reach = 2 * np.hypot(0.02, 0.02)
+    assert sorted(found.distance) == pytest.approx(
+        sorted(everything.distance[everything.distance <= reach])
+    )
+
+
+@pytest.mark.parametrize("space", ["plane", "space"])
+def test_velocities_of_gaps_are_rates_of_distances(space):
+    """``g(y ⊕ ε v) − g(y) = ε W_N v``, whatever turns."""
+    model = (box_of_discs() if space == "plane" else box_of_balls()).build()
+    source, width = gap_sources(model)[0], 2 if space == "plane" else 3
+    y, p, rng = model.start.y, model.nominal, np.random.default_rng(0)
+    v, go = rng.normal(size=model.equations.speed_count), model.equations.manifold.go
+    far = np.full((v.size, 1), 10.0)
+    ends = [source.near(0.0, go(y, e * v), p, far, width).distance for e in (1e-6, -1e-6)]
+    rates = source.near(0.0, y, p, far, width).speeds(v)[:, 0]
+    assert (ends[0] - ends[1]) / 2e-6 == pytest.approx(rates, abs=1e-7)
+
+
+def box_of_balls() -> da.System:
+    system = da.System("balls", gravity=(0.0, 0.0, -9.81))
+    rng, balls = np.random.default_rng(2), []
+    for k in range(6):
+        place = (0.11 * (k % 2), 0.11 * (k // 2 % 2), 0.06 + 0.11 * (k // 4))
+        ball = spatial.Sphere(
+            f"ball_{k}",
+            radius=RADIUS,
+            mass=1.0,
+            position=tuple(place + 0.004 * rng.random(3)),
+            angular_velocity=tuple(rng.normal(size=3)),
+        )
+        balls.append((system.add(ball), RADIUS))
+    floor = (system.ground.point(0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    system.add(spatial.Collisions("collisions", balls, [floor], restitution=0.3, friction=0.4))
+    return system
+
+
+def test_balls_in_space():
+    motion = da.solve_nonsmooth(box_of_balls().build(), 0.3, step=2e-3)
+    assert motion.status.success
+    assert motion.data["penetration"].max() <= 1e-6 * RADIUS
+    energy = motion.data["energy"].values
+    assert np.diff(energy).max() <= 1e-12 * energy[0]
+
+
+def test_parameters_are_run_time_inputs():
+    """Less friction, another motion of the same model."""
+    model = box_of_discs().build()
+    rough = da.solve_nonsmooth(model, 0.3, step=2e-3)
+    smooth = da.solve_nonsmooth(model, 0.3, step=2e-3, parameters={"friction": 0.0})
+    assert float(rough.data["friction_impulse"].sum()) > 0
+    assert float(smooth.data["friction_impulse"].sum()) < 1e-15
+    assert not np.allclose(rough.trajectory.y, smooth.trajectory.y)
+
+
+def test_discs_are_drawn():
+    axes = da.solve_nonsmooth(box_of_discs(4).build(), 0.02, step=2e-3).draw()
+    assert len(axes.lines) >= 4 + 3
+
+
+@pytest.mark.parametrize(
+    ("change", "wrong"),
+    [
+        ({"balls": []}, "no balls"),
+        ({"balls": [("disc", 0.1)]}, r"balls\[0\] must be a point"),
+        ({"balls": [3]}, "give a pair"),
+        ({"radius": -0.1}, r"radius.*above 0"),
+        ({"restitution": 1.2}, "restitution is 1.2"),
+        ({"friction": -0.1}, "friction"),
+        ({"normal": (0.0, 0.0)}, "normal needs a length"),
+    ],
+)
+def test_bad_input(change, wrong):
+    system = da.System("bad")
+    body = system.add(planar.Body("disc", mass=1.0, inertia=1.0))
+    balls = change.pop("balls", [(body, change.pop("radius", 0.1))])
+    walls = [(system.ground.point(0.0, 0.0), change.pop("normal", (0.0, 1.0)))]
+    with pytest.raises(ModelError, match=wrong):
+        system.add(planar.Collisions("collisions", balls, walls, **change)) and system.build()
+
+
+def test_nothing_to_touch_and_wrong_strategies():
+    system = da.System("free")
+    system.add(planar.Body("disc", mass=1.0, inertia=1.0))
+    model = system.build()
+    with pytest.raises(AnalysisError, match="nothing in the model may touch"):
+        da.solve_nonsmooth(model, 1.0)
+    with pytest.raises(UnsupportedError, match="solve_nonsmooth"):
+        da.solve_dynamics(box_of_discs(2).build(), 1.0)
+    with pytest.raises(AnalysisError, match="AnticipatedImpacts"):
+        da.solve_nonsmooth(model, 1.0, integrator=da.RK4())

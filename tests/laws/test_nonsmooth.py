@@ -1,0 +1,117 @@
+"""Laws of steps with impacts: order, which law of impact, sticking, joints beside contacts."""
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+
+G = 9.81
+SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean(), da.MoreauJean(projection=False)]
+NAMES = ["anticipated", "Moreau-Jean", "Moreau-Jean, not projected"]
+schemes = pytest.mark.parametrize("scheme", SCHEMES, ids=NAMES)
+
+
+def bouncing_ball(restitution: float, height: float = 1.0) -> da.Model:
+    system = da.System("ball", gravity=(0.0, -G))
+    ball = system.add(planar.Particle("ball", mass=2.0, position=(0.0, 0.1 + height)))
+    floor = (system.ground.point(0.0, 0.0), (0.0, 1.0))
+    system.add(planar.Collisions("floor", [(ball, 0.1)], [floor], restitution=restitution))
+    return system.build()
+
+
+@schemes
+@pytest.mark.parametrize("step", [1.7e-2, 7e-3, 3.1e-3])
+def test_bouncing_ball_is_of_first_order(scheme, step):
+    """The bounce is two steps off at most, and the height ``(1 + e) v`` times that."""
+    e, end, fall = 0.7, 0.8, np.sqrt(2 / G)
+    exact = e * G * fall * (end - fall) - G / 2 * (end - fall) ** 2
+    motion = da.solve_nonsmooth(bouncing_ball(e), end, step=step, integrator=scheme)
+    assert abs(motion.values("ball.y")[-1] - 0.1 - exact) <= 2 * (1 + e) * G * fall * step
+
+
+def test_elastic_ball_keeps_its_energy():
+    motion = da.solve_nonsmooth(bouncing_ball(1.0), 2.0, step=4e-3)
+    energy = motion.data["energy"].values
+    assert np.ptp(energy) <= 1e-12 * energy[0]
+    assert motion.data["penetration"].max() <= 1e-13
+
+
+@schemes
+def test_bounces_without_end_end(scheme):
+    """Infinitely many impacts in finite time; the ball lies on the floor then."""
+    motion = da.solve_nonsmooth(bouncing_ball(0.5), 2.0, step=4e-3, integrator=scheme)
+    assert motion.status.success
+    assert motion.values("ball.y")[-1] == pytest.approx(0.1, abs=3 * G * 4e-3**2 + 0.02)
+    assert abs(motion.values("ball.vy")[-1]) <= 2 * G * 4e-3
+    impulses = motion.impulse("floor").values[-100:]
+    assert impulses.mean() == pytest.approx(2.0 * G * 4e-3, rel=1e-6)  # the weight
+
+
+@schemes
+def test_newtons_cradle_follows_newtons_law_at_once(scheme):
+    """All contacts in one: ``(−1/3, 2/3, 2/3)``, not ``(0, 0, 1)`` of impacts one by one."""
+    system = da.System("cradle")
+    balls = [
+        system.add(planar.Body(f"b{k}", mass=1.0, inertia=1.0, position=(x, 0.0), velocity=(v, 0)))
+        for k, (x, v) in enumerate([(-0.5, 1.0), (0.0, 0.0), (0.2, 0.0)])
+    ]
+    system.add(planar.Collisions("collisions", [(b, 0.1) for b in balls], restitution=1.0))
+    motion = da.solve_nonsmooth(system.build(), 0.5, step=1e-3, integrator=scheme)
+    after = [motion.values(f"b{k}.vx")[-1] for k in range(3)]
+    assert after == pytest.approx([-1 / 3, 2 / 3, 2 / 3], abs=1e-9)
+
+
+@pytest.mark.parametrize("friction", [0.4, 0.7])
+def test_disc_that_cannot_roll_sticks_or_slides_on_an_incline(friction):
+    """It slides down by ``(sin α − μ cos α) g t²/2`` where ``μ < tan α``, and not at all above."""
+    angle = np.pi / 6
+    normal = np.array([-np.sin(angle), np.cos(angle)])
+    system = da.System("incline", gravity=(0.0, -G))
+    disc = system.add(planar.Particle("disc", mass=1.0, position=tuple(0.1 * normal)))
+    wall = (system.ground.point(0.0, 0.0), tuple(normal))
+    system.add(planar.Collisions("slope", [(disc, 0.1)], [wall], friction=friction))
+    motion = da.solve_nonsmooth(system.build(), 1.0, step=5e-3)
+    gone = motion.data["position"].values[-1, 0] - 0.1 * normal
+    expected = max(0.0, np.sin(angle) - friction * np.cos(angle)) * G / 2
+    assert np.linalg.norm(gone) == pytest.approx(expected, abs=1e-9)
+    pressed = motion.impulse("slope").sum().item()
+    assert pressed == pytest.approx(G * np.cos(angle), rel=1e-9)
+
+
+def test_sliding_disc_begins_to_roll():
+    """Speed at which slip ends: two thirds of the first, ``ω = −v/R`` from then on."""
+    system = da.System("bowling", gravity=(0.0, -G))
+    disc = planar.Body("d", mass=1.0, inertia=0.005, position=(0.0, 0.1), velocity=(1.0, 0.0))
+    system.add(disc)
+    wall = (system.ground.point(0.0, 0.0), (0.0, 1.0))
+    system.add(planar.Collisions("floor", [(disc, 0.1)], [wall], friction=0.2))
+    motion = da.solve_nonsmooth(system.build(), 0.5, step=1e-3)
+    assert motion.values("d.vx")[-1] == pytest.approx(2 / 3, abs=1e-9)
+    assert motion.values("d.angular_velocity")[-1] == pytest.approx(-20 / 3, abs=1e-8)
+
+
+@schemes
+def test_joints_stay_closed_beside_contacts(scheme):
+    """A pendulum that swings against a wall: the pin holds, and the disc does not pass."""
+    system = da.System("pendulum", gravity=(0.0, -G))
+    rod = system.add(planar.Bar("rod", length=1.0, mass=1.0, angle=0.0, position=(0.5, 0.0)))
+    system.add(planar.Revolute("pin", system.ground.point(0.0, 0.0), rod.start))
+    wall = (system.ground.point(0.0, 0.0), (1.0, 0.0))
+    system.add(planar.Collisions("wall", [(rod.end, 0.1)], [wall], restitution=0.5))
+    motion = da.solve_nonsmooth(system.build(), 1.5, step=1e-3, integrator=scheme)
+    assert motion.status.success
+    assert motion.data["position_violation"].max() <= 1e-11
+    assert motion.data["velocity_violation"].max() <= 1e-10
+    closed = motion.data["penetration"].max().item()
+    assert closed <= (1e-11 if scheme.projection else 1e-2)
+    assert motion.impulse("wall").sum() > 0
+
+
+def test_outputs_and_other_times():
+    model = bouncing_ball(0.5)
+    motion = da.solve_nonsmooth(model, 1.0, step=2e-3, outputs=11)
+    whole = da.solve_nonsmooth(model, 1.0, step=2e-3)
+    assert motion.time.size == 11
+    assert motion.impulse("floor").sum() == pytest.approx(whole.impulse("floor").sum().item())
+    assert whole.at(motion.time).values("ball.y") == pytest.approx(motion.values("ball.y"))
