@@ -26,7 +26,7 @@ from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.registry import INTEGRATORS as KNOWN
 
-RIGID = {planar.UnilateralConstraint, spatial.UnilateralConstraint}
+RIGID = {planar.UnilateralConstraint, spatial.UnilateralConstraint, planar.Collisions}
 """They have laws of their own, for they are no forces but change the motion at instants."""
 COVERED = {kind for case in CASES.values() for kind in case.covers} | RIGID
 NOT_ELEMENTS = {planar.Point}

@@ -248,3 +248,20 @@ def test_powers_go_on_beyond_their_switch_only():
     assert float(function(-0.25, 1)[0]) == -0.125
     bare, _ = held(x**1.5 + ca.fabs(x - 9), x)
     assert np.isnan(float(bare(-0.25, 0)[0]))
+
+
+def test_a_run_lost_at_a_dead_centre_tells_it_beside_switches():
+    """A slider-crank is driven beyond its reach by a law in two pieces."""
+    system = da.System("too far")
+    crank = system.add(planar.Bar("crank", length=1.2, mass=1, angle=0.8))
+    rod = system.add(planar.Bar("rod", length=1.0, mass=1, angle=-0.8))
+    slider = system.add(planar.Particle("slider", mass=1, position=(1.3, 0)))
+    system.add(planar.Revolute("O", system.ground.center, crank.start))
+    system.add(planar.Revolute("A", crank.end, rod.start))
+    system.add(planar.Revolute("B", rod.end, slider.center))
+    system.add(planar.UserConstraint("level", slider.y))
+    law = 0.8 + 4 * da.t - da.where(da.t < 0.1, da.t, 2 * da.t - 0.1)
+    system.add(planar.RotationalDriver("motor", system.ground, crank, law))
+    motion = da.solve_dynamics(system.build(), 1.0, step=1e-3, integrator=da.DormandPrince())
+    assert motion.status.outcome is da.Outcome.SINGULAR
+    assert "motor" in motion.status.message

@@ -89,11 +89,10 @@ def near_singular_position(
         return None
     sizes = e.scales
     alike = ca.mtimes([ca.diag(1 / sizes.rows), e.jacobian, ca.diag(sizes.displacements)])
-    function = ca.Function(
-        "constraints",
-        [e.t, e.y, e.v, e.p],
-        [e.constraints / sizes.rows, ca.densify(alike), e.pose_rate],
-    )
+    seen_by_state = [e.constraints / sizes.rows, ca.densify(alike), e.pose_rate]
+    if e.switches.count:  # on the sides where the state is
+        seen_by_state = ca.substitute(seen_by_state, [e.switches.sides], [e.switches.actual])
+    function = ca.Function("constraints", [e.t, e.y, e.v, e.p], seen_by_state)
     n, k = e.coordinate_count, e.speed_count
     times = np.append(steps.t[: steps.count], steps.end)
 

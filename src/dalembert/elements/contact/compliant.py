@@ -114,6 +114,8 @@ class Compliant(Unilateral, ForceElement):
         return [*damped, *((touch.gap.slip, touch.rub) for touch in touches)]
 
     def measures(self, rate: Rate) -> Measured:
+        if self.normal_law() is None:  # rigid: its forces are found, not stated
+            return Unilateral.measures(self, rate)
         gaps, touches = self.gaps(rate), self.touches(rate)
         distances, nearest = [gap.distance for gap in gaps], gaps[0].distance
         for distance in distances[1:]:

@@ -443,8 +443,9 @@ class Scene {
   drawLink({ link, rest, offset }) {
     const p = this.placeOf(link.i.body, link.i.point), q = this.placeOf(link.j.body, link.j.point);
     if (!p || !q) return;
-    if (link.symbol === "strand") return this.drawStrand(link, p, q);
-    linkSymbol(this.ctx, link.symbol, p, q, this.half, rest * this.view.s, offset * this.half, this.colours);
+    const strand = link.symbol === "strand", colours = strand ? { ...this.colours, ink: this.strandLook(link).edge } : this.colours;
+    linkSymbol(this.ctx, link.symbol, p, q, this.half, rest * this.view.s, offset * this.half, colours);
+    if (strand) return;
     for (const [end, at] of [[link.i, p], [link.j, q]]) {
       circle(this.ctx, at, clamp(0.32 * this.half, 1.8, 4));
       this.ctx.fillStyle = this.colours.ink;
@@ -455,13 +456,9 @@ class Scene {
     }
   }
 
-  // A piece of a beam, in one colour from end to end.
-  drawStrand(link, p, q) {
-    const first = this.motion.links.find((other) => other.name === link.name), look = this.looks[first.j.body.index];
-    this.ctx.lineCap = "round";
-    trace(this.ctx, [p, q]);
-    stroke(this.ctx, look.edge, clamp(0.8 * this.half, 3, 9));
-    this.ctx.lineCap = "butt";
+  // All pieces of a beam have the colour of the first one.
+  strandLook(link) {
+    return this.looks[this.motion.links.find((other) => other.name === link.name).j.body.index];
   }
 
   // A short hatched wall behind the fixed end of a link.

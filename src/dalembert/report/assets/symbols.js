@@ -228,6 +228,12 @@ const LINKS = {
       stroke(ctx, c.ink, 1.3);
     }
   },
+  strand(ctx, L, h, rest, c) {
+    ctx.lineCap = "round";
+    trace(ctx, [[0, 0], [L, 0]]);
+    stroke(ctx, c.ink, Math.min(9, Math.max(3, 0.8 * h)));
+    ctx.lineCap = "butt";
+  },
   rod(ctx, L, h, rest, c) {
     trace(ctx, [[0, 0], [L, 0]]);
     stroke(ctx, c.ink, 4.5);
