@@ -95,9 +95,7 @@ def run_exudyn(count: int, steps: int) -> tuple[float, np.ndarray]:
             )
         )
         body = system.AddObject(
-            ObjectRigidBody(
-                mass=1.0, inertia=[*INERTIA, 0.0, 0.0, 0.0], nodeNumber=node
-            )
+            ObjectRigidBody(mass=1.0, inertia=[*INERTIA, 0.0, 0.0, 0.0], nodeNumber=node)
         )
         weight = system.AddMarker(MarkerBodyMass(bodyNumber=body))
         system.AddLoad(LoadMassProportional(markerNumber=weight, loadVector=[0, 0, -GRAVITY]))
