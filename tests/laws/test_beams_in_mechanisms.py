@@ -288,3 +288,28 @@ def test_small_vibrations_are_those_of_the_slender_cantilever():
     frequencies = np.sort(da.linearize(system.build()).data["frequency"].values)[:3]
     expected = np.array([1.875104, 4.694091, 7.854757]) ** 2 / (2 * np.pi)
     np.testing.assert_allclose(frequencies, expected, rtol=1e-3)
+
+
+def test_a_pinned_bar_turns_by_its_momentum_exactly():
+    """One stiff element of first order reaches the angle ``ω t`` of the rigid bar."""
+    system = da.System("bar")
+    stiff = {"axial_rigidity": 1e10, "shear_rigidity": 1e10, "bending_rigidity": 1e10}
+    arm = system.add(
+        planar.Beam(
+            "arm",
+            length=1.0,
+            mass_per_length=1.0,
+            rotary_inertia=1.0,
+            position=(0, 0),
+            angle=0.0,
+            angular_velocity=1.0,
+            elements=1,
+            order=1,
+            **stiff,
+        )
+    )
+    system.add(planar.Revolute("O", system.ground.center, arm.start.center))
+    motion = da.solve_dynamics(system.build(), 0.5, step=5e-6, outputs=[0.25, 0.5])
+    np.testing.assert_allclose(motion["arm.end.angle"].values, [0.25, 0.5], atol=1e-9)
+    place = np.arctan2(motion["arm.end.y"].values, motion["arm.end.x"].values)
+    np.testing.assert_allclose(place, [0.25, 0.5], atol=1e-9)

@@ -108,3 +108,33 @@ def test_arc_bent_out_of_its_plane():
     found = [y - start[1], x - start[0], z]
     expected = [-13.577383726758564, -23.545303336988038, 53.45800757548929]
     np.testing.assert_allclose(found, expected, rtol=3e-3)
+
+
+def test_lateral_buckling():
+    """A strip on edge tips over at ``4.0126 √(E I G J)/L²`` (Michell 1899, Prandtl 1899), raised by
+    its deflection before: ``1/√((1 − E I/E I_y)(1 − G J/E I_y))`` (Hodges and Peters 1975)."""
+    strong, weak, twist = 60830.0, 608.3, 877.2
+    system = da.System("strip")
+    load = system.parameter("load", 2000.0)
+    strip = system.add(
+        spatial.Beam(
+            "strip",
+            system.ground.frame((0, 0, 0)),
+            length=1.0,
+            axial_rigidity=73e6,
+            shear_rigidity=5.025e6,
+            shear_rigidity_z=23.4e6,
+            torsional_rigidity=twist,
+            bending_rigidity_y=strong,
+            bending_rigidity_z=weak,
+            mass_per_length=2.68,
+            elements=2,
+        )
+    )
+    system.add(spatial.Force("pull", strip.end.center, (0, 0, -load)))
+    model = system.build()
+    critical = 4.0126 * math.sqrt(weak * twist)
+    critical /= math.sqrt((1 - weak / strong) * (1 - twist / strong))
+    for share, stable in ((0.995, True), (1.005, False)):
+        found = da.solve_equilibrium(model, parameters={"load": share * critical})
+        assert ("not a stable" not in found.status.message) is stable
