@@ -248,7 +248,7 @@ def interrupts(monkeypatch, owner, name: str, call: int) -> None:
     monkeypatch.setattr(owner, name, stopped)
 
 
-@pytest.mark.parametrize(("owner", "name"), [(FixedMarch, "_advance"), (Adjoint, "gradient")])
+@pytest.mark.parametrize(("owner", "name"), [(FixedMarch, "advance"), (Adjoint, "gradient")])
 def test_interrupted_gradients(model, tmp_path, capsys, monkeypatch, owner, name):
     """In the run and in the sweep back: nothing is written, and no traceback."""
     interrupts(monkeypatch, owner, name, 1)

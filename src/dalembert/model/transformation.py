@@ -92,6 +92,7 @@ class Transformation:
             inertia=BlockInertia(ca.mtimes([b.T, mass.matrix, b])),
             bias=ca.mtimes(b.T, bias),
             force=ca.mtimes(b.T, self.seen(e, e.force)),
+            rubbing=ca.sparsify(ca.mtimes(b.T, self.seen(e, e.rubbing))),
             constraints=self.seen(e, e.constraints),
             nonholonomic=self.seen(e, e.nonholonomic),
             known=None,
