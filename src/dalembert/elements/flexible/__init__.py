@@ -1,1 +1,1 @@
-"""Flexible bodies: structures that move with a floating frame and deform in it by few shapes."""
+"""What bends: beams that bend far, and structures that deform by few shapes in a floating frame."""

@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from dalembert.elements import beam
 from dalembert.elements.base import Powers, Rate, Scalar, Vector, option, quantity
-from dalembert.elements.beam_nodes import Section
+from dalembert.elements.flexible import beam
+from dalembert.elements.flexible.nodes import CrossSection
 from dalembert.elements.pair import initial_value, need_point
 from dalembert.elements.planar.body import rotation
 from dalembert.elements.planar.in_plane import InPlane
@@ -74,23 +74,25 @@ class Beam(InPlane, beam.Beam):
         place, turn = self._carried(k, base)
         return initial_value(ca.vertcat(place, turn), [base.body]).sx
 
-    def _carried(self, k: int, base: Section) -> tuple[ca.SX, ca.SX]:
+    def _carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
         """Where its start carries a node of the natural shape."""
         place, angle = self.natural(self.length.sx * self.places[k])
         return base.place + ca.mtimes(rotation(base.turn), place), base.turn + angle
 
-    def node_section(self, node: Any) -> Section:
-        return Section(node.pose[:2], node.pose[2], node.twist[2], node)
+    def node_section(self, node: Any) -> CrossSection:
+        return CrossSection(node.pose[:2], node.pose[2], node.twist[2], node)
 
-    def frame_section(self, frame: Any, last: bool) -> Section:
+    def frame_section(self, frame: Any, last: bool) -> CrossSection:
         body, by = frame.body, self.angle_j if last else self.angle_i
         spin = body.twist[2] if body.rotates else ca.SX(0)
-        return Section(frame.position.sx, body.pose_angle + by.sx, spin, body)
+        return CrossSection(frame.position.sx, body.pose_angle + by.sx, spin, body)
 
-    def natural_section(self, s: ca.SX) -> Section:
-        return Section(*self.natural(s), ca.SX(0))
+    def natural_section(self, s: ca.SX) -> CrossSection:
+        return CrossSection(*self.natural(s), ca.SX(0))
 
-    def strain(self, sections: Sequence[Section], values: np.ndarray, slopes: np.ndarray) -> ca.SX:
+    def strain(
+        self, sections: Sequence[CrossSection], values: np.ndarray, slopes: np.ndarray
+    ) -> ca.SX:
         turn = sum((n * s.turn for n, s in zip(values, sections, strict=True)), ca.SX(0))
         bend = sum((n * s.turn for n, s in zip(slopes, sections, strict=True)), ca.SX(0))
         along = sum((n * s.place for n, s in zip(slopes, sections, strict=True)), ca.SX.zeros(2))

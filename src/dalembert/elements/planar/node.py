@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dalembert.elements.beam_nodes import NodeBody
+from dalembert.elements.flexible.nodes import NodeBody
 from dalembert.elements.planar.body import Body, Particle
 
 

@@ -14,9 +14,9 @@ from typing import Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from dalembert.elements import beam
 from dalembert.elements.base import Condition, Powers, Rate, Scalar, Vector, option, quantity
-from dalembert.elements.beam_nodes import Section
+from dalembert.elements.flexible import beam
+from dalembert.elements.flexible.nodes import CrossSection
 from dalembert.elements.frame import Frame
 from dalembert.elements.pair import initial_value
 from dalembert.elements.rotation import Orientation, as_orientation
@@ -104,24 +104,26 @@ class Beam(beam.Beam):
         place, turn = self._carried(k, base)
         return initial_value(ca.vertcat(place, turn), [base.body]).sx
 
-    def _carried(self, k: int, base: Section) -> tuple[ca.SX, ca.SX]:
+    def _carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
         """Where its start carries a node of the natural shape."""
         own = self.natural_section(self.length.sx * self.places[k])
         place = base.place + ca.mtimes(rotation.matrix(base.turn), own.place)
         return place, rotation.product(base.turn, own.turn)
 
-    def node_section(self, node: Any) -> Section:
-        return Section(node.pose[:3], node.e, node.spin, node)
+    def node_section(self, node: Any) -> CrossSection:
+        return CrossSection(node.pose[:3], node.e, node.spin, node)
 
-    def frame_section(self, frame: Any, last: bool) -> Section:
+    def frame_section(self, frame: Any, last: bool) -> CrossSection:
         spin = ca.mtimes(frame.axes.T, frame.body.turning)
-        return Section(frame.position.sx, frame.orientation, spin, frame.body)
+        return CrossSection(frame.position.sx, frame.orientation, spin, frame.body)
 
-    def natural_section(self, s: ca.SX) -> Section:
+    def natural_section(self, s: ca.SX) -> CrossSection:
         place, angle = self.natural(s)
-        return Section(ca.vertcat(place, 0), rotation.about_z(angle), ca.SX.zeros(3))
+        return CrossSection(ca.vertcat(place, 0), rotation.about_z(angle), ca.SX.zeros(3))
 
-    def strain(self, sections: Sequence[Section], values: np.ndarray, slopes: np.ndarray) -> ca.SX:
+    def strain(
+        self, sections: Sequence[CrossSection], values: np.ndarray, slopes: np.ndarray
+    ) -> ca.SX:
         middle = sections[len(sections) // 2].turn
         turn, bend, along = ca.SX.zeros(3), ca.SX.zeros(3), ca.SX.zeros(3)
         for n, slope, section in zip(values, slopes, sections, strict=True):

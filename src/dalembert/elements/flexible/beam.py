@@ -30,9 +30,9 @@ from dalembert.elements.base import (
     option,
     quantity,
 )
-from dalembert.elements.beam_nodes import Noded, Section
 from dalembert.elements.coordinates import rate_of
-from dalembert.elements.interpolation import Lagrange, gauss, through
+from dalembert.elements.flexible.interpolation import Lagrange, gauss, through
+from dalembert.elements.flexible.nodes import CrossSection, Noded
 from dalembert.elements.look import Strand
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, stack, t
@@ -97,7 +97,7 @@ class Beam(Noded, ForceElement):
         chord = s * ca.if_else(straight, 1, ca.sin(half) / ca.if_else(straight, 1, half))
         return chord * ca.vertcat(ca.cos(half), ca.sin(half)), 2 * half
 
-    def natural_section(self, s: ca.SX) -> Section:
+    def natural_section(self, s: ca.SX) -> CrossSection:
         """The same as a section."""
         raise NotImplementedError
 
@@ -105,7 +105,9 @@ class Beam(Noded, ForceElement):
     def shapes(self) -> Lagrange:
         return Lagrange(self.order)
 
-    def strain(self, sections: Sequence[Section], values: np.ndarray, slopes: np.ndarray) -> ca.SX:
+    def strain(
+        self, sections: Sequence[CrossSection], values: np.ndarray, slopes: np.ndarray
+    ) -> ca.SX:
         """Strains ``(Γ, K)`` between the sections of an element, from no reference.
 
         Parameters
@@ -123,7 +125,7 @@ class Beam(Noded, ForceElement):
         places = ca.SX.sym("place", like.place.numel(), self.order + 1)
         turns = ca.SX.sym("turn", like.turn.numel(), self.order + 1)
         own = [
-            Section(place, turn, like.spin)
+            CrossSection(place, turn, like.spin)
             for place, turn in zip(ca.horzsplit(places), ca.horzsplit(turns), strict=True)
         ]
         first = self.length.sx * self.shapes.nodes / self.elements

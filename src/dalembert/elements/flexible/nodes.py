@@ -14,7 +14,7 @@ from dalembert.errors import ModelError
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class CrossSection:
     """A cross-section: where it is and how it stands.
 
     Attributes
@@ -63,7 +63,7 @@ class Noded:
     elements: int
     order: int
     nodes: dict[int, Any]
-    sections: list[Section]
+    sections: list[CrossSection]
 
     @property
     def count(self) -> int:
@@ -89,15 +89,15 @@ class Noded:
         """A body without mass; the first is where the beam was said to be."""
         raise NotImplementedError
 
-    def _section(self, k: int) -> Section:
+    def _section(self, k: int) -> CrossSection:
         if k in self.nodes:
             return self.node_section(self.nodes[k])
         return self.frame_section(self.frame_i if k == 0 else self.frame_j, k > 0)
 
-    def node_section(self, node: Any) -> Section:
+    def node_section(self, node: Any) -> CrossSection:
         raise NotImplementedError
 
-    def frame_section(self, frame: Any, last: bool) -> Section:
+    def frame_section(self, frame: Any, last: bool) -> CrossSection:
         raise NotImplementedError
 
     @property
