@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.pair import initial_value
 from dalembert.errors import ModelError
 
 
@@ -62,6 +64,7 @@ class Noded:
     frame_j: Any
     elements: int
     order: int
+    node_kind: type
     nodes: dict[int, Any]
     sections: list[CrossSection]
 
@@ -81,13 +84,27 @@ class Noded:
         for k in range(self.count):
             if (self.frame_i if k == 0 else self.frame_j if k == last else None) is not None:
                 continue
-            name = {0: "start", last: "end"}.get(k, f"node{k}")
-            found[k] = self.make_node(f"{self.name}.{name}", k == 0)
+            own = {0: "start", last: "end"}.get(k, f"node{k}")
+            name = f"{self.name}.{own}"
+            if k == 0:
+                found[k] = self.first_node(name)
+                continue
+            found[k] = self.node_kind(name)
+            found[k].estimate = partial(self._estimate, k)
         return found
 
-    def make_node(self, name: str, first: bool) -> Any:
-        """A body without mass; the first is where the beam was said to be."""
+    def first_node(self, name: str) -> Any:
+        """A body without mass where the element was said to start."""
         raise NotImplementedError
+
+    def carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
+        """Place and turn of a node on the natural shape, which its start carries."""
+        raise NotImplementedError
+
+    def _estimate(self, k: int) -> ca.SX:
+        """Pose of a node as far as guesses of its start tell."""
+        base = self.sections[0]
+        return initial_value(ca.vertcat(*self.carried(k, base)), [base.body]).sx
 
     def _section(self, k: int) -> CrossSection:
         if k in self.nodes:

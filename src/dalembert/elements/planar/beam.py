@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.elements.base import Powers, Rate, Scalar, Vector, option, quantity
 from dalembert.elements.flexible import beam
 from dalembert.elements.flexible.nodes import CrossSection
-from dalembert.elements.pair import initial_value, need_point
+from dalembert.elements.pair import need_point
 from dalembert.elements.planar.body import rotation
 from dalembert.elements.planar.in_plane import InPlane
 from dalembert.elements.planar.node import Node
@@ -49,6 +49,7 @@ class Beam(InPlane, beam.Beam):
     angle: Scalar = quantity("rad", "at its start", default=None, keyword=True)
     velocity: Vector = quantity("m/s", "of its start", default=None, size=2, keyword=True)
     angular_velocity: Scalar = quantity("rad/s", "at its start", default=None, keyword=True)
+    node_kind = Node
     dimension: ClassVar[int] = 2
     force_names = (("axial_force", "N"), ("shear_force", "N"), ("bending_moment", "N m"))
 
@@ -60,22 +61,11 @@ class Beam(InPlane, beam.Beam):
         if self.rotary_inertia is None:
             self.rotary_inertia = Expression(self.material_inertia(self.bending_rigidity.sx))
 
-    def make_node(self, name: str, first: bool) -> Any:
-        if first:
-            given = self.velocity, self.angular_velocity
-            return Node(name, None, None, self.position, self.angle, *given)
-        made = Node(name)
-        made.estimate = lambda: self._estimate(made)
-        return made
+    def first_node(self, name: str) -> Any:
+        given = self.velocity, self.angular_velocity
+        return Node(name, None, None, self.position, self.angle, *given)
 
-    def _estimate(self, node: Node) -> ca.SX:
-        k = next(k for k, known in self.nodes.items() if known is node)
-        base = self.sections[0]
-        place, turn = self._carried(k, base)
-        return initial_value(ca.vertcat(place, turn), [base.body]).sx
-
-    def _carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
-        """Where its start carries a node of the natural shape."""
+    def carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
         place, angle = self.natural(self.length.sx * self.places[k])
         return base.place + ca.mtimes(rotation(base.turn), place), base.turn + angle
 
@@ -108,8 +98,8 @@ class Beam(InPlane, beam.Beam):
 
     def shape_error(self, k: int) -> ca.SX:
         base, last, share = self.sections[0], self.sections[-1], self.places[k]
-        place, angle = self._carried(k, base)
+        place, angle = self.carried(k, base)
         if 0 < k < self.count - 1:
-            end, turn = self._carried(self.count - 1, base)
+            end, turn = self.carried(self.count - 1, base)
             place, angle = place + share * (last.place - end), angle + share * (last.turn - turn)
         return ca.vertcat(self.sections[k].place - place, self.sections[k].turn - angle)

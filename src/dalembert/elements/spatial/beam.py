@@ -18,7 +18,6 @@ from dalembert.elements.base import Condition, Powers, Rate, Scalar, Vector, opt
 from dalembert.elements.flexible import beam
 from dalembert.elements.flexible.nodes import CrossSection
 from dalembert.elements.frame import Frame
-from dalembert.elements.pair import initial_value
 from dalembert.elements.rotation import Orientation, as_orientation
 from dalembert.elements.spatial.node import Node
 from dalembert.errors import ModelError
@@ -60,6 +59,7 @@ class Beam(beam.Beam):
     rotation: Orientation = option("at its start", default=None, keyword=True)
     velocity: Vector = quantity("m/s", "of its start", default=None, size=3, keyword=True)
     angular_velocity: Vector = quantity("rad/s", "at its start", default=None, size=3, keyword=True)
+    node_kind = Node
     dimension: ClassVar[int] = 3
     force_names = (
         ("axial_force", "N"),
@@ -89,23 +89,12 @@ class Beam(beam.Beam):
             own = [self.material_inertia(rigidity) for rigidity in (sum(about), *about)]
             self.rotary_inertia = Expression(ca.vertcat(*own))
 
-    def make_node(self, name: str, first: bool) -> Any:
-        if first:
-            where = {"position": self.position, "rotation": self.rotation}
-            speeds = {"velocity": self.velocity, "angular_velocity": self.angular_velocity}
-            return Node(name, **where, **speeds)
-        made = Node(name)
-        made.estimate = lambda: self._estimate(made)
-        return made
+    def first_node(self, name: str) -> Any:
+        where = {"position": self.position, "rotation": self.rotation}
+        speeds = {"velocity": self.velocity, "angular_velocity": self.angular_velocity}
+        return Node(name, **where, **speeds)
 
-    def _estimate(self, node: Node) -> ca.SX:
-        k = next(k for k, known in self.nodes.items() if known is node)
-        base = self.sections[0]
-        place, turn = self._carried(k, base)
-        return initial_value(ca.vertcat(place, turn), [base.body]).sx
-
-    def _carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
-        """Where its start carries a node of the natural shape."""
+    def carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
         own = self.natural_section(self.length.sx * self.places[k])
         place = base.place + ca.mtimes(rotation.matrix(base.turn), own.place)
         return place, rotation.product(base.turn, own.turn)
@@ -158,9 +147,9 @@ class Beam(beam.Beam):
 
     def shape_error(self, k: int) -> ca.SX:
         base, last, share = self.sections[0], self.sections[-1], self.places[k]
-        place, turn = self._carried(k, base)
+        place, turn = self.carried(k, base)
         if 0 < k < self.count - 1:
-            end, end_turn = self._carried(self.count - 1, base)
+            end, end_turn = self.carried(self.count - 1, base)
             between = rotation.product(rotation.conjugate(end_turn), last.turn)
             place = place + share * (last.place - end)
             small = rotation.vector(between) * share / 2
