@@ -5,7 +5,7 @@ class Motion extends Timeline {
     super(payload);
     const scene = payload.scene || {};
     this.setBodies(scene.bodies, (body) => ({
-      node: Boolean(body.node), x: floats(body.x, this.n), y: floats(body.y, this.n), a: floats(body.angle, this.n), shapes: readShapes(body.shapes),
+      x: floats(body.x, this.n), y: floats(body.y, this.n), a: floats(body.angle, this.n), shapes: readShapes(body.shapes),
     }));
     this.ground.shapes = readShapes((scene.ground || {}).shapes);
     this.gravity = scene.gravity && Math.hypot(...xy(scene.gravity)) > 0 ? xy(scene.gravity) : null;

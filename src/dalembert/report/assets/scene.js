@@ -526,7 +526,7 @@ class Scene {
     ctx.font = `600 12px ${Theme.font}`;
     for (const body of this.motion.bodies) {
       const pose = this.poses.get(body);
-      if (!pose || body.node || !body.label) continue;
+      if (!pose || !body.label) continue;
       const wide = ctx.measureText(body.label).width / 2;
       const places = this.labelPlaces(body, pose, wide);
       const cost = ([x, y], more = 0) => {

@@ -21,12 +21,12 @@ class Timeline {
   }
 
   setBodies(given, read) {
-    this.bodies = list(given).map((body, index) => ({ name: String(body.name ?? `body ${index + 1}`), index, ...read(body) }));
+    this.bodies = list(given).map((body, index) => ({ name: String(body.name ?? `body ${index + 1}`), index, node: Boolean(body.node), ...read(body) }));
     for (const [k, { of }] of list(given).entries()) {  // what belongs to another one looks like it
       const owner = this.bodies.find((body) => of !== undefined && body.name === String(of));
       if (owner) Object.assign(this.bodies[k], { index: owner.index, of: owner });
     }
-    for (const body of this.bodies) body.label = body.of ? "" : body.name.length > 28 ? `${body.name.slice(0, 27)}…` : body.name;
+    for (const body of this.bodies) body.label = body.of || body.node ? "" : body.name.length > 28 ? `${body.name.slice(0, 27)}…` : body.name;
     this.byName = new Map(this.bodies.map((body) => [body.name, body]));
   }
 
