@@ -412,6 +412,14 @@ def test_carts_against_published_and_closed_form(pictures: Path) -> None:
         assert found[f"C v({time})"] == pytest.approx(top * (1 - math.exp(-time / tau)), abs=1e-9)
 
 
+def test_geneva_wheel_goes_on_by_quarters(pictures: Path) -> None:
+    """By 90° at each turn, off the course of a wheel without play by no more than that allows."""
+    found = numbers("geneva_wheel", pictures)
+    play = 5e-5 / (0.1 - 0.1 / math.sqrt(2))  # of the pin, where it is next to the axle
+    assert found["turned"] == pytest.approx(-180, abs=0.2)
+    assert found["off"] < 2 * play
+
+
 def test_path_is_found(pictures: Path) -> None:
     found = numbers("path_optimization", pictures)
     assert found["success"]

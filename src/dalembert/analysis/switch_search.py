@@ -28,6 +28,8 @@ PARTS = np.arange(1, 8) / 8
 """Of a step, where it is looked for a switch that it goes across and back."""
 JUMPED = 1e4
 """Distance behind a located switch, in those that count as none, to which it has jumped."""
+AT_ONCE = 3
+"""Crossings of one switch at an instant that others may bring about, on whose sides it depends."""
 MANY, SHORTLY = 100, 1e-7
 """Crossings in a time, relative to the run, that are recognised as chattering."""
 
@@ -67,6 +69,8 @@ class SwitchSearch:
         if not beyond:
             return None
         acting = [k for k in beyond if self._acts(mode, k, end, arrived)]
+        if not acting and self._hides(mode, beyond, end, arrived):
+            acting = beyond
         if not (acting and kept):
             passage = Passage(end, arrived)
             self._turn(passage, mode, beyond, moving=False)
@@ -142,6 +146,22 @@ class SwitchSearch:
         before, after = (self._call(rate, t, s, self.p) for s in (state, other))
         return not np.array_equal(before, after, equal_nan=True)
 
+    def _hides(self, mode: int, switches: list[int], t: float, x: np.ndarray) -> bool:
+        """Whether a state is beyond one that acts, too, once it is on the sides of these.
+
+        So it is where these choose between distances, such as those from the edges of a shape, and
+        another one asks whether the distance chosen is gone.
+        """
+        state, known = x.copy(), list(switches)
+        while switches:
+            places = [self.size - self.count + k for k in switches]
+            state[places] = 1 - state[places]
+            switches = [k for k in self._beyond(t, state) if k not in known]
+            if any(self._acts(mode, k, t, state) for k in switches):
+                return True
+            known += switches
+        return False
+
     def _locate(self, k: int, mode: int, t: float, x: np.ndarray, longest: float) -> float:
         """Time from the beginning of a step across a switch until just beyond it."""
 
@@ -175,7 +195,7 @@ class SwitchSearch:
         now = [
             k for (_, k), ago in zip(self.crossings, passed, strict=True) if ago <= NOW * self.span
         ]
-        stuck = [k for k in switches if now.count(k) > 1]
+        stuck = [k for k in switches if now.count(k) > AT_ONCE]
         often = int(np.sum(passed <= SHORTLY * self.span))
         if not stuck and often <= MANY:
             return ""
