@@ -1,0 +1,51 @@
+"""Frequencies of a beam that spins about its clamped end, stiffened by its centrifugal force.
+
+Across the plane of rotation they are tabulated (Wright, Smith, Thresher and Wang, Vibration modes
+of centrifugally stiffened beams, Journal of Applied Mechanics 49, 1982) by ``η = Ω √(ρA L⁴/EI)``;
+in it each square is less by ``η²``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+from dalembert.structures import Frame
+
+ACROSS = {
+    0: (3.5160, 22.0345, 61.6972),
+    2: (4.1373, 22.6149, 62.2732),
+    4: (5.5850, 24.2733, 63.9668),
+    6: (7.3604, 26.8091, 66.6839),
+}
+
+
+@pytest.mark.parametrize("speed", ACROSS)
+def test_frequencies_in_the_plane_of_rotation(speed):
+    structure, count = da.Structure("arm"), 16
+    nodes = [structure.node(f"n{k}", k / count, 0.0) for k in range(count + 1)]
+    section = {"area": 1.0, "second_moment": 1e-4, "modulus": 1e4, "density": 1.0}
+    for k in range(count):
+        structure.add(Frame(f"e{k}", nodes[k], nodes[k + 1], **section))
+    system = da.System("spinning")
+    arm = system.add(
+        planar.FlexibleBody(
+            "arm",
+            structure.build(),
+            interface={"root": "n0", "tip": f"n{count}"},
+            modes=4,
+            reference="root",
+            stiffening=True,
+            position=(0, 0),
+            angle=0.0,
+            angular_velocity=float(speed),
+        )
+    )
+    system.add(planar.Revolute("hub", system.ground.center, arm.point("root")))
+    system.add(planar.RotationalDriver("motor", system.ground, arm, speed * da.t))
+    spectrum = da.linearize(system.build(), equilibrium=False).data["frequency"].values
+    found = np.sort(2 * np.pi * spectrum[spectrum > 0.1])[:3]
+    expected = np.sqrt(np.array(ACROSS[speed]) ** 2 - speed**2)
+    np.testing.assert_allclose(found, expected, rtol=1e-2)
