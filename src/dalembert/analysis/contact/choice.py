@@ -19,6 +19,8 @@ RESTING = 1e-9
 """Speed, relative to what it is the sum of, that counts as none."""
 ZENO = 1e-9
 """Time of flight, relative to the run, below which a gap bounces no more."""
+LEAST = 1e-3
+"""Part of the natural force whose acceleration others are measured by at least."""
 CLOSED = (Phase.SMOOTH, Phase.STICKING, Phase.FORWARD, Phase.BACKWARD)
 
 
@@ -125,10 +127,10 @@ class ContactChoice:
         return self._solutions(state, c, touches)
 
     def _solutions(
-        self, state: ContactState, c: np.ndarray, touches: list[Touch]
+        self, state: ContactState, c: np.ndarray, touches: list[Touch], least: float = 0.0
     ) -> list[Solution]:
         self.crowded = too_many(touches)
-        return solutions(state.delassus, c, touches)
+        return solutions(state.delassus, c, touches, least)
 
     def _touch(self, state: ContactState, k: int, allowed: Phases, moving: bool = False) -> Touch:
         slip = state.slips[k][0] if state.rubs(k) else None
@@ -159,7 +161,9 @@ class ContactChoice:
         terms = state.size if terms is None else terms
         gaps = [k for k in gaps if state.speed[k] <= RESTING * terms[k]]
         touches = [self._resting(state, k, before[k], guard, terms) for k in gaps]
-        found = self._solutions(state, state.acceleration, touches)
+        softest = np.max(np.diag(state.delassus), initial=0.0)
+        least = LEAST * self.kernel.equations.scales.force * softest  # where a force just vanishes
+        found = self._solutions(state, state.acceleration, touches, least)
         if len(found) != 1:
             return Ruling(before, trouble=self._undecided(t, gaps, found, "contact"))
         phases = [Phase.APART] * len(self.gaps)

@@ -60,13 +60,20 @@ class Solution:
     result: np.ndarray
 
 
-def solutions(delassus: np.ndarray, c: np.ndarray, touches: Sequence[Touch]) -> list[Solution]:
-    """All that differ in ``ξ``; more patterns than ``MOST`` count as none."""
+def solutions(
+    delassus: np.ndarray, c: np.ndarray, touches: Sequence[Touch], least: float = 0.0
+) -> list[Solution]:
+    """All that differ in ``ξ``; more patterns than ``MOST`` count as none.
+
+    Parameters
+    ----------
+    least : size of ``ξ`` by which it is measured at least, for where all of it vanishes
+    """
     found: list[Solution] = []
     if too_many(touches):
         return found
     rows = sorted({t.normal for t in touches} | {t.slip for t in touches if t.slip is not None})
-    size = np.max(np.abs(c[rows]), initial=0.0)
+    size = np.max(np.abs(c[rows]), initial=least)
     for phases in product(*(touch.allowed for touch in touches)):
         solution = _solved(delassus, c, touches, phases)
         if solution is None or not _holds(solution, touches, size):
