@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.registry import ELEMENTS, cell_of
 from dalembert.errors import ModelError
 from dalembert.io.fields import Quantities, Quantity, connected, given_fields
 from dalembert.io.formulas import Formulas, ParameterNames, Scope
@@ -26,9 +28,7 @@ from dalembert.io.structure_tables import (
 )
 from dalembert.structures.mesh import Mesh
 from dalembert.structures.mesh_generators import box_mesh, line_mesh, rectangle_mesh
-from dalembert.structures.node import Node
 from dalembert.structures.nodes import Nodes
-from dalembert.structures.registry import ELEMENTS, cell_of
 from dalembert.structures.structure import Structure
 from dalembert.text import unknown, visible
 

@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.io.choices import one_of
 from dalembert.io.schema import ModelDocument, any_of
 from dalembert.io.strategies import RESPONSES, STRUCTURAL_ANALYSES
@@ -22,7 +23,6 @@ from dalembert.io.structure_tables import (
     mesh_table,
 )
 from dalembert.io.tables import table_of
-from dalembert.structures.registry import ELEMENTS
 
 _ELEMENT = one_of({n: element_table(n, c) for n, c in ELEMENTS.items()})
 _MESH = one_of({n: mesh_table(n, c) for n, c in ELEMENTS.items()})

@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, create_model
 
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
 from dalembert.io.choices import Record
 from dalembert.io.fields import Quantity, written
 from dalembert.io.tables import about_field, summary_of, value_type
@@ -19,8 +21,6 @@ from dalembert.io.values import (
     number_or_formula,
     shown,
 )
-from dalembert.structures.base import StructuralElement
-from dalembert.structures.node import ROTATIONS, TRANSLATIONS
 
 TURNS = ROTATIONS[3]
 _ONE = {"type": ["number", "string"]}

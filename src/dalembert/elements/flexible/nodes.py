@@ -33,8 +33,8 @@ class CrossSection:
     body: Any = None
 
 
-class NodeBody:
-    """A node of an element, ahead of the body that it is in the plane or in space.
+class OwnNode:
+    """A node that an element brings along, ahead of the body that it is in the plane or in space.
 
     Attributes
     ----------
