@@ -35,8 +35,10 @@ from dalembert.elements.spatial import node as spatial
 from dalembert.errors import ModelError, UnsupportedError
 from dalembert.structures.blocks import Part
 from dalembert.structures.description import StructureDescription
+from dalembert.structures.mesh import Mesh
 from dalembert.structures.nodes import Nodes
 from dalembert.symbolic.expression import Expression, as_sx
+from dalembert.text import unknown
 
 
 @dataclass(eq=False)
@@ -148,11 +150,35 @@ class ElasticStructure(ForceElement):
     def node(self, name: str | Node, number: int | None = None) -> Any:
         """The body of a node, or of one of a set by its number."""
         known = name.name if isinstance(name, Node) else name
-        wanted = f"{self.name}.{known}{'' if number is None else number}"
-        for body in self.bodies:
-            if body.name == wanted:
-                return body
-        raise ModelError(f"has no node {wanted.removeprefix(self.name + '.')!r}", self.name)
+        wanted = f"{known}{'' if number is None else number}"
+        if wanted not in self.named_nodes:
+            raise ModelError(unknown("node", wanted, self.named_nodes), self.name)
+        return self.named_nodes[wanted]
+
+    def at(self, nodes: Node | Nodes) -> list[NodeBody]:
+        """The bodies of nodes of the structure."""
+        first = self.structure.numbers.first(nodes.name)
+        numbers = first + nodes.index if isinstance(nodes, Nodes) else [first]
+        return [self.bodies[k] for k in numbers]
+
+    @property
+    def mesh(self) -> Mesh:
+        """The one mesh that its structure was made of.
+
+        Raises
+        ------
+        ModelError
+            There is none, or several.
+        """
+        meshes = getattr(self.structure, "meshes", {})
+        if len(meshes) != 1:
+            raise ModelError(f"has {len(meshes)} meshes; ask its structure for nodes", self.name)
+        return next(iter(meshes.values()))
+
+    @property
+    def named_nodes(self) -> dict[str, NodeBody]:
+        """Its bodies by their names within it."""
+        return dict(zip(self._names(), self.bodies, strict=True))
 
     def where(
         self,

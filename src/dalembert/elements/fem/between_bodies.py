@@ -61,7 +61,8 @@ class BetweenBodies:
         if self.functions.massless:
             return []
         speed = rate(self.u)
-        return [(speed, self.functions.inertia(self.u, speed, rate(speed), self.data))]
+        force = self.functions.inertia(self.u, speed, rate(speed), self.data)
+        return [] if force.is_zero() else [(speed, force)]
 
     def masses(self) -> list[tuple[ca.SX, ca.SX]]:
         """(place, mass) of its nodes."""

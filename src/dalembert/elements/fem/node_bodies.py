@@ -16,7 +16,7 @@ from dalembert.errors import ModelError, UnsupportedError
 class NodeBody(Nodal):
     """A node of finite elements, ahead of the body that it is in the plane or in space.
 
-    Elements are free of stress where its ``position`` says, and where it is not turned.
+    Elements are free of stress where its ``position`` says, and turned by its ``angle``.
     """
 
     @property
@@ -59,7 +59,8 @@ class NodeBody(Nodal):
             )
         if not body.rotates:
             raise ModelError(f"turns its node {self.name}, a point; take planar.Node", entity)
-        return ca.vertcat(moved, body.pose[2])
+        angle = body.initial[1]
+        return ca.vertcat(moved, body.pose[2] - (0 if angle is None else angle.sx))
 
     def look(self) -> list[Look]:
         body: BodyElement = self  # type: ignore[assignment]

@@ -10,8 +10,7 @@ from dalembert.elements.spatial.body import Body, Particle
 class Node(NodeBody, Body):
     """A node that turns: a body whose mass may be that of the elements at it.
 
-    It takes what a ``Body`` takes. Elements are free of stress where ``position`` says, and where
-    it is not turned.
+    It takes what a ``Body`` takes. Elements are free of stress where ``position`` says.
     """
 
 
