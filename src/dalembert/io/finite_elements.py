@@ -51,11 +51,12 @@ class FiniteElements:
     def node(self, name: str, *where: str | int) -> NodeBody:
         """The body of this name, which must be a node."""
         known = {n: b for n, b in self.system.elements.items() if isinstance(b, NodeBody)}
+        meshes = self.document.meshes if "connect" not in where else ()
         if name not in known:
             if name in self.document.bodies:
                 text = f'{name!r} is no node; give it type = "Node" or "PointNode"'
                 raise self.located.error(text, *where)
-            raise self.located.error(unknown("node", name, known), *where)
+            raise self.located.error(unknown("node", name, [*known, *meshes]), *where)
         return known[name]
 
     def chosen(self, table: NodeChoice, section: str, k: int) -> list[NodeBody]:
@@ -66,10 +67,10 @@ class FiniteElements:
             if owner in self.document.meshes:
                 with self.located(section, k, "nodes"):
                     found += self.of_mesh(owner, group, table)
-            elif table.where is not None or table.nearest is not None:
+                continue
+            found.append(self.node(name, section, k, "nodes"))
+            if table.where is not None or table.nearest is not None:
                 raise ModelError(f"{name} is one node; where and nearest choose among many")
-            else:
-                found.append(self.node(name, section, k, "nodes"))
         return found
 
     def of_mesh(self, owner: str, group: str, table: NodeChoice) -> list[NodeBody]:

@@ -177,8 +177,12 @@ class Document(ModelDocument):
     meshes: dict[str, MESH] = Field(  # type: ignore[valid-type]
         default_factory=dict, description="finite elements, every node of which is a body"
     )
-    supports: list[SupportTable] = Field(default_factory=list)  # type: ignore[valid-type]
-    loads: list[NodalLoadTable] = Field(default_factory=list)  # type: ignore[valid-type]
+    supports: list[SupportTable] = Field(  # type: ignore[valid-type]
+        default_factory=list, description="prescribed displacements of nodes"
+    )
+    loads: list[NodalLoadTable] = Field(  # type: ignore[valid-type]
+        default_factory=list, description="forces and moments on nodes"
+    )
     joints: dict[str, Any] = Field(default_factory=dict)
     drivers: dict[str, Any] = Field(default_factory=dict)
     forces: dict[str, Any] = Field(default_factory=dict)

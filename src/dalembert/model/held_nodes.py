@@ -71,7 +71,7 @@ def loads(nodes: Held, forces: dict[str, Any], number: int) -> Iterator[ForceEle
     for node in several(nodes):
         named = {d.replace("u", "f").replace("r", "m"): d for d in _directions(node)}
         if not forces:
-            raise ModelError(f"gets no load; give one of {', '.join(named)}", node.name)
+            raise ModelError(f"{node.name}: gets no load; give one of {', '.join(named)}")
         _check(node, forces, tuple(named))
         name = f"{node.name.replace('.', '_')}_load{number}"
         kind = planar if node.dimension == 2 else spatial
@@ -116,7 +116,7 @@ def _check(node: NodeBody, given: dict[str, Any], known: tuple[str, ...]) -> Non
     for direction in given:
         if direction not in known:
             raise ModelError(
-                f"unknown direction {direction!r}; known: {', '.join(known)}", node.name
+                f"{node.name}: unknown direction {direction!r}; known: {', '.join(known)}"
             )
 
 
