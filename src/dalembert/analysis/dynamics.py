@@ -11,6 +11,7 @@ import numpy as np
 from dalembert.analysis.branches import Branches, outputs_of, place_outputs
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics_run import DynamicsRun
+from dalembert.analysis.energy_balance import check_balance
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.instants import end_by_event, ended_again, instant_of
 from dalembert.analysis.step_quadrature import StepQuadrature
@@ -93,8 +94,7 @@ class Dynamics(Analysis[Model, Motion]):
             if not isinstance(given, kind):
                 text = f"{name} is {given!r}; give a strategy such as {usual.__name__}()"
                 raise AnalysisError(text)
-        if not self.balance > 0:
-            raise AnalysisError(f"balance is {self.balance}; it must be a positive share")
+        check_balance(self.balance)
         if self.backend not in BACKENDS:
             known = ", ".join(map(repr, BACKENDS))
             raise UnsupportedError(f"unknown backend {self.backend!r}; known: {known}")

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.energy_balance import check_balance
 from dalembert.analysis.kinematics import refuse_outside
-from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun, sampled
+from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+from dalembert.analysis.nonsmooth.sampling import sampled
 from dalembert.analysis.timeline import check_times
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_solver import ContactSolver
@@ -36,6 +38,8 @@ class Nonsmooth(Analysis[Model, NonsmoothMotion]):
     outputs : number of equally spaced times, or the times [s]; default every step
     integrator : ``AnticipatedImpacts()`` or ``MoreauJean()``
     solver : of the impulses
+    balance : largest error of the energy balance, over the energy that took part in the motion,
+        with which a run still counts as completed
     """
 
     spoken = "dynamics with contacts"
@@ -47,6 +51,7 @@ class Nonsmooth(Analysis[Model, NonsmoothMotion]):
     t_span: tuple[float, float] | None = None
     integrator: ContactScheme = field(default_factory=AnticipatedImpacts)
     solver: ContactSolver = field(default_factory=ContactSolver)
+    balance: float = 0.25
 
     def __post_init__(self) -> None:
         if not isinstance(self.integrator, ContactScheme):
@@ -55,6 +60,7 @@ class Nonsmooth(Analysis[Model, NonsmoothMotion]):
             )
         if not isinstance(self.solver, ContactSolver):
             raise AnalysisError(f"solver is {self.solver!r}; give ContactSolver()")
+        check_balance(self.balance)
 
     def checks(self, model: Model) -> dict[str, Callable[[], object]]:
         """Times are in order."""

@@ -52,7 +52,7 @@ class StepLog:
 
     def _depth(self, t: float, y: np.ndarray) -> float:
         none = np.zeros((self.step.model.equations.speed_count, 1))
-        return float(-self.step.near(t, y, none).distance.min(initial=0.0))
+        return max(0.0, -float(self.step.near(t, y, none).distance.min(initial=0.0)))
 
     def record(self) -> ContactRecord:
         """All of it in arrays."""
