@@ -90,13 +90,3 @@ def test_terminal_events_end_runs_with_impacts():
     assert motion.status.outcome is Outcome.TERMINATED
     fall = np.sqrt(2 / 9.81)
     assert motion.status.time == pytest.approx(3 * fall, abs=1e-6)
-
-
-def test_analyses_that_see_no_contacts_say_so():
-    system = ball(height=-0.2)
-    spring = {"stiffness": 50.0, "free_length": 0.1}
-    particle = system.elements["ball"]
-    system.add(planar.Spring("spring", system.ground.point(0, 0.2), particle.center, **spring))
-    resting = da.solve_equilibrium(system.build())
-    assert any("the gap of floor is -" in text for text in resting.warnings)
-    assert resting.values("floor.normal_force").item() == 0.0

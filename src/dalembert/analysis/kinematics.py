@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.unseen import negative_gaps
+from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.driven_instants import driven_instant
 from dalembert.analysis.events import Occurrence
 from dalembert.analysis.kinematics_run import TOLERANCE, KinematicsRun
@@ -73,7 +73,9 @@ class Kinematics(Analysis[Model, Motion]):
             It cannot be assembled at the start.
         """
         motion = KinematicsRun(self, model, parameters).execute(progress)
-        motion.warnings += negative_gaps(model, motion.trajectory, motion.parameters)
+        motion.warnings += unseen_contacts(
+            model, motion.trajectory, motion.parameters, self.efforts
+        )
         return motion
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.collision_gaps import CollisionGaps
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
 from dalembert.analysis.nonsmooth.contact_truth import ContactTruth
 from dalembert.analysis.nonsmooth.correction import consistent, corrected
-from dalembert.analysis.nonsmooth.gap_source import FormulaGaps, GapSource
+from dalembert.analysis.nonsmooth.gap_sources import gap_sources
 from dalembert.analysis.nonsmooth.sampling import sampled
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_log import StepLog
@@ -26,8 +25,6 @@ from dalembert.analysis.timeline import (
     step_count,
     uniform_grid,
 )
-from dalembert.elements.contact.collisions import Collisions
-from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.model.model import Model
 from dalembert.results.contact_record import ContactRecord
@@ -173,12 +170,3 @@ class NonsmoothRun:
 def smooth_motion(model: Model) -> SmoothMotion:
     """Functions of a model, made once."""
     return SmoothMotion(model)
-
-
-@once
-def gap_sources(model: Model) -> list[GapSource]:
-    """Where gaps of a model come from."""
-    elements = list(model.parts.elements.values())
-    stated = [e for e in elements if isinstance(e, Unilateral) and e.impact() is not None]
-    sources: list[GapSource] = [FormulaGaps(model, stated)] if stated else []
-    return sources + [CollisionGaps(model, e) for e in elements if isinstance(e, Collisions)]
