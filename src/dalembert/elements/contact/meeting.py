@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from dalembert.elements.base import Constraint
+from dalembert.symbolic.rotation import across
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +40,7 @@ class Meeting:
 
 
 def tangents(normal: ca.SX) -> ca.SX:
-    """(n, n−1) directions along a surface; in space after Duff et al. (2017)."""
+    """(n, n−1) directions along a surface."""
     if normal.numel() == 2:
         return ca.vertcat(normal[1], -normal[0])
-    x, y, z = ca.vertsplit(normal)
-    sign = ca.if_else(z < 0, -1, 1)
-    a = -1 / (sign + z)
-    first = ca.vertcat(1 + sign * x**2 * a, sign * x * y * a, -sign * x)
-    return ca.horzcat(first, ca.vertcat(x * y * a, sign + y**2 * a, -y))
+    return across(normal)
