@@ -11,7 +11,6 @@ from dalembert.analysis.energy_balance import EnergyBalance
 from dalembert.analysis.model_residuals import Gap
 from dalembert.analysis.model_truth import EXACT, ModelTruth
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.sampling import sampled
 from dalembert.formulations.levels import Level
 from dalembert.results.contact_record import ContactRecord
 from dalembert.results.status import Outcome
@@ -28,8 +27,7 @@ class ContactTruth(ModelTruth):
     """
 
     def __init__(self, step: ContactStep, record: ContactRecord, balance: float):
-        ends = sampled(step.model, record, record.t)
-        super().__init__(step.model, ends, step.p, (Level.POSITION, Level.SPEED), np.inf)
+        super().__init__(step.model, record.ends, step.p, (Level.POSITION, Level.SPEED), np.inf)
         self.step, self.record, self.balance = step, record, balance
 
     @property
@@ -46,7 +44,7 @@ class ContactTruth(ModelTruth):
         if depth == 0:
             return Gap(0.0)
         t, none = float(self.record.t[k]), np.zeros((model.equations.speed_count, 1))
-        found = self.step.near(t, self.record.y[:, k], none)
+        found = self.step.near(t, self.record.ends.y[:, k], none)
         name = self.record.names[found.owner[np.argmin(found.distance)]]
         text = f"a gap of {name} is {-depth:.3g} m at t = {t:.9g} s"
         return Gap(depth / model.scales.length, text)
@@ -56,7 +54,7 @@ class ContactTruth(ModelTruth):
         """Energies at the ends of the steps, and what contacts took."""
         record = self.record
         energies, natural = self.residuals.energies, self.step.model.scales.energy
-        return EnergyBalance(energies, record.work, record.t, natural)
+        return EnergyBalance(energies, record.ends.work, record.t, natural)
 
     @property
     def limit(self) -> float:
