@@ -92,11 +92,13 @@ def test_terminal_events_end_runs_with_impacts():
     assert motion.status.time == pytest.approx(3 * fall, abs=1e-6)
 
 
-def test_analyses_that_see_no_contacts_say_so():
-    system = ball(height=-0.2)
-    spring = {"stiffness": 50.0, "free_length": 0.1}
+def test_what_a_driver_presses_on_a_rigid_floor_has_no_motion():
+    """Without friction none is blamed: the driver leaves nothing to give way."""
+    system = ball(height=0.05)
     particle = system.elements["ball"]
-    system.add(planar.Spring("spring", system.ground.point(0, 0.2), particle.center, **spring))
-    resting = da.solve_equilibrium(system.build())
-    assert any("the gap of floor is -" in text for text in resting.warnings)
-    assert resting.values("floor.normal_force").item() == 0.0
+    system.add(planar.CoordinateDriver("ram", particle.center, 0.05 - 0.1 * da.t, (0.0, 1.0)))
+    status = da.solve_dynamics(system.build(), 1.0, step=0.01).status
+    assert status.outcome is Outcome.UNDECIDED
+    assert status.time == pytest.approx(0.5, abs=0.01)
+    assert "rigid impact has no motion" in status.message and "floor" in status.message
+    assert "friction" not in status.message and "Painlev" not in status.message

@@ -5,6 +5,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
+from dalembert.results.status import Outcome
 
 G = 9.81
 SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean(), da.MoreauJean(projection=False)]
@@ -91,21 +92,74 @@ def test_sliding_disc_begins_to_roll():
     assert motion.values("d.angular_velocity")[-1] == pytest.approx(-20 / 3, abs=1e-8)
 
 
-@schemes
-def test_joints_stay_closed_beside_contacts(scheme):
-    """A pendulum that swings against a wall: the pin holds, and the disc does not pass."""
+def pendulum_at_a_wall() -> da.System:
     system = da.System("pendulum", gravity=(0.0, -G))
     rod = system.add(planar.Bar("rod", length=1.0, mass=1.0, angle=0.0, position=(0.5, 0.0)))
     system.add(planar.Revolute("pin", system.ground.point(0.0, 0.0), rod.start))
     wall = (system.ground.point(0.0, 0.0), (1.0, 0.0))
     system.add(planar.Collisions("wall", [(rod.end, 0.1)], [wall], restitution=0.5))
-    motion = da.solve_nonsmooth(system.build(), 1.5, step=1e-3, integrator=scheme)
+    return system
+
+
+@schemes
+def test_joints_stay_closed_beside_contacts(scheme):
+    """A pendulum that swings against a wall: the pin holds, and the disc does not pass."""
+    model = pendulum_at_a_wall().build()
+    motion = da.solve_nonsmooth(model, 1.5, step=1e-3, integrator=scheme)
     assert motion.status.success
     assert motion.data["position_violation"].max() <= 1e-11
     assert motion.data["velocity_violation"].max() <= 1e-10
     closed = motion.data["penetration"].max().item()
     assert closed <= (1e-11 if scheme.projection else 1e-2)
     assert motion.impulse("wall").sum() > 0
+    assert motion.status.residual == pytest.approx(closed, abs=1e-11)
+
+
+# how runs end -------------------------------------------------------------------------------
+
+
+def test_a_gap_that_is_left_closed_is_no_motion():
+    """Steps in which the ball falls further than the mechanism is large."""
+    scheme = da.MoreauJean(projection=False)
+    motion = da.solve_nonsmooth(bouncing_ball(0.7), 3.0, step=0.3, integrator=scheme)
+    assert motion.status.outcome is Outcome.VIOLATED and not motion.status.success
+    assert motion.status.residual == pytest.approx(motion.record.penetration.max())
+    assert "a gap of floor is -" in motion.status.message
+    assert motion.status.message.endswith("use a shorter step")
+
+
+def test_energy_from_nowhere_is_no_motion():
+    """Bodies are lifted by long steps of a scheme that opens gaps; the other creates none."""
+    model = bouncing_ball(0.7)
+    motion = da.solve_nonsmooth(model, 3.0, step=0.6, integrator=da.MoreauJean())
+    assert motion.status.outcome is Outcome.UNBALANCED
+    assert "appeared by t = " in motion.status.message
+    assert da.solve_nonsmooth(model, 3.0, step=0.6).status.success
+    lax = da.solve_nonsmooth(model, 3.0, step=0.6, integrator=da.MoreauJean(), balance=1.0)
+    assert lax.status.success and "the steps are long" in lax.warnings[0]
+
+
+def test_what_may_be_is_told_where_it_is_much():
+    scheme = da.MoreauJean(projection=False)
+    motion = da.solve_nonsmooth(bouncing_ball(0.7), 0.8, step=1.7e-2, integrator=scheme)
+    assert motion.status.success
+    assert any("a gap of floor is -0.0" in told for told in motion.warnings)
+
+
+def test_joints_that_cannot_be_closed_end_the_run():
+    """A rope shorter than the way to the rod, from t = 0.625 s on."""
+    system = da.System("winch", gravity=(0.0, -G))
+    rod = system.add(planar.Bar("rod", length=1.0, mass=1.0, angle=0.0, position=(0.5, 0.0)))
+    system.add(planar.Revolute("pin", system.ground.point(0.0, 0.0), rod.start))
+    far = system.ground.point(2.0, 0.0)
+    system.add(planar.DistanceDriver("rope", far, rod.end, 1.5 - 0.8 * da.t))
+    floor = (system.ground.point(0.0, -9.0), (0.0, 1.0))
+    system.add(planar.Collisions("floor", [(rod.end, 0.1)], [floor]))
+    motion = da.solve_nonsmooth(system.build(), 1.0, step=0.01)
+    assert motion.status.outcome is Outcome.NOT_CONVERGED
+    assert motion.status.time == motion.time[-1] == pytest.approx(0.625, abs=0.01)
+    assert motion.status.residual > 1e-3
+    assert "joints could not be closed" in motion.status.message
 
 
 def test_outputs_and_other_times():

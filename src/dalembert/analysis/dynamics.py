@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import field, replace
 from typing import Any, overload
 
@@ -11,12 +11,13 @@ import numpy as np
 from dalembert.analysis.branches import Branches, outputs_of, place_outputs
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics_run import DynamicsRun
+from dalembert.analysis.energy_balance import check_balance
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.instants import end_by_event, ended_again, instant_of
+from dalembert.analysis.over_time import OverTime
 from dalembert.analysis.served import need_model
 from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.analysis.structural.transient import Transient
-from dalembert.analysis.timeline import check_times
 from dalembert.analysis.variant import Variant
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation
@@ -28,7 +29,6 @@ from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.motion import Motion
-from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel
@@ -49,16 +49,13 @@ INTERVALS = 1000
 
 
 @options
-class Dynamics(Analysis[Model, Motion]):
+class Dynamics(OverTime[Motion]):
     """Forward dynamics as a strategy object: run it, repeat it, differentiate it.
 
     Parameters
     ----------
-    duration : length of the run from t = 0 [s]; this or ``t_span``
-    t_span : (start, end) of the run [s]
     step : step length of fixed-step integrators, by default a thousandth of the run; first step
         of adaptive ones [s]
-    outputs : number of equally spaced times, or the times [s]; default every step
     coordinates : in which coordinates the equations are integrated
     formulation : how accelerations and multipliers are found
     stabilization : how violations of the constraints are kept small
@@ -76,11 +73,8 @@ class Dynamics(Analysis[Model, Motion]):
 
     spoken = "dynamics"
     integrates = True
+    execution = DynamicsRun
 
-    duration: float | None = None
-    step: float | None = None
-    outputs: int | Sequence[float] | None = None
-    t_span: tuple[float, float] | None = None
     coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
     formulation: Formulation = field(default_factory=RangeSpace)
     stabilization: Stabilization = field(default_factory=Projection)
@@ -97,8 +91,7 @@ class Dynamics(Analysis[Model, Motion]):
             if not isinstance(given, kind):
                 text = f"{name} is {given!r}; give a strategy such as {usual.__name__}()"
                 raise AnalysisError(text)
-        if not self.balance > 0:
-            raise AnalysisError(f"balance is {self.balance}; it must be a positive share")
+        check_balance(self.balance)
         if self.backend not in BACKENDS:
             known = ", ".join(map(repr, BACKENDS))
             raise UnsupportedError(f"unknown backend {self.backend!r}; known: {known}")
@@ -121,29 +114,12 @@ class Dynamics(Analysis[Model, Motion]):
             return kernel.variants[kernel.choose(0.0, x, p)]
 
         return {
-            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs),
+            **super().checks(model),
             "stabilization": lambda: self.stabilization.check(self.formulation),
             "coordinates": lambda: self.kernel(model),
             "formulation": definite,
             "integrator": lambda: self.integrator.check(definite().problem),
         }
-
-    def run(
-        self,
-        model: Model,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: bool | Callable[[float], None] = False,
-    ) -> Motion:
-        """Integrate; a run that fails keeps what it had and says why in its status.
-
-        Raises
-        ------
-        AnalysisError
-            Wrong step, duration or outputs.
-        AssemblyError, SingularityError, UnsupportedError
-            The run cannot begin.
-        """
-        return DynamicsRun(self, model, parameters).execute(progress)
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
         """The motion at other times within the run.

@@ -12,6 +12,7 @@ from dalembert.analysis.branch_jumps import BranchJumps
 from dalembert.analysis.branches import outputs_of
 from dalembert.analysis.choices import doubts
 from dalembert.analysis.contact.search import ContactSearch
+from dalembert.analysis.contact.unseen import refuse_collisions
 from dalembert.analysis.dynamics_kernel import DynamicsRecord
 from dalembert.analysis.dynamics_status import Ending, statistics
 from dalembert.analysis.dynamics_truth import DynamicsTruth
@@ -32,8 +33,7 @@ from dalembert.analysis.timeline import (
     uniform_grid,
 )
 from dalembert.budget import STEP
-from dalembert.elements.contact.collisions import Collisions
-from dalembert.errors import AssemblyError, SingularityError, UnsupportedError
+from dalembert.errors import AssemblyError, SingularityError
 from dalembert.integrators.changing_march import ChangingMarch
 from dalembert.integrators.march import SHORT_CHUNK
 from dalembert.integrators.steps import Crossing, Steps, Switch, Watch, standstill
@@ -71,10 +71,7 @@ class DynamicsRun:
                 f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; "
                 "give mass and inertia to the bodies that move there, or constrain them"
             )
-        many = [e.name for e in model.parts.elements.values() if isinstance(e, Collisions)]
-        if many:
-            text = f"{', '.join(many)}: gaps among many balls are for solve_nonsmooth; use that"
-            raise UnsupportedError(text)
+        refuse_collisions(model)
         if not analysis.formulation.every_equation:
             model.closure.refuse_singular_start(PASSING)
         check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)

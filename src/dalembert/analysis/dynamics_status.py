@@ -121,7 +121,8 @@ class Ending:
         if found is None:
             return ""
         time, smallest, place = found
-        there = SingularPosition(self.kernel.model, time, self.bodies(time, place), self.p)
+        y = self.kernel.view.body_coordinates(time, place, self.p)
+        there = SingularPosition(self.kernel.model, time, y, self.p)
         cure = "formulation=AugmentedLagrangian() passes through such positions"
         if not self.kernel.model.diagnosis.free:  # beyond a lock there is no motion at all
             cure = f"solve_kinematics tells whether the drivers lock there; if not, {cure}"
@@ -130,12 +131,6 @@ class Ending:
             f", where {there.joints} lose their independence (smallest singular value of C "
             f"{smallest:.2g}); {cure}"
         )
-
-    def bodies(self, time: float, y: np.ndarray) -> np.ndarray:
-        """Coordinates of the bodies for those that are integrated."""
-        view, e = self.kernel.view, self.kernel.equations
-        lifted = view.lift(self.kernel.model.all_equations.y)
-        return ca.Function("lifted", [e.t, e.y, e.p], [lifted])(time, y, self.p).full().ravel()
 
 
 def statistics(

@@ -17,8 +17,6 @@ from dalembert.results.status import Outcome
 
 DRIFT, TOLD = 0.1, 1e-2
 """Where constraints are held nearly only: what is no motion of the mechanism, and what is told."""
-QUARTER = 0.25
-"""Of the largest share of the energy that may come from nowhere: what is told."""
 
 
 class DynamicsTruth(ModelTruth):
@@ -85,10 +83,7 @@ class DynamicsTruth(ModelTruth):
         """Why the run must not be called completed, if so."""
         if violated := super().objection:
             return violated
-        if not self.energy.worst[0] <= self.balance:
-            text = f"{self.energy.text}; use a shorter step, or another integrator"
-            return Outcome.UNBALANCED, text
-        return None
+        return self.energy.objection(self.balance, "use a shorter step, or another integrator")
 
     @property
     def doubts(self) -> list[str]:
@@ -98,6 +93,4 @@ class DynamicsTruth(ModelTruth):
             for gap, limit in self.gaps
             if limit == DRIFT and TOLD < gap.share <= DRIFT
         ]
-        if QUARTER * self.balance < self.energy.worst[0] <= self.balance:
-            found.append(f"{self.energy.text}; the steps are long for this motion")
-        return found
+        return found + self.energy.doubts(self.balance)

@@ -6,8 +6,25 @@ from functools import cached_property
 
 import numpy as np
 
+from dalembert.errors import AnalysisError
+from dalembert.results.status import Outcome
+
 ROUNDING = 1e-9, 1e-6
 """Shares of the energies themselves, and of the mechanism's natural energy, that tell nothing."""
+QUARTER = 0.25
+"""Of the largest share of the energy that may come from nowhere: what is told."""
+
+
+def check_balance(balance: float) -> None:
+    """A share above 0.
+
+    Raises
+    ------
+    AnalysisError
+        It is none.
+    """
+    if not balance > 0:
+        raise AnalysisError(f"balance is {balance}; it must be a positive share")
 
 
 class EnergyBalance:
@@ -47,6 +64,18 @@ class EnergyBalance:
         shares = np.where(np.isfinite(shares), shares, np.inf)
         k = int(np.argmax(shares))
         return float(shares[k]), float(self.errors[k]), float(self.t[k])
+
+    def objection(self, limit: float, cure: str) -> tuple[Outcome, str] | None:
+        """Why the run must not be called completed, if so; ``limit`` is of the share."""
+        if self.worst[0] <= limit:
+            return None
+        return Outcome.UNBALANCED, f"{self.text}; {cure}"
+
+    def doubts(self, limit: float) -> list[str]:
+        """What should be known of an error within the limit."""
+        if not QUARTER * limit < self.worst[0] <= limit:
+            return []
+        return [f"{self.text}; the steps are long for this motion"]
 
     @property
     def text(self) -> str:

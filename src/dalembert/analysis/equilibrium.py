@@ -13,7 +13,7 @@ from typing import Any, overload
 
 import numpy as np
 
-from dalembert.analysis.contact.unseen import negative_gaps
+from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.model_truth import MOTION, ModelTruth
 from dalembert.analysis.served import need_model
 from dalembert.analysis.static_balance import (
@@ -148,7 +148,7 @@ class _Search:
             trajectory,
             truth.judged(status),
             {"iterations": found.iterations, "stable": stable, "residual [N or N m]": residual},
-            warnings=negative_gaps(self.model, trajectory, self.p),
+            warnings=unseen_contacts(self.model, trajectory, self.p),
             record=EquilibriumRecord(self.kernel),
         )
 

@@ -7,75 +7,41 @@ short enough for Newton's corrections to stay small against the motion, so the b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.unseen import negative_gaps
 from dalembert.analysis.driven_instants import driven_instant
 from dalembert.analysis.events import Occurrence
 from dalembert.analysis.kinematics_run import TOLERANCE, KinematicsRun
+from dalembert.analysis.over_time import OverTime
 from dalembert.analysis.served import need_mechanism
-from dalembert.analysis.timeline import check_times
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
-from dalembert.results.result import Analysis
 
 
 @options
-class Kinematics(Analysis[Model, Motion]):
+class Kinematics(OverTime[Motion]):
     """Kinematic simulation as a strategy object.
 
     Parameters
     ----------
-    duration : length of the run from t = 0 [s]; this or ``t_span``
-    t_span : (start, end) of the run [s]
     step : time between positions [s]; by default a thousandth of the run, or where only outputs are
         asked for and no efforts, as long as none goes further than a tenth of a radian
-    outputs : number of equally spaced times, or the times [s]; default every step
     """
 
     spoken = "kinematics"
-
-    duration: float | None = None
-    step: float | None = None
-    outputs: int | Sequence[float] | None = None
-    t_span: tuple[float, float] | None = None
+    execution = KinematicsRun
 
     @property
     def efforts(self) -> bool:
         """Whether multipliers are part of the result."""
         return False
-
-    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
-        """Times are in order."""
-        return {
-            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs)
-        }
-
-    def run(
-        self,
-        model: Model,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: bool | Callable[[float], None] = False,
-    ) -> Motion:
-        """Move the mechanism; where it locks, keep what was found and say when.
-
-        Raises
-        ------
-        AnalysisError
-            The mechanism is not fully driven, or a wrong step, duration or outputs.
-        AssemblyError
-            It cannot be assembled at the start.
-        """
-        motion = KinematicsRun(self, model, parameters).execute(progress)
-        motion.warnings += negative_gaps(model, motion.trajectory, motion.parameters)
-        return motion
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
         """The motion at other times, each reached from the nearest position of the run.

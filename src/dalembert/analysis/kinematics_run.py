@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.branch_points import BranchPoints
+from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.critical import Fold, find_fold
 from dalembert.analysis.kinematics_kernel import KinematicsRecord, kinematics_kernel
 from dalembert.analysis.model_truth import MOTION, ModelTruth
@@ -109,6 +110,7 @@ class KinematicsRun:
             self.status(trajectory, table),
             statistics,
             sorted(events, key=lambda e: e.time),
+            warnings=unseen_contacts(self.model, trajectory, self.p, self.analysis.efforts),
             record=KinematicsRecord(self.kernel, path),
         )
 

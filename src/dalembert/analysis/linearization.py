@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.equilibrium import Equilibrium
 from dalembert.analysis.linearization_kernel import Linearized, linearization_kernel
 from dalembert.analysis.served import need_mechanism
@@ -22,6 +23,7 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
+from dalembert.results.recording import Trajectory
 from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 
@@ -164,8 +166,17 @@ def modes_of(analysis: Any, state: Linearized, earlier: Modes | None = None) -> 
         Status(Outcome.COMPLETED, f"{numbers.size} mode(s)", state.time, state.residual),
         positions,
         state,
-        warnings=(OF_AN_INSTANT,) if state.unsteadiness > STEADY else (),
+        warnings=_doubts(state),
     )
+
+
+def _doubts(state: Linearized) -> tuple[str, ...]:
+    """A motion that is not steady, and contacts that small motions would open or close."""
+    y, model = state.kernel.bodies(state.time, state.x, state.p)[:, None], state.model
+    still, none = np.zeros((model.equations.speed_count, 1)), np.zeros((0, 1))
+    instant = Trajectory(np.array([state.time]), y, still, still, none, np.zeros((2, 1)))
+    unsteady = (OF_AN_INSTANT,) if state.unsteadiness > STEADY else ()
+    return (*unsteady, *unseen_contacts(model, instant, state.p, forces=True))
 
 
 def linearize(

@@ -82,6 +82,10 @@ class LinearizationKernel:
             [part.full().ravel() for part in self.view.reduce.function(t, y, v, p)]
         )
 
+    def bodies(self, t: float, x: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """``y`` of all bodies in a state."""
+        return self.view.body_coordinates(t, x[: self.e.coordinate_count], p)
+
     def matrices(self, t: float, x: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
         """``J`` and ``G``."""
         unit, still = np.eye(x.size), np.zeros((p.size, x.size))

@@ -12,7 +12,7 @@ from dalembert.elements.point import Carrier, Point
 from dalembert.elements.rotation import as_orientation, off_orthonormal, orthonormal, unit, within
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import as_expression, as_sx
-from dalembert.symbolic.rotation import from_matrix, product
+from dalembert.symbolic.rotation import across, from_matrix, product
 
 PARALLEL = 1e-9
 Frames = Mapping[str, Mapping[str, Any]]
@@ -104,18 +104,13 @@ def _matrix(axes: Any, entity: str) -> ca.SX:
 
 
 def _about(axis: ca.SX, x: Vector | None, entity: str) -> ca.SX:
-    """Axes about z; without x by the formula of Duff et al. (2017), which is nowhere singular."""
+    """Axes about z; without x any others."""
     z = unit(axis, entity)
     if x is not None:
         given = unit(as_expression(x, entity, "", 3).sx, entity)
-        across = given - ca.dot(given, z) * z
-        if across.is_constant() and float(ca.norm_2(across)) < PARALLEL:
+        beside = given - ca.dot(given, z) * z
+        if beside.is_constant() and float(ca.norm_2(beside)) < PARALLEL:
             raise ModelError("axis and x are parallel", entity)
-        across = unit(across, entity)
-        return ca.horzcat(across, ca.cross(z, across), z)
-    sign = ca.if_else(z[2] < 0, -1, 1)
-    a = -1 / (sign + z[2])
-    b = z[0] * z[1] * a
-    first = ca.vertcat(1 + sign * z[0] ** 2 * a, sign * b, -sign * z[0])
-    second = ca.vertcat(b, sign + z[1] ** 2 * a, -z[1])
-    return ca.horzcat(first, second, z)
+        beside = unit(beside, entity)
+        return ca.horzcat(beside, ca.cross(z, beside), z)
+    return ca.horzcat(across(z), z)

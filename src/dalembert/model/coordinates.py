@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
@@ -52,6 +53,11 @@ class CoordinateView:
     def lift(self, expression: ca.SX) -> ca.SX:
         """A measure of the bodies (of t, y, v, v̇, λ, p) in the symbols of ``whole``."""
         raise NotImplementedError
+
+    def body_coordinates(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Coordinates of the bodies for those of this view."""
+        e, lifted = self.equations, self.lift(self.model.all_equations.y)
+        return ca.Function("bodies", [e.t, e.y, e.p], [lifted])(t, y, p).full().ravel()
 
     @property
     def reduce(self) -> ImplicitFunction:

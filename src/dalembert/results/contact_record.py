@@ -6,17 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dalembert.results.recording import Trajectory
+
 
 @dataclass(frozen=True, eq=False)
 class ContactRecord:
-    """What contacts did in each of K steps, at whose ends ``t`` (K+1,) the states are known.
+    """What contacts did in each of K steps.
 
     Attributes
     ----------
-    t : (K+1,) [s]
-    y, v : (n, K+1) states of the bodies
-    a, multiplier : (n, K), (m, K) means over the steps; of all equations
-    work : (2, K+1) dissipated energy and input
+    ends : Trajectory of K+1 states, at the start and at the ends of the steps; accelerations and
+        multipliers are means over the step before, at the start over the first
     names : elements that have gaps
     step, owner : (c,) in which step, and of which element, each impulse was
     impulse : (c, k) [N s], the normal component first
@@ -26,12 +26,7 @@ class ContactRecord:
     rounds : (K,) of the proximal method
     """
 
-    t: np.ndarray
-    y: np.ndarray
-    v: np.ndarray
-    a: np.ndarray
-    multiplier: np.ndarray
-    work: np.ndarray
+    ends: Trajectory
     names: tuple[str, ...]
     step: np.ndarray
     owner: np.ndarray
@@ -40,6 +35,11 @@ class ContactRecord:
     penetration: np.ndarray
     residual: np.ndarray
     rounds: np.ndarray
+
+    @property
+    def t(self) -> np.ndarray:
+        """(K+1,) ends of the steps [s]."""
+        return self.ends.t
 
     @property
     def pressing(self) -> np.ndarray:

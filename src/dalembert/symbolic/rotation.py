@@ -6,15 +6,12 @@ velocities and small turns are those in body axes, ``ω'`` and ``δ'``.
 
 from __future__ import annotations
 
-from math import factorial
-
 import casadi as ca
 
 from dalembert.errors import ModelError
+from dalembert.symbolic.series import alternating, angle_over_sine
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
-TERMS = 10
-"""Of power series in the square of an angle, exact to rounding for turns by up to 1.5 rad."""
 VERSINE_TERMS = 20
 """Of the series of ``θ/sin θ`` in ``1 − cos θ``, exact to 1e-13 for turns by up to 1 rad."""
 EULER_PARAMETERS = ("e0", "e1", "e2", "e3")
@@ -81,35 +78,34 @@ def vector(e: ca.SX) -> ca.SX:
     ``θ/sin θ`` times the axial vector, by its series: smooth at zero without a branch.
     """
     versine = 2 * ca.sumsqr(e[1:])
-    factors = [2**k * factorial(k) ** 2 / factorial(2 * k + 1) for k in range(VERSINE_TERMS)]
-    return _series(versine, factors) * 2 * e[0] * e[1:]
+    return angle_over_sine(versine, VERSINE_TERMS) * 2 * e[0] * e[1:]
 
 
 def exponential(r: ca.SX) -> ca.SX:
     """(3, 3) matrix of a rotation vector shorter than π/2, without a branch (Rodrigues)."""
     cross = skew(r)
-    by_first, by_second = (_alternating(ca.sumsqr(r), k) for k in (1, 2))
+    by_first, by_second = (alternating(ca.sumsqr(r), k) for k in (1, 2))
     return ca.SX.eye(3) + by_first * cross + by_second * ca.mtimes(cross, cross)
 
 
 def turning_map(r: ca.SX) -> ca.SX:
     """(3, 3) ``𝗧'`` of a rotation vector: ``axial(Rᵀ Ṙ) = 𝗧' ṙ``."""
     cross = skew(r)
-    by_first, by_second = (_alternating(ca.sumsqr(r), k) for k in (2, 3))
+    by_first, by_second = (alternating(ca.sumsqr(r), k) for k in (2, 3))
     return ca.SX.eye(3) - by_first * cross + by_second * ca.mtimes(cross, cross)
 
 
-def _alternating(square: ca.SX, first: int) -> ca.SX:
-    """``Σ (−θ²)^k / (2k + first)!``."""
-    return _series(square, [(-1) ** k / factorial(2 * k + first) for k in range(TERMS)])
+def across(z: ca.SX) -> ca.SX:
+    """(3, 2) unit vectors across another and each other, x, y, z right-handed.
 
-
-def _series(argument: ca.SX, factors: list[float]) -> ca.SX:
-    """Power series by Horner's rule."""
-    total = ca.SX(0)
-    for factor in reversed(factors):
-        total = total * argument + factor
-    return total
+    By the formula of Duff et al. (2017), which is nowhere singular.
+    """
+    sign = ca.if_else(z[2] < 0, -1, 1)
+    a = -1 / (sign + z[2])
+    b = z[0] * z[1] * a
+    first = ca.vertcat(1 + sign * z[0] ** 2 * a, sign * b, -sign * z[0])
+    second = ca.vertcat(b, sign + z[1] ** 2 * a, -z[1])
+    return ca.horzcat(first, second)
 
 
 def from_matrix(r: ca.SX) -> ca.SX:

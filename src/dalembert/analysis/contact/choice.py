@@ -85,7 +85,9 @@ class ContactChoice:
         endless = np.full(len(self.gaps), np.inf)
         found = self._struck(state, touching, dead)
         if len(found) != 1:
-            return Ruling(before, trouble=self._undecided(t, closing, found, "impact")), endless
+            return Ruling(
+                before, trouble=self._undecided(t, state, touching, found, "impact")
+            ), endless
         pattern = found[0].phases
         jump = self.modes.jump(mode, tuple(touching), pattern, dead)
         x_after = jump.function(t, x, self.p)[0].full().ravel()
@@ -165,7 +167,7 @@ class ContactChoice:
         least = LEAST * self.kernel.equations.scales.force * softest  # where a force just vanishes
         found = self._solutions(state, state.acceleration, touches, least)
         if len(found) != 1:
-            return Ruling(before, trouble=self._undecided(t, gaps, found, "contact"))
+            return Ruling(before, trouble=self._undecided(t, state, gaps, found, "contact"))
         phases = [Phase.APART] * len(self.gaps)
         for k, phase in zip(gaps, found[0].phases, strict=True):
             phases[k] = phase
@@ -187,12 +189,20 @@ class ContactChoice:
             allowed = tuple(phase for phase in allowed if phase not in left)
         return self._touch(state, k, allowed, moving)
 
-    def _undecided(self, t: float, gaps, found: list[Solution], what: str) -> str:
+    def _undecided(
+        self, t: float, state: ContactState, gaps, found: list[Solution], what: str
+    ) -> str:
+        """Why no pattern was the only one; friction is blamed where there is some."""
         names = ", ".join(dict.fromkeys(self.gaps[k].name for k in gaps))
         if not found and self.crowded:
             return f"so many gaps touch at t = {t:.9g} s that not all patterns are tried: {names}"
         many = f"{len(found)} motions" if found else "no motion"
+        if any(state.rubs(k) for k in gaps):
+            return (
+                f"rigid {what} with friction has {many} at t = {t:.9g} s at {names} (Painlevé); "
+                "lower the friction, or use a compliant contact"
+            )
         return (
-            f"rigid {what} with friction has {many} at t = {t:.9g} s at {names} (Painlevé); lower "
-            "the friction, or use a compliant contact"
+            f"rigid {what} has {many} at t = {t:.9g} s at {names}: drivers or joints leave nothing "
+            "there to give way; free what they hold, or use a compliant contact"
         )

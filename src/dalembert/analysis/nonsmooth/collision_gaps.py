@@ -7,7 +7,7 @@ import numpy as np
 from scipy import sparse
 
 from dalembert.analysis.nonsmooth.gap_source import GapSource
-from dalembert.elements.contact.balls import BallMeeting
+from dalembert.elements.contact.balls import meeting_at_wall, meeting_of_balls
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.model import Model
@@ -161,14 +161,14 @@ def _meeting(dimension: int, wall: bool) -> ca.Function:
     """``(place and radius, or place and normal; place and radius) → g, ∂u/∂twists``."""
     first, second = ca.SX.sym("first", 6 if wall else 4), ca.SX.sym("second", 4)
     twist = ca.SX.sym("twist", 2 * TWIST)
+    here, there = first[:dimension], second[:dimension]
     if wall:
-        met = BallMeeting.of_wall(first[:3], first[3:], second[:3], second[3])
+        met = meeting_at_wall(here, first[3 : 3 + dimension], there, second[3])
     else:
-        met = BallMeeting.of_balls(first[:3], first[3], second[:3], second[3])
-    speed = met.speed(
-        dimension,
-        (first[:3], twist[:3], twist[3:6]),
-        (second[:3], twist[6:9], twist[9:]),
+        met = meeting_of_balls(here, first[3], there, second[3])
+    speed = met.speeds(
+        lambda place: twist[:3] + ca.cross(twist[3:6], place - first[:3]),
+        lambda place: twist[6:9] + ca.cross(twist[9:], place - second[:3]),
     )
     directions = ca.densify(ca.jacobian(speed, twist))
     return ca.Function("meeting", [first, second], [met.distance, directions])

@@ -2,44 +2,83 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep
+from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.friction_problem import FrictionProblem
+from dalembert.symbolic import newton
 from dalembert.symbolic.patterned import dense
 
-ROUNDS = 10
-"""Of Newton's method; each leaves the square of what was left."""
+OPENED = newton.NewtonSettings(tolerance=CLOSED, max_iterations=20, halvings=0)
+"""What is left is squared by every step, unless another gap closes."""
+
+
+@dataclass(frozen=True)
+class Left(newton.Residual):
+    """What is left of joints, and, in one more row, of the deepest gap.
+
+    Attributes
+    ----------
+    gaps : those that are closed
+    """
+
+    gaps: Contacts | None = field(kw_only=True)
+
+
+class Opening(newton.Equations[np.ndarray]):
+    """``Φ = 0`` and ``g ≥ 0`` at an instant: ``δ = M⁻¹(Wᵀ P − Cᵀ λ)``, ``P ≥ 0``.
+
+    Parameters
+    ----------
+    step : ContactStep
+    t : the instant [s]
+    open_gaps : gaps count beside joints
+    """
+
+    def __init__(self, step: ContactStep, t: float, open_gaps: bool):
+        self.step_of, self.t, self.open_gaps = step, t, open_gaps
+        scales = step.model.equations.scales
+        self.scale = np.append(scales.rows, scales.length)
+
+    def residual(self, x: np.ndarray) -> Left:
+        value, rounding = self.step_of.smooth.open_by(self.t, x, self.step_of.p)
+        gaps = None
+        if self.open_gaps and np.isfinite(x).all():
+            gaps = self.step_of.closed(self.t, x)
+        deepest = 0.0 if gaps is None else gaps.distance.min(initial=0.0)
+        return Left(np.append(value, deepest), self.scale, np.append(rounding, 0.0), gaps=gaps)
+
+    def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
+        assert isinstance(residual, Left)
+        smooth, gaps = self.step_of.smooth, residual.gaps
+        solve = smooth.at(self.t, x, self.step_of.p)[0]
+        still = np.zeros(self.step_of.model.equations.speed_count)
+        shift = solve(still, -residual.value[:-1])[0]
+        if gaps is None or not gaps.count:
+            return shift
+        normals = gaps.directions[np.arange(gaps.count) * gaps.drift.shape[1]]
+        way = solve(dense(normals).T, None)[0]
+        open_by = (gaps.distance + normals @ shift)[:, None]
+        scale = float(np.abs(open_by).max())
+        problem = FrictionProblem(normals @ way, open_by, np.zeros(gaps.count), scale)
+        return shift + way @ self.step_of.solver.solve(problem).impulses.ravel()
+
+    def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
+        return self.step_of.model.equations.manifold.go(x, step)
 
 
 def corrected(
-    step: ContactStep, t: float, y: np.ndarray, v: np.ndarray, open_gaps: bool
-) -> np.ndarray:
-    """The nearest position with ``Φ = 0`` and ``g ≥ 0``: ``δ = M⁻¹(Wᵀ P − Cᵀ λ)``, ``P ≥ 0``.
+    step: ContactStep, t: float, y: np.ndarray, open_gaps: bool
+) -> newton.Solution[np.ndarray]:
+    """The nearest position with joints closed and, if asked for, gaps open.
 
     Speeds are left alone, so that no impulse does work here; weights that are lifted keep what
     that takes.
     """
-    smooth, model = step.smooth, step.model
-    sizes = model.equations.scales.rows
-    for _ in range(ROUNDS):
-        gaps = step.closed(t, y) if open_gaps else None
-        left = smooth.open_by(t, y, step.p)
-        if np.all(np.abs(left) <= CLOSED * sizes) and (gaps is None or not gaps.count):
-            break
-        solve = smooth.at(t, y, step.p)[0]
-        shift = solve(np.zeros(v.size), -left)[0]
-        if gaps is not None and gaps.count:
-            k = gaps.drift.shape[1]
-            normals = gaps.directions[np.arange(gaps.count) * k]
-            way = solve(dense(normals).T, None)[0]
-            open_by = (gaps.distance + normals @ shift)[:, None]
-            matrix = normals @ way
-            scale = float(np.abs(open_by).max())
-            problem = FrictionProblem(matrix, open_by, np.zeros(gaps.count), scale)
-            shift = shift + way @ step.solver.solve(problem).impulses.ravel()
-        y = model.equations.manifold.go(y, shift)
-    return y
+    return newton.solve(Opening(step, t, open_gaps), y, OPENED)
 
 
 def consistent(step: ContactStep, t: float, y: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.energy_balance import check_balance
 from dalembert.analysis.kinematics import refuse_outside
-from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun, sampled
-from dalembert.analysis.timeline import check_times
+from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+from dalembert.analysis.nonsmooth.sampling import sampled
+from dalembert.analysis.over_time import OverTime
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactScheme
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
-from dalembert.results.result import Analysis
 
 
 @options
-class Nonsmooth(Analysis[Model, NonsmoothMotion]):
+class Nonsmooth(OverTime[NonsmoothMotion]):
     """Dynamics with rigid contacts as a strategy object.
 
     Impacts are not located: all that fall into a step are solved at once, as impulses. The motion
@@ -30,23 +31,19 @@ class Nonsmooth(Analysis[Model, NonsmoothMotion]):
 
     Parameters
     ----------
-    duration : length of the run from t = 0 [s]; this or ``t_span``
-    t_span : (start, end) of the run [s]
-    step : step length, by default a thousandth of the run [s]
-    outputs : number of equally spaced times, or the times [s]; default every step
     integrator : ``AnticipatedImpacts()`` or ``MoreauJean()``
     solver : of the impulses
+    balance : largest error of the energy balance, over the energy that took part in the motion,
+        with which a run still counts as completed
     """
 
     spoken = "dynamics with contacts"
     integrates = True
+    execution = NonsmoothRun
 
-    duration: float | None = None
-    step: float | None = None
-    outputs: int | Sequence[float] | None = None
-    t_span: tuple[float, float] | None = None
     integrator: ContactScheme = field(default_factory=AnticipatedImpacts)
     solver: ContactSolver = field(default_factory=ContactSolver)
+    balance: float = 0.25
 
     def __post_init__(self) -> None:
         if not isinstance(self.integrator, ContactScheme):
@@ -55,29 +52,7 @@ class Nonsmooth(Analysis[Model, NonsmoothMotion]):
             )
         if not isinstance(self.solver, ContactSolver):
             raise AnalysisError(f"solver is {self.solver!r}; give ContactSolver()")
-
-    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
-        """Times are in order."""
-        return {
-            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs)
-        }
-
-    def run(
-        self,
-        model: Model,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: bool | Callable[[float], None] = False,
-    ) -> NonsmoothMotion:
-        """Step on; a run that fails keeps what it had and says why in its status.
-
-        Raises
-        ------
-        AnalysisError
-            Wrong step, duration or outputs, or nothing that may touch.
-        AssemblyError, SingularityError, UnsupportedError
-            The run cannot begin.
-        """
-        return NonsmoothRun(self, model, parameters).execute(progress)
+        check_balance(self.balance)
 
     def resample(self, motion: NonsmoothMotion, times: np.ndarray) -> NonsmoothMotion:
         """The motion at other times within the run; steps go straight from end to end.

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import time as clock
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.collision_gaps import CollisionGaps
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
+from dalembert.analysis.nonsmooth.contact_truth import ContactTruth
 from dalembert.analysis.nonsmooth.correction import consistent, corrected
-from dalembert.analysis.nonsmooth.gap_source import FormulaGaps, GapSource
+from dalembert.analysis.nonsmooth.gap_sources import gap_sources
+from dalembert.analysis.nonsmooth.sampling import sampled
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.progress import progress_reporter
@@ -23,14 +25,12 @@ from dalembert.analysis.timeline import (
     step_count,
     uniform_grid,
 )
-from dalembert.elements.contact.collisions import Collisions
-from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.model.model import Model
 from dalembert.results.contact_record import ContactRecord
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
-from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status
+from dalembert.symbolic.newton import Solution
 from dalembert.symbolic.once import once
 
 
@@ -80,13 +80,17 @@ class NonsmoothRun:
         record = log.record()
         times = record.t if self.requested is None else self.requested
         times = times[times <= record.t[-1]] if times.size else times
+        elapsed = clock.perf_counter() - begin
+        truth = ContactTruth(self.step, record, self.analysis.balance)
+        status = replace(status, residual=max(status.residual, truth.residual))
         return NonsmoothMotion(
             model=self.model,
             analysis=self.analysis,
             parameters=self.p,
             trajectory=sampled(self.model, record, times),
-            status=status,
-            statistics=self.statistics(record, clock.perf_counter() - begin),
+            status=truth.judged(status),
+            statistics=self.statistics(record, elapsed),
+            warnings=truth.doubts,
             record=record,
         )
 
@@ -99,20 +103,37 @@ class NonsmoothRun:
                 taken = self.step.take(t, h, log.y, log.v, taken)
                 if trouble := self.trouble(t, taken):
                     return trouble
-                log.add(t + h, h, *self.opened(t + h, taken), taken)
+                place = self.opened(t + h, taken)
+                if not place.accepted:
+                    return self.unopened(t, h, place)
+                log.add(t + h, h, place.x, self.speeds(t + h, place.x, taken), taken)
                 report((grid[k + 1] - self.start) / (self.end - self.start))
         except KeyboardInterrupt:
             return Status(Outcome.INTERRUPTED, f"stopped at t = {log.t:g} s", log.t, log.open_by)
+        except SingularityError as error:
+            if taken is None:
+                raise
+            return Status(Outcome.SINGULAR, f"{error} (t = {log.t:.9g} s)", log.t, log.open_by)
         text = f"reached t = {log.t:g} s"
         return Status(Outcome.COMPLETED, text, log.t, log.open_by)
 
-    def opened(self, t: float, taken: StepResult) -> tuple[np.ndarray, np.ndarray]:
-        """Position and speeds with joints closed and, where the scheme asks for it, gaps open."""
-        y, v = taken.y, taken.v
-        joints, gaps = self.step.smooth.has_joints, self.analysis.integrator.projection
-        if joints or gaps:
-            y = corrected(self.step, t, y, v, gaps)
-        return y, consistent(self.step, t, y, v) if joints else v
+    def opened(self, t: float, taken: StepResult) -> Solution[np.ndarray]:
+        """Position with joints closed and, where the scheme asks for it, gaps open."""
+        return corrected(self.step, t, taken.y, self.analysis.integrator.projection)
+
+    def speeds(self, t: float, y: np.ndarray, taken: StepResult) -> np.ndarray:
+        """Speeds that joints allow at that position."""
+        joints = self.step.smooth.has_joints
+        return consistent(self.step, t, y, taken.v) if joints else taken.v
+
+    def unopened(self, t: float, h: float, place: Solution[np.ndarray]) -> Status:
+        """Why no position could be found that a step leads to."""
+        what = "joints could not be closed nor gaps opened"
+        if not self.analysis.integrator.projection:
+            what = "joints could not be closed"
+        text = f"{what} at t = {t + h:.9g} s ({place}); use a shorter step"
+        left = place.residual * self.model.scales.length
+        return Status(Outcome.NOT_CONVERGED, text, t, left)
 
     def trouble(self, t: float, taken: StepResult) -> Status | None:
         """Why a step cannot count, if so."""
@@ -149,30 +170,3 @@ class NonsmoothRun:
 def smooth_motion(model: Model) -> SmoothMotion:
     """Functions of a model, made once."""
     return SmoothMotion(model)
-
-
-@once
-def gap_sources(model: Model) -> list[GapSource]:
-    """Where gaps of a model come from."""
-    elements = list(model.parts.elements.values())
-    stated = [e for e in elements if isinstance(e, Unilateral) and e.impact() is not None]
-    sources: list[GapSource] = [FormulaGaps(model, stated)] if stated else []
-    return sources + [CollisionGaps(model, e) for e in elements if isinstance(e, Collisions)]
-
-
-def sampled(model: Model, record: ContactRecord, times: np.ndarray) -> Trajectory:
-    """States at times within the steps: straight between their ends."""
-    k = np.clip(np.searchsorted(record.t, times) - 1, 0, max(record.loss.size - 1, 0))
-    if not record.loss.size:
-        none = np.zeros((record.v.shape[0], times.size))
-        multiplier = np.zeros((record.multiplier.shape[0], times.size))
-        y, v, work = (
-            np.repeat(s[:, :1], times.size, axis=1) for s in (record.y, record.v, record.work)
-        )
-        return Trajectory(times, y, v, none, multiplier, work)
-    share = (times - record.t[k]) / (record.t[k + 1] - record.t[k])
-    manifold = model.equations.manifold
-    way = manifold.lead(record.y[:, k], record.y[:, k + 1])
-    v, work = (s[:, k] + share * (s[:, k + 1] - s[:, k]) for s in (record.v, record.work))
-    y = np.where(share == 1, record.y[:, k + 1], manifold.go(record.y[:, k], share * way))
-    return Trajectory(times, y, v, record.a[:, k], record.multiplier[:, k], work)

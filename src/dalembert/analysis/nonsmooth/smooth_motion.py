@@ -10,6 +10,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from dalembert.errors import SingularityError, UnsupportedError
+from dalembert.model.assembly import ROUNDING
 from dalembert.model.model import Model
 from dalembert.symbolic.kernel import Kernel
 from dalembert.symbolic.patterned import Matrix, Patterned
@@ -46,7 +47,10 @@ class SmoothMotion:
         inputs = [e.t, e.y, e.v, e.p]
         self._forces = Patterned("forces", inputs, [driving, damping, stiffness])
         self._mass = Patterned("mass", [e.y, e.p], [e.mass])
-        self._joints = Patterned("joints", place, [e.jacobian, still, e.constraints])
+        far = ca.mtimes(ca.fabs(e.lift).T, ca.fabs(e.y))
+        rounding = ROUNDING * ca.mtimes(ca.fabs(e.position_jacobian), far)
+        joints = [e.jacobian, still, e.constraints, ca.densify(rounding)]
+        self._joints = Patterned("joints", place, joints)
         self.powers = Kernel(
             ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [ca.densify(e.powers)])
         )
@@ -70,15 +74,16 @@ class SmoothMotion:
         change, multiplier = solve(h * force, -still - joints @ v)
         return v + change, multiplier, solve
 
-    def open_by(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """``Φ``."""
-        return self._joints(t, y, p)[2]
+    def open_by(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """``Φ``, and what rounding alone may leave of it."""
+        open_by, rounding = self._joints(t, y, p)[2:]
+        return open_by, rounding
 
     def at(
         self, t: float, y: np.ndarray, p: np.ndarray
     ) -> tuple[Solve, np.ndarray, np.ndarray, Matrix]:
         """Solver with ``M`` and ``C`` at a position, ``Φ``, ``Φ_t`` and ``C``."""
-        joints, still, open_by = self._joints(t, y, p)
+        joints, still, open_by = self._joints(t, y, p)[:3]
         return solver(self._mass(y, p)[0], joints), open_by, still, joints
 
 

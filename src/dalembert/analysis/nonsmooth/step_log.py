@@ -6,6 +6,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
 from dalembert.results.contact_record import ContactRecord
+from dalembert.results.recording import Trajectory
 from dalembert.symbolic.kernel import Kernel
 
 
@@ -52,7 +53,7 @@ class StepLog:
 
     def _depth(self, t: float, y: np.ndarray) -> float:
         none = np.zeros((self.step.model.equations.speed_count, 1))
-        return float(-self.step.near(t, y, none).distance.min(initial=0.0))
+        return max(0.0, -float(self.step.near(t, y, none).distance.min(initial=0.0)))
 
     def record(self) -> ContactRecord:
         """All of it in arrays."""
@@ -69,12 +70,14 @@ class StepLog:
         counts = [int(w.sum()) for w in pressed]
         loss = np.array([s.loss for s in taken])
         return ContactRecord(
-            t=np.array(self.times),
-            y=y,
-            v=v,
-            a=a,
-            multiplier=model.all_multipliers(multiplier),
-            work=self._work(y, v, a, multiplier, h, loss),
+            ends=Trajectory(
+                np.array(self.times),
+                y,
+                v,
+                _with_start(a),
+                _with_start(model.all_multipliers(multiplier)),
+                self._work(y, v, a, multiplier, h, loss),
+            ),
             names=tuple(e.name for source in self.step.sources for e in source.elements),
             step=np.repeat(np.arange(h.size), counts),
             owner=np.concatenate([*owners, np.zeros(0, dtype=int)]),
@@ -97,3 +100,9 @@ class StepLog:
         rates = powers(t[:-1] + h / 2, middle, speeds, a, multiplier, p)[0]
         work[:, 1:] = np.cumsum(h * rates + np.vstack([loss, np.zeros_like(loss)]), axis=1)
         return work
+
+
+def _with_start(means: np.ndarray) -> np.ndarray:
+    """Means over steps, those of the first one twice; zero where there is none."""
+    first = means[:, :1] if means.shape[1] else np.zeros((means.shape[0], 1))
+    return np.hstack([first, means])

@@ -31,23 +31,17 @@ class Friction(Ingredient):
 
 
 @dataclass(eq=False)
-class Coulomb(Friction):
-    """Dry friction made smooth (Brown and McPhee 2016); with ``x = |u|/v_t``,
-
-        μ = μ_d tanh 4x + (μ_s − μ_d) x / (x²/4 + 3/4)².
-
-    Where it should stick it creeps, by about ``v_t T/(4 μ_d N)``.
+class DryFriction(Friction):
+    """Friction that is largest where sliding begins.
 
     Parameters
     ----------
     dynamic : coefficient of sliding friction μ_d
-    static : the largest coefficient μ_s, reached at the transition speed; as dynamic by default
-    slip_speed : transition speed v_t [m/s]
+    static : the largest coefficient μ_s; as dynamic by default
     """
 
     dynamic: Scalar = quantity("", "coefficient of sliding friction", minimum=0.0)
     static: Scalar = quantity("", "largest coefficient of friction", default=None, minimum=0.0)
-    slip_speed: Scalar = quantity("m/s", "transition speed", default=1e-3, above=0.0)
 
     @property
     def excess(self) -> ca.SX:
@@ -59,6 +53,22 @@ class Coulomb(Friction):
 
     def sliding(self) -> ca.SX:
         return self.dynamic.sx
+
+
+@dataclass(eq=False)
+class Coulomb(DryFriction):
+    """Dry friction made smooth (Brown and McPhee 2016); with ``x = |u|/v_t``,
+
+        μ = μ_d tanh 4x + (μ_s − μ_d) x / (x²/4 + 3/4)².
+
+    Where it should stick it creeps, by about ``v_t T/(4 μ_d N)``.
+
+    Parameters
+    ----------
+    slip_speed : transition speed v_t [m/s]
+    """
+
+    slip_speed: Scalar = quantity("m/s", "transition speed", default=1e-3, above=0.0)
 
     def coefficient(self, x: ca.SX) -> ca.SX:
         """``μ`` at a speed relative to the transition speed."""
@@ -93,7 +103,7 @@ class Stribeck(Coulomb):
 
 
 @dataclass(eq=False)
-class LuGre(Friction):
+class LuGre(DryFriction):
     """Friction by bristles that bend and slip (Canudas de Wit, Olsson, Åström, Lischinsky 1995):
 
         T = −N (σ0 z + σ1 ż + σ2 u),  ż = u − σ0 |u|/g z,  g = μ_d + (μ_s − μ_d) exp(−(u/v_s)²).
@@ -103,7 +113,7 @@ class LuGre(Friction):
 
     Parameters
     ----------
-    dynamic, static : coefficients of sliding and of the largest friction, μ_d and μ_s
+    dynamic : above 0
     stiffness : σ0, by the normal force [1/m]
     damping : σ1, of the bristles [s/m]
     viscous : σ2 [s/m]
@@ -111,22 +121,10 @@ class LuGre(Friction):
     """
 
     dynamic: Scalar = quantity("", "coefficient of sliding friction", above=0.0)
-    static: Scalar = quantity("", "largest coefficient of friction", default=None, above=0.0)
     stiffness: Scalar = quantity("1/m", "stiffness σ0 of the bristles", default=1e5, above=0.0)
     damping: Scalar = quantity("s/m", "their damping σ1", default=0.0, minimum=0.0)
     viscous: Scalar = quantity("s/m", "viscous part σ2", default=0.0, minimum=0.0)
     stribeck_speed: Scalar = quantity("m/s", "Stribeck speed", default=1e-2, above=0.0)
-
-    @property
-    def excess(self) -> ca.SX:
-        """``μ_s − μ_d``."""
-        return ca.SX(0) if self.static is None else self.static.sx - self.dynamic.sx
-
-    def conditions(self) -> list[Condition]:
-        return [*super().conditions(), (self.excess, "static= is below dynamic=")]
-
-    def sliding(self) -> ca.SX:
-        return self.dynamic.sx
 
     def bending(self, slip: ca.SX, bent: ca.SX) -> ca.SX:
         small = AT_REST * self.stribeck_speed.sx

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import casadi as ca
 
 from dalembert.elements.base import Constraint
+from dalembert.symbolic.rotation import across
+
+VelocityAt = Callable[[ca.SX], ca.SX]
+"""(3,) velocity of a body at an inertial place (3,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,20 +36,18 @@ class Meeting:
         """The same with the bodies in the other order."""
         return replace(self, normal=-self.normal)
 
-    def slip(self, body_i, body_j) -> ca.SX:
-        """(1,) or (2,) velocity of the second body along the surface of the first."""
+    @property
+    def directions(self) -> ca.SX:
+        """(n, n) the normal, and the directions along the surface."""
+        n = self.normal
+        return ca.horzcat(n, ca.vertcat(n[1], -n[0]) if n.numel() == 2 else across(n))
+
+    def speeds(self, at_i: VelocityAt, at_j: VelocityAt) -> ca.SX:
+        """(n,) velocity of the second body against the first, along the directions."""
         n = self.normal.numel()
         here = ca.vertcat(self.place, ca.SX.zeros(3 - n))
-        between = (body_j.velocity_at(here) - body_i.velocity_at(here))[:n]
-        return ca.mtimes(tangents(self.normal).T, between)
+        return ca.mtimes(self.directions.T, (at_j(here) - at_i(here))[:n])
 
-
-def tangents(normal: ca.SX) -> ca.SX:
-    """(n, n−1) directions along a surface; in space after Duff et al. (2017)."""
-    if normal.numel() == 2:
-        return ca.vertcat(normal[1], -normal[0])
-    x, y, z = ca.vertsplit(normal)
-    sign = ca.if_else(z < 0, -1, 1)
-    a = -1 / (sign + z)
-    first = ca.vertcat(1 + sign * x**2 * a, sign * x * y * a, -sign * x)
-    return ca.horzcat(first, ca.vertcat(x * y * a, sign + y**2 * a, -y))
+    def slip(self, body_i: Any, body_j: Any) -> ca.SX:
+        """(1,) or (2,) velocity of the second body along the surface of the first."""
+        return self.speeds(body_i.velocity_at, body_j.velocity_at)[1:]

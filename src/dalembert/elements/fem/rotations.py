@@ -6,14 +6,14 @@ closed form is kept finite where it is not taken, so that derivatives of every o
 
 from __future__ import annotations
 
-from math import factorial
-
 import casadi as ca
 
-SMALL_SQUARE, SQUARE_TERMS = 0.25, 10
-"""Square of an angle [rad²] below which series are taken, and their number of terms."""
+from dalembert.symbolic.series import alternating, angle_over_sine
+
+SMALL_SQUARE = 0.25
+"""Square of an angle [rad²] below which series are taken."""
 SMALL_VERSINE, VERSINE_TERMS = 0.1, 15
-"""The same for ``1 − cos θ``."""
+"""The same for ``1 − cos θ``, and their number of terms."""
 
 
 def rotation_matrix(r: ca.SX) -> ca.SX:
@@ -21,8 +21,8 @@ def rotation_matrix(r: ca.SX) -> ca.SX:
     square = ca.sumsqr(r)
     small = square < SMALL_SQUARE
     angle = ca.sqrt(ca.if_else(small, 1.0, square))
-    sine = ca.if_else(small, _alternating(square, 1), ca.sin(angle) / angle)
-    versine = ca.if_else(small, _alternating(square, 2), (1 - ca.cos(angle)) / angle**2)
+    sine = ca.if_else(small, alternating(square, 1), ca.sin(angle) / angle)
+    versine = ca.if_else(small, alternating(square, 2), (1 - ca.cos(angle)) / angle**2)
     cross = ca.skew(r)
     return ca.SX.eye(3) + sine * cross + versine * ca.mtimes(cross, cross)
 
@@ -36,8 +36,8 @@ def spin_map(r: ca.SX) -> ca.SX:
     square = ca.sumsqr(r)
     small = square < SMALL_SQUARE
     angle = ca.sqrt(ca.if_else(small, 1.0, square))
-    versine = ca.if_else(small, _alternating(square, 2), (1 - ca.cos(angle)) / angle**2)
-    lag = ca.if_else(small, _alternating(square, 3), (angle - ca.sin(angle)) / angle**3)
+    versine = ca.if_else(small, alternating(square, 2), (1 - ca.cos(angle)) / angle**2)
+    lag = ca.if_else(small, alternating(square, 3), (angle - ca.sin(angle)) / angle**3)
     cross = ca.skew(r)
     return ca.SX.eye(3) + versine * cross + lag * ca.mtimes(cross, cross)
 
@@ -49,25 +49,12 @@ def carried_by_node(u: ca.SX, v: ca.SX) -> ca.SX:
     return ca.vertcat(v[:3], ca.mtimes(spin_map(u[3:]).T, v[3:]))
 
 
-def _alternating(square: ca.SX, first: int) -> ca.SX:
-    """``Σ (−θ²)^k / (2k + first)!``."""
-    return _series(square, [(-1) ** k / factorial(2 * k + first) for k in range(SQUARE_TERMS)])
-
-
 def rotation_vector(matrix: ca.SX) -> ca.SX:
     """The vector of a rotation by less than π, ``(θ/sin θ) axial(𝗥 − 𝗥ᵀ)/2``."""
     versine = (3 - ca.trace(matrix)) / 2
     small = versine < SMALL_VERSINE
     apart = ca.if_else(small, 1.0, versine)
     sine = ca.sqrt(apart * (2 - apart))
-    factors = [2**k * factorial(k) ** 2 / factorial(2 * k + 1) for k in range(VERSINE_TERMS)]
-    factor = ca.if_else(small, _series(versine, factors), ca.atan2(sine, 1 - apart) / sine)
+    near = angle_over_sine(versine, VERSINE_TERMS)
+    factor = ca.if_else(small, near, ca.atan2(sine, 1 - apart) / sine)
     return factor * ca.inv_skew((matrix - matrix.T) / 2)
-
-
-def _series(argument: ca.SX, factors: list[float]) -> ca.SX:
-    """Power series by Horner's rule."""
-    total = ca.SX(0)
-    for factor in reversed(factors):
-        total = total * argument + factor
-    return total

@@ -28,6 +28,24 @@ class Flexible(FloatingFrame):
     """A structure as a body: a frame that floats with it, and shapes in which it deforms.
 
     Points and frames are those of its interfaces.
+
+    Parameters
+    ----------
+    structure : StructuralModel, without supports
+    interface : name → nodes that move as one rigid section, or nodes, each by itself
+    modes : how many modes between the interfaces, at most
+    up_to : only those up to this frequency [rad/s]
+    reference : the interface in which the frame is fixed, or ``"mean"`` axes (default)
+    stiffening : with displacements of second order, which make centrifugal stiffening; the frame is
+        fixed in an interface
+    damping_ratio : ``ζ`` of every shape with the frame at rest
+    rayleigh : (2,) shares of mass [1/s] and stiffness [s] in the damping
+    parameters : values of the structure's parameters
+
+    Raises
+    ------
+    ModelError
+        A structure with supports or of another space, no interface, an unknown frame.
     """
 
     structure: FlexibleStructure = option("a structure without supports")
@@ -41,6 +59,28 @@ class Flexible(FloatingFrame):
     parameters: Numbers | None = option("of the structure", default=None)
 
     section_kind = Section
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.initial = tuple(getattr(self, name) for name in self.initial_fields)
+        self._reduce()
+        self._make_pose()
+        self.mass_center = self.locate(self._centre())
+        self.declare(self._frame_measures() | self._modal_measures(), {})
+        self._make_sections()
+
+    def _make_pose(self) -> None:
+        """Make symbols of the frame and of ``q``."""
+        raise NotImplementedError
+
+    def _frame_measures(self) -> dict[str, tuple[ca.SX, str]]:
+        """Measures of the frame's motion."""
+        raise NotImplementedError
+
+    def guesses(self) -> tuple[list, list]:
+        pose, twist = super().guesses()
+        still = [ca.SX(0)] * self.shapes.count
+        return [*pose, *still], [*twist, *still]
 
     def _reduce(self) -> None:
         """Take the shapes of the structure, once."""

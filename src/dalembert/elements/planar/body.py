@@ -7,6 +7,7 @@ speeds are their rates. A point fixed in the body is at ``r_P = r + A(φ) s'`` (
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
@@ -87,8 +88,38 @@ def motion_measures(body: PlanarFrame) -> dict[str, tuple[ca.SX, str]]:
     }
 
 
+class MovingFrame(PlanarFrame):
+    """A frame whose place and angle are coordinates of its own, the first of its pose.
+
+    Attributes
+    ----------
+    initial : position, angle, velocity and angular velocity
+    """
+
+    initial_fields = ("position", "angle", "velocity", "angular_velocity")
+    initial: tuple[Any, Any, Any, Any]
+
+    @property
+    def turning(self) -> ca.SX:
+        return ca.vertcat(0, 0, self.twist[2] if self.rotates else 0)
+
+    def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+        moment = effort[2] if self.rotates else ca.SX(0)
+        return effort[:2], moment, self.pose_position
+
+    def guesses(self) -> tuple[list, list]:
+        position, angle, velocity, angular_velocity = self.initial
+        n = 3 if self.rotates else 2
+
+        def entries(vector, scalar):
+            first = [None, None] if vector is None else [vector.sx[0], vector.sx[1]]
+            return [*first, None if scalar is None else scalar.sx][:n]
+
+        return entries(position, angle), entries(velocity, angular_velocity)
+
+
 @dataclass(eq=False)
-class Body(PlanarFrame):
+class Body(MovingFrame):
     """Rigid body in the plane.
 
     Poses and speeds are guesses that assembly corrects; after construction the attributes
@@ -119,8 +150,6 @@ class Body(PlanarFrame):
     angular_velocity: Scalar = quantity("rad/s", "initial angular velocity", default=None)
     points: dict[str, Vector] = None  # type: ignore[assignment]
 
-    initial_fields = ("position", "angle", "velocity", "angular_velocity")
-
     def __post_init__(self) -> None:
         super().__post_init__()
         given = dict(self.points or {})
@@ -143,31 +172,13 @@ class Body(PlanarFrame):
         self.pose_angle = self.pose[2] if self.rotates else ca.SX(0)
         self.declare(motion_measures(self), points)
 
-    @property
-    def turning(self) -> ca.SX:
-        return ca.vertcat(0, 0, self.twist[2] if self.rotates else 0)
-
     def velocity_at(self, place: ca.SX) -> ca.SX:
         arm = place - ca.vertcat(self.pose_position, 0)
         return ca.vertcat(self.twist[:2], 0) + ca.cross(self.turning, arm)
 
-    def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-        moment = effort[2] if self.rotates else ca.SX(0)
-        return effort[:2], moment, self.pose_position
-
     def inertia_by_speeds(self) -> tuple[ca.SX, ca.SX]:
         entries = [self.mass.sx, self.mass.sx] + ([self.inertia.sx] if self.rotates else [])
         return ca.diag(ca.vertcat(*entries)), ca.SX(len(entries), 1)
-
-    def guesses(self) -> tuple[list, list]:
-        position, angle, velocity, angular_velocity = self.initial
-        n = self.pose.numel()
-
-        def entries(vector, scalar):
-            first = [None, None] if vector is None else [vector.sx[0], vector.sx[1]]
-            return [*first, None if scalar is None else scalar.sx][:n]
-
-        return entries(position, angle), entries(velocity, angular_velocity)
 
 
 class Ground(Body):

@@ -54,30 +54,15 @@ class SpatialSection(Section):
 
 
 @dataclass(eq=False)
-class FlexibleBody(SpatialFrame, Flexible):
+class FlexibleBody(Flexible, SpatialFrame):
     """A structure in space as a body, ``y = (r, e, q)``, ``v = (ṙ, ω', q̇)``.
 
     Parameters
     ----------
-    structure : StructuralModel, without supports
-    interface : name → nodes that move as one rigid section, or nodes, each by itself
-    modes : how many modes between the interfaces, at most
-    up_to : only those up to this frequency [rad/s]
-    reference : the interface in which the frame is fixed, or ``"mean"`` axes (default)
-    stiffening : with displacements of second order, which make centrifugal stiffening; the frame is
-        fixed in an interface
-    damping_ratio : ``ζ`` of every shape with the frame at rest
-    rayleigh : (2,) shares of mass [1/s] and stiffness [s] in the damping
-    parameters : values of the structure's parameters
     position : (3,) initial position of the frame's origin: the interface, or the mass centre [m]
     rotation : initial orientation of the structure's axes
     velocity : (3,) initial velocity of the origin, inertial axes [m/s]
     angular_velocity : (3,) initial, inertial axes [rad/s]
-
-    Raises
-    ------
-    ModelError
-        A structure with supports or of another space, no interface, an unknown frame.
     """
 
     position: Vector = quantity("m", "initial position of the frame", default=None, size=3)
@@ -93,13 +78,13 @@ class FlexibleBody(SpatialFrame, Flexible):
         if self.rotation is not None:
             self.rotation = as_orientation(self.rotation, f"{self.name}.rotation")
         super().__post_init__()
-        self.initial = (self.position, self.rotation, self.velocity, self.angular_velocity)
-        self._reduce()
+
+    def _make_pose(self) -> None:
         self._make_coordinates(self.modal_names)
         self.q = self.pose[7:]
-        self.mass_center = self.locate(self._centre())
-        self.declare(self.motion_measures() | self._modal_measures(), {})
-        self._make_sections()
+
+    def _frame_measures(self) -> dict[str, tuple[ca.SX, str]]:
+        return self.motion_measures()
 
     @property
     def frame_axes(self) -> ca.SX:
@@ -112,11 +97,6 @@ class FlexibleBody(SpatialFrame, Flexible):
     def _turning_momentum(self, momentum: ca.SX) -> ca.SX:
         turned = ca.cross(self.spin, momentum[3:6])
         return ca.vertcat(ca.SX(3, 1), turned, ca.SX(self.shapes.count, 1))
-
-    def guesses(self) -> tuple[list, list]:
-        still = [ca.SX(0)] * self.shapes.count
-        pose, twist = super().guesses()
-        return [*pose, *still], [*twist, *still]
 
     def guessed(self) -> list[bool]:
         return [*super().guessed(), *(True for _ in range(self.shapes.count))]

@@ -1,0 +1,71 @@
+"""What all analyses of a mechanism over a span of time share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+
+from dalembert.analysis.timeline import check_times
+from dalembert.model.model import Model
+from dalembert.options import inherit_texts, options
+from dalembert.results.result import Analysis, R
+
+
+class Execution(Protocol):
+    """One execution of an analysis."""
+
+    def __init__(self, analysis: Any, model: Model, parameters: Any): ...
+
+    def execute(self, progress: Any) -> Any:
+        """The result."""
+
+
+@options
+class OverTime(Analysis[Model, R]):
+    """An analysis from one time to another.
+
+    Parameters
+    ----------
+    duration : length of the run from t = 0 [s]; this or ``t_span``
+    t_span : (start, end) of the run [s]
+    step : step length, by default a thousandth of the run [s]
+    outputs : number of equally spaced times, or the times [s]; default every step
+    """
+
+    execution: ClassVar[type[Execution]]
+    """What begins a run and goes through it."""
+
+    duration: float | None = None
+    step: float | None = None
+    outputs: int | Sequence[float] | None = None
+    t_span: tuple[float, float] | None = None
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        inherit_texts(cls)
+
+    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
+        """Times are in order."""
+        return {
+            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs)
+        }
+
+    def run(
+        self,
+        model: Model,
+        parameters: Mapping[str, float] | np.ndarray | None = None,
+        progress: bool | Callable[[float], None] = False,
+    ) -> R:
+        """Go from the start to the end; where that fails, keep what was found and say when and why.
+
+        Raises
+        ------
+        AnalysisError
+            Wrong step, duration or outputs, or nothing for this analysis to do.
+        AssemblyError, SingularityError, UnsupportedError
+            The run cannot begin.
+        """
+        found: R = self.execution(self, model, parameters).execute(progress)
+        return found
