@@ -40,7 +40,8 @@ def check_membership(d: Description) -> None:
             if name in d.parameters:
                 raise ModelError(
                     f"the parameter {name!r} of its structure is not that of the system, and no "
-                    "gradient would tell; give one of them another name",
+                    "gradient would tell; give one of them another name, or "
+                    f"parameters={{{name!r}: ...}} to make them one",
                     element.name,
                 )
         joint = getattr(element, "joint", None)
@@ -51,6 +52,9 @@ def check_membership(d: Description) -> None:
 def check_symbols(d: Description) -> None:
     """What formulas may depend on: lengths on parameters, joints on poses, forces on speeds."""
     parameters = set(d.parameters)
+    computed = [(name, c) for name, element in d.elements.items() for c in element.computed()]
+    _allow([(name, c.arguments) for name, c in computed], parameters, "")
+    parameters |= _names(c.symbols for _, c in computed)
     poses = parameters | {"t"} | _names(c.pose for c in (*d.coordinates, d.ground))
     states = poses | _names(c.twist for c in (*d.coordinates, d.ground))
     lengths: Formulas = [(name, f.sx) for name, f in d.derived_parameters.items()]
@@ -150,7 +154,7 @@ class ValueChecks:
 
 def doubts_of(d: Description, values: Sequence[float] | np.ndarray) -> tuple[str, ...]:
     """What elements had better be otherwise at parameter values."""
-    symbols, found = stack(p.sx for p in d.parameters.values()), []
+    symbols, found = d.space.symbols, []
     for element in d.elements.values():
         for condition, doubt, *told in element.doubts():
             values_of = ca.Function("doubt", [symbols], [condition, stack(told)])

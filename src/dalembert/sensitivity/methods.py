@@ -32,7 +32,8 @@ class Adjoint:
         self, motion: Result, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
         """(responses, columns) derivatives."""
-        return engine_of(motion, responses).adjoint()[:, list(columns)]
+        found = engine_of(motion, responses).adjoint()
+        return motion.model.gathered(motion.parameters, found)[:, list(columns)]
 
 
 @dataclass(frozen=True)
