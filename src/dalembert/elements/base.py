@@ -139,7 +139,7 @@ class Element:
         return []
 
     def foreign_parameters(self) -> list[str]:
-        """Parameters of what it is made of that are none of the mechanism."""
+        """Parameters of what it is made of that follow none of the mechanism, so far as is said."""
         return []
 
     def computed(self) -> list[ComputedNumbers]:

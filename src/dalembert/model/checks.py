@@ -23,7 +23,7 @@ Formulas = list[tuple[str, ca.SX]]
 def check_membership(d: Description) -> None:
     """Every part an element is tied to must belong to the mechanism.
 
-    Parameters of a structure stay out of it, so that none may have the name of one within.
+    A parameter of a structure that has the name of one of the mechanism is it by a formula only.
     """
     if not d.bodies:
         raise ModelError("has no bodies; add at least one", d.name)
@@ -39,9 +39,8 @@ def check_membership(d: Description) -> None:
         for name in element.foreign_parameters():
             if name in d.parameters:
                 raise ModelError(
-                    f"the parameter {name!r} of its structure is not that of the system, and no "
-                    "gradient would tell; give one of them another name, or "
-                    f"parameters={{{name!r}: ...}} to make them one",
+                    f"the parameter {name!r} of its structure may be that of the system or not; "
+                    f"say which by a formula or a number in its parameters={{{name!r}: ...}}",
                     element.name,
                 )
         joint = getattr(element, "joint", None)

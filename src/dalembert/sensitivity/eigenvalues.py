@@ -182,4 +182,4 @@ class EigenvalueEngine(Engine):
         return np.array([EigenvalueGradient(sample).direct(columns) for sample in self.samples])
 
     def adjoint(self) -> np.ndarray:
-        return np.array([EigenvalueGradient(sample).adjoint() for sample in self.samples])
+        return self.gathered([EigenvalueGradient(sample).adjoint() for sample in self.samples])

@@ -32,8 +32,7 @@ class Adjoint:
         self, motion: Result, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
         """(responses, columns) derivatives."""
-        found = engine_of(motion, responses).adjoint()
-        return motion.model.gathered(motion.parameters, found)[:, list(columns)]
+        return engine_of(motion, responses).adjoint()[:, list(columns)]
 
 
 @dataclass(frozen=True)

@@ -109,8 +109,7 @@ class Flexible(FloatingFrame):
             )
 
     def foreign_parameters(self) -> list[str]:
-        own = self.numbers.followed if self.numbers else ()
-        return [name for name in self.structure.parameters if name not in own]
+        return [name for name in self.structure.parameters if name not in (self.parameters or {})]
 
     def computed(self) -> list[ComputedNumbers]:
         return [self.numbers] if self.numbers else []

@@ -143,4 +143,5 @@ def _filled(shapes: FloatingShapes, tables: list[ca.SX]) -> ShapeSymbols:
         name: SectionSymbols(*tables[4 + 3 * k : 7 + 3 * k])
         for k, name in enumerate(shapes.sections)
     }
-    return ShapeSymbols(*tables[:4], sections)
+    inertia, stiffness, mass, critical = tables[:4]
+    return ShapeSymbols(inertia, stiffness, mass, critical, sections)

@@ -40,8 +40,7 @@ def _slopes(motion: Result, response: Response, samples: np.ndarray, columns) ->
     """(samples, columns) changes of some samples for changes of 100 % of the parameters."""
     few = samples[np.unique(np.linspace(0, samples.size - 1, PICKED).astype(int))]
     picked = [Picked(response.measure, f"sample {k}", int(k)) for k in few]
-    found = motion.model.gathered(motion.parameters, engine_of(motion, picked).adjoint())
-    found = found[:, list(columns)]
+    found = engine_of(motion, picked).adjoint()[:, list(columns)]
     return found * parameter_scales(motion, columns)
 
 

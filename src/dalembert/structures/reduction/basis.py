@@ -9,6 +9,7 @@ space they span is taken, in the basis with ``Yᵀ Φ = I`` where ``Y = M Φ`` a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg as dense
@@ -22,7 +23,7 @@ from dalembert.text import unknown
 MEAN = "mean"
 """Name of the frame that follows the mean axes."""
 LOST = 0.1
-"""Part of a mode that lies in the space of the modes that follow, below which it left them."""
+"""Cosine to the space that the modes spanned below which one has left it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +34,13 @@ class ShapeBasis:
     ----------
     frame : name of the interface that the frame is fixed in, or ``"mean"``
     coordinates : (r, m) of the shapes: motions of interfaces, then modes between them
+    mass : (f, f) sparse, between the interfaces
     momenta : (f, k) ``Y`` of the modes between the interfaces
     """
 
     frame: str
     coordinates: np.ndarray
+    mass: Any
     momenta: np.ndarray
 
     def held(self, reduced: CraigBampton) -> Interface | None:
@@ -55,9 +58,10 @@ class ShapeBasis:
         count = self.momenta.shape[1]
         if not count:
             return np.zeros((0, 0)), self.coordinates
-        seen = self.momenta.T @ reduced.shapes[reduced.assembly.free, -count:]
-        parts = np.linalg.svd(seen, compute_uv=False)
-        if not parts[-1] > LOST * parts[0]:
+        modes = reduced.shapes[reduced.assembly.free, -count:]
+        seen = self.momenta.T @ modes
+        cosines = dense.eigvalsh(seen.T @ seen, modes.T @ (self.mass @ modes))
+        if not cosines[0] > LOST**2:
             raise AnalysisError(
                 f"of the {count} lowest modes between the interfaces one has changed places with "
                 "another one that is left out, so that the shapes do not follow; take modes= one "
@@ -84,8 +88,8 @@ def modal_basis(
     coordinates = coordinates / _sizes(reduced.shapes @ coordinates, degrees, places)
     free, count = reduced.assembly.free, reduced.frequencies.size
     modes = reduced.shapes[free, reduced.shapes.shape[1] - count :]
-    momenta = reduced.assembly.inner(reduced.assembly.mass(reduced.p)) @ modes
-    return ShapeBasis(frame, coordinates, momenta)
+    mass = reduced.assembly.inner(reduced.assembly.mass(reduced.p))
+    return ShapeBasis(frame, coordinates, mass, mass @ modes)
 
 
 def frame_interface(interfaces: list[Interface], frame: str) -> Interface | None:

@@ -82,9 +82,7 @@ class FloatingSlopes:
         if len(self.pairs):
             second_ = self._relief(shapes_, stiffness_, dp)
             amplitudes_ = np.concatenate([shapes_, second_], axis=1)
-        fields_ = np.concatenate(
-            [rigid_, amplitudes_, carried(self.degrees, amplitudes_)], axis=1
-        )
+        fields_ = np.concatenate([rigid_, amplitudes_, carried(self.degrees, amplitudes_)], axis=1)
         heavier = self.slopes.push_mass(self.fields, dp)
         inertia_ = 2 * symmetric(fields_.T @ (self.mass @ self.fields))
         inertia_ += symmetric(self.fields.T @ heavier)

@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.structures.reduction.basis import modal_basis
+from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.floating import NO_PAIRS, floating_shapes
 from dalembert.structures.reduction.floating_slopes import FloatingSlopes
 from dalembert.structures.reduction.rigid import node_places
@@ -46,11 +47,12 @@ class FollowingShapes:
         given = model.degrees, places, self.basis, None if second_order else NO_PAIRS, model
         found = floating_shapes(reduced, *given)
         self.pairs = found.pairs
-        diagonal = {
-            name: np.diag(np.diag(getattr(found, name)))
-            for name in ("stiffness", "mass", "critical")
-        }
-        self.chosen: FloatingShapes = replace(found, **diagonal)
+        self.chosen: FloatingShapes = replace(
+            found,
+            stiffness=_diagonal(found.stiffness),
+            mass=_diagonal(found.mass),
+            critical=_diagonal(found.critical),
+        )
 
     def at(self, parameters: Mapping[str, float]) -> FloatingShapes:
         """The shapes at other parameter values of the structure.
@@ -74,5 +76,10 @@ class FollowingShapes:
         units = np.eye(len(listed))
         return [slopes.push(units[listed.index(name)]) for name in names]
 
-    def _reduced(self, parameters: Mapping[str, float]):
+    def _reduced(self, parameters: Mapping[str, float]) -> CraigBampton:
         return self.model.craig_bampton(self.interface, self.modes, parameters=parameters)
+
+
+def _diagonal(matrix: np.ndarray) -> np.ndarray:
+    """Without the round-off beside the diagonal."""
+    return np.diag(np.diag(matrix))
