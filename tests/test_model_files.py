@@ -55,7 +55,7 @@ ELEMENTS = {
         "Bar": 'length = "k/2"\nmass = 1',
         "Particle": "mass = 1",
         "FlexibleBody": 'structure = "beam.toml"\ninterface = { P = "n0", Q = ["n1"] }\n'
-        'reference = "P"\ndamping_ratio = "k/100"\nparameters = { E = 2e9 }',
+        'reference = "P"\ndamping_ratio = "k/100"\nparameters = { E = "1e9*k" }',
     },
     "beams": {
         "Beam": "length = 'k'\naxial_rigidity = 9\nshear_rigidity = 5\nbending_rigidity = 'k'\n"

@@ -26,8 +26,8 @@ class ComputedNumbers(ABC):
 
         Raises
         ------
-        ModelError
-            There are none at these values.
+        ModelError, AnalysisError
+            There cannot be any at these values; they cannot be found.
         """
 
     @abstractmethod

@@ -39,8 +39,8 @@ class ParameterSpace:
 
         Raises
         ------
-        ModelError
-            Nothing can be computed at these values.
+        ModelError, AnalysisError
+            Something cannot be computed at these values.
         """
         own = np.asarray(p, dtype=float)[: self.count]
         if not self.computed:

@@ -87,8 +87,10 @@ class ShapeNumbers(ComputedNumbers):
     def _at(self, arguments: tuple[float, ...]) -> FloatingShapes:
         try:
             return self.following.at(self._parameters(arguments))
-        except (ModelError, AnalysisError) as error:
+        except ModelError as error:
             raise ModelError(str(error), self.name) from None
+        except AnalysisError as error:
+            raise AnalysisError(f"{self.name}: {error}") from None
 
     @once
     def _slopes(self, arguments: tuple[float, ...]) -> np.ndarray:
