@@ -77,7 +77,7 @@ HOLDS: dict[object, str] = {
     Constraint: "name of a joint",
     FlexibleStructure: "file of a structure",
     Interfaces: "name of a section: nodes; or list of nodes",
-    Numbers: "table of numbers",
+    Numbers: "table of formulas",
     Rows: "list",
     fields.Laws: "list of laws, numbers or formulas",
     fields.CountOrTimes: "count or list of times",

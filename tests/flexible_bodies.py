@@ -78,3 +78,27 @@ def flexible(dimension: int, structure=None, **options):
     """A body of it, held nowhere yet."""
     options = {"interface": ENDS, "modes": 1, "reference": "root"} | options
     return KINDS[dimension].FlexibleBody("rod", structure or beam(dimension), **options)
+
+
+def tapered(dimension: int, count: int = 4):
+    """A beam whose thickness, length, modulus and density are parameters; nothing is symmetric."""
+    structure = da.Structure("beam")
+    given = {"h": 0.03, "L": 1.0, "E": 2e9, "rho": 1000.0}
+    h, length, modulus, density = (structure.parameter(*pair) for pair in given.items())
+    nodes = []
+    for k in range(count + 1):
+        s = k / count
+        place = (length * s, 0.05 * length * s * (1 - s), 0.02 * length * s)[:dimension]
+        nodes.append(structure.node(f"n{k}", *place))
+    for k in range(count):
+        own = h * (1 - 0.1 * k)
+        beam = {"area": 0.01 * own, "modulus": modulus, "density": density}
+        kind, bending = Frame, 0.01 * own**3 / 12
+        if dimension == 2:
+            beam["second_moment"] = bending
+        else:
+            kind, beam["orientation"] = SpaceFrame, (0.0, 1.0, 0.0)
+            beam |= {"second_moment_y": bending, "second_moment_z": 8e-8 * own / 12}
+            beam |= {"torsion_constant": 0.01 * own**3 / 3, "shear_modulus": modulus / 2.6}
+        structure.add(kind(f"e{k}", nodes[k], nodes[k + 1], **beam))
+    return structure.build()

@@ -72,3 +72,16 @@ def test_robot_arm_rings_at_its_first_frequency(pictures: Path) -> None:  # noqa
     first = float(da.solve_modes(arm.build(), count=1).data["frequency"].values[0])
     assert found["ring"] == pytest.approx(first, rel=0.02)
     assert found["swing"] > 1e-3
+
+
+def test_tapered_arm_is_that_of_the_load(pictures: Path) -> None:  # noqa: F811
+    """Sag ``∝ Σ ∫ s² ds / h³`` under a load alone; the arm itself, whose
+    mass counts as a twentieth of it at the tip, makes up for the rest."""
+    found = numbers("tapered_arm", pictures)
+    ends = 1.0 - np.arange(5) / 4
+    moments = (ends[:-1] ** 3 - ends[1:] ** 3) / 3
+    best = moments**0.25 / (moments**0.25).mean()
+    assert found["off"] < 0.03
+    ratio = (np.sum(moments / best**3) / np.sum(moments)) ** 2
+    assert found["after"] / found["before"] == pytest.approx(ratio, rel=0.1)
+    assert found["slope_error"] < 1e-6

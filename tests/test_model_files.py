@@ -55,7 +55,7 @@ ELEMENTS = {
         "Bar": 'length = "k/2"\nmass = 1',
         "Particle": "mass = 1",
         "FlexibleBody": 'structure = "beam.toml"\ninterface = { P = "n0", Q = ["n1"] }\n'
-        'reference = "P"\ndamping_ratio = "k/100"\nparameters = { E = 2e9 }',
+        'reference = "P"\ndamping_ratio = "k/100"\nparameters = { E = "1e9*k" }',
         "Node": "position = ['k', 0]\nangle = 0.1\nmass = 1\ninertia = 0.1",
         "PointNode": "position = ['k', 0]",
     },

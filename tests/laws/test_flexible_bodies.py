@@ -291,13 +291,6 @@ def test_supports_are_refused():
         flexible(2, beam(2, clamped=True))
 
 
-def test_formulas_for_the_structure_are_refused():
-    """Shapes do not follow parameters of the system, and gradients would miss them."""
-    stiffness = da.System("x").parameter("E", 1e9)
-    with pytest.raises(da.ModelError, match=r"parameters\['E'\] is a formula"):
-        flexible(2, parameters={"E": stiffness})
-
-
 def test_one_name_for_two_parameters_is_refused():
     system = da.System("x")
     system.parameter("E", 1e9)

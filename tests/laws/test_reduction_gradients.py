@@ -1,8 +1,9 @@
-"""Reduced matrices follow the parameters: forwards, backwards and by differences."""
+"""Reduced matrices and floating shapes follow the parameters: by slopes and by differences."""
 
 import numpy as np
 import pytest
 import scipy.linalg
+from flexible_bodies import ENDS, tapered
 
 import dalembert as da
 from dalembert.structures import Frame, rectangle_mesh
@@ -74,3 +75,35 @@ def test_frequencies_of_the_reduced_structure(name, parameter):
     ]
     one, two = (ends_of[2] - ends_of[1]) / (2 * step), (ends_of[3] - ends_of[0]) / (4 * step)
     np.testing.assert_allclose(found, (4 * one - two) / 3, rtol=1e-6, atol=1e-8 * squares.max())
+
+
+FLOATING = CASES | {"space": lambda: (tapered(3), ENDS)}
+
+
+def _numbers(shapes) -> list[np.ndarray]:
+    found = [shapes.inertia, shapes.stiffness, shapes.critical, shapes.origin]
+    for section in shapes.sections.values():
+        found += [section.place, section.shift, section.turn]
+    return [table.ravel() for table in found]
+
+
+@pytest.mark.parametrize("name", FLOATING)
+@pytest.mark.parametrize(("frame", "second"), [("root", False), ("mean", False), ("root", True)])
+def test_numbers_of_floating_shapes(name, frame, second):
+    """Inertia, stiffness, damping and sections, away from where the shapes were chosen."""
+    model, ends = FLOATING[name]()
+    modes = 0 if second else 2
+    following = model.following(ends, modes, frame=frame, second_order=second)
+    values = {n: 1.05 * v for n, v in zip(model.parameters, model.nominal, strict=True)}
+    parameter = next(iter(model.parameters))
+    (slopes,) = following.slopes(values, [parameter])
+    step = 2e-3 * values[parameter]
+    ahead = [
+        _numbers(following.at(values | {parameter: values[parameter] + o * step}))
+        for o in (-1.0, -0.5, 0.5, 1.0)
+    ]
+    at = _numbers(following.at(values))
+    for found, here, *four in zip(_numbers(slopes), at, *ahead, strict=True):
+        expected = np.array([1 / 6, -4 / 3, 4 / 3, -1 / 6]) @ np.array(four) / step
+        size = np.abs(here).max(initial=0.0) / values[parameter]
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7 * size + 1e-300)

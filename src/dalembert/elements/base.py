@@ -23,6 +23,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, stack
@@ -138,7 +139,11 @@ class Element:
         return []
 
     def foreign_parameters(self) -> list[str]:
-        """Parameters of what it is made of that are none of the mechanism."""
+        """Parameters of what it is made of that follow none of the mechanism, so far as is said."""
+        return []
+
+    def computed(self) -> list[ComputedNumbers]:
+        """Numbers in its graph that follow parameters and are computed outside of it."""
         return []
 
     def parts(self) -> list[Coordinates]:

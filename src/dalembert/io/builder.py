@@ -14,6 +14,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.body import Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
@@ -177,6 +178,7 @@ class Builder:
             Friction: lambda: self.ingredient(FRICTIONS, given, where),
             Rows: lambda: [self.vector(row, Scope.PARAMETERS) for row in given],
             Path: lambda: self.source.parent / given,
+            Numbers: lambda: {n: self.formulas.read(v, Scope.PARAMETERS) for n, v in given.items()},
             FlexibleStructure: lambda: self.structure(self.source.parent / given),
             **dict.fromkeys(
                 (BodyElement, Point, Frame), lambda: self.references.end(field.holds, given)

@@ -129,7 +129,7 @@ VALUES: dict[Any, Any] = {
     Names: list[Text],
     FlexibleStructure: Text,
     Interfaces: InterfacesType,
-    Numbers: dict[str, Number],
+    Numbers: dict[str, Entry],
     Rayleigh: RayleighTable,
     Orientation: OrientationType,
     Frames: dict[str, FrameTable],

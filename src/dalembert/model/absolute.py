@@ -62,7 +62,7 @@ def absolute_equations(d: Description) -> Equations:
         t=t.sx,
         y=y,
         v=v,
-        p=stack(p.sx for p in d.parameters.values()),
+        p=d.space.symbols,
         a=stack(c.acceleration_symbols for c in groups),
         multiplier=multiplier,
         pose_rate=plain(stack(c.pose_rate for c in groups)),

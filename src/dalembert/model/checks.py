@@ -23,7 +23,7 @@ Formulas = list[tuple[str, ca.SX]]
 def check_membership(d: Description) -> None:
     """Every part an element is tied to must belong to the mechanism.
 
-    Parameters of a structure stay out of it, so that none may have the name of one within.
+    A parameter of a structure that has the name of one of the mechanism is it by a formula only.
     """
     if not d.bodies:
         raise ModelError("has no bodies; add at least one", d.name)
@@ -39,8 +39,8 @@ def check_membership(d: Description) -> None:
         for name in element.foreign_parameters():
             if name in d.parameters:
                 raise ModelError(
-                    f"the parameter {name!r} of its structure is not that of the system, and no "
-                    "gradient would tell; give one of them another name",
+                    f"the parameter {name!r} of its structure may be that of the system or not; "
+                    f"say which by a formula or a number in its parameters={{{name!r}: ...}}",
                     element.name,
                 )
         joint = getattr(element, "joint", None)
@@ -51,6 +51,9 @@ def check_membership(d: Description) -> None:
 def check_symbols(d: Description) -> None:
     """What formulas may depend on: lengths on parameters, joints on poses, forces on speeds."""
     parameters = set(d.parameters)
+    computed = [(name, c) for name, element in d.elements.items() for c in element.computed()]
+    _allow([(name, c.arguments) for name, c in computed], parameters, "")
+    parameters |= _names(c.symbols for _, c in computed)
     poses = parameters | {"t"} | _names(c.pose for c in (*d.coordinates, d.ground))
     states = poses | _names(c.twist for c in (*d.coordinates, d.ground))
     lengths: Formulas = [(name, f.sx) for name, f in d.derived_parameters.items()]
@@ -150,7 +153,7 @@ class ValueChecks:
 
 def doubts_of(d: Description, values: Sequence[float] | np.ndarray) -> tuple[str, ...]:
     """What elements had better be otherwise at parameter values."""
-    symbols, found = stack(p.sx for p in d.parameters.values()), []
+    symbols, found = d.space.symbols, []
     for element in d.elements.values():
         for condition, doubt, *told in element.doubts():
             values_of = ca.Function("doubt", [symbols], [condition, stack(told)])

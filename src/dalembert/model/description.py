@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from dalembert.elements.gravity import Gravity
 from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
 from dalembert.model.measures import element_measures, find_measure
-from dalembert.symbolic.expression import Expression, as_expression, t
+from dalembert.model.parameter_space import ParameterSpace
+from dalembert.symbolic.expression import Expression, as_expression, stack, t
 from dalembert.symbolic.parameter import Parameter
 from dalembert.symbolic.parser import parse_formula
 from dalembert.text import plain_text
@@ -61,6 +63,12 @@ class Description:
         holders = [*self.elements.values(), *self.constraints]
         found = (c for holder in dict.fromkeys(holders) for c in holder.own_coordinates())
         return list(dict.fromkeys(found))
+
+    @cached_property
+    def space(self) -> ParameterSpace:
+        """Parameters, and numbers that are computed from them; of a description that is whole."""
+        computed = [c for element in self.elements.values() for c in element.computed()]
+        return ParameterSpace(stack(p.sx for p in self.parameters.values()), computed)
 
     @property
     def constraints(self) -> list[Constraint]:

@@ -57,7 +57,7 @@ class Guesses:
             made.speed_units += list(group.speed_units)
             made.owners += [group.name] * len(twist)
             made.rest += list(group.rest)
-        parameters = stack(p.sx for p in d.parameters.values())
+        parameters = d.space.symbols
         twists = stack(ca.SX(0) if v is None else v for v in made.twist)
         y = stack(group.pose for group in d.coordinates)
         made._places = ca.Function("places", [parameters], [made.place])

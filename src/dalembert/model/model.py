@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.flexible.floating import FloatingFrame
+from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.absolute import absolute_equations, at_ground
 from dalembert.model.assembled_state import AssembledState
 from dalembert.model.checks import ValueChecks
@@ -41,7 +44,7 @@ class Model(ParametricModel):
     all_equations : Equations with all constraint rows
     equations : Equations with the independent ones
     parameters : name → Parameter
-    nominal : (np,) their values
+    nominal : (n,) their values, and numbers computed from them
     closure : how it is assembled
     diagnosis : Diagnosis
     """
@@ -53,7 +56,7 @@ class Model(ParametricModel):
         self.bodies, self.ground = parts.bodies, parts.ground
         self.constraints, self.forces = parts.constraints, parts.forces
         self.coordinates = parts.coordinates
-        self.nominal = np.array([p.value for p in self.parameters.values()], dtype=float)
+        self.nominal = self.completed(np.array([p.value for p in self.parameters.values()]))
         guesses = Guesses.collect(parts)
         equations = absolute_equations(parts)
         mass = equations.mass_at(guesses.values(self.nominal)[0], self.nominal)
@@ -102,7 +105,22 @@ class Model(ParametricModel):
         return self.closure.assemble(p, time)
 
     def check_values(self, p: np.ndarray) -> None:
-        self._value_checks(p)
+        self._value_checks(p[: len(self.parameters)])
+
+    def completed(self, p: np.ndarray) -> np.ndarray:
+        return self.parts.space.complete(p)
+
+    def tangents(self, p: np.ndarray, columns: Sequence[int]) -> np.ndarray:
+        return self.parts.space.tangents(p, list(columns))
+
+    def gathered(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
+        return self.parts.space.gathered(p, gradients)
+
+    def shapes(self, body: FloatingFrame, p: np.ndarray) -> FloatingShapes:
+        """The shapes of a flexible body at parameter values."""
+        if body.numbers is None:
+            return body.shapes
+        return body.numbers.shapes(self.parts.space.arguments(p, body.numbers))
 
     @cached_property
     def _value_checks(self) -> ValueChecks:

@@ -281,7 +281,7 @@ def _speeds_of(model: Model) -> str:
 def _attributes(motion: Recording) -> dict:
     numbers = {
         f"parameter_{name}": float(value)
-        for name, value in zip(motion.model.parameters, motion.parameters, strict=True)
+        for name, value in zip(motion.model.parameters, motion.parameters, strict=False)
     }
     return {
         "model": motion.model.name,

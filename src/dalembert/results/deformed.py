@@ -35,7 +35,7 @@ def pieces(
     motion: LabelledRecording, keep: np.ndarray, body: FloatingFrame
 ) -> list[tuple[Pose, float]]:
     """Poses of the pieces, whose x axes lie along them, and their lengths."""
-    shapes, d = body.shapes, body.dimension
+    shapes, d = motion.model.shapes(body, motion.parameters), body.dimension
     drawing = StructuralDrawing(shapes.structure, shapes.p)
     edges = _edges(drawing)
     axes = np.stack(

@@ -75,7 +75,7 @@ class _Drawn:
 
         self.found, d = found, found.parts
         self.parameters = found.parameters
-        self._p = stack(p.sx for p in d.parameters.values())
+        self._p = d.space.symbols
         self._y = stack(group.pose for group in d.coordinates)
         self.model = SimpleNamespace(
             parts=d,

@@ -46,5 +46,5 @@ def parameter_rows(parameters: Mapping[str, Parameter], values: np.ndarray) -> l
             "upper": parameter.bounds[1],
             "description": parameter.description,
         }
-        for parameter, value in zip(parameters.values(), values, strict=True)
+        for parameter, value in zip(parameters.values(), values, strict=False)
     ]

@@ -152,14 +152,14 @@ class EigenvalueGradient:
     def direct(self, columns: Sequence[int]) -> np.ndarray:
         """(columns,) derivatives by one tangent of the tangent for each parameter and probe."""
         q, count, p = self.probes.q, self.probes.q.shape[1], self.state.p
-        gradient = self.own[list(columns)]
+        changes = self.modes.model.tangents(p, columns)
+        gradient = self.own @ changes
         if not count:
             return gradient
         still_x, still_p = np.zeros_like(q), np.zeros((p.size, count))
         still_near = np.zeros(self.near.size)
         mapped = self.state.kernel.system.forward.tangent.map(count)
-        for i, column in enumerate(columns):
-            dp = np.eye(1, p.size, column).ravel()
+        for i, dp in enumerate(changes.T):
             dx = self.origin.tangent(self.state.time, self.near, p, 0, still_near, dp).full()
             rates = mapped(*self._point(), 0, q, still_p, 0, dx, dp, 0, still_x, still_p)
             by_state, by_level = (part.full() for part in rates)
@@ -182,4 +182,4 @@ class EigenvalueEngine(Engine):
         return np.array([EigenvalueGradient(sample).direct(columns) for sample in self.samples])
 
     def adjoint(self) -> np.ndarray:
-        return np.array([EigenvalueGradient(sample).adjoint() for sample in self.samples])
+        return self.gathered([EigenvalueGradient(sample).adjoint() for sample in self.samples])

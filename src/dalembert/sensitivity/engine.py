@@ -34,6 +34,11 @@ class Engine:
         """(responses, np) by one adjoint solution for each response."""
         raise NotImplementedError
 
+    def gathered(self, rows: Sequence[np.ndarray]) -> np.ndarray:
+        """(responses, np) of derivatives (n,) by all of the parameter vector."""
+        motion = self.samples[0].motion
+        return motion.model.gathered(motion.parameters, np.array(rows))
+
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:
         """(responses, np) change of the adjoint gradient along a direction of the parameters.
 
@@ -65,7 +70,7 @@ class RowEngine(Engine):
         return np.array([row.direct(columns) for row in self._rows()])
 
     def adjoint(self) -> np.ndarray:
-        return np.array([row.adjoint() for row in self._rows()])
+        return self.gathered([row.adjoint() for row in self._rows()])
 
     def _rows(self) -> list[Any]:
         shared: dict = {}

@@ -50,9 +50,8 @@ class PointwiseGradient:
             return gradient
         mapped = self.measured.tangent.map(active.size)
         still_t, still_y = ca.DM.zeros(1, active.size), ca.DM.zeros(y.shape[0], active.size)
-        for i, column in enumerate(columns):
-            direction = np.zeros((p.shape[0], active.size))
-            direction[column] = 1.0
+        for i, change in enumerate(self.motion.model.tangents(p[:, 0], columns).T):
+            direction = np.tile(change[:, None], active.size)
             rates = mapped(t[active], y[:, active], p[:, active], still_t, still_y, direction)
             gradient[i] = float(rates.full().ravel() @ weights[active])
         return gradient

@@ -54,6 +54,11 @@ def hessian_product(
     refuse_unfinished(result)
     (response,) = as_responses([response])
     refuse_unknown_values(result, [response])
+    if result.parameters.size > len(result.model.parameters):
+        raise UnsupportedError(
+            "second derivatives are not available where structures of flexible bodies follow "
+            "parameters; take differences of gradients"
+        )
     engine = engine_of(result, [response])
     if engine.samples[0].moves_with:
         raise UnsupportedError(

@@ -19,8 +19,9 @@ from dalembert.structures.load_cases import LoadCaseMaker
 from dalembert.structures.measures import Measure
 from dalembert.structures.named_measures import StructuralMeasures
 from dalembert.structures.numbering import Numbering
+from dalembert.structures.reduction.basis import MEAN
 from dalembert.structures.reduction.craig_bampton import CraigBampton, craig_bampton
-from dalembert.structures.reduction.floating import MEAN, floating_shapes
+from dalembert.structures.reduction.following import FollowingShapes
 from dalembert.structures.reduction.interface import GivenInterfaces, interfaces_of
 from dalembert.structures.reduction.rigid import node_places
 from dalembert.symbolic.expression import Expression, free_symbols, stack, t
@@ -165,16 +166,37 @@ class StructuralModel(ParametricModel):
         second_order: bool = False,
         parameters: Mapping[str, float] | None = None,
     ) -> FloatingShapes:
+        """Shapes in a frame that floats with the structure, see ``following``."""
+        made = self.following(
+            interface,
+            modes,
+            up_to=up_to,
+            frame=frame,
+            second_order=second_order,
+            parameters=parameters,
+        )
+        return made.chosen
+
+    def following(
+        self,
+        interface: GivenInterfaces,
+        modes: int = 6,
+        *,
+        up_to: float | None = None,
+        frame: str = MEAN,
+        second_order: bool = False,
+        parameters: Mapping[str, float] | None = None,
+    ) -> FollowingShapes:
         """Shapes in a frame that floats with the structure, for a ``FlexibleBody``.
+
+        They are chosen at some parameter values, and follow them to others.
 
         Parameters
         ----------
         frame : interface in which the frame is fixed, or ``"mean"`` axes
         second_order : with displacements of second order
         """
-        reduced = self.craig_bampton(interface, modes, up_to=up_to, parameters=parameters)
-        places = node_places(self.blocks, self.degrees, reduced.p)
-        return floating_shapes(reduced, self.degrees, places, frame, second_order, self)
+        return FollowingShapes(self, interface, modes, up_to, frame, second_order, parameters)
 
     # access ---------------------------------------------------------------------------------
     @cached_property

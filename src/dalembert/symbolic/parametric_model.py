@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -50,11 +50,23 @@ class ParametricModel(ABC):
             Unknown parameter, or a value that is not finite or that ``check_values`` refuses.
         """
         if isinstance(parameters, np.ndarray):
-            return parameters
+            return self.completed(parameters)
         p = parameter_vector(self.parameters, parameters, self.name)
         if parameters:
             self.check_values(p)
+        return self.completed(p)
+
+    def completed(self, p: np.ndarray) -> np.ndarray:
+        """The parameter vector with all that is computed from it outside of the graph."""
         return p
+
+    def tangents(self, p: np.ndarray, columns: Sequence[int]) -> np.ndarray:
+        """(n, columns) changes of this vector with some of the parameters."""
+        return np.eye(p.size)[:, list(columns)]
+
+    def gathered(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
+        """(rows, np) gradients by the parameters from (rows, n) by the vector."""
+        return gradients
 
     def __getitem__(self, name: str) -> Expression:
         """A measure or parameter by name: ``model["crank.end.x"]``, ``model["bar.stress"]``.

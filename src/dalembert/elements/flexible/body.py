@@ -9,18 +9,21 @@ from typing import Any
 import casadi as ca
 
 from dalembert.elements.base import Scalar, Vector, option, quantity
+from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.flexible.section import Section, SectionFrame, SectionPoint
+from dalembert.elements.flexible.shape_numbers import ShapeNumbers, constant_shapes
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.point import Point
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.text import unknown
 
 MEAN = "mean"
 Interfaces = Mapping[str, Any] | Sequence[Any]
 """Name → nodes, or nodes."""
-Numbers = Mapping[str, float]
-"""Name → value."""
+Numbers = Mapping[str, Any]
+"""Name → value, or formula."""
 
 
 @dataclass(eq=False)
@@ -56,7 +59,7 @@ class Flexible(FloatingFrame):
     stiffening: bool = option("with displacements of second order", default=False)
     damping_ratio: Scalar = quantity("1", "of every shape", default=0.0, minimum=0.0)
     rayleigh: Vector = quantity("", "shares of mass and stiffness", default=(0.0, 0.0), size=2)
-    parameters: Numbers | None = option("of the structure", default=None)
+    parameters: Numbers | None = option("of the structure, values or formulas", default=None)
 
     section_kind = Section
 
@@ -88,28 +91,27 @@ class Flexible(FloatingFrame):
             raise ModelError(
                 f"structure must be a structure that was built; got {self.structure!r}", self.name
             )
-        for key, value in (self.parameters or {}).items():
-            if isinstance(value, Expression):
-                raise ModelError(
-                    f"parameters[{key!r}] is a formula; the shapes of a structure are numbers, "
-                    "which do not follow the parameters of the system. Give a number",
-                    self.name,
-                )
         if not self.interface:
             raise ModelError("needs an interface: nodes on which joints hold", self.name)
         self._check_options()
         self.reference = self.reference or MEAN
+        given, followed = self._parameters()
         try:
-            self.shapes = self.structure.floating(
+            following = self.structure.following(
                 self.interface,
                 self.modes,
                 up_to=self.up_to,
                 frame=self.reference,
                 second_order=self.stiffening,
-                parameters=self.parameters,
+                parameters=given,
             )
         except (ModelError, AnalysisError) as error:
             raise ModelError(str(error), self.name) from None
+        self.shapes, self.numbers = following.chosen, None
+        self.graph = constant_shapes(self.shapes)
+        if followed:
+            self.numbers = ShapeNumbers(self.name, following, given, followed)
+            self.graph = self.numbers.graph
         if self.shapes.dimension != self.dimension:
             raise ModelError(
                 f"its structure has nodes of {self.shapes.dimension} coordinates; the body needs "
@@ -117,7 +119,22 @@ class Flexible(FloatingFrame):
                 self.name,
             )
         self.tangible = self.reference != MEAN
-        self.mass = Expression(self.shapes.total_mass, f"{self.name}.mass", "kg")
+        self.mass = Expression(self.graph.inertia[0, 0], f"{self.name}.mass", "kg")
+
+    def _parameters(self) -> tuple[dict[str, float], dict[str, ca.SX]]:
+        """Numbers, and formulas of the system's parameters, that the structure is given."""
+        given: dict[str, float] = {}
+        followed: dict[str, ca.SX] = {}
+        for key, value in (self.parameters or {}).items():
+            formula = as_expression(value, f"{self.name}.parameters[{key!r}]")
+            if formula.sx.is_constant():
+                given[key] = float(formula.sx)
+            elif key in self.structure.parameters:
+                followed[key] = formula.sx
+            else:
+                known = list(self.structure.parameters)
+                raise ModelError(unknown("parameter of the structure", key, known), self.name)
+        return given, followed
 
     def _check_options(self) -> None:
         if isinstance(self.modes, bool) or not isinstance(self.modes, int) or self.modes < 0:
@@ -132,7 +149,10 @@ class Flexible(FloatingFrame):
             )
 
     def foreign_parameters(self) -> list[str]:
-        return list(self.structure.parameters)
+        return [name for name in self.structure.parameters if name not in (self.parameters or {})]
+
+    def computed(self) -> list[ComputedNumbers]:
+        return [self.numbers] if self.numbers else []
 
     @property
     def modal_names(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from dalembert.elements.coordinates import Coordinates
 
 
 class Elasticity(ForceElement):
-    """``Q = −k q − c q̇`` on every shape of a body, with ``c = α m + β k + 2 ζ √(k m)``.
+    """``Q = −K q − C q̇`` on the shapes of a body, with ``C = α M + β K + 2 ζ M (M⁻¹ K)^½``.
 
     The body brings it along.
     """
@@ -26,22 +26,22 @@ class Elasticity(ForceElement):
 
     @property
     def _damping(self) -> ca.SX:
-        """(m,) ``c``."""
-        body, shapes = self.body, self.body.shapes
-        mass, stiffness = ca.SX(shapes.mass), ca.SX(shapes.stiffness)
+        """(m, m) ``C``."""
+        body, graph = self.body, self.body.graph
         by_mass, by_stiffness = ca.vertsplit(body.rayleigh.sx)
-        ratio = 2 * body.damping_ratio.sx * ca.sqrt(mass * stiffness)
-        return by_mass * mass + by_stiffness * stiffness + ratio
+        found = by_mass * graph.mass + by_stiffness * graph.stiffness
+        return found + body.damping_ratio.sx * graph.critical
 
     def _damped(self, rate: Rate) -> ca.SX:
-        return -self._damping * rate(self.body.q)
+        return -ca.mtimes(self._damping, rate(self.body.q))
 
     def powers(self, rate: Rate) -> Powers:
         q = self.body.q
-        return [(rate(q), -ca.SX(self.body.shapes.stiffness) * q + self._damped(rate))]
+        return [(rate(q), -ca.mtimes(self.body.graph.stiffness, q) + self._damped(rate))]
 
     def potential(self) -> ca.SX:
-        return ca.dot(ca.SX(self.body.shapes.stiffness), self.body.q**2) / 2
+        q = self.body.q
+        return ca.dot(q, ca.mtimes(self.body.graph.stiffness, q)) / 2
 
     def dissipation(self, rate: Rate) -> Powers:
         return [(rate(self.body.q), self._damped(rate))]

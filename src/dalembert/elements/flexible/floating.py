@@ -14,6 +14,7 @@ import numpy as np
 from dalembert.elements.base import ForceElement
 from dalembert.elements.body import BodyElement
 from dalembert.elements.flexible.elasticity import Elasticity
+from dalembert.elements.flexible.shape_numbers import ShapeNumbers, ShapeSymbols
 from dalembert.elements.flexible.shapes import FloatingShapes
 
 
@@ -22,12 +23,16 @@ class FloatingFrame(BodyElement):
 
     Attributes
     ----------
-    shapes : FloatingShapes
+    shapes : FloatingShapes, where they were chosen
+    graph : ShapeSymbols, what stands for them in equations
+    numbers : ShapeNumbers where the structure follows parameters of the mechanism
     q : SX symbols ``q``
     sections : interface → Section
     """
 
     shapes: FloatingShapes
+    graph: ShapeSymbols
+    numbers: ShapeNumbers | None
     q: ca.SX
     sections: dict[str, Any]
 
@@ -49,13 +54,11 @@ class FloatingFrame(BodyElement):
 
     def _centre(self) -> ca.SX:
         """(d,) mass centre in the frame, ``c + Σ c_k a_k``."""
-        d, g, n = self.dimension, self.shapes.inertia, self.shapes.rotations
-        first = np.linalg.lstsq(_turning(d).reshape(-1, d), g[:d, d : d + n].T.ravel(), rcond=None)[
-            0
-        ]
-        size = self.amplitudes.numel()
-        moved = ca.mtimes(ca.SX(ca.DM(g[:d, d + n : d + n + size])), self.amplitudes)
-        return (ca.SX(first) + moved) / self.shapes.total_mass
+        d, g, n = self.dimension, self.graph.inertia, self.shapes.rotations
+        turning = np.linalg.pinv(_turning(d).reshape(-1, d))
+        first = ca.mtimes(ca.SX(ca.DM(turning)), ca.vec(ca.densify(g[:d, d : d + n])))
+        moved = ca.mtimes(g[:d, d + n : d + n + self.amplitudes.numel()], self.amplitudes)
+        return (first + moved) / g[0, 0]
 
     def inertia_by_speeds(self) -> tuple[ca.SX, ca.SX]:
         """``M`` and ``d`` by Lagrange's equations of ``T = ½ sᵀ (Wᵀ M W) s``.
@@ -67,7 +70,7 @@ class FloatingFrame(BodyElement):
         a, spin = self.amplitudes, self.local_spin
         grown = ca.jtimes(a, q, v[-q.numel() :]) if q.numel() else ca.SX(0, 1)
         fields = ca.vertcat(spin, grown, *(a * w for w in ca.vertsplit(spin)))
-        g = ca.sparsify(ca.SX(ca.DM(self.shapes.inertia)))
+        g = self.graph.inertia
         mass, coupled, inner = g[0, 0], ca.mtimes(self.frame_axes, g[:d, d:]), g[d:, d:]
         by_rest = ca.sparsify(ca.jacobian(fields, v[d:]))
         across = ca.mtimes(coupled, by_rest)

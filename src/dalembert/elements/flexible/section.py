@@ -8,6 +8,7 @@ import casadi as ca
 
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import rate_of
+from dalembert.elements.flexible.shape_numbers import SectionSymbols
 from dalembert.elements.flexible.shapes import SectionShapes
 from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
@@ -37,26 +38,31 @@ class Section(BodyElement):
         return self._owner
 
     @property
+    def graph(self) -> SectionSymbols:
+        """Its shapes in equations."""
+        return self.owner.graph.sections[self.label]
+
+    @property
     def shown(self) -> str:
         return f"{self.name}.{self.label}"
 
     @property
     def shift(self) -> ca.SX:
         """(d,) its displacement in the axes of the frame."""
-        return ca.mtimes(ca.SX(ca.DM(self.shapes.shift)), self.owner.amplitudes)
+        return ca.mtimes(self.graph.shift, self.owner.amplitudes)
 
     @property
     def turn(self) -> ca.SX:
         """Its small turn against the frame; none where it only shifts."""
-        return ca.mtimes(ca.SX(ca.DM(self.shapes.turn)), self.owner.amplitudes)
+        return ca.mtimes(self.graph.turn, self.owner.amplitudes)
 
     @property
     def place(self) -> ca.SX:
         """(d,) where it is, inertial axes."""
-        return self.owner.locate(ca.SX(self.shapes.place) + self.shift)
+        return self.owner.locate(self.graph.place + self.shift)
 
     def undeformed(self, local: ca.SX) -> ca.SX:
-        return ca.SX(self.shapes.place)[: local.numel()] + local
+        return self.graph.place[: local.numel()] + local
 
     def velocity_at(self, place: ca.SX) -> ca.SX:
         velocity = rate_of(self.place, [self], t.sx)

@@ -14,7 +14,7 @@ Gerstmayr, The nodal-based floating frame of reference formulation, Acta Mechani
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -44,10 +44,12 @@ class FloatingShapes:
     Attributes
     ----------
     dimension : 2 or 3
-    frequencies : (m,) of the shapes with the frame at rest [rad/s]
-    stiffness, mass : (m,) of the shapes, which are orthogonal
+    frequencies : (m,) of the modes with the frame at rest [rad/s]
+    stiffness, mass : (m, m) of the shapes; diagonal where these modes are the shapes
+    critical : (m, m) damping with which all these modes just do not swing
     pairs : (k, 2) shapes whose products have second-order displacements of their own
     inertia : (N, N) ``Wᵀ M W``
+    orders : (N,) order in ``q`` of what ``W`` consists of
     sections : interface → SectionShapes
     origin : (d,) of the frame, in the axes of the structure
     displacements : (n, amplitudes) of all nodes, ``Φ_a``
@@ -58,8 +60,10 @@ class FloatingShapes:
     frequencies: np.ndarray
     stiffness: np.ndarray
     mass: np.ndarray
+    critical: np.ndarray
     pairs: np.ndarray
     inertia: np.ndarray
+    orders: np.ndarray
     sections: Mapping[str, SectionShapes]
     origin: np.ndarray
     displacements: np.ndarray
@@ -69,7 +73,7 @@ class FloatingShapes:
     @property
     def count(self) -> int:
         """Number of shapes ``m``."""
-        return int(self.stiffness.size)
+        return len(self.stiffness)
 
     @property
     def total_mass(self) -> float:
@@ -82,13 +86,25 @@ class FloatingShapes:
         return 1 if self.dimension == 2 else 3
 
 
+class FollowingStructure(Protocol):
+    """Shapes that were chosen once, and what becomes of them at other parameter values."""
+
+    chosen: FloatingShapes
+
+    def at(self, parameters: Mapping[str, float]) -> FloatingShapes:
+        """The shapes at other values."""
+
+    def slopes(self, parameters: Mapping[str, float], names: Sequence[str]) -> list[FloatingShapes]:
+        """Their derivatives with respect to parameters of these names."""
+
+
 class FlexibleStructure(Protocol):
     """What can become a flexible body; ``StructuralModel`` can."""
 
     name: str
     parameters: Mapping[str, Any]
 
-    def floating(
+    def following(
         self,
         interface: Any,
         modes: int = 6,
@@ -97,5 +113,5 @@ class FlexibleStructure(Protocol):
         frame: str = "",
         second_order: bool = False,
         parameters: Mapping[str, float] | None = None,
-    ) -> FloatingShapes:
+    ) -> FollowingStructure:
         """Its shapes in a floating frame."""

@@ -62,7 +62,8 @@ def recovered(motion: Recording, body: str) -> RecoveredStates:
         known = ", ".join(flexible) or "none"
         raise AnalysisError(f"no flexible body {body!r} (known: {known})")
     found = flexible[body]
-    shapes, model = found.shapes, found.shapes.structure.linearized
+    shapes = motion.model.shapes(found, motion.parameters)
+    model = shapes.structure.linearized
     amplitudes = found.amplitudes
     rates = rate_of(amplitudes, [found], t.sx), second_rate_of(amplitudes, [found], t.sx)
     columns = motion.columns([Expression(ca.densify(x)) for x in (amplitudes, *rates)])

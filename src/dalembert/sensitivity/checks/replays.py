@@ -39,6 +39,7 @@ class Replays:
         AnalysisError
             The run cannot be repeated there; names what changed.
         """
+        p = self.motion.model.values(p)
         key = p.tobytes()
         if key not in self._known:
             self._known[key] = self._values(p)
@@ -60,6 +61,6 @@ class Replays:
         return values
 
     def _where(self, p: np.ndarray) -> str:
-        names = list(self.motion.model.parameters)
-        changed = [f"{names[i]} = {p[i]:.9g}" for i in np.flatnonzero(p != self.parameters)]
+        listed = zip(self.motion.model.parameters, p, self.parameters, strict=False)
+        changed = [f"{name} = {new:.9g}" for name, new, old in listed if new != old]
         return f"the run repeated at {', '.join(changed[:4])}{', …' if changed[4:] else ''}"

@@ -139,7 +139,7 @@ def refusal(motion: Result, column: int, offsets: Sequence[float], step: float) 
         if outside:
             return outside
         try:
-            motion.model.values(dict(zip(names, map(float, p), strict=True)))
+            motion.model.values(dict(zip(names, map(float, p), strict=False)))
         except ModelError as error:
             return f"at {names[column]} = {p[column]:g} {error}"
     return ""

@@ -94,7 +94,7 @@ def _tried(values: Replays, p: np.ndarray) -> np.ndarray | None:
         if beyond_bounds(values.motion, int(i), float(p[i])):
             return None
     try:
-        model.values(dict(zip(model.parameters, map(float, p), strict=True)))
+        model.values(dict(zip(model.parameters, map(float, p), strict=False)))
         return values(p)
     except (AnalysisError, ModelError):
         return None

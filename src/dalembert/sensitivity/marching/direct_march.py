@@ -43,8 +43,7 @@ class DirectMarch:
             return gradient
         self.run = self.seen[0]
         steps, n, c = self.run.steps, self.run.size, self.count
-        self.unit = np.zeros((self.run.p.size, c))
-        self.unit[list(self.columns), range(c)] = 1.0
+        self.unit = self.run.model.tangents(self.run.p, self.columns)
         longest = int(np.clip(MOST // (n * c), 1, CHUNK))
         dx, begin = self._at_start(), 0
         while begin < steps.count:
@@ -59,6 +58,7 @@ class DirectMarch:
                 steps.corrected[part],
                 steps.x[:, part],
                 self.run.p,
+                self.unit,
             )
             changes = np.hstack([dx, out]).T.reshape(count + 1, c, n)
             self._look(gradient, begin, changes[:-1])
@@ -115,10 +115,10 @@ class DirectMarch:
         """Tangents of ``count`` steps in one call."""
         kernel = self.run.kernel
         if kernel.fixed.at_once(mode):
-            return _forward_chunk(self.run.step_of(mode), count, self.columns)
+            return _forward_chunk(self.run.step_of(mode), count, self.count)
         prelude, single = _forward_step(kernel, mode, self.count)
         step = kernel.backend.repeated(single, count)
-        return _forward_steps(kernel, prelude, step, count, self.columns)
+        return _forward_steps(kernel, prelude, step, count, self.count)
 
 
 @once
@@ -138,29 +138,26 @@ def _forward_steps(
     prelude: Prelude,
     step: ca.Function,
     count: int,
-    columns: tuple[int, ...],
+    c: int,
 ) -> Kernel:
-    n, m, c = step.numel_in(4), prelude.values.numel_in(0), len(columns)
-    unit = np.zeros((m, c))
-    unit[list(columns), range(c)] = 1.0
-    dx, p = ca.MX.sym("dx", n, c), ca.MX.sym("p", m)
+    n, m = step.numel_in(4), prelude.values.numel_in(0)
+    dx, p, dp = ca.MX.sym("dx", n, c), ca.MX.sym("p", m), ca.MX.sym("dp", m, c)
     ts, hs, fs = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
     xs, same = ca.MX.sym("xs", n, count), ca.repmat(prelude.values(p), 1, count)
-    rates = prelude.tangent.map(c)(ca.repmat(p, 1, c), ca.DM(unit))
+    rates = prelude.tangent.map(c)(ca.repmat(p, 1, c), dp)
     out = step.mapaccum(count)(dx, ts, hs, fs, xs, same, ca.repmat(rates, 1, count))
-    return Kernel(ca.Function("forward", [dx, ts, hs, fs, xs, p], [out]))
+    return Kernel(ca.Function("forward", [dx, ts, hs, fs, xs, p, dp], [out]))
 
 
 @once
-def _forward_chunk(step: Step, count: int, columns: tuple[int, ...]) -> Kernel:
+def _forward_chunk(step: Step, count: int, c: int) -> Kernel:
     """The same of equal steps that are taken at once."""
-    n, m, c = step.size, step.parameter_count, len(columns)
-    unit = np.zeros((m, c))
-    unit[list(columns), range(c)] = 1.0
-    dx, p, xs = ca.MX.sym("dx", n, c), ca.MX.sym("p", m), ca.MX.sym("xs", n, count)
+    n, m = step.size, step.parameter_count
+    dx, p, dp = ca.MX.sym("dx", n, c), ca.MX.sym("p", m), ca.MX.sym("dp", m, c)
+    xs = ca.MX.sym("xs", n, count)
     times = [ca.MX.sym(s, 1, count) for s in ("t", "h", "flag")]
-    out = step.chunk_tangents(count, c)(xs[:, 0], *times, p, dx, ca.DM(unit))
-    return Kernel(ca.Function("forward", [dx, *times, xs, p], [out]))
+    out = step.chunk_tangents(count, c)(xs[:, 0], *times, p, dx, dp)
+    return Kernel(ca.Function("forward", [dx, *times, xs, p, dp], [out]))
 
 
 @once

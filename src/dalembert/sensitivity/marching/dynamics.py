@@ -26,7 +26,7 @@ class DynamicsEngine(Engine):
         return found
 
     def adjoint(self) -> np.ndarray:
-        return np.array([AdjointMarch(sample).gradient() for sample in self.samples])
+        return self.gathered([AdjointMarch(sample).gradient() for sample in self.samples])
 
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:
         return np.array([SecondMarch(s, direction).product() for s in self.samples])

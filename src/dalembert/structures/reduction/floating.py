@@ -14,14 +14,13 @@ import scipy.linalg as dense
 from dalembert.elements.flexible.shapes import FloatingShapes, SectionShapes
 from dalembert.errors import ModelError
 from dalembert.structures.numbering import Numbering
+from dalembert.structures.reduction.basis import ShapeBasis
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.interface import Interface
 from dalembert.structures.reduction.rigid import carried, rigid_motions, spins
-from dalembert.structures.reduction.second_order import second_order_shapes
-from dalembert.text import unknown
+from dalembert.structures.reduction.second_order import Relief
 
-MEAN = "mean"
-"""Name of the frame that follows the mean axes."""
+NO_PAIRS = np.zeros((0, 2), dtype=int)
 ROUND_OFF = 1e-13
 """Share of the two fields it is a product of below which an integral counts as zero."""
 
@@ -30,8 +29,8 @@ def floating_shapes(
     reduced: CraigBampton,
     degrees: Numbering,
     places: np.ndarray,
-    frame: str,
-    second_order: bool,
+    basis: ShapeBasis,
+    pairs: np.ndarray | None,
     structure,
 ) -> FloatingShapes:
     """Shapes of a reduced structure.
@@ -39,41 +38,53 @@ def floating_shapes(
     Parameters
     ----------
     places : (nodes, d)
-    frame : name of an interface, or ``"mean"``
-    second_order : with displacements of second order, which make centrifugal stiffening
+    pairs : (k, 2) shapes whose products have displacements of second order, which make
+        centrifugal stiffening; those that have some where None is given
 
     Raises
     ------
     ModelError
-        No such frame, or an interface that does not tell how it turns.
+        Displacements of second order in mean axes.
     """
-    mass = reduced.assembly.mass(reduced.p)
-    held = _frame_interface(reduced.interfaces, frame)
-    origin = _mass_centre(mass, degrees, places) if held is None else held.place
+    stiffness, mass = (
+        reduced.assembly.stiffness(np.zeros(reduced.assembly.size), reduced.p),
+        reduced.assembly.mass(reduced.p),
+    )
+    held = basis.held(reduced)
+    origin = mass_centre(mass, degrees, places) if held is None else held.place
     rigid = rigid_motions(degrees, places - origin)
-    coordinates, squares = _modes(reduced, held, rigid.shape[1])
-    shapes = reduced.shapes @ coordinates
-    shapes, norm = _at_unit_size(shapes, degrees, places)
-    modal_mass = norm**2
-    pairs = np.zeros((0, 2), dtype=int)
+    shapes = reduced.shapes @ basis.turned(reduced)[1]
+    if held is None:
+        shapes -= rigid @ momentum_shares(mass, rigid, shapes)
+    modal = symmetric(shapes.T @ (stiffness @ shapes))
+    if not shapes.shape[1]:
+        pairs = NO_PAIRS
     amplitudes = shapes
-    if second_order and shapes.shape[1]:
+    if pairs is None or len(pairs):
         if held is None:
             raise ModelError(
                 "second-order displacements need a frame that is fixed in an interface; give "
                 "frame= the name of one",
                 structure.name,
             )
-        pairs, second = second_order_shapes(reduced, held, shapes, squares * modal_mass)
-        amplitudes = np.concatenate([shapes, second], axis=1)
+        relief = Relief(reduced, held, shapes, modal, pairs)
+        pairs, amplitudes = relief.pairs, np.concatenate([shapes, relief.shapes], axis=1)
     fields = np.concatenate([rigid, amplitudes, carried(degrees, amplitudes)], axis=1)
+    orders = _orders(rigid, shapes.shape[1], amplitudes.shape[1])
+    inertia = _cleared(fields.T @ (mass @ fields)) * counted(orders)
+    own = slice(rigid.shape[1], rigid.shape[1] + shapes.shape[1])
+    modal_mass = inertia[own, own]
+    squares, modes = modes_of(modal, modal_mass)
+    carrying = modal_mass @ modes
     return FloatingShapes(
         dimension=degrees.dimension,
         frequencies=np.sqrt(squares),
-        stiffness=squares * modal_mass,
+        stiffness=modal,
         mass=modal_mass,
+        critical=symmetric(2 * carrying @ (np.sqrt(squares)[:, None] * carrying.T)),
         pairs=pairs,
-        inertia=_cleared(fields.T @ (mass @ fields)) * _up_to_second(rigid, shapes, pairs),
+        inertia=inertia,
+        orders=orders,
         sections={i.name: _section(i, origin, amplitudes) for i in reduced.interfaces},
         origin=origin,
         displacements=amplitudes,
@@ -82,59 +93,14 @@ def floating_shapes(
     )
 
 
-def _frame_interface(interfaces: list[Interface], frame: str) -> Interface | None:
-    if frame == MEAN:
-        return None
-    known = {i.name: i for i in interfaces}
-    if frame not in known:
-        raise ModelError(unknown("frame", frame, [*known, MEAN]), "frame")
-    if not known[frame].turns:
-        raise ModelError(
-            f"the interface {frame!r} does not turn, as its nodes have no rotations and lie in a "
-            f"line; take more of them, another one, or {MEAN!r}",
-            "frame",
-        )
-    return known[frame]
+def mass_centre(mass, degrees: Numbering, places: np.ndarray) -> np.ndarray:
+    """(d,)
 
-
-def _modes(
-    reduced: CraigBampton, held: Interface | None, rigid: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """(r, m) modes of the reduced structure with the frame at rest, and their ``ω²``."""
-    size = reduced.stiffness.shape[0]
-    kept = np.arange(size)
-    if held is not None:
-        kept = np.setdiff1d(kept, kept[reduced.columns[held.name]])
-    if not kept.size:
-        return np.zeros((size, 0)), np.zeros(0)
-    a, b = (m[np.ix_(kept, kept)] for m in (reduced.stiffness, reduced.mass))
-    try:
-        squares, vectors = dense.eigh(a, b)
-    except dense.LinAlgError:
-        raise ModelError(
-            "the mass of its shapes is not positive definite; give all elements a density"
-        ) from None
-    if held is None:
-        squares, vectors = squares[rigid:], vectors[:, rigid:]
-    found = np.zeros((size, squares.size))
-    found[kept] = vectors
-    return found, squares
-
-
-def _at_unit_size(
-    shapes: np.ndarray, degrees: Numbering, places: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Shapes whose largest displacement, or turn of the whole length, is one metre.
-
-    Also by what they were multiplied.
+    Raises
+    ------
+    ModelError
+        There is no mass.
     """
-    length = float(np.ptp(places, axis=0).max())
-    sizes = np.where(degrees.rotations, length, 1.0)
-    largest = np.abs(sizes[:, None] * shapes).max(axis=0, initial=0.0)
-    return shapes / largest, 1.0 / largest
-
-
-def _mass_centre(mass, degrees: Numbering, places: np.ndarray) -> np.ndarray:
     d = degrees.dimension
     shift = rigid_motions(degrees, places)[:, :d]
     momentum = mass @ shift
@@ -143,6 +109,25 @@ def _mass_centre(mass, degrees: Numbering, places: np.ndarray) -> np.ndarray:
         raise ModelError("a flexible body needs mass; give its elements a density")
     weights = momentum[degrees.table[:, 0], 0]
     return (weights @ places) / total
+
+
+def momentum_shares(mass, rigid: np.ndarray, shapes: np.ndarray) -> np.ndarray:
+    """Rigid motions with the momenta of shapes, ``(Rᵀ M R)⁻¹ Rᵀ M Φ``."""
+    heavy = mass @ rigid
+    return np.linalg.solve(rigid.T @ heavy, heavy.T @ shapes)
+
+
+def modes_of(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(m,) squares of the frequencies, not below zero, and (m, m) modes of unit mass."""
+    if not len(mass):
+        return np.zeros(0), np.zeros((0, 0))
+    try:
+        squares, modes = dense.eigh(stiffness, mass)
+    except dense.LinAlgError:
+        raise ModelError(
+            "the mass of its shapes is not positive definite; give all elements a density"
+        ) from None
+    return np.maximum(squares, 0.0), modes
 
 
 def _section(interface: Interface, origin: np.ndarray, amplitudes: np.ndarray) -> SectionShapes:
@@ -157,19 +142,27 @@ def _small(rows: np.ndarray) -> np.ndarray:
     return np.where(np.abs(rows) > ROUND_OFF * np.abs(rows).max(initial=0.0), rows, 0.0)
 
 
-def _up_to_second(rigid: np.ndarray, shapes: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+def _orders(rigid: np.ndarray, shapes: int, amplitudes: int) -> np.ndarray:
+    """Orders in the coordinates of all fields of velocities."""
+    orders = np.repeat([1, 2], [shapes, amplitudes - shapes])
+    rotations = spins(3 if rigid.shape[1] == 6 else 2).shape[0]
+    return np.concatenate([np.zeros(rigid.shape[1], dtype=int), *[orders] * (1 + rotations)])
+
+
+def counted(orders: np.ndarray) -> np.ndarray:
     """One where an entry of the inertia counts in the second order of the coordinates, else zero.
 
     Strain energy and displacements are not known beyond.
     """
-    orders = np.repeat([1, 2], [shapes.shape[1], len(pairs)])
-    rotations = spins(3 if rigid.shape[1] == 6 else 2).shape[0]
-    every = np.concatenate([np.zeros(rigid.shape[1], dtype=int), *[orders] * (1 + rotations)])
-    return np.where(every[:, None] + every <= 2, 1.0, 0.0)
+    return np.where(orders[:, None] + orders <= 2, 1.0, 0.0)
+
+
+def symmetric(matrix: np.ndarray) -> np.ndarray:
+    return (matrix + matrix.T) / 2
 
 
 def _cleared(products: np.ndarray) -> np.ndarray:
     """Symmetric, without what is nothing but round-off."""
     size = np.sqrt(np.maximum(np.diag(products), 0.0))
-    symmetric = (products + products.T) / 2
-    return np.where(np.abs(symmetric) > ROUND_OFF * np.outer(size, size), symmetric, 0.0)
+    products = symmetric(products)
+    return np.where(np.abs(products) > ROUND_OFF * np.outer(size, size), products, 0.0)

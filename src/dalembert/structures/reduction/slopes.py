@@ -41,9 +41,21 @@ class ReductionSlopes:
     def push(self, dp: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Changes (r, r) of the reduced stiffness and mass along a change of the parameters."""
         shapes = self.reduced.shapes
-        stiffer = self._columns(lambda b: self._push_stiffness(b, dp), shapes)
-        heavier = self._columns(lambda b: self.assembly.push_mass(b, self.p, dp), shapes)
-        moved = self._push_motions(dp)
+        stiffer, heavier = self.push_stiffness(shapes, dp), self.push_mass(shapes, dp)
+        moved = self._moved(stiffer, heavier, self.push_motions(dp))
+        found = []
+        for matrix, change in ((self.stiffness, stiffer), (self.mass, heavier)):
+            half = moved.T @ (matrix @ shapes)
+            found.append(half + half.T + shapes.T @ change)
+        return found[0], found[1]
+
+    def push_shapes(self, dp: np.ndarray) -> np.ndarray:
+        """Changes (n, r) of the shapes, of modes by what lies outside of their space."""
+        shapes = self.reduced.shapes
+        stiffer, heavier = self.push_stiffness(shapes, dp), self.push_mass(shapes, dp)
+        return self._moved(stiffer, heavier, self.push_motions(dp))
+
+    def _moved(self, stiffer: np.ndarray, heavier: np.ndarray, moved: np.ndarray) -> np.ndarray:
         free, first = self.assembly.free, slice(self.statics)
         if self.reduced.factor is not None:
             open_by = stiffer[:, first] + self.stiffness @ moved[:, first]
@@ -52,11 +64,7 @@ class ReductionSlopes:
                 column = self.statics + k
                 load = stiffer[free, column] - frequency**2 * heavier[free, column]
                 moved[free, column] = -self._outside(k, load)
-        found = []
-        for matrix, change in ((self.stiffness, stiffer), (self.mass, heavier)):
-            half = moved.T @ (matrix @ shapes)
-            found.append(half + half.T + shapes.T @ change)
-        return found[0], found[1]
+        return moved
 
     def pull(self, stiffness_bar: np.ndarray, mass_bar: np.ndarray) -> np.ndarray:
         """Weights (np,) of the parameters from weights (r, r) of both matrices."""
@@ -105,14 +113,23 @@ class ReductionSlopes:
         ]
 
     # parts --------------------------------------------------------------------------------
-    def _push_stiffness(self, b: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        return self.assembly.push_stiffness(b, self.rest, self.p, self.rest, dp)
+    def push_stiffness(self, table: np.ndarray, dp: np.ndarray) -> np.ndarray:
+        """Change of ``K`` times each column."""
+        given = self.rest, self.p, self.rest, dp
+        return self._columns(lambda b: self.assembly.push_stiffness(b, *given), table)
+
+    def push_mass(self, table: np.ndarray, dp: np.ndarray) -> np.ndarray:
+        """Change of ``M`` times each column."""
+        return self._columns(lambda b: self.assembly.push_mass(b, self.p, dp), table)
 
     @staticmethod
     def _columns(act: Callable[[np.ndarray], np.ndarray], table: np.ndarray) -> np.ndarray:
-        return np.stack([act(column) for column in table.T], axis=1)
+        found = np.zeros_like(table)
+        for k, column in enumerate(table.T):
+            found[:, k] = act(np.ascontiguousarray(column))
+        return found
 
-    def _push_motions(self, dp: np.ndarray) -> np.ndarray:
+    def push_motions(self, dp: np.ndarray) -> np.ndarray:
         """(n, r) change of unit motions of the interfaces, as their nodes move apart."""
         moved, d = np.zeros_like(self.reduced.shapes), self.degrees.dimension
         places = push_places(self.assembly.blocks, self.degrees, self.p, dp)
