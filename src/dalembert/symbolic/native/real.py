@@ -86,7 +86,9 @@ class Real:
                 lines.append(f"  %x{k}.{lane} = extractelement {self.ir} %x{k}, i32 {lane}")
             given = ", ".join(f"double %x{k}.{lane}" for k in range(count))
             lines.append(f"  %y{lane} = call double @{name}({given})")
-            lines.append(f"  %r{lane} = insertelement {self.ir} {last}, double %y{lane}, i32 {lane}")
+            lines.append(
+                f"  %r{lane} = insertelement {self.ir} {last}, double %y{lane}, i32 {lane}"
+            )
             last = f"%r{lane}"
         return [*lines, f"  ret {self.ir} {last}", "}"]
 

@@ -1,4 +1,4 @@
-"""C text of a function of the graph, with the loop that calls it for many columns."""
+"""C text of a function of the graph."""
 
 from __future__ import annotations
 
@@ -7,27 +7,15 @@ from io import StringIO
 
 import casadi as ca
 
-ENTRY = "dalembert_columns"
-"""The function of a library that is called."""
-LOOP = f"""
-/* how many columns were done: all, or those before the first that fails */
-CASADI_SYMBOL_EXPORT casadi_int {ENTRY}(casadi_int count, casadi_int n_in, casadi_int n_out,
-    const casadi_real** from, const casadi_int* from_step, casadi_real** to,
-    const casadi_int* to_step, const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real* w) {{
-  casadi_int k, i;
-  for (k=0; k<count; ++k) {{
-    for (i=0; i<n_in; ++i) arg[i] = from[i]+k*from_step[i];
-    for (i=0; i<n_out; ++i) res[i] = to[i]+k*to_step[i];
-    if (casadi_f0(arg, res, iw, w, 0)) return k;
-  }}
-  return count;
-}}
-"""
+from dalembert.symbolic.native.loop import LOOP
+
+LARGE = 5_000_000
+"""Characters of C from which the virtual machine is faster, whose instructions are shorter: code
+that does not fit the caches of the processor is read from memory in every step."""
 
 
 def c_source(function: ca.Function) -> str | None:
-    """C text of a function; None where CasADi cannot write it, as for SUNDIALS."""
+    """C text of a function and its loop; None where CasADi cannot write it, as for SUNDIALS."""
     generator = ca.CodeGenerator("dalembert.c")
     try:
         with redirect_stderr(StringIO()):  # CasADi warns of what is told here by the answer
@@ -37,3 +25,10 @@ def c_source(function: ca.Function) -> str | None:
         return None
     stateless = f"int {function.name()}_checkout(void) {{\n  return 0;" in text
     return text + LOOP if stateless and "\n  #error" not in text else None
+
+
+def hindrance(text: str | None) -> str:
+    """Why a function stays on the virtual machine; nothing where machine code pays."""
+    if text is None:
+        return "CasADi cannot write this integrator as C"
+    return f"{len(text) / 1e6:.1f} MB of C would be slower" if len(text) > LARGE else ""

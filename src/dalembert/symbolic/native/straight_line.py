@@ -7,6 +7,7 @@ of the text and no faster. Every operation is rounded as written: nothing is fus
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator
 
@@ -49,11 +50,15 @@ def straight_line(function: CFunction, real: Real) -> list[str]:
 
 def longest_input(function: CFunction) -> int:
     """One more than the largest index into an argument."""
-    found = INPUT_INDEX.findall("\n".join(function.lines))
-    return 1 + max(map(int, found), default=0)
+    found = (re.findall(r"\? arg\[\d+\]\[(\d+)\] : 0;$", line) for line in function.lines)
+    return 1 + max((int(index) for line in found for index in line), default=0)
 
 
-INPUT_INDEX = re.compile(r"\? arg\[\d+\]\[(\d+)\] : 0;")
+def slot_count(function: CFunction) -> int:
+    """One more than the largest slot."""
+    head = itertools.takewhile(lambda line: line.startswith("  casadi_real"), function.lines[1:])
+    last = [re.findall(r"a(\d+)", line)[-1] for line in head]
+    return 1 + max(map(int, last), default=-1)
 
 
 def _parsed(function: CFunction) -> Iterator[Line]:

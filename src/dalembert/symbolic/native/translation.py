@@ -6,14 +6,22 @@ the entry calls is translated.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
+from dalembert.errors import UnsupportedError
 from dalembert.symbolic.native.c_expressions import Surroundings
 from dalembert.symbolic.native.c_functions import struct_lines, written_functions
-from dalembert.symbolic.native.c_text import CText
+from dalembert.symbolic.native.c_text import CFunction, CText
 from dalembert.symbolic.native.c_types import INT, REAL
 from dalembert.symbolic.native.real import Real
-from dalembert.symbolic.native.straight_line import ZEROS, longest_input, straight_line
+from dalembert.symbolic.native.straight_line import ZEROS, longest_input, slot_count, straight_line
+
+VERSION = 1
+"""Raised when the same text makes other instructions."""
+CALLED = re.compile(r"(casadi_f\d+)\(arg[^,()]*, res[^,()]*, iw[^,()]*, w(?:\+(\d+))?, ")
+PLACED = re.compile(r"(?:\*w\d+=|\bm\.\w+ = )w\+(\d+)\b")
+"""Numbers of a caller that outlast calls; others in the work vector are made and used between."""
 
 
 @dataclass(frozen=True)
@@ -23,15 +31,15 @@ class Module:
     Attributes
     ----------
     text : the module
-    looped : names of the functions whose variables are still in memory
+    in_memory : names of the functions whose variables are not in registers yet
     """
 
     text: str
-    looped: tuple[str, ...]
+    in_memory: tuple[str, ...]
 
 
-def translated(source: str, entry: str, exported: str, lanes: int = 1) -> Module:
-    """The function ``entry`` of a C text, and all it needs, under another name.
+def translated(source: str, entry: str, lanes: int = 1) -> Module:
+    """The function ``entry`` of a C text and all it calls.
 
     Raises
     ------
@@ -40,9 +48,10 @@ def translated(source: str, entry: str, exported: str, lanes: int = 1) -> Module
     """
     text, real = CText.read(source), Real(lanes)
     functions = text.needed(entry)
+    _check_work(functions)
     around = Surroundings(real)
-    wanted = {name for function in functions for name in function.uses} & set(text.arrays)
-    for name in sorted(wanted):
+    wanted = sorted({name for function in functions for name in function.uses} & set(text.arrays))
+    for name in wanted:
         around.arrays[name] = INT if text.arrays[name][0] == "int" else REAL
     straight = [function for function in functions if function.straight]
     parsed = [function for function in functions if not function.straight]
@@ -52,16 +61,11 @@ def translated(source: str, entry: str, exported: str, lanes: int = 1) -> Module
         lines += straight_line(function, real)
     longest = max(map(longest_input, straight), default=1)
     arrays = [f"@{ZEROS} = internal constant [{longest} x {real.ir}] zeroinitializer, align 8"]
-    arrays += [_array(name, *text.arrays[name], real) for name in sorted(wanted)]
-    body = "\n".join(lines).replace(f"define internal {_head(entry)}", f"define {_head(entry)}")
-    body = body.replace(f"@{entry}(", f"@{exported}(")
+    arrays += [_array(name, *text.arrays[name], real) for name in wanted]
+    head = f"i64 @{entry}("
+    body = "\n".join(lines).replace(f"define internal {head}", f"define {head}")
     everything = [*struct_lines(around), *arrays, *real.declarations(body), body, ""]
-    looped = tuple(exported if f.name == entry else f.name for f in parsed)
-    return Module("\n".join(everything), looped)
-
-
-def _head(entry: str) -> str:
-    return f"i64 @{entry}("
+    return Module("\n".join(everything), tuple(function.name for function in parsed))
 
 
 def _array(name: str, kind: str, count: int, numbers: list[str], real: Real) -> str:
@@ -72,3 +76,24 @@ def _array(name: str, kind: str, count: int, numbers: list[str], real: Real) -> 
     return f"@{name} = internal constant [{count} x {ir}] [{inside}], align 8"
 
 
+def _check_work(functions: list[CFunction]) -> None:
+    """Straight lines keep their slots in the part of the work vector that CasADi leaves them.
+
+    That no caller has its own numbers there is seen from its text.
+    """
+    needs: dict[str, int] = {}
+    for function in functions:
+        if function.straight:
+            needs[function.name] = slot_count(function)
+            continue
+        text = "\n".join(function.lines)
+        calls = [(name, int(at or 0)) for name, at in CALLED.findall(text)]
+        places = [int(at) for at in PLACED.findall(text)]
+        ends = [at + needs.get(name, 0) for name, at in calls]
+        for (name, at), end in zip(calls, ends, strict=True):
+            if any(at < place < end for place in places):
+                raise UnsupportedError(
+                    f"backend 'jit': {name} has too little room in {function.name}; "
+                    "use backend='c' or 'vm'"
+                )
+        needs[function.name] = max([*ends, *places], default=0)
