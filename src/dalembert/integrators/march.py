@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, SolverFailure
 from dalembert.integrators.checkpoints import Recorder, Repeat, recorder_like
-from dalembert.integrators.step import Step
+from dalembert.integrators.step import Marching, Step
 from dalembert.integrators.steps import Steps, Watch, even_length, run_length
 from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.columns import Columns
@@ -40,7 +40,7 @@ class FixedMarch:
     ):
         self.step_of, self.period = step_of, period
         self.backend = backend or VirtualMachine()
-        self._singles: dict[int, tuple[ca.Function, ca.Function]] = {}
+        self._singles: dict[int, Marching] = {}
         self._columns: dict[int, Columns] = {}
         self._chunks: dict[tuple[int, int], Kernel] = {}
         self._passed_on: dict[int, tuple[np.ndarray, np.ndarray]] = {}
@@ -177,14 +177,15 @@ class FixedMarch:
     def columns(self, mode: int) -> Columns:
         """``single`` for many steps."""
         if mode not in self._columns:
-            self._columns[mode] = self.backend.columns(self.single(mode), True, (4,))
+            made = self._prepared(mode)
+            self._columns[mode] = self.backend.columns(made.function, True, (4,), made.called)
         return self._columns[mode]
 
     def _passed(self, mode: int, p: np.ndarray) -> np.ndarray:
         """``q(p)``, kept for the next chunk."""
         known = self._passed_on.get(mode)
         if known is None or not np.array_equal(known[0], p):
-            known = p.copy(), self._prepared(mode)[0](p).full().ravel()
+            known = p.copy(), self._prepared(mode).values(p).full().ravel()
             self._passed_on[mode] = known
         return known[1]
 
@@ -195,20 +196,36 @@ class FixedMarch:
 
     def single(self, mode: int) -> ca.Function:
         """``(x, t, h, flag, q) → x``; the flag says whether the step is corrected."""
-        return self._prepared(mode)[1]
+        return self._prepared(mode).function
 
-    def _prepared(self, mode: int) -> tuple[ca.Function, ca.Function]:
-        """``p → q``, which is done once for many steps, and what is done in each."""
+    def _prepared(self, mode: int) -> Marching:
+        """What is done once for many steps, and what is done in each."""
         if mode not in self._singles:
-            self._singles[mode] = before(self._make_single(self.step_of(mode)), 4)
+            step = self.step_of(mode)
+            if branches(step, self.period):
+                self._singles[mode] = _branching(step, self.period)
+            else:
+                taken = step.marching
+                single, called = _single(taken.function), taken.called and _single(taken.called)
+                self._singles[mode] = Marching(taken.values, single, called)
         return self._singles[mode]
 
-    def _make_single(self, step: Step) -> ca.Function:
-        call, symbolic = flagged(step, self.period, lambda step: step.function)
-        kind: Any = ca.SX if symbolic else ca.MX
-        x, p = kind.sym("x", step.size), kind.sym("p", step.parameter_count)
-        t, h, flag = kind.sym("t"), kind.sym("h"), kind.sym("flag")
-        return ca.Function("single", [x, t, h, flag, p], [call(flag, t, h, x, p)])
+
+def _single(step: ca.Function) -> ca.Function:
+    """The step in the order of a march; every step is corrected, or none, so the flag is unseen."""
+    kind: Any = ca.SX if step.is_a("SXFunction") else ca.MX
+    t, h, x, q = (kind.sym(name, step.numel_in(i)) for i, name in enumerate("thxq"))
+    flag = kind.sym("flag")
+    return ca.Function("single", [x, t, h, flag, q], [step(t, h, x, q)])
+
+
+def _branching(step: Step, period: int) -> Marching:
+    """A step of which the flag decides whether it is corrected."""
+    call, _ = flagged(step, period, lambda step: step.function)
+    x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
+    t, h, flag = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("flag")
+    single = ca.Function("single", [x, t, h, flag, p], [call(flag, t, h, x, p)])
+    return Marching(*before(single, 4))
 
 
 def branches(step: Step, period: int) -> bool:

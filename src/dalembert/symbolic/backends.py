@@ -31,16 +31,27 @@ class Backend(ABC):
 
     @abstractmethod
     def columns(
-        self, function: ca.Function, carried: bool = False, fixed: tuple[int, ...] = ()
+        self,
+        function: ca.Function,
+        carried: bool = False,
+        fixed: tuple[int, ...] = (),
+        called: ca.Function | None = None,
     ) -> Columns:
-        """A function for many columns; ``carried`` and ``fixed`` as in ``Columns``."""
+        """A function for many columns; ``carried`` and ``fixed`` as in ``Columns``.
+
+        ``called`` is the same function in the form to be compiled, if there is another.
+        """
 
 
 class VirtualMachine(Backend):
     """CasADi's own interpreter: ready at once, nothing to compile."""
 
     def columns(
-        self, function: ca.Function, carried: bool = False, fixed: tuple[int, ...] = ()
+        self,
+        function: ca.Function,
+        carried: bool = False,
+        fixed: tuple[int, ...] = (),
+        called: ca.Function | None = None,
     ) -> Columns:
         return VirtualColumns(function, carried, fixed)
 
@@ -65,8 +76,13 @@ class Compiled(Backend):
         self._needed = needed
 
     def columns(
-        self, function: ca.Function, carried: bool = False, fixed: tuple[int, ...] = ()
+        self,
+        function: ca.Function,
+        carried: bool = False,
+        fixed: tuple[int, ...] = (),
+        called: ca.Function | None = None,
     ) -> Columns:
+        function = called or function
         if not carried:
             return _WhereMany(function, fixed, partial(self._made, function, False, fixed))
         return self._made(function, carried, fixed)
@@ -104,13 +120,17 @@ class Automatic(Backend):
     """Machine code where it is in the cache, or where the work repays compiling."""
 
     def columns(
-        self, function: ca.Function, carried: bool = False, fixed: tuple[int, ...] = ()
+        self,
+        function: ca.Function,
+        carried: bool = False,
+        fixed: tuple[int, ...] = (),
+        called: ca.Function | None = None,
     ) -> Columns:
         toolchain = best_toolchain()
         if toolchain is None:
             why = "neither llvmlite nor a C compiler is installed"
             return VirtualColumns(function, carried, fixed, why)
-        return SwitchingColumns(function, toolchain, carried, fixed)
+        return SwitchingColumns(function, toolchain, carried, fixed, called)
 
 
 BACKENDS: dict[str, Callable[[], Backend]] = {

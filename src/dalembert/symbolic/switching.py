@@ -1,8 +1,9 @@
 """Columns that begin on the virtual machine and go over to machine code.
 
-Compiling pays where the work on the virtual machine, done and announced, is more than it costs.
-Then it is begun in a process of its own, and what is in the cache is taken at once. Both give the
-same numbers, so that nobody sees when that happens.
+What is in the cache is taken at once. Work that is announced and takes several times as long as
+compiling waits for it. Else it is not known how much is still to come: once the work takes half as
+long as compiling, that is done in a process of its own, and the virtual machine goes on until it
+has ended. Both give the same numbers, so that nobody sees when they change.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.columns import Columns, NativeColumns, VirtualColumns
+from dalembert.symbolic.columns import Columns, NativeColumns, VirtualColumns, dense
 from dalembert.symbolic.native.background import Compilation
 from dalembert.symbolic.native.c_compiler import find_compiler
 from dalembert.symbolic.native.library import kept, made
@@ -27,10 +28,10 @@ from dalembert.symbolic.native.toolchain import Call, Toolchain
 VIRTUAL_RATE = 2e-9
 TEXT_RATE = 4e-6
 """Rough: seconds for an instruction, to evaluate it and to write it as C."""
-COMPILE_RATES = {"LLVM": (0.05, 2e-6), "C": (0.1, 5e-6)}
+COMPILE_RATES = {"LLVM": (0.05, 1.5e-6), "C": (0.1, 8e-6)}
 """Rough: seconds to begin, and for a character of C."""
-AT_ONCE = 0.1
-"""Seconds of compiling for which no other process is begun."""
+WORTH_WAITING = 1.5
+"""Times the cost of compiling from which announced work waits for it."""
 LATEST = 1.0
 """Seconds on the virtual machine after which compiling has begun."""
 
@@ -48,6 +49,7 @@ class SwitchingColumns(Columns):
     ----------
     function, carried, fixed : as for all
     toolchain : what compiles
+    called : the function in the form that is compiled, if there is another
     """
 
     def __init__(
@@ -56,9 +58,10 @@ class SwitchingColumns(Columns):
         toolchain: Toolchain,
         carried: bool = False,
         fixed: Sequence[int] = (),
+        called: ca.Function | None = None,
     ):
         super().__init__(function, carried, fixed)
-        self._toolchain = toolchain
+        self._toolchain, self._called = toolchain, dense(called or function)
         self._virtual = VirtualColumns(function, carried, fixed)
         self._native: NativeColumns | None = None
         self._text: str | None = None
@@ -104,41 +107,44 @@ class SwitchingColumns(Columns):
             self._announced = max(0, self._announced - count)
 
     def _decide(self, ahead: int) -> None:
-        """Take what is compiled, or begin to compile, where the columns so far and ahead pay it."""
+        """Take what is compiled, or compile it, where the columns so far and ahead repay that."""
         rate = self._seconds / self._columns if self._columns else VIRTUAL_RATE * self._instructions
-        work = self._seconds + ahead * rate
+        coming = ahead * rate
+        if self._compilation is not None:
+            self._end()
+            return
         if self._text is None:
-            if work < TEXT_RATE * self._instructions / 2:
+            if self._seconds + coming < TEXT_RATE * self._instructions / 2:
                 return
-            self._text = c_source(self.function)
-            if self._text is None or hindrance(self._text):
+            self._text = c_source(self._called) or ""
+            if hindrance(self._text or None):
                 self._ended = True
                 return
             self._take(kept(self._text, self._toolchain))
-        elif self._compilation is not None and not self._compilation.running:
-            self._take(kept(self._text, self._toolchain))
-            self._ended = True
-        if self._native is None and self._compilation is None:
-            self._begin(work)
+        if not self._ended:
+            self._compile(coming)
 
-    def _begin(self, work: float) -> None:
+    def _compile(self, coming: float) -> None:
         fixed, rate = COMPILE_RATES[self._toolchain.name]
-        assert self._text is not None
-        cost = fixed + rate * len(self._text)
-        if work < min(cost, LATEST):
-            return
-        if cost > AT_ONCE:
-            self._compilation = Compilation(self._text, self._toolchain)
-            return
-        try:
-            self._take(made(self._text, self._toolchain))
-        except UnsupportedError:  # a run must not fail for what it did not ask for
+        cost = fixed + rate * len(str(self._text))
+        if coming >= WORTH_WAITING * cost:
+            try:
+                self._take(made(str(self._text), self._toolchain))
+            except UnsupportedError:  # a run must not fail for what it did not ask for
+                self._ended = True
+        elif self._seconds + coming >= min(cost / 2, LATEST):
+            self._compilation = Compilation(str(self._text), self._toolchain)
+
+    def _end(self) -> None:
+        """Take what another process has compiled, once it has."""
+        if self._compilation is not None and not self._compilation.running:
+            self._take(kept(str(self._text), self._toolchain))
             self._ended = True
 
     def _take(self, loop: Call | None) -> None:
         if loop is not None:
             self._native = NativeColumns(
-                self.function, loop, self._toolchain.name, self.carried, sorted(self.fixed)
+                self._called, loop, self._toolchain.name, self.carried, sorted(self.fixed)
             )
             self._ended = True
 
