@@ -29,6 +29,8 @@ def cache(
     if as_json:
         emit({"ok": True, "folder": str(folder), "functions": count, "bytes": size, "clear": clear})
     else:
-        tell(f"{count} compiled functions, {size / 1e6:.1f} MB, {'deleted from' if clear else 'in'}")
+        tell(
+            f"{count} compiled functions, {size / 1e6:.1f} MB, {'deleted from' if clear else 'in'}"
+        )
         tell(f"  {folder}")
     return DONE

@@ -15,6 +15,7 @@ HEADER = re.compile(r"(?:static )?[\w *]*?(\w+)\((?!\()")
 NAME = re.compile(r"\bcasadi_\w+")
 STRAIGHT = re.compile(r"  (?:a\d+=|if \(res\[\d+\]!=0\) |casadi_real a\d|return 0;)")
 NUMBER = re.compile(r"[^\s{},]+")
+COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 OLD_C = "#if __STDC_VERSION__ < 199901L"
 
 
@@ -87,10 +88,10 @@ class CText:
 def _relevant(text: str) -> Iterator[str]:
     """Lines without comments and preprocessor; of two ways to write a thing the newer C."""
     old = False
-    for line in text.split("\n"):
+    for line in COMMENT.sub("", text).split("\n"):
         if line.startswith("#"):
             old = line == OLD_C or (old and not line.startswith("#else"))
-        elif line and not old and not line.lstrip().startswith(("/*", "#")):
+        elif not old and line.strip() and not line.lstrip().startswith("#"):
             yield line
 
 
