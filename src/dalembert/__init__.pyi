@@ -157,7 +157,6 @@ from dalembert.sensitivity.structural.eigenvalue_slopes import (
     eigenvalue_slopes as eigenvalue_slopes,
 )
 from dalembert.structures.structure import Structure as Structure
-from dalembert.symbolic.compiled import clear_cache as clear_cache
 from dalembert.symbolic.expression import Expression as Expression, t as t
 from dalembert.symbolic.functions import (
     absolute as absolute,
@@ -180,6 +179,7 @@ from dalembert.symbolic.functions import (
     tanh as tanh,
     where as where,
 )
+from dalembert.symbolic.native.library import clear_cache as clear_cache
 from dalembert.symbolic.parameter import Parameter as Parameter
 
 __version__: str

@@ -62,8 +62,9 @@ class Dynamics(OverTime[Motion]):
     integrator : how time advances
     events : name → Event, or a formula that is recorded when it crosses zero
     strict : refuse inconsistent initial speeds instead of projecting them
-    backend : ``"vm"``, CasADi's virtual machine, at once; ``"c"``, compiled once by the system's
-        C compiler and kept on disk; ``"auto"``, C where it exists or its work repays compiling
+    backend : ``"auto"``, CasADi's virtual machine at first and machine code where the work repays
+        compiling; ``"vm"``, the virtual machine; ``"jit"``, machine code by LLVM; ``"c"``, by the
+        system's C compiler. What is compiled is kept on disk
     balance : largest error of the energy balance, over the energy that took part in the motion,
         with which a run still counts as completed
     memory : bytes for the states that gradients and later questions need; of a longer run only
@@ -81,7 +82,7 @@ class Dynamics(OverTime[Motion]):
     integrator: Integrator = field(default_factory=RK4)
     events: Events | None = None
     strict: bool = False
-    backend: str = "vm"
+    backend: str = "auto"
     balance: float = 0.25
     memory: float = 2.0**28
 

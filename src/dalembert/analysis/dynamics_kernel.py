@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import casadi as ca
 import numpy as np
@@ -31,8 +31,8 @@ from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.results.recording import Recording, Trajectory
 from dalembert.symbolic.backends import Backend, VirtualMachine
+from dalembert.symbolic.columns import Columns
 from dalembert.symbolic.implicit import ImplicitFunction
-from dalembert.symbolic.kernel import Kernel
 
 BLOCK = 5000
 """Columns of a mapped function at once, so that what it is given takes little memory."""
@@ -105,7 +105,7 @@ class DynamicsKernel:
             check_contacts(self.equations, formulation, integrator)
             self.contacts = ContactModes(self.view, self.variants, self._mode)
         self._transitions: dict[tuple[int, int, bool], int] = {}
-        self._mapped: dict[tuple[ca.Function, int], Kernel] = {}
+        self._columns: dict[tuple[ca.Function, bool, tuple[int, ...]], Columns] = {}
         self.fixed = FixedMarch(
             lambda mode: self.variants[mode].step, stabilization.period, self.backend
         )
@@ -211,13 +211,24 @@ class DynamicsKernel:
                 return Switch(kept, following)
         return everything
 
-    def over(self, function: ca.Function, count: int) -> Kernel:
+    def over(self, function: ca.Function, count: int) -> Callable[..., list[np.ndarray]]:
         """The function for ``count`` columns at once; made once, for chunks ask again and again."""
-        function = self.backend.mapped(function, count)
-        key = (function, count)
-        if key not in self._mapped:
-            self._mapped[key] = Kernel(function.map(count))
-        return self._mapped[key]
+        return partial(self._made(function, False, ()), count)
+
+    def marched(self, function: ca.Function, fixed: tuple[int, ...]) -> Columns:
+        """A function whose result is its first argument for the next column; ``fixed`` are the
+        numbers of arguments that are the same for all."""
+        return self._made(function, True, fixed)
+
+    def _made(self, function: ca.Function, carried: bool, fixed: tuple[int, ...]) -> Columns:
+        key = (function, carried, fixed)
+        if key not in self._columns:
+            self._columns[key] = self.backend.columns(function, carried, fixed)
+        return self._columns[key]
+
+    def steps(self, mode: int) -> Columns:
+        """The steps, or attempted steps, of a mode."""
+        return (self.adaptive or self.fixed).columns(mode)
 
     # states -------------------------------------------------------------------------
     @cached_property

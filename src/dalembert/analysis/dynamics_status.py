@@ -149,8 +149,7 @@ def statistics(
         "integrator": kernel.integrator,
     }
     made: dict[str, Any] = {name: type(choice).__name__ for name, choice in choices.items()}
-    march = kernel.adaptive or kernel.fixed
-    made["backend"] = kernel.backend.report(march.single(int(steps.mode[-1]) if steps.count else 0))
+    made["backend"] = kernel.steps(int(steps.mode[-1]) if steps.count else 0).report
     made |= {
         "steps": steps.lasting.size,
         "rejected steps": steps.rejected,

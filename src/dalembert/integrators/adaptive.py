@@ -12,6 +12,7 @@ from dalembert.integrators.base import Attempt
 from dalembert.integrators.march import FixedMarch
 from dalembert.integrators.steps import Crossing, Steps, Watch
 from dalembert.symbolic.backends import Backend, VirtualMachine
+from dalembert.symbolic.columns import Columns
 from dalembert.symbolic.kernel import Kernel
 
 ATTEMPTS = 64
@@ -44,20 +45,17 @@ class AdaptiveMarch:
         self.changes = changes
         self.backend = backend or VirtualMachine()
         self._singles: dict[int, ca.Function] = {}
-        self._chunks: dict[ca.Function, Kernel] = {}
+        self._columns: dict[int, Columns] = {}
 
     def prepare(self, mode: int) -> None:
         """Compile the attempts."""
-        self._chunk(mode)
+        self.columns(mode).prepare(ATTEMPTS)
 
-    def _chunk(self, mode: int) -> Kernel:
-        function = self.backend.repeated(self.single(mode), ATTEMPTS)
-        if function not in self._chunks:
-            state = ca.MX.sym("s", function.numel_in(0))
-            fixed = ca.MX.sym("f", function.numel_in(1))
-            out = function.mapaccum(ATTEMPTS)(state, ca.repmat(fixed, 1, ATTEMPTS))
-            self._chunks[function] = Kernel(ca.Function("attempts", [state, fixed], list(out)))
-        return self._chunks[function]
+    def columns(self, mode: int) -> Columns:
+        """``single`` for many attempts."""
+        if mode not in self._columns:
+            self._columns[mode] = self.backend.columns(self.single(mode), True, (1,))
+        return self._columns[mode]
 
     def single(self, mode: int) -> ca.Function:
         """``(state, fixed) → (state, record)`` of one attempt."""
@@ -132,7 +130,7 @@ class AdaptiveMarch:
     def _attempted(self, mode: int, state: np.ndarray, fixed: np.ndarray):
         """A chunk of attempts; where a solver inside gives up, those before it and why."""
         try:
-            return *self._chunk(mode)(state, fixed), ""
+            return *self.columns(mode)(ATTEMPTS, state, fixed), ""
         except SolverFailure:  # it tells neither where nor what was done before
             single, done = Kernel(self.single(mode)), []
         for _ in range(ATTEMPTS):

@@ -7,16 +7,17 @@ with ``P`` the correction of the stabilisation. The adjoint runs the same sums b
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
 import casadi as ca
 
-from dalembert.integrators.step import Step
+from dalembert.integrators.step import Marching, Step
 from dalembert.integrators.tableau import ButcherTableau
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.linear_map import LinearChain, TriangularMap
-from dalembert.symbolic.prelude import Prelude
+from dalembert.symbolic.prelude import Prelude, before
 
 
 class ExplicitStep(Step):
@@ -84,6 +85,26 @@ class ExplicitStep(Step):
         _, slopes = self.stages(t, h, x, p, self.needed)
         new = self.correct(t + h, self.advance(h, x, slopes), p)
         return ca.Function("step", [t, h, x, p], [new], {"cse": True})
+
+    @cached_property
+    def marching(self) -> Marching:
+        parts = [before(f.function, 2) for f in self._functions]
+        p = ca.SX.sym("p", self.parameter_count)
+        values = ca.Function("prelude", [p], [ca.vertcat(*(h(p) for h, _ in parts))], {"cse": True})
+        return Marching(
+            values, self._after(values, parts, ca.SX), self._after(values, parts, ca.MX)
+        )
+
+    def _after(self, values: ca.Function, parts: Sequence[Sequence[ca.Function]], kind: Any):
+        """The step of ``q``; as a graph of matrices the slopes and the correction are calls."""
+        t, h, x, _ = self._symbols(kind)
+        q, cut = kind.sym("q", values.numel_out(0)), parts[0][0].numel_out(0)
+        _, slopes = self._staged(parts[0][1], t, h, x, q[:cut], self.needed)
+        new = self.advance(h, x, slopes)
+        if self.finish is not None:
+            new = parts[1][1](t + h, new, q[cut:])
+        options: Any = {"cse": True} if kind is ca.SX else {}
+        return ca.Function("step", [t, h, x, q], [new], options)
 
     @cached_property
     def plain(self) -> ExplicitStep:

@@ -10,9 +10,10 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, SolverFailure
 from dalembert.integrators.checkpoints import Recorder, Repeat, recorder_like
-from dalembert.integrators.step import Step
+from dalembert.integrators.step import Marching, Step
 from dalembert.integrators.steps import Steps, Watch, even_length, run_length
 from dalembert.symbolic.backends import Backend, VirtualMachine
+from dalembert.symbolic.columns import Columns
 from dalembert.symbolic.kernel import Kernel
 from dalembert.symbolic.prelude import before
 
@@ -39,16 +40,20 @@ class FixedMarch:
     ):
         self.step_of, self.period = step_of, period
         self.backend = backend or VirtualMachine()
-        self._singles: dict[int, tuple[ca.Function, ca.Function]] = {}
-        self._chunks: dict[tuple[ca.Function, int], Kernel] = {}
+        self._singles: dict[int, Marching] = {}
+        self._columns: dict[int, Columns] = {}
+        self._chunks: dict[tuple[int, int], Kernel] = {}
+        self._passed_on: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def prepare(self, count: int, mode: int) -> None:
         """Compile what ``count`` steps need."""
-        self.backend.repeated(self.single(mode), count)
-        if count >= CHUNK:
-            self._chunk(CHUNK, mode)
-        if count % CHUNK:
-            self._chunk(count % CHUNK, mode)
+        columns = self.columns(mode)
+        columns.announce(count)
+        for length in (min(count, CHUNK), count % CHUNK):
+            if length > 1 and self.at_once(mode):
+                self._chunk(length, mode)
+            elif length:
+                columns.prepare(length)
 
     def run(
         self, times: np.ndarray, x0: np.ndarray, p: np.ndarray, mode: int, watch: Watch
@@ -63,7 +68,7 @@ class FixedMarch:
     def repeat(self, steps: Steps, x0: np.ndarray, p: np.ndarray) -> Steps:
         """The steps of an earlier march from another state with other parameters."""
         for mode, count in zip(*np.unique(steps.mode, return_counts=True), strict=True):
-            self.backend.repeated(self.single(int(mode)), int(count))
+            self.columns(int(mode)).announce(int(count))
         given = (steps.t, steps.h, steps.corrected, steps.mode)
         return self._march(*given, x0, p, recorder_like(steps.x, steps.t, x0))
 
@@ -144,27 +149,45 @@ class FixedMarch:
         """
         count = given[0].size
         try:
-            return self._chunk(count, mode)(x, *given, p)[0], "", False
+            return self._advanced(count, mode, x, given, p), "", False
         except SolverFailure:  # it tells neither where nor what was done before
             out = np.full((x.size, count), np.nan)
         for k in range(count):
             try:
-                (x,) = self._chunk(1, mode)(x.ravel(), *(column[k] for column in given), p)
+                here = tuple(column[k] for column in given)
+                x = self._advanced(1, mode, x.ravel(), here, p)
             except SolverFailure as error:
                 why = self.step_of(mode).explained(error.reason)
                 return out, why or f"a step failed: {error.reason}", bool(why)
             out[:, k] = x.ravel()
         return out, "", False
 
+    def _advanced(self, count: int, mode: int, x: np.ndarray, given, p: np.ndarray) -> np.ndarray:
+        """States after ``count`` steps."""
+        if count > 1 and self.at_once(mode):
+            return self._chunk(count, mode)(x, *given, p)[0]
+        return self.columns(mode)(count, x, *given, self._passed(mode, p))[0]
+
     def _chunk(self, count: int, mode: int) -> Kernel:
-        single = self.backend.repeated(self.single(mode), 0)
-        key = (single, count)
-        if key not in self._chunks:
-            if count > 1 and self.at_once(mode):
-                self._chunks[key] = Kernel(self.step_of(mode).chunk(count))
-            else:
-                self._chunks[key] = Kernel(_map_steps(self._prepared(mode)[0], single, count))
-        return self._chunks[key]
+        """Equal steps at once."""
+        if (mode, count) not in self._chunks:
+            self._chunks[mode, count] = Kernel(self.step_of(mode).chunk(count))
+        return self._chunks[mode, count]
+
+    def columns(self, mode: int) -> Columns:
+        """``single`` for many steps."""
+        if mode not in self._columns:
+            made = self._prepared(mode)
+            self._columns[mode] = self.backend.columns(made.function, True, (4,), made.called)
+        return self._columns[mode]
+
+    def _passed(self, mode: int, p: np.ndarray) -> np.ndarray:
+        """``q(p)``, kept for the next chunk."""
+        known = self._passed_on.get(mode)
+        if known is None or not np.array_equal(known[0], p):
+            known = p.copy(), self._prepared(mode).values(p).full().ravel()
+            self._passed_on[mode] = known
+        return known[1]
 
     def at_once(self, mode: int) -> bool:
         """Whether equal steps are taken as chunks."""
@@ -173,20 +196,36 @@ class FixedMarch:
 
     def single(self, mode: int) -> ca.Function:
         """``(x, t, h, flag, q) → x``; the flag says whether the step is corrected."""
-        return self._prepared(mode)[1]
+        return self._prepared(mode).function
 
-    def _prepared(self, mode: int) -> tuple[ca.Function, ca.Function]:
-        """``p → q``, which is done once for many steps, and what is done in each."""
+    def _prepared(self, mode: int) -> Marching:
+        """What is done once for many steps, and what is done in each."""
         if mode not in self._singles:
-            self._singles[mode] = before(self._make_single(self.step_of(mode)), 4)
+            step = self.step_of(mode)
+            if branches(step, self.period):
+                self._singles[mode] = _branching(step, self.period)
+            else:
+                taken = step.marching
+                single, called = _single(taken.function), taken.called and _single(taken.called)
+                self._singles[mode] = Marching(taken.values, single, called)
         return self._singles[mode]
 
-    def _make_single(self, step: Step) -> ca.Function:
-        call, symbolic = flagged(step, self.period, lambda step: step.function)
-        kind: Any = ca.SX if symbolic else ca.MX
-        x, p = kind.sym("x", step.size), kind.sym("p", step.parameter_count)
-        t, h, flag = kind.sym("t"), kind.sym("h"), kind.sym("flag")
-        return ca.Function("single", [x, t, h, flag, p], [call(flag, t, h, x, p)])
+
+def _single(step: ca.Function) -> ca.Function:
+    """The step in the order of a march; every step is corrected, or none, so the flag is unseen."""
+    kind: Any = ca.SX if step.is_a("SXFunction") else ca.MX
+    t, h, x, q = (kind.sym(name, step.numel_in(i)) for i, name in enumerate("thxq"))
+    flag = kind.sym("flag")
+    return ca.Function("single", [x, t, h, flag, q], [step(t, h, x, q)])
+
+
+def _branching(step: Step, period: int) -> Marching:
+    """A step of which the flag decides whether it is corrected."""
+    call, _ = flagged(step, period, lambda step: step.function)
+    x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
+    t, h, flag = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("flag")
+    single = ca.Function("single", [x, t, h, flag, p], [call(flag, t, h, x, p)])
+    return Marching(*before(single, 4))
 
 
 def branches(step: Step, period: int) -> bool:
@@ -206,11 +245,3 @@ def flagged(
     if not branches(step, period):
         return lambda flag, *arguments: function(*arguments), function.is_a("SXFunction")
     return ca.Function.if_else("branch", function, function_of(step.plain)), False
-
-
-def _map_steps(prelude: ca.Function, single: ca.Function, count: int) -> ca.Function:
-    """One function for a chunk: repeats the parameters inside, so that NumPy converts once."""
-    x, p = ca.MX.sym("x", single.numel_in(0)), ca.MX.sym("p", prelude.numel_in(0))
-    t, h, flag = (ca.MX.sym(n, 1, count) for n in ("t", "h", "flag"))
-    columns = single.mapaccum(count)(x, t, h, flag, ca.repmat(prelude(p), 1, count))
-    return ca.Function("chunk", [x, t, h, flag, p], [columns])

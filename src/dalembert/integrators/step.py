@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -10,10 +11,27 @@ import casadi as ca
 
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.linear_map import TriangularMap
-from dalembert.symbolic.prelude import Prelude
+from dalembert.symbolic.prelude import Prelude, before
 
 WIDTH = 16
 """Directions in which a step is differentiated at once, for the graph grows with them."""
+
+
+@dataclass(frozen=True)
+class Marching:
+    """A step as marches take it.
+
+    Attributes
+    ----------
+    values : ``p → q``, done once for many steps
+    function : ``(t, h, x, q) → x⁺``
+    called : the same in the form that is fastest compiled, if there is another: parts that occur
+        several times are functions, compiled once
+    """
+
+    values: ca.Function
+    function: ca.Function
+    called: ca.Function | None = None
 
 
 class Step:
@@ -37,6 +55,11 @@ class Step:
     def function(self) -> ca.Function:
         """``(t, h, x, p) → x⁺``."""
         raise NotImplementedError
+
+    @cached_property
+    def marching(self) -> Marching:
+        """The step after what depends on the parameters alone."""
+        return Marching(*before(self.function, 3))
 
     @cached_property
     def prelude(self) -> Prelude:

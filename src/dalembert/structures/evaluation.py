@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import casadi as ca
 import numpy as np
 
 from dalembert.elements.fem.energies import Rows
 from dalembert.elements.fem.graphs import ElementGraphs
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic import columns as symbolic
+from dalembert.symbolic.backends import Automatic
 
 Columns = tuple[np.ndarray, ...]
 CHUNK = 4096
@@ -28,8 +28,8 @@ class Evaluation:
         self.displacement_count, self.data_count = graphs.u.numel(), graphs.data.numel()
         self.per_node = self.displacement_count // self.node_count
         self.quantities = [field.name for field in graphs.cls.quantity_fields()]
-        self._functions: dict[str, ca.Function] = {}
-        self._kernels: dict[tuple[str, int], Kernel] = {}
+        self._backend = Automatic()
+        self._functions: dict[str, symbolic.Columns] = {}
         self._rows: dict[tuple[Rows, int], np.ndarray] = {}
 
     def _energy(self, what: str, *columns: np.ndarray) -> list[np.ndarray]:
@@ -58,14 +58,12 @@ class Evaluation:
     def _at(self, what: str, samples: Rows, *columns: np.ndarray) -> list[np.ndarray]:
         """Results for columns that go through all elements for each sample in turn."""
         count = columns[0].shape[1]
-        if (what, count) not in self._kernels:
-            if what not in self._functions:
-                self._functions[what] = self.graphs.function(what)
-            self._kernels[what, count] = Kernel(self._functions[what].map(count))
+        if what not in self._functions:
+            self._functions[what] = self._backend.columns(self.graphs.function(what))
         if (samples, count) not in self._rows:
             rows = np.array(samples, dtype=float).reshape(len(samples), -1)
             self._rows[samples, count] = np.repeat(rows, count // len(samples), axis=0).ravel()
-        return self._kernels[what, count](self._rows[samples, count], *columns)
+        return self._functions[what](count, self._rows[samples, count], *columns)
 
     def _matrices(self, what: str, samples: Rows, *columns: np.ndarray) -> np.ndarray:
         k, count = self.displacement_count, columns[0].shape[1]

@@ -15,6 +15,18 @@ import numpy as np
 
 from dalembert.errors import SolverFailure
 
+NO_SOLUTION = "its equations have no unique solution"
+
+
+def flattened(name: str, number: int, argument, size: int) -> np.ndarray:
+    """An argument column by column; a single number fills it."""
+    flat = np.ascontiguousarray(np.asarray(argument, dtype=float).ravel(order="F"))
+    if flat.size == 1 and size != 1:
+        flat = np.full(size, flat[0])
+    if flat.size != size:
+        raise ValueError(f"{name}: argument {number} has {flat.size} entries, needs {size}")
+    return flat
+
 
 class Kernel:
     """A CasADi function on NumPy arrays.
@@ -42,13 +54,7 @@ class Kernel:
         buffer, trigger = self.function.buffer()
         kept = []
         for i, (argument, size) in enumerate(zip(arguments, self._sizes, strict=True)):
-            flat = np.ascontiguousarray(np.asarray(argument, dtype=float).ravel(order="F"))
-            if flat.size == 1 and size != 1:
-                flat = np.full(size, flat[0])
-            if flat.size != size:
-                raise ValueError(
-                    f"{self.function.name()}: argument {i} has {flat.size} entries, needs {size}"
-                )
+            flat = flattened(self.function.name(), i, argument, size)
             kept.append(flat)
             buffer.set_arg(i, memoryview(flat.data))
         results = [np.zeros(rows * columns) for rows, columns in self._shapes]
@@ -60,5 +66,5 @@ class Kernel:
         except RuntimeError as error:
             raise SolverFailure(str(error).strip().rpartition(": ")[2].rstrip(".")) from None
         if buffer.ret():  # tells what raises nothing; the results are zeros then
-            raise SolverFailure("its equations have no unique solution")
+            raise SolverFailure(NO_SOLUTION)
         return [r.reshape(shape, order="F") for r, shape in zip(results, self._shapes, strict=True)]

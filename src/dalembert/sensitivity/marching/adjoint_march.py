@@ -34,17 +34,9 @@ class AdjointMarch(MarchedSample):
                 count = even_length(steps.h[stop - count : stop][::-1])
             injected = self._injected(stop - count, stop - 1, p_bar)
             part = np.arange(stop - 1, stop - count - 1, -1)
-            (carried,) = self._backward(count, mode)(
-                carried.ravel(),
-                steps.t[part],
-                steps.h[part],
-                steps.corrected[part],
-                steps.x[:, part],
-                injected[:, ::-1],
-                self.p,
-            )
+            given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
+            carried = self._backward(count, mode, carried, (*given, injected[:, ::-1]))
             stop -= count
-        carried = carried.ravel()
         return p_bar + carried[n:] + self._through_start(carried[:n])
 
     def _injected(self, first: int, last: int, p_bar: np.ndarray) -> np.ndarray:
@@ -83,13 +75,17 @@ class AdjointMarch(MarchedSample):
         np.add.at(injected.T, self.number[chosen] - first, x_bar.T)
         return injected
 
-    def _backward(self, count: int, mode: int) -> Kernel:
-        """``count`` backward steps in one call."""
+    def _backward(self, count: int, mode: int, carried: np.ndarray, given) -> np.ndarray:
+        """What ``count`` backward steps in one call make of ``[x̄; p̄]``."""
+        n, p = self.size, self.p
         if self.kernel.fixed.at_once(mode):
-            return _backward_chunk(self.step_of(mode), count)
-        prelude, single = _backward_step(self.kernel, mode)
-        step = self.kernel.backend.repeated(single, count)
-        return _backward_steps(self.kernel, prelude, step, count)
+            return _backward_chunk(self.step_of(mode), count)(carried, *given, p)[0].ravel()
+        compiled = self.kernel.steps(mode).compiled
+        prelude, single = _backward_step(self.kernel, mode, compiled)
+        first = np.append(carried[:n], np.zeros(prelude.rate_count))
+        values = prelude.values(p).full()
+        last = self.kernel.marched(single, (6,))(count, first, *given, values)[0][:, -1]
+        return np.append(last[:n], carried[n:] + prelude.adjoint(p, last[n:]).full().ravel())
 
     def _through_start(self, x_bar: np.ndarray) -> np.ndarray:
         """Weight of the parameters through memory and the assembled initial state."""
@@ -110,22 +106,6 @@ class AdjointMarch(MarchedSample):
 
 
 @once
-def _backward_steps(
-    kernel: DynamicsKernel, prelude: Prelude, step: ca.Function, count: int
-) -> Kernel:
-    n, m = step.numel_in(4), prelude.values.numel_in(0)
-    carried, p = ca.MX.sym("c", n + m), ca.MX.sym("p", m)
-    t, h, flag = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
-    x, inject = ca.MX.sym("x", n, count), ca.MX.sym("i", n, count)
-    first = ca.vertcat(carried[:n], ca.MX.zeros(prelude.rate_count))
-    same = ca.repmat(prelude.values(p), 1, count)
-    last = step.mapaccum(count)(first, t, h, flag, x, inject, same)[:, -1]
-    p_bar = carried[n:] + prelude.adjoint(p, last[n:])
-    inputs = [carried, t, h, flag, x, inject, p]
-    return Kernel(ca.Function("backward", inputs, [ca.vertcat(last[:n], p_bar)]))
-
-
-@once
 def _backward_chunk(step: Step, count: int) -> Kernel:
     """The same of equal steps that are taken at once."""
     n, m = step.size, step.parameter_count
@@ -141,14 +121,19 @@ def _backward_chunk(step: Step, count: int) -> Kernel:
 
 
 @once
-def _backward_step(kernel: DynamicsKernel, mode: int) -> tuple[Prelude, ca.Function]:
-    """The prelude, and ``([x̄; q̄], t, h, flag, x, what is seen, q) → [x̄; q̄]``."""
+def _backward_step(
+    kernel: DynamicsKernel, mode: int, compiled: bool
+) -> tuple[Prelude, ca.Function]:
+    """The prelude, and ``([x̄; q̄], t, h, flag, x, what is seen, q) → [x̄; q̄]``.
+
+    ``compiled`` asks for the form that is fastest as machine code.
+    """
     step, period = kernel.variants[mode].step, kernel.fixed.period
     prelude, n = step.prelude, step.size
     if branches(step, period):  # two steps, with a prelude each
         prelude = Prelude.identity(step.parameter_count)
         call, _ = flagged(step, period, lambda one: one.adjoint)
-    elif kernel.backend.compiles:
+    elif compiled:
         call, _ = flagged(step, period, lambda one: one.compiled_adjoint)
     else:
         call, _ = flagged(step, period, lambda one: one.prepared_adjoint)

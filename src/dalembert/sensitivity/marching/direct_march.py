@@ -51,15 +51,8 @@ class DirectMarch:
             if self.run.kernel.fixed.at_once(mode):
                 count = even_length(steps.h[begin : begin + count])
             part = slice(begin, begin + count)
-            (out,) = self._forward(count, mode)(
-                dx,
-                steps.t[part],
-                steps.h[part],
-                steps.corrected[part],
-                steps.x[:, part],
-                self.run.p,
-                self.unit,
-            )
+            given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
+            out = self._forward(count, mode, dx, given)
             changes = np.hstack([dx, out]).T.reshape(count + 1, c, n)
             self._look(gradient, begin, changes[:-1])
             dx, begin = out[:, -c:], begin + count
@@ -111,14 +104,16 @@ class DirectMarch:
         more = memory_tangent(first).map(c)(t, x0, p, memory, 0, dx, unit)
         return np.vstack([dx, more.full()])
 
-    def _forward(self, count: int, mode: int) -> Kernel:
+    def _forward(self, count: int, mode: int, dx: np.ndarray, given) -> np.ndarray:
         """Tangents of ``count`` steps in one call."""
-        kernel = self.run.kernel
+        kernel, p = self.run.kernel, self.run.p
         if kernel.fixed.at_once(mode):
-            return _forward_chunk(self.run.step_of(mode), count, self.count)
+            forward = _forward_chunk(self.run.step_of(mode), count, self.count)
+            return forward(dx, *given, p, self.unit)[0]
         prelude, single = _forward_step(kernel, mode, self.count)
-        step = kernel.backend.repeated(single, count)
-        return _forward_steps(kernel, prelude, step, count, self.count)
+        values = prelude.values(p).full()
+        rates = prelude.tangent.map(self.count)(np.tile(p[:, None], self.count), self.unit).full()
+        return kernel.marched(single, (5, 6))(count, dx, *given, values, rates)[0]
 
 
 @once
@@ -130,23 +125,6 @@ def _inside(step: Step, columns: int) -> Kernel:
 @once
 def _measured(function: ImplicitFunction, columns: int) -> Kernel:
     return Kernel(function.tangents(columns))
-
-
-@once
-def _forward_steps(
-    kernel: DynamicsKernel,
-    prelude: Prelude,
-    step: ca.Function,
-    count: int,
-    c: int,
-) -> Kernel:
-    n, m = step.numel_in(4), prelude.values.numel_in(0)
-    dx, p, dp = ca.MX.sym("dx", n, c), ca.MX.sym("p", m), ca.MX.sym("dp", m, c)
-    ts, hs, fs = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
-    xs, same = ca.MX.sym("xs", n, count), ca.repmat(prelude.values(p), 1, count)
-    rates = prelude.tangent.map(c)(ca.repmat(p, 1, c), dp)
-    out = step.mapaccum(count)(dx, ts, hs, fs, xs, same, ca.repmat(rates, 1, count))
-    return Kernel(ca.Function("forward", [dx, ts, hs, fs, xs, p, dp], [out]))
 
 
 @once

@@ -14,7 +14,7 @@ from dalembert.integrators.march import CHUNK, flagged
 from dalembert.integrators.steps import run_length
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
 from dalembert.sensitivity.samples import Sample
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.columns import Columns
 from dalembert.symbolic.once import once
 
 
@@ -59,13 +59,14 @@ class DirectionalMarch(MarchedSample):
             count = run_length(steps.mode, begin, CHUNK)
             part = slice(begin, begin + count)
             given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
-            (out,) = self._forward(count, int(steps.mode[begin]))(columns[-1][:, -1], *given, p, d)
+            forward = self._forward(int(steps.mode[begin]))
+            (out,) = forward(count, columns[-1][:, -1], *given, p, d)
             columns.append(out)
             begin += count
         return np.hstack(columns)
 
-    def _forward(self, count: int, mode: int) -> Kernel:
-        return repeated(self.kernel, _along(self.kernel, mode), count)
+    def _forward(self, mode: int) -> Columns:
+        return repeated(self.kernel, _along(self.kernel, mode))
 
     def sampled(self, changes: np.ndarray) -> np.ndarray:
         """(n, K) ``ẋ`` at the outputs."""
@@ -104,16 +105,7 @@ def _along(kernel: DynamicsKernel, mode: int) -> ca.Function:
     return ca.Function("along", [dx, t, h, flag, x, p, dp], [call(flag, t, h, x, p, dx, dp)])
 
 
-def repeated(kernel: DynamicsKernel, single: ca.Function, count: int) -> Kernel:
-    """``count`` calls, each with the result of the one before; p and ṗ come last."""
-    return _chunk(kernel, kernel.backend.repeated(single, count), count)
-
-
-@once
-def _chunk(kernel: DynamicsKernel, step: ca.Function, count: int) -> Kernel:
-    sizes = [step.numel_in(k) for k in range(step.n_in())]
-    columns = [ca.MX.sym("i", size, count) for size in sizes[1:-2]]
-    same = [ca.MX.sym("s", size) for size in sizes[-2:]]
-    first = ca.MX.sym("first", sizes[0])
-    out = step.mapaccum(count)(first, *columns, *(ca.repmat(s, 1, count) for s in same))
-    return Kernel(ca.Function("chunk", [first, *columns, *same], [ca.densify(out)]))
+def repeated(kernel: DynamicsKernel, single: ca.Function) -> Columns:
+    """Calls, each with the result of the one before; p and ṗ come last."""
+    last = single.n_in()
+    return kernel.marched(single, (last - 2, last - 1))

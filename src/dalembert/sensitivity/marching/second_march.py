@@ -18,7 +18,7 @@ from dalembert.integrators.steps import run_length
 from dalembert.sensitivity.marching.directional_march import DirectionalMarch, repeated
 from dalembert.sensitivity.marching.second_step import second_begin, second_step
 from dalembert.sensitivity.samples import Sample, weights_change
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.columns import Columns
 from dalembert.symbolic.once import once
 
 
@@ -107,14 +107,14 @@ class SecondMarch(DirectionalMarch):
             count = run_length(steps.mode[:stop][::-1], 0, CHUNK)
             part = np.arange(stop - 1, stop - count - 1, -1)
             given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
-            (columns,) = self._backward(count, int(steps.mode[stop - 1]))(
-                carried, *given, changes[:, part], injected[:, part], self.p, self.direction
+            (columns,) = self._backward(int(steps.mode[stop - 1]))(
+                count, carried, *given, changes[:, part], injected[:, part], self.p, self.direction
             )
             carried, stop = columns[:, -1], stop - count
         return carried[: 2 * n], carried[2 * n :]
 
-    def _backward(self, count: int, mode: int) -> Kernel:
-        return repeated(self.kernel, _back(self.kernel, mode), count)
+    def _backward(self, mode: int) -> Columns:
+        return repeated(self.kernel, _back(self.kernel, mode))
 
     def _through_start(self, pair: np.ndarray) -> np.ndarray:
         """``d p̄`` through the assembled initial state."""

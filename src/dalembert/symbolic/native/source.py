@@ -1,0 +1,34 @@
+"""C text of a function of the graph."""
+
+from __future__ import annotations
+
+from contextlib import redirect_stderr
+from io import StringIO
+
+import casadi as ca
+
+from dalembert.symbolic.native.loop import LOOP
+
+LARGE = 5_000_000
+"""Characters of C from which the virtual machine is faster, whose instructions are shorter: code
+that does not fit the caches of the processor is read from memory in every step."""
+
+
+def c_source(function: ca.Function) -> str | None:
+    """C text of a function and its loop; None where CasADi cannot write it, as for SUNDIALS."""
+    generator = ca.CodeGenerator("dalembert.c")
+    try:
+        with redirect_stderr(StringIO()):  # CasADi warns of what is told here by the answer
+            generator.add(function)
+            text = generator.dump()
+    except RuntimeError:
+        return None
+    stateless = f"int {function.name()}_checkout(void) {{\n  return 0;" in text
+    return text + LOOP if stateless and "\n  #error" not in text else None
+
+
+def hindrance(text: str | None) -> str:
+    """Why a function stays on the virtual machine; nothing where machine code pays."""
+    if text is None:
+        return "CasADi cannot write this integrator as C"
+    return f"{len(text) / 1e6:.1f} MB of C would be slower" if len(text) > LARGE else ""

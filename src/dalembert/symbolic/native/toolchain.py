@@ -1,0 +1,53 @@
+"""What turns C text into a function that can be called."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from pathlib import Path
+from typing import ClassVar
+
+Call = Callable[..., int]
+"""The loop over columns of ``source.py``, on addresses; it returns how many columns are done."""
+
+
+class Toolchain(ABC):
+    """A way to machine code.
+
+    Attributes
+    ----------
+    name : what it is called in a report
+    backend : what it is called where it is chosen
+    suffix : of its files
+    maker : module and name of the function that makes it, for another process
+    """
+
+    name: ClassVar[str]
+    backend: ClassVar[str]
+    suffix: ClassVar[str]
+    maker: ClassVar[tuple[str, str]]
+
+    @property
+    @abstractmethod
+    def identity(self) -> tuple[str, ...]:
+        """What its files depend on, besides the text."""
+
+    @abstractmethod
+    def build(self, text: str, target: Path) -> None:
+        """Make a file of a text.
+
+        Raises
+        ------
+        UnsupportedError
+            That is not possible; with the reason.
+        """
+
+    @abstractmethod
+    def load(self, path: Path) -> Call:
+        """The loop of a whole file.
+
+        Raises
+        ------
+        OSError
+            It cannot be loaded.
+        """

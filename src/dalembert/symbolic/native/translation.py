@@ -1,0 +1,99 @@
+"""C text of a function → LLVM IR.
+
+The bulk, straight lines of scalars, goes line by line; what stands around it is parsed. Only what
+the entry calls is translated.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from dalembert.errors import UnsupportedError
+from dalembert.symbolic.native.c_expressions import Surroundings
+from dalembert.symbolic.native.c_functions import struct_lines, written_functions
+from dalembert.symbolic.native.c_text import CFunction, CText
+from dalembert.symbolic.native.c_types import INT, REAL
+from dalembert.symbolic.native.real import Real
+from dalembert.symbolic.native.straight_line import ZEROS, longest_input, slot_count, straight_line
+
+VERSION = 1
+"""Raised when the same text makes other instructions."""
+CALLED = re.compile(r"(casadi_f\d+)\(arg[^,()]*, res[^,()]*, iw[^,()]*, w(?:\+(\d+))?, ")
+PLACED = re.compile(r"(?:\*w\d+=|\bm\.\w+ = )w\+(\d+)\b")
+"""Numbers of a caller that outlast calls; others in the work vector are made and used between."""
+
+
+@dataclass(frozen=True)
+class Module:
+    """LLVM IR.
+
+    Attributes
+    ----------
+    text : the module
+    in_memory : names of the functions whose variables are not in registers yet
+    """
+
+    text: str
+    in_memory: tuple[str, ...]
+
+
+def translated(source: str, entry: str, lanes: int = 1) -> Module:
+    """The function ``entry`` of a C text and all it calls.
+
+    Raises
+    ------
+    UnsupportedError
+        There is C in it that is not known, or lanes do not agree on a choice.
+    """
+    text, real = CText.read(source), Real(lanes)
+    functions = text.needed(entry)
+    _check_work(functions)
+    around = Surroundings(real)
+    wanted = sorted({name for function in functions for name in function.uses} & set(text.arrays))
+    for name in wanted:
+        around.arrays[name] = INT if text.arrays[name][0] == "int" else REAL
+    straight = [function for function in functions if function.straight]
+    parsed = [function for function in functions if not function.straight]
+    structs = [s for s in text.structs if any(s.split()[1] in f.uses for f in parsed)]
+    lines = written_functions(functions, structs, around)
+    for function in straight:
+        lines += straight_line(function, real)
+    longest = max(map(longest_input, straight), default=1)
+    arrays = [f"@{ZEROS} = internal constant [{longest} x {real.ir}] zeroinitializer, align 8"]
+    arrays += [_array(name, *text.arrays[name], real) for name in wanted]
+    head = f"i64 @{entry}("
+    body = "\n".join(lines).replace(f"define internal {head}", f"define {head}")
+    everything = [*struct_lines(around), *arrays, *real.declarations(body), body, ""]
+    return Module("\n".join(everything), tuple(function.name for function in parsed))
+
+
+def _array(name: str, kind: str, count: int, numbers: list[str], real: Real) -> str:
+    ir = real.ir if kind == "real" else "i64"
+    numbers = numbers + ["0"] * (count - len(numbers))  # those not given
+    values = [real.constant(n) if kind == "real" else n for n in numbers]
+    inside = ", ".join(f"{ir} {value}" for value in values)
+    return f"@{name} = internal constant [{count} x {ir}] [{inside}], align 8"
+
+
+def _check_work(functions: list[CFunction]) -> None:
+    """Straight lines keep their slots in the part of the work vector that CasADi leaves them.
+
+    That no caller has its own numbers there is seen from its text.
+    """
+    needs: dict[str, int] = {}
+    for function in functions:
+        if function.straight:
+            needs[function.name] = slot_count(function)
+            continue
+        text = "\n".join(function.lines)
+        calls = [(name, int(at or 0)) for name, at in CALLED.findall(text)]
+        places = [int(at) for at in PLACED.findall(text)]
+        ends = [at + needs.get(name, 0) for name, at in calls]
+        for (name, at), end in zip(calls, ends, strict=True):
+            if any(at < place < end for place in places):
+                raise UnsupportedError(
+                    f"backend 'jit': {name} has too little room in {function.name}; "
+                    "use backend='c' or 'vm'"
+                )
+        needs[function.name] = max([*ends, *places], default=0)
