@@ -124,7 +124,13 @@ class NativeColumns(Columns):
     function, carried, fixed : as for all
     loop : what it was compiled to
     name : of what compiled it
+
+    Attributes
+    ----------
+    lanes : numbers in the place of one
     """
+
+    lanes = 1
 
     def __init__(
         self,
@@ -143,7 +149,12 @@ class NativeColumns(Columns):
             np.array([rows * columns for rows, columns in self.shapes], dtype=np.int64),
         )
         f = self.function
-        self._work = f.sz_arg() + f.n_in(), f.sz_res() + f.n_out(), f.sz_iw() + 1, f.sz_w() + 1
+        self._work = (
+            f.sz_arg() + f.n_in(),
+            f.sz_res() + f.n_out(),
+            f.sz_iw() + 1,
+            f.sz_w() * self.lanes + 1,
+        )
 
     def __call__(self, count: int, *arguments: Any) -> list[np.ndarray]:
         given = [
