@@ -1,7 +1,7 @@
 """Columns that begin on the virtual machine and go over to machine code.
 
 What is in the cache is taken at once. Work that is announced and takes several times as long as
-compiling waits for it. Else it is not known how much is still to come: once the work takes half as
+compiling waits for it. Else it is not known how much is still to come: once the work has taken as
 long as compiling, that is done in a process of its own, and the virtual machine goes on until it
 has ended. Both give the same numbers, so that nobody sees when they change.
 """
@@ -132,7 +132,7 @@ class SwitchingColumns(Columns):
                 self._take(made(str(self._text), self._toolchain))
             except UnsupportedError:  # a run must not fail for what it did not ask for
                 self._ended = True
-        elif self._seconds + coming >= min(cost / 2, LATEST):
+        elif self._seconds + coming >= min(cost, LATEST):
             self._compilation = Compilation(str(self._text), self._toolchain)
 
     def _end(self) -> None:

@@ -17,8 +17,6 @@ from dalembert.symbolic.native.c_types import INT, REAL
 from dalembert.symbolic.native.real import Real
 from dalembert.symbolic.native.straight_line import ZEROS, longest_input, slot_count, straight_line
 
-VERSION = 1
-"""Raised when the same text makes other instructions."""
 CALLED = re.compile(r"(casadi_f\d+)\(arg[^,()]*, res[^,()]*, iw[^,()]*, w(?:\+(\d+))?, ")
 PLACED = re.compile(r"(?:\*w\d+=|\bm\.\w+ = )w\+(\d+)\b")
 """Numbers of a caller that outlast calls; others in the work vector are made and used between."""
