@@ -17,7 +17,13 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.columns import Columns, NativeColumns, VirtualColumns, dense
+from dalembert.symbolic.columns import (
+    Columns,
+    NativeColumns,
+    VirtualColumns,
+    compiled_form,
+    instructions,
+)
 from dalembert.symbolic.native.background import Compilation
 from dalembert.symbolic.native.c_compiler import find_compiler
 from dalembert.symbolic.native.library import kept, made
@@ -61,7 +67,7 @@ class SwitchingColumns(Columns):
         called: ca.Function | None = None,
     ):
         super().__init__(function, carried, fixed)
-        self._toolchain, self._called = toolchain, dense(called or function)
+        self._toolchain, self._called = toolchain, compiled_form(function, called)
         self._virtual = VirtualColumns(function, carried, fixed)
         self._native: NativeColumns | None = None
         self._text: str | None = None
@@ -147,9 +153,3 @@ class SwitchingColumns(Columns):
                 self._called, loop, self._toolchain.name, self.carried, sorted(self.fixed)
             )
             self._ended = True
-
-
-def instructions(function: ca.Function) -> int:
-    """About how many operations a function does."""
-    inside = [function, *function.find_functions()]
-    return sum(f.n_instructions() for f in inside if f.is_a("SXFunction") or f.is_a("MXFunction"))

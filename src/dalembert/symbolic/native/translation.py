@@ -10,8 +10,8 @@ import re
 from dataclasses import dataclass
 
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.native.c_expressions import Surroundings
 from dalembert.symbolic.native.c_functions import struct_lines, written_functions
+from dalembert.symbolic.native.c_instructions import Surroundings
 from dalembert.symbolic.native.c_text import CFunction, CText
 from dalembert.symbolic.native.c_types import INT, REAL
 from dalembert.symbolic.native.real import Real
