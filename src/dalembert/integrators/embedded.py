@@ -28,7 +28,7 @@ def embedded_attempt(
         h = _length(state, fixed)
         _, slopes = step.stages(t, h, x, p)
         new = step.correct(t + h, step.advance(h, x, slopes), p)
-        out = judge(state, fixed, new, ca.horzcat(*slopes))
+        out: Any = judge(state, fixed, new, ca.horzcat(*slopes))
         options: Any = {"cse": True} if kind is ca.SX else {}
         return ca.Function("attempt", [state, fixed], out, options)
 
