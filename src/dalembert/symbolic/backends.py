@@ -14,7 +14,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.symbolic.columns import Columns, NativeColumns, VirtualColumns
+from dalembert.symbolic.columns import Columns, NativeColumns, VirtualColumns, compiled_form
 from dalembert.symbolic.native.c_compiler import needed_compiler
 from dalembert.symbolic.native.library import made
 from dalembert.symbolic.native.llvm import needed_llvm
@@ -82,7 +82,7 @@ class Compiled(Backend):
         fixed: tuple[int, ...] = (),
         called: ca.Function | None = None,
     ) -> Columns:
-        function = called or function
+        function = compiled_form(function, called)
         if not carried:
             return _WhereMany(function, fixed, partial(self._made, function, False, fixed))
         return self._made(function, carried, fixed)

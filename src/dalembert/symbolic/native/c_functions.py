@@ -8,7 +8,8 @@ from typing import Any
 from pycparser import c_ast, c_parser
 
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.native.c_expressions import Expressions, Surroundings
+from dalembert.symbolic.native.c_expressions import Expressions
+from dalembert.symbolic.native.c_instructions import Surroundings
 from dalembert.symbolic.native.c_text import CFunction
 from dalembert.symbolic.native.c_types import INT, REAL, SMALL, VOID, CType, declared, pointer
 

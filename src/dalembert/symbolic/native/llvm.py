@@ -17,8 +17,9 @@ from dalembert.errors import UnsupportedError
 from dalembert.symbolic.native.loop import ENTRY, SIGNATURE
 from dalembert.symbolic.native.real import LIBRARY
 from dalembert.symbolic.native.toolchain import Call, Toolchain
-from dalembert.symbolic.native.translation import VERSION, Module, translated
 
+VERSION = 1
+"""Raised when the same text makes other instructions."""
 OPTIMISED = 1
 """Level of code generation; none changes how a number is rounded."""
 
@@ -50,6 +51,8 @@ class Llvm(Toolchain):
         return (*about, str(OPTIMISED), str(VERSION), str(self.lanes))
 
     def build(self, text: str, target: Path) -> None:
+        from dalembert.symbolic.native.translation import translated
+
         target.write_bytes(_object_code(translated(text, ENTRY, self.lanes)))
 
     def load(self, path: Path) -> Call:
@@ -93,7 +96,7 @@ def _machine() -> Any:
     )
 
 
-def _object_code(module: Module) -> bytes:
+def _object_code(module: Any) -> bytes:
     import llvmlite.binding as llvm
 
     machine = _machine()

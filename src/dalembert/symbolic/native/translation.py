@@ -10,15 +10,13 @@ import re
 from dataclasses import dataclass
 
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.native.c_expressions import Surroundings
 from dalembert.symbolic.native.c_functions import struct_lines, written_functions
+from dalembert.symbolic.native.c_instructions import Surroundings
 from dalembert.symbolic.native.c_text import CFunction, CText
 from dalembert.symbolic.native.c_types import INT, REAL
 from dalembert.symbolic.native.real import Real
 from dalembert.symbolic.native.straight_line import ZEROS, longest_input, slot_count, straight_line
 
-VERSION = 1
-"""Raised when the same text makes other instructions."""
 CALLED = re.compile(r"(casadi_f\d+)\(arg[^,()]*, res[^,()]*, iw[^,()]*, w(?:\+(\d+))?, ")
 PLACED = re.compile(r"(?:\*w\d+=|\bm\.\w+ = )w\+(\d+)\b")
 """Numbers of a caller that outlast calls; others in the work vector are made and used between."""
