@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from dalembert.analysis.batch.solve import solve
 from dalembert.analysis.branches import Branches, outputs_of, place_outputs
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics_run import DynamicsRun
@@ -28,12 +29,16 @@ from dalembert.integrators.runge_kutta import RK4
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.options import options
+from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.backends import BACKENDS
 from dalembert.symbolic.once import once
+
+if TYPE_CHECKING:
+    from dalembert.results.designs import ManyDesigns
 
 STRATEGIES = {
     "coordinates": (Coordinates, AbsoluteCoordinates),
@@ -239,14 +244,27 @@ def solve_dynamics(
 ) -> StructuralMotion: ...
 
 
+@overload
 def solve_dynamics(
     model: Model | StructuralModel,
     duration: float | None = None,
     *,
-    parameters: Mapping[str, float] | None = None,
+    parameters: ManyDesigns,
     progress: bool | Callable[[float], None] = False,
+    workers: int | None = None,
     **options: Any,
-) -> Motion | StructuralMotion:
+) -> Batch: ...
+
+
+def solve_dynamics(
+    model: Model | StructuralModel,
+    duration: float | None = None,
+    *,
+    parameters: Any = None,
+    progress: bool | Callable[[float], None] = False,
+    workers: int | None = None,
+    **options: Any,
+) -> Motion | StructuralMotion | Batch:
     """Integrate the equations of motion, ``M v̇ + d = f − Cᵀλ``, ``C v̇ = ξ`` (5.2).
 
     Those of a structure are those of ``solve_transient``, with its options.
@@ -255,8 +273,10 @@ def solve_dynamics(
     ----------
     model : Model or StructuralModel
     duration : [s]
-    parameters : new values of parameters, without rebuilding
+    parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
+        of dicts for a batch
     progress : True for a bar, or a function of the fraction done
+    workers : of a batch; by default one for each core
     **options : fields of ``Dynamics``: step, outputs, formulation, stabilization, integrator, …
 
     Raises
@@ -266,8 +286,7 @@ def solve_dynamics(
     """
     need_model(model, "solve_dynamics")
     if isinstance(model, StructuralModel):
-        made = Transient.of("solve_dynamics", duration=duration, **options)
-        return made.run(model, parameters, progress)
-    return Dynamics.of("solve_dynamics", duration=duration, **options).run(
-        model, parameters, progress
-    )
+        made: Any = Transient.of("solve_dynamics", duration=duration, **options)
+    else:
+        made = Dynamics.of("solve_dynamics", duration=duration, **options)
+    return solve(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
