@@ -19,7 +19,7 @@ from dalembert.symbolic.native.c_compiler import needed_compiler
 from dalembert.symbolic.native.library import made
 from dalembert.symbolic.native.llvm import needed_llvm
 from dalembert.symbolic.native.source import c_source, hindrance
-from dalembert.symbolic.native.toolchain import Toolchain
+from dalembert.symbolic.native.toolchain import NotTranslated, Toolchain
 from dalembert.symbolic.switching import SwitchingColumns, best_toolchain
 
 MANY = 100
@@ -60,7 +60,8 @@ class Compiled(Backend):
     """Machine code, compiled once and kept on disk.
 
     Functions that CasADi cannot write as C, those with SUNDIALS inside, stay on the virtual
-    machine, so do those too large to be faster compiled, and those evaluated for few columns only.
+    machine, so do those too large to be faster compiled, those that the toolchain cannot translate,
+    and those evaluated for few columns only.
 
     Parameters
     ----------
@@ -93,7 +94,11 @@ class Compiled(Backend):
         why = hindrance(text)
         if text is None or why:
             return VirtualColumns(function, carried, fixed, why)
-        return NativeColumns(function, made(text, toolchain), toolchain.name, carried, fixed)
+        try:
+            loop = made(text, toolchain)
+        except NotTranslated as error:
+            return VirtualColumns(function, carried, fixed, str(error))
+        return NativeColumns(function, loop, toolchain.name, carried, fixed)
 
 
 class _WhereMany(Columns):
