@@ -20,6 +20,7 @@ from dalembert.symbolic.native.library import made
 from dalembert.symbolic.native.llvm import needed_llvm
 from dalembert.symbolic.native.source import c_source, hindrance
 from dalembert.symbolic.native.toolchain import NotTranslated, Toolchain
+from dalembert.symbolic.once import once
 from dalembert.symbolic.switching import SwitchingColumns, best_toolchain
 
 MANY = 100
@@ -29,7 +30,7 @@ MANY = 100
 class Backend(ABC):
     """Chooses how functions are evaluated."""
 
-    @abstractmethod
+    @once
     def columns(
         self,
         function: ca.Function,
@@ -37,21 +38,33 @@ class Backend(ABC):
         fixed: tuple[int, ...] = (),
         called: ca.Function | None = None,
     ) -> Columns:
-        """A function for many columns; ``carried`` and ``fixed`` as in ``Columns``.
+        """A function for many columns; made once, for chunks ask again and again.
 
-        ``called`` is the same function in the form to be compiled, if there is another.
+        ``carried`` and ``fixed`` as in ``Columns``; ``called`` is the same function in the form
+        that is fastest compiled, if there is another.
         """
+        return self._columns(function, carried, fixed, called)
+
+    @abstractmethod
+    def _columns(
+        self,
+        function: ca.Function,
+        carried: bool,
+        fixed: tuple[int, ...],
+        called: ca.Function | None,
+    ) -> Columns:
+        """Make the columns."""
 
 
 class VirtualMachine(Backend):
     """CasADi's own interpreter: ready at once, nothing to compile."""
 
-    def columns(
+    def _columns(
         self,
         function: ca.Function,
-        carried: bool = False,
-        fixed: tuple[int, ...] = (),
-        called: ca.Function | None = None,
+        carried: bool,
+        fixed: tuple[int, ...],
+        called: ca.Function | None,
     ) -> Columns:
         return VirtualColumns(function, carried, fixed)
 
@@ -76,12 +89,12 @@ class Compiled(Backend):
     def __init__(self, needed: Callable[[], Toolchain]):
         self._needed = needed
 
-    def columns(
+    def _columns(
         self,
         function: ca.Function,
-        carried: bool = False,
-        fixed: tuple[int, ...] = (),
-        called: ca.Function | None = None,
+        carried: bool,
+        fixed: tuple[int, ...],
+        called: ca.Function | None,
     ) -> Columns:
         function = compiled_form(function, called)
         if not carried:
@@ -124,12 +137,12 @@ class _WhereMany(Columns):
 class Automatic(Backend):
     """Machine code where it is in the cache, or where the work repays compiling."""
 
-    def columns(
+    def _columns(
         self,
         function: ca.Function,
-        carried: bool = False,
-        fixed: tuple[int, ...] = (),
-        called: ca.Function | None = None,
+        carried: bool,
+        fixed: tuple[int, ...],
+        called: ca.Function | None,
     ) -> Columns:
         toolchain = best_toolchain()
         if toolchain is None:
