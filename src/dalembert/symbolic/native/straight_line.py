@@ -15,7 +15,7 @@ from dalembert.symbolic.native.c_text import CFunction
 from dalembert.symbolic.native.real import Real
 from dalembert.symbolic.native.toolchain import NotTranslated
 
-PIECE = 1500
+PIECE = 1000
 """Operations that are compiled together."""
 ZEROS = "zeros"
 """The array that stands for arguments that are not given."""
