@@ -24,7 +24,7 @@ from dalembert.symbolic.columns import (
     compiled_form,
     instructions,
 )
-from dalembert.symbolic.native.background import Compilation
+from dalembert.symbolic.native.background import Compilation, possible
 from dalembert.symbolic.native.c_compiler import find_compiler
 from dalembert.symbolic.native.library import kept, made
 from dalembert.symbolic.native.llvm import find_llvm
@@ -133,13 +133,16 @@ class SwitchingColumns(Columns):
     def _compile(self, coming: float) -> None:
         fixed, rate = COMPILE_RATES[self._toolchain.name]
         cost = fixed + rate * len(str(self._text))
-        if coming >= WORTH_WAITING * cost:
-            try:
-                self._take(made(str(self._text), self._toolchain))
-            except UnsupportedError:  # a run must not fail for what it did not ask for
-                self._ended = True
-        elif self._seconds + coming >= min(cost, LATEST):
+        known = coming >= WORTH_WAITING * cost
+        if not known and self._seconds + coming < min(cost, LATEST):
+            return
+        if not known and possible():
             self._compilation = Compilation(str(self._text), self._toolchain)
+            return
+        try:
+            self._take(made(str(self._text), self._toolchain))
+        except UnsupportedError:  # a run must not fail for what it did not ask for
+            self._ended = True
 
     def _end(self) -> None:
         """Take what another process has compiled, once it has."""

@@ -11,10 +11,10 @@ from typing import Any
 
 from pycparser import c_ast
 
-from dalembert.errors import UnsupportedError
 from dalembert.symbolic.native.c_instructions import Instructions, Value
 from dalembert.symbolic.native.c_types import INT, REAL, SMALL, VOID, CType, declared, pointer
 from dalembert.symbolic.native.real import INTRINSICS, LIBRARY
+from dalembert.symbolic.native.toolchain import NotTranslated
 
 WHOLE_COMPARED = {"==": "eq", "!=": "ne", "<": "slt", "<=": "sle", ">": "sgt", ">=": "sge"}
 REAL_COMPARED = {"==": "oeq", "!=": "une", "<": "olt", "<=": "ole", ">": "ogt", ">=": "oge"}
@@ -32,7 +32,7 @@ class Expressions(Instructions):
         """Whether an expression is true."""
         name, lanes = self.test(node)
         if lanes:
-            raise UnsupportedError("backend 'jit': lanes do not agree on a choice")
+            raise NotTranslated("lanes do not agree on a choice")
         return name
 
     def test(self, node: Any) -> tuple[str, bool]:
@@ -108,7 +108,7 @@ class Expressions(Instructions):
                 f"getelementptr {struct.ir(self.real)}, ptr {place}, i32 0, i32 {number}"
             )
             return found, fields[number][1]
-        raise UnsupportedError(f"backend 'jit': {type(node).__name__} is no variable")
+        raise NotTranslated(f"{type(node).__name__} is no variable")
 
     def _binary(self, node: Any) -> Value:
         if node.op in WHOLE_COMPARED or node.op in ("&&", "||"):
@@ -139,7 +139,7 @@ class Expressions(Instructions):
             new = self._combined(node.op[-1], old, ("1", SMALL))
             self.store(new, place, kind)
             return old if node.op[0] == "p" else new
-        raise UnsupportedError(f"backend 'jit': the operator {node.op} is not known")
+        raise NotTranslated(f"the operator {node.op} is not known")
 
     def _assignment(self, node: Any) -> Value:
         if node.op == "=":
@@ -189,7 +189,7 @@ class Expressions(Instructions):
             call = self.real.call(name, [self.converted(value, REAL) for value in given])
             return self.new(str(call)), REAL
         if name not in self.around.functions:
-            raise UnsupportedError(f"backend 'jit': the function {name} is not known")
+            raise NotTranslated(f"the function {name} is not known")
         kind, wanted = self.around.functions[name]
         parts = [
             f"{to.ir(self.real)} {self.converted(value, to)}"

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from dalembert.errors import UnsupportedError
 from dalembert.symbolic.native.c_types import INT, CType, pointer
 from dalembert.symbolic.native.real import Real
+from dalembert.symbolic.native.toolchain import NotTranslated
 
 Value = tuple[str, CType]
 """What an instruction gave, and its type."""
@@ -102,7 +102,7 @@ class Instructions:
             return self._in_all_lanes(one)
         if given.kind == "real" and kind.kind in ("int", "small"):
             if self.real.lanes > 1:
-                raise UnsupportedError("backend 'jit': lanes do not tell one whole number")
+                raise NotTranslated("lanes do not tell one whole number")
             return self.new(f"fptosi double {name} to {kind.ir(self.real)}")
         if kind.kind == "pointer" and name == "0":
             return "null"
@@ -111,7 +111,7 @@ class Instructions:
                 return name
             how = "sext" if kind.kind == "int" else "trunc"
             return self.new(f"{how} {given.ir(self.real)} {name} to {kind.ir(self.real)}")
-        raise UnsupportedError(f"backend 'jit': a {given.kind} is no {kind.kind}")
+        raise NotTranslated(f"a {given.kind} is no {kind.kind}")
 
     def _in_all_lanes(self, one: str) -> str:
         if self.real.lanes == 1:
@@ -132,7 +132,7 @@ class Instructions:
             if kind in kinds:
                 common = left[1] if left[1].kind == kind else right[1]
                 return self.converted(left, common), self.converted(right, common), common
-        raise UnsupportedError(f"backend 'jit': {' and '.join(kinds)} are not compared")
+        raise NotTranslated(f"{' and '.join(kinds)} are not compared")
 
     def _combined(self, op: str, left: Value, right: Value) -> Value:
         if left[1].kind == "pointer" and right[1].kind != "pointer":
@@ -142,7 +142,7 @@ class Instructions:
             return self._moved(*right, left), right[1]
         a, b, kind = self._alike(left, right)
         if kind.kind == "pointer":
-            raise UnsupportedError("backend 'jit': pointers are not subtracted")
+            raise NotTranslated("pointers are not subtracted")
         how = REALS[op] if kind.kind == "real" else SIMPLE[op]
         return self.new(f"{how} {kind.ir(self.real)} {a}, {b}"), kind
 

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 from dalembert.errors import UnsupportedError
 from dalembert.symbolic.native.loop import ENTRY, SIGNATURE
 from dalembert.symbolic.native.real import LIBRARY
-from dalembert.symbolic.native.toolchain import Call, Toolchain
+from dalembert.symbolic.native.toolchain import Call, NotTranslated, Toolchain
 
 VERSION = 1
 """Raised when the same text makes other instructions."""
@@ -53,7 +53,13 @@ class Llvm(Toolchain):
     def build(self, text: str, target: Path) -> None:
         from dalembert.symbolic.native.translation import translated
 
-        target.write_bytes(_object_code(translated(text, ENTRY, self.lanes)))
+        try:
+            code = _object_code(translated(text, ENTRY, self.lanes))
+        except NotTranslated:
+            raise
+        except Exception as error:  # other versions of CasADi may write what nobody has seen
+            raise NotTranslated(f"LLVM: {type(error).__name__}: {error}") from None
+        target.write_bytes(code)
 
     def load(self, path: Path) -> Call:
         try:
