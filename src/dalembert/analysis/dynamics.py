@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.batch.solve import solve
 from dalembert.analysis.branches import Branches, outputs_of, place_outputs
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
@@ -80,6 +81,7 @@ class Dynamics(OverTime[Motion]):
     spoken = "dynamics"
     integrates = True
     execution = DynamicsRun
+    batched = FixedSteps
 
     coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
     formulation: Formulation = field(default_factory=RangeSpace)

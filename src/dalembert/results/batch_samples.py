@@ -30,7 +30,7 @@ class Samples(Protocol):
 
 
 @dataclass(eq=False)
-class Gathered(Samples):
+class Gathered:
     """Results that were found one by one.
 
     Attributes
@@ -43,7 +43,7 @@ class Gathered(Samples):
     results: Mapping[int, Result]
 
     @cached_property
-    def time(self) -> np.ndarray:  # type: ignore[override]
+    def time(self) -> np.ndarray:
         """Instants of those that ended as asked, else of the one that came furthest."""
         done = [r for r in self.results.values() if r.status.success] or list(self.results.values())
         return max((r.time for r in done), key=np.size, default=np.zeros(0))

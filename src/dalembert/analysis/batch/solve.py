@@ -43,10 +43,13 @@ def solve_batch(
     DalembertError
         No design could begin, and all for one reason, which then is none of theirs.
     """
-    for check in ("duration",):
-        analysis.checks(model).get(check, lambda: None)()
+    if times := analysis.checks(model).get("duration"):
+        times()
     begin = clock.perf_counter()
     with progress_reporter(progress, f"{len(designs)} designs of {model.name}") as report:
+        if analysis.batched is not None and analysis.batched.serves(analysis, model):
+            found: Batch = analysis.batched(analysis, model, designs, workers).execute(report)
+            return found
         runs = OneByOne(analysis, model, designs)
         runs.run(range(len(designs)), workers, report)
     statuses = [runs.statuses[k] for k in range(len(designs))]
