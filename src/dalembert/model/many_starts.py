@@ -68,10 +68,15 @@ class ManyStarts:
         return y, reached, ~lost
 
     def gaps(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Number of the equation that is open furthest, by natural sizes, and its violation."""
-        _, value, zero = self._looked(np.full(len(y), t), y, p)
+        """Number of the equation that is open furthest, by natural sizes, and its violation.
+
+        The number is −1 where there are none but initial conditions.
+        """
+        _, value, _ = self._looked(np.full(len(y), t), y, p)
         rows = self.closure.pinned.rows
         joints = rows < len(self.closure.owners)
+        if not joints.any():
+            return np.full(len(y), -1), np.abs(value).max(axis=1, initial=0.0)
         open_by = np.abs(value[:, : rows.size][:, joints])
         scales = self.closure.scales.rows[rows[joints]]
         worst = np.argmax(np.nan_to_num(open_by / scales, nan=np.inf), axis=1)

@@ -87,6 +87,10 @@ class Designs:
     def __len__(self) -> int:
         return self.count
 
+    def some(self, chosen: np.ndarray) -> Designs:
+        """These designs only."""
+        return Designs(self.names, self.values[chosen], self.varied, self.units)
+
     def named(self, k: int) -> dict[str, float]:
         """Name → value of one design."""
         return dict(zip(self.names, self.values[k].tolist(), strict=True))

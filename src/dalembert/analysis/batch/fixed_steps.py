@@ -72,12 +72,8 @@ class FixedSteps:
     def execute(self, report: Callable[[float], None]) -> Batch:
         """All designs; after an interruption those that were finished."""
         begin = clock.perf_counter()
-        self.p = self._parameters()
-        known = np.setdiff1d(np.arange(self.count), self.alone)
-        x0, known = self._starts(known)
-        started = clock.perf_counter() - begin
-        states, known, march = self._march(x0, known, report)
-        marched = clock.perf_counter() - begin - started
+        states, known = self.march(report)
+        started, marched = self.started - begin, clock.perf_counter() - self.started
         passed = self._judge(states, known)
         runs = OneByOne(self.analysis, self.model, self.designs)
         if self.alone and not any(s is STOPPED for s in self.statuses.values()):
@@ -92,7 +88,7 @@ class FixedSteps:
         elapsed = clock.perf_counter() - begin
         statistics = {
             "workers": self.workers,
-            "backend": march.report,
+            "backend": self.marching.report,
             "steps of a design": self.grid.size - 1,
             "designs run on their own": len(self.alone),
             "assembly time [s]": round(started, 6),
@@ -109,6 +105,14 @@ class FixedSteps:
             statistics,
             self._warnings(passed),
         )
+
+    def march(self, report: Callable[[float], None]) -> tuple[MarchedStates, np.ndarray]:
+        """States at the outputs, the start in front, and the designs that have them."""
+        self.p = self._parameters()
+        known = np.setdiff1d(np.arange(self.count), self.alone)
+        self.x0, known = self._starts(known)
+        self.started = clock.perf_counter()
+        return self._march(known, report)
 
     # before the march --------------------------------------------------------------
     def _parameters(self) -> np.ndarray:
@@ -149,11 +153,12 @@ class FixedSteps:
         many, p = ManyStarts(self.model.closure, self._evaluate), self.p[known]
         y, reached, found = many.positions(p, self.start)
         first = self.model.closure.anchor[0]
-        lost = np.flatnonzero(~found)
-        where = reached[lost]
-        gaps = many.gaps(self.start, y[lost], first + where[:, None] * (p[lost] - first))
-        for k, row, gap in zip(known[lost], *gaps, strict=True):
-            self.statuses[int(k)] = self._open(int(row), float(gap))
+        if (lost := np.flatnonzero(~found)).size:
+            there = first + reached[lost, None] * (p[lost] - first)
+            for k, row, gap in zip(
+                known[lost], *many.gaps(self.start, y[lost], there), strict=True
+            ):
+                self.statuses[int(k)] = self._open(int(row), float(gap))
         p, known = p[found], known[found]
         t = np.full((known.size, 1), self.start)
         (x0,) = self._evaluate(self._first_states, t, y[found], p)
@@ -162,11 +167,15 @@ class FixedSteps:
         return x0[defined], known[defined]
 
     def _open(self, row: int, gap: float) -> Status:
-        constraint, k = self.model.closure.owners[row]
+        """Of a design that cannot be assembled; what stays open most stands for all."""
+        name, unit = "an initial condition", ""
+        if row >= 0:
+            constraint, k = self.model.closure.owners[row]
+            name, unit = constraint.name, constraint.units()[k]
         return Status(
             Outcome.NOT_ASSEMBLED,
-            f"cannot be assembled at t = {self.start:g} s: {constraint.name} stays open by "
-            f"{gap:.3g} {constraint.units()[k]}; the design alone tells more",
+            f"cannot be assembled at t = {self.start:g} s: {name} stays open by {gap:.3g} {unit}; "
+            "the design alone tells more",
             float("nan"),
             gap,
         )
@@ -182,10 +191,9 @@ class FixedSteps:
 
     # the march ---------------------------------------------------------------------
     def _march(
-        self, x0: np.ndarray, known: np.ndarray, report: Callable[[float], None]
-    ) -> tuple[MarchedStates, np.ndarray, LaneMarch]:
-        """States at the outputs, the start in front; which designs came to the end of it."""
-        kernel, h = self.kernel, np.diff(self.grid)
+        self, known: np.ndarray, report: Callable[[float], None]
+    ) -> tuple[MarchedStates, np.ndarray]:
+        kernel, x0, h = self.kernel, self.x0, np.diff(self.grid)
         number = np.arange(1, h.size + 1)
         period = kernel.fixed.period
         corrected = (number % period == 0) | (number == h.size)
@@ -197,7 +205,7 @@ class FixedSteps:
         size = kernel.variants[self.mode].step.size
         self._afford(size)
         prepared = kernel.fixed.prepared(self.mode)
-        march = LaneMarch(
+        self.marching = march = LaneMarch(
             prepared.called or prepared.function,
             kernel.fixed.columns(self.mode),
             kernel.backend,
@@ -217,9 +225,9 @@ class FixedSteps:
             self.statuses[int(k)] = STOPPED
         finite = done & np.all(np.isfinite(x[:, -1]), axis=1)
         self.alone += [int(k) for k in known[done & ~finite]]
-        return self._at_outputs(x, known, finite, place[:-2], inside, branches, steps, march)
+        return self._at_outputs(x, known, finite, place[:-2], inside, branches, steps)
 
-    def _at_outputs(self, x, known, finite, place, inside, branches, steps, march):
+    def _at_outputs(self, x, known, finite, place, inside, branches, steps):
         """States by design; those inside steps by a part of one."""
         every = np.full((self.count, self.times.size + 1, x.shape[2]), np.nan)
         chosen = known[finite]
@@ -241,7 +249,7 @@ class FixedSteps:
         states = MarchedStates(
             self.model, self.kernel, self.mode, times, self.p, every, self.workers
         )
-        return states, chosen, march
+        return states, chosen
 
     def _afford(self, size: int) -> None:
         """Refuse more outputs than can be kept."""

@@ -73,7 +73,7 @@ class Judgement:
         return np.asarray(np.where(np.isfinite(errors), errors, np.inf).max(axis=1))
 
     def _shares(self, worst: np.ndarray) -> np.ndarray:
-        """(designs, 4) what is open of each level and of the equations of motion, of the allowed."""
+        """(designs, 4) what is open of each level and of motion, over what may be."""
         states, model = self.states, self.states.model
         spread = looked_at(states.time.size)
         outputs = np.column_stack([np.tile(spread, (worst.size, 1)), worst])
