@@ -222,3 +222,27 @@ def test_interruption_keeps_what_is_finished(model):
     )
     assert 0 < batch.succeeded.sum() < 30
     assert {s.outcome for s in batch.statuses} == {Outcome.COMPLETED, Outcome.INTERRUPTED}
+
+
+@pytest.mark.parametrize(
+    ("method", "choice"),
+    [
+        ("adjoint", {}),
+        ("adjoint", {"backend": "jit", "outputs": 4}),
+        ("direct", {"outputs": 4}),
+        ("adjoint", {"integrator": da.DormandPrince(), "outputs": 4}),
+    ],
+    ids=["together", "in lanes", "one by one", "error control"],
+)
+def test_gradients_are_those_of_single_runs(model, method, choice):
+    responses = [da.maximum("A.force_norm"), da.integral("crank.angle")]
+    batch = da.solve_dynamics(model, parameters={"l1": [*LENGTHS, *BAD]}, **RUN, **choice)
+    found = da.sensitivity(batch, responses, method=method)
+    assert found.dims == ("design", "response", "parameter")
+    assert np.isnan(found[len(LENGTHS) :]).all()
+    for k in (0, 3):
+        single = da.solve_dynamics(model, parameters={"l1": LENGTHS[k]}, **RUN, **choice)
+        expected = da.sensitivity(single, responses, method=method)
+        size = np.abs(expected.values).max(axis=1, keepdims=True)
+        np.testing.assert_allclose(found[k] / size, expected.values / size, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(found.response_value[k], expected.response_value, rtol=1e-12)

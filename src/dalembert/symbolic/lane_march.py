@@ -58,20 +58,20 @@ class LaneMarch:
         Parameters
         ----------
         x, q : (sets, …) first states, and fixed numbers
-        shared : (count,) columns that all sets have
+        shared : (count,) columns that all sets have, or (sets, rows, count) of their own
         chosen : numbers of the columns that are kept, in order
 
         Returns
         -------
         (sets, chosen, size)
         """
-        count, kept = shared[0].size, []
+        count, kept = shared[0].shape[-1], []
         longest = int(np.clip(MEMORY // (8 * self.size * self.width), 100, 5000))
         for begin in range(0, count, longest):
             part = slice(begin, min(begin + longest, count))
             inside = chosen[(chosen >= part.start) & (chosen < part.stop)] - begin
             wanted = np.append(inside, part.stop - begin - 1)
-            found = self._called(x, [column[part] for column in shared], q, wanted)
+            found = self._called(x, [column[..., part] for column in shared], q, wanted)
             x = found[:, -1]
             kept.append(found[:, :-1])
         return np.concatenate(kept, axis=1)
@@ -79,14 +79,18 @@ class LaneMarch:
     def _called(
         self, x: np.ndarray, shared: list[np.ndarray], q: np.ndarray, wanted: np.ndarray
     ) -> np.ndarray:
-        count = shared[0].size
+        count = shared[0].shape[-1]
         if self._lanes is None:
-            columns = [
-                self._alone(count, x[k], *shared, q[k])[0][:, wanted].T for k in range(len(x))
-            ]
-            return np.array(columns)
+            found = []
+            for k in range(len(x)):
+                own = [column if column.ndim == 1 else column[k] for column in shared]
+                found.append(self._alone(count, x[k], *own, q[k])[0][:, wanted].T)
+            return np.array(found)
         lanes = np.minimum(np.arange(LANES), len(x) - 1)
-        same = [np.broadcast_to(column, (LANES, count)) for column in shared]
+        same = [
+            np.broadcast_to(column, (LANES, count)) if column.ndim == 1 else column[lanes]
+            for column in shared
+        ]
         (states,) = self._lanes.group(count, [x[lanes], *same, q[lanes]], wanted)
         return states[: len(x)].transpose(0, 2, 1)
 

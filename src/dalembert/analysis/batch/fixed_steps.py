@@ -164,6 +164,8 @@ class FixedSteps:
         (x0,) = self._evaluate(self._first_states, t, y[found], p)
         defined = np.all(np.isfinite(x0), axis=1)
         self.alone += [int(k) for k in known[~defined]]
+        self.y0 = np.full((self.count, y.shape[1]), np.nan)
+        self.y0[known] = y[found]
         return x0[defined], known[defined]
 
     def _open(self, row: int, gap: float) -> Status:
