@@ -83,7 +83,8 @@ class FixedSteps:
             self.statuses.setdefault(k, STOPPED)
         self._refuse_nothing(runs)
         states.apart = runs.results
-        states.x[np.setdiff1d(np.arange(self.count), passed)] = np.nan
+        if passed.size < self.count:
+            states.x[np.setdiff1d(np.arange(self.count), passed)] = np.nan
         self._keep_outputs(states)
         elapsed = clock.perf_counter() - begin
         statistics = {
@@ -107,7 +108,7 @@ class FixedSteps:
         )
 
     def march(self, report: Callable[[float], None]) -> tuple[MarchedStates, np.ndarray]:
-        """States at the outputs, the start in front, and the designs that have them."""
+        """States at the outputs, the start and the end, and the designs that have them."""
         self.p = self._parameters()
         known = np.setdiff1d(np.arange(self.count), self.alone)
         self.x0, known = self._starts(known)
@@ -197,13 +198,11 @@ class FixedSteps:
     ) -> tuple[MarchedStates, np.ndarray]:
         kernel, x0, h = self.kernel, self.x0, np.diff(self.grid)
         number = np.arange(1, h.size + 1)
-        period = kernel.fixed.period
-        corrected = (number % period == 0) | (number == h.size)
+        corrected = (number % kernel.fixed.period == 0) | (number == h.size)
         steps = Steps(self.grid[:-1], h, x0[:1].T, corrected, np.full(h.size, self.mode))
         self.times, branches = outputs_of(steps, self.run.requested)
         ends = branches.index + branches.ends_of(steps)
-        inside = np.flatnonzero((branches.length != 0) & ~branches.ends_of(steps))
-        self.wanted, place = np.unique(np.append(ends, [0, h.size]), return_inverse=True)
+        wanted = np.union1d(ends, [0, h.size])
         size = kernel.variants[self.mode].step.size
         self._afford(size)
         prepared = kernel.fixed.prepared(self.mode)
@@ -214,44 +213,46 @@ class FixedSteps:
             h.size * known.size,
         )
         q = self._evaluate(prepared.values, self.p[known])[0]
-        x = np.full((known.size, self.wanted.size, size), np.nan)
-        x[:, 0] = x0
+        x = np.empty((self.count, wanted.size, size))
+        x[known, 0] = x0
         shared = [steps.t, h, corrected.astype(float)]
 
         def work(group: np.ndarray) -> None:
-            x[group, 1:] = march.run(x0[group], shared, q[group], self.wanted[1:] - 1)
+            x[known[group], 1:] = march.run(x0[group], shared, q[group], wanted[1:] - 1)
 
         threads = self.workers if march.threaded else 1
         done = in_groups(work, np.arange(known.size), march.width, threads, report)
         for k in known[~done]:
             self.statuses[int(k)] = STOPPED
-        finite = done & np.all(np.isfinite(x[:, -1]), axis=1)
-        self.alone += [int(k) for k in known[done & ~finite]]
-        return self._at_outputs(x, known, finite, place[:-2], inside, branches, steps)
+        known = known[done]
+        finite = np.all(np.isfinite(x[known, -1]), axis=1)
+        self.alone += [int(k) for k in known[~finite]]
+        known = known[finite]
+        x[np.setdiff1d(np.arange(self.count), known)] = np.nan
+        times = self.grid[wanted]
+        inside = np.flatnonzero((branches.length != 0) & ~branches.ends_of(steps))
+        if inside.size:
+            begins = np.searchsorted(wanted, ends[inside])
+            moved = self._inside(x, known, begins, branches.length[inside], times)
+            times, order = np.unique(np.append(times, self.times[inside]), return_index=True)
+            x = np.concatenate([x, moved], axis=1)[:, order]
+        self.outputs = np.searchsorted(times, self.times - steps.instant)
+        states = MarchedStates(self.model, self.kernel, self.mode, times, self.p, x, self.workers)
+        return states, known
 
-    def _at_outputs(self, x, known, finite, place, inside, branches, steps):
-        """States by design; those inside steps by a part of one."""
-        every = np.full((self.count, self.times.size + 1, x.shape[2]), np.nan)
-        chosen = known[finite]
-        every[chosen, 0] = x[finite, 0]
-        every[chosen, 1:] = x[finite][:, place]
-        if inside.size and chosen.size:
-            shape = chosen.size, inside.size
-            index = branches.index[inside]
-            t, length = steps.t[index], branches.length[inside]
-            (moved,) = self._evaluate(
-                self.kernel.variants[self.mode].step.function,
-                np.broadcast_to(t, shape).reshape(-1, 1),
-                np.broadcast_to(length, shape).reshape(-1, 1),
-                x[finite][:, place[inside]].reshape(-1, x.shape[2]),
-                np.repeat(self.p[chosen], inside.size, axis=0),
-            )
-            every[chosen[:, None], 1 + inside] = moved.reshape(*shape, -1)
-        times = np.append(self.start, self.times)
-        states = MarchedStates(
-            self.model, self.kernel, self.mode, times, self.p, every, self.workers
+    def _inside(self, x, known, begins, length, times) -> np.ndarray:
+        """States inside steps, by a part of one."""
+        moved = np.full((self.count, begins.size, x.shape[2]), np.nan)
+        shape = known.size, begins.size
+        (found,) = self._evaluate(
+            self.kernel.variants[self.mode].step.function,
+            np.broadcast_to(times[begins], shape).reshape(-1, 1),
+            np.broadcast_to(length, shape).reshape(-1, 1),
+            x[known][:, begins].reshape(-1, x.shape[2]),
+            np.repeat(self.p[known], begins.size, axis=0),
         )
-        return states, chosen
+        moved[known] = found.reshape(*shape, -1)
+        return moved
 
     def _afford(self, size: int) -> None:
         """Refuse more outputs than can be kept."""
@@ -267,7 +268,7 @@ class FixedSteps:
         self.worst: int | None = None
         if not known.size:
             return known
-        found = Judgement(states, known, self.analysis.balance)
+        found = Judgement(states, known, self.outputs, self.analysis.balance)
         end, text = float(self.times[-1]), f"reached t = {self.times[-1]:g} s"
         for k, residual in zip(known[found.passed], found.violations[found.passed], strict=True):
             self.statuses[int(k)] = Status(Outcome.COMPLETED, text, end, float(residual))
@@ -278,8 +279,10 @@ class FixedSteps:
         return passed
 
     def _keep_outputs(self, states: MarchedStates) -> None:
-        """Without the start that was judged with them, where that is no output."""
-        states.time, states.x = self.times, states.x[:, 1:]
+        """Without the start and end that were judged with them, where they are no outputs."""
+        if states.time.size > self.times.size:
+            states.x = states.x[:, self.outputs]
+        states.time = self.times
 
     def _refuse_nothing(self, runs: OneByOne) -> None:
         """What is wrong for all designs for one reason is no design's fault."""

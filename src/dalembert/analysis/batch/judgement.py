@@ -35,21 +35,24 @@ class Judgement:
     ----------
     states : MarchedStates, the start among its instants
     designs : numbers of the designs that came to their end
+    outputs : numbers of the instants that are outputs
     balance : largest error of the energy over the energy that took part
 
     Attributes
     ----------
-    violations : (designs,) largest violation of a position [m]
+    violations : (designs,) largest violation of a position at outputs [m]
     unbalanced : (designs,) largest error of the energy, relative
     passed : (designs,)
     """
 
-    def __init__(self, states: MarchedStates, designs: np.ndarray, balance: float):
+    def __init__(
+        self, states: MarchedStates, designs: np.ndarray, outputs: np.ndarray, balance: float
+    ):
         self.states, self.designs = states, designs
         every = np.arange(states.time.size)
         found = states.evaluate(at_outputs(states.variant, states.model), designs, every)
         each, self._energies, defined = found[0][..., 0], found[1], found[2][..., 0]
-        self.violations = each.max(axis=1, initial=0.0)
+        self.violations = each[:, outputs].max(axis=1, initial=0.0)
         worst = np.argmax(np.nan_to_num(each, nan=np.inf), axis=1)
         scales = states.model.scales
         with np.errstate(all="ignore"):
@@ -58,7 +61,7 @@ class Judgement:
             self.passed = (
                 np.all(np.isfinite(defined), axis=1)
                 & np.all(np.isfinite(states.x[designs]), axis=(1, 2))
-                & (self.violations <= LOST * scales.length)
+                & (each.max(axis=1, initial=0.0) <= LOST * scales.length)
                 & np.all(shares <= 1, axis=1)
                 & (self.unbalanced <= balance)
             )

@@ -20,7 +20,7 @@ from dalembert.sensitivity.samples import Sample, take_sample
 from dalembert.symbolic.lane_march import LaneMarch, in_groups
 from dalembert.symbolic.shared_columns import in_blocks
 
-MEMORY = 2.0**28
+MEMORY = 2.0**26
 """Bytes of states, and of what is seen of them, at once."""
 
 
@@ -66,7 +66,6 @@ class BatchAdjoint:
         workers = self.states.workers
         self.again = FixedSteps(every, self.model, self.batch.designs.some(designs), workers)  # type: ignore[arg-type]
         path, known = self.again.march(lambda fraction: None)
-        path.time, path.x = path.time[1:], path.x[:, 1:]  # the start stood there twice
         found = np.full((designs.size, len(self.samples), path.p.shape[1]), np.nan)
         for r, sample in enumerate(self.samples):
             found[known, r] = self._of_one(path, known, sample)
