@@ -2,22 +2,40 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from dalembert.budget import afford
 from dalembert.model.model import Model
+from dalembert.results.batch_samples import Samples
 from dalembert.results.components import COMPONENTS
 from dalembert.results.dataset import variables
+from dalembert.results.result import Result
+from dalembert.symbolic.parametric_model import ParametricModel
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from dalembert.results.batch import Batch
+
+class Labelled(Protocol):
+    """What is needed of a batch."""
+
+    model: ParametricModel
+    samples: Samples
+    results: Mapping[int, Result]
+
+    def __len__(self) -> int: ...
+    @property
+    def coords(self) -> dict[str, Any]: ...
+    @property
+    def status(self) -> xr.DataArray: ...
+    @property
+    def about(self) -> dict[str, Any]: ...
 
 
-def batch_dataset(batch: Batch) -> xr.Dataset:
+def batch_dataset(batch: Labelled) -> xr.Dataset:
     """All variables of all designs.
 
     Raises
@@ -32,9 +50,9 @@ def batch_dataset(batch: Batch) -> xr.Dataset:
     layout = variables(batch.model)
     columns = [column for variable in layout for column in variable.columns]
     rows = sum(len(column) for column in columns)
-    size = len(batch) * batch.time.size
+    size = len(batch) * batch.samples.time.size
     afford(
-        f"{rows} variables of {len(batch)} designs at {batch.time.size} times",
+        f"{rows} variables of {len(batch)} designs at {batch.samples.time.size} times",
         memory=16.0 * rows * size,
         cure="take batch['measure'], or ask for fewer outputs",
     )
@@ -62,7 +80,7 @@ def batch_dataset(batch: Batch) -> xr.Dataset:
     return xr.Dataset(data, coords, attrs=batch.about)
 
 
-def _side_by_side(batch: Batch) -> xr.Dataset:
+def _side_by_side(batch: Labelled) -> xr.Dataset:
     """Datasets of results that are kept whole, with NaN for designs that have none."""
     import xarray as xr
 

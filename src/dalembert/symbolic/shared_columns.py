@@ -27,17 +27,34 @@ def in_blocks(columns: Columns, workers: int, *arguments: np.ndarray) -> list[np
     list
         (count, rows) each
     """
-    count = len(arguments[0])
-    results = [np.empty((count, rows * wide)) for rows, wide in columns.shapes]
+    return gathered_blocks(
+        columns, workers, len(arguments[0]), BLOCK, lambda part: [a[part] for a in arguments]
+    )
+
+
+def gathered_blocks(
+    columns: Columns,
+    workers: int,
+    count: int,
+    block: int,
+    given: Callable[[slice], Sequence[np.ndarray]],
+    each: int = 1,
+) -> list[np.ndarray]:
+    """The same of ``count`` sets of ``each`` columns, whose arguments are gathered when needed.
+
+    ``given`` tells the arguments, (columns, rows), of some of the sets; ``block`` is how many.
+    """
+    results = [np.empty((count * each, rows * wide)) for rows, wide in columns.shapes]
 
     def one(begin: int) -> None:
-        part = slice(begin, min(begin + BLOCK, count))
-        found = columns(part.stop - begin, *(a[part].T for a in arguments))
+        part = slice(begin, min(begin + block, count))
+        size = (part.stop - begin) * each
+        found = columns(size, *(argument.T for argument in given(part)))
         for result, values in zip(results, found, strict=True):
-            result[part] = values.T
+            result[begin * each : begin * each + size] = values.T
 
-    columns.announce(count)
-    begins = range(0, count, BLOCK)
+    columns.announce(count * each)
+    begins = range(0, count, block)
     for begin in begins[:1]:
         one(begin)
     share_out(one, begins[1:], workers if columns.compiled else 1)

@@ -16,7 +16,7 @@ from dalembert.results.result import Result
 from dalembert.symbolic.backends import Backend
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.once import once
-from dalembert.symbolic.shared_columns import in_blocks
+from dalembert.symbolic.shared_columns import BLOCK, gathered_blocks
 
 
 @dataclass(eq=False)
@@ -70,19 +70,26 @@ class MarchedStates:
 
         ``outputs`` are those of all, (outputs,), or of each, (designs, outputs).
         """
-        shape = len(designs), outputs.shape[-1]
-        columns = self.backend.columns(function)
-        several = outputs.ndim > 1
-        x = self.x[designs[:, None], outputs] if several else self.x[designs][:, outputs]
-        size = function.numel_in(1)
-        found = in_blocks(
-            columns,
+        each, size = outputs.shape[-1], function.numel_in(1)
+        every = each == self.time.size and outputs.ndim == 1
+
+        def given(part: slice) -> list[np.ndarray]:
+            some = designs[part]
+            chosen = outputs[part] if outputs.ndim > 1 else outputs
+            x = self.x[some] if every else self.x[some[:, None], chosen]
+            times = np.broadcast_to(self.time[chosen], (some.size, each))
+            p = np.repeat(self.p[some], each, axis=0)
+            return [times.reshape(-1, 1), x[..., :size].reshape(-1, size), p]
+
+        found = gathered_blocks(
+            self.backend.columns(function),
             self.workers,
-            np.broadcast_to(self.time[outputs], shape).reshape(-1, 1),
-            x[..., :size].reshape(-1, size),
-            np.repeat(self.p[designs], shape[1], axis=0),
+            len(designs),
+            max(1, BLOCK // max(each, 1)),
+            given,
+            each,
         )
-        return [values.reshape(*shape, -1) for values in found]
+        return [values.reshape(len(designs), each, -1) for values in found]
 
 
 @once

@@ -133,7 +133,7 @@ class BatchAdjoint:
     def _through_start(self, known: np.ndarray, p: np.ndarray, x_bar: np.ndarray) -> np.ndarray:
         """Weight of the parameters through the assembled initial states."""
         model: Any = self.model
-        t, y = np.full((known.size, 1), self.again.start), self.again.y0[known]
+        t, y = np.full((known.size, 1), self.again.start), self.again.starts.y0[known]
         _, v = self._evaluate(model.initial_state.function, t, y, p)
         _, y_bar, v_bar, by_start = self._evaluate(self.kernel.start.adjoint, t, y, v, p, x_bar)
         parts = self._evaluate(model.initial_state.adjoint, t, y, p, y_bar, v_bar)
