@@ -246,3 +246,72 @@ def test_gradients_are_those_of_single_runs(model, method, choice):
         size = np.abs(expected.values).max(axis=1, keepdims=True)
         np.testing.assert_allclose(found[k] / size, expected.values / size, rtol=0, atol=1e-12)
         np.testing.assert_allclose(found.response_value[k], expected.response_value, rtol=1e-12)
+
+
+def driven() -> da.Model:
+    system = da.System("driven four-bar", gravity=(0.0, -9.81))
+    a = system.parameter("a", 0.3)
+    crank = system.add(planar.Bar("crank", length=a, mass=1.0, angle=1.5))
+    coupler = system.add(planar.Bar("coupler", length=1.0, mass=1.0))
+    rocker = system.add(planar.Bar("rocker", length=0.8, mass=1.0, angle=1.2))
+    system.add(planar.Revolute("O1", system.ground.point(0, 0), crank.start))
+    system.add(planar.Revolute("A", crank.end, coupler.start))
+    system.add(planar.Revolute("B", coupler.end, rocker.end))
+    system.add(planar.Revolute("O2", system.ground.point(1, 0), rocker.start))
+    system.add(planar.RotationalDriver("drive", system.ground, crank, 1.5 + 6 * da.t))
+    return system.build()
+
+
+def hanging() -> da.Model:
+    system = da.System("held pendulum", gravity=(0.0, -9.81))
+    stiffness = system.parameter("k", 50.0)
+    bar = system.add(planar.Bar("bar", length=1.0, mass=2.0, angle=0.3))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), bar.start))
+    system.add(planar.RotationalSpring("hinge", system.ground, bar, stiffness=stiffness))
+    return system.build()
+
+
+def truss() -> da.StructuralModel:
+    structure = da.Structure("two bars")
+    area = structure.parameter("area", 1e-4)
+    nodes = [structure.node(n, *at) for n, at in {"a": (0, 0), "b": (1, 0), "c": (0.5, 1)}.items()]
+    for k, (i, j) in enumerate([(0, 2), (1, 2)]):
+        structure.add(da.structures.Truss(f"bar{k}", nodes[i], nodes[j], modulus=2e11, area=area))
+    structure.support(nodes[0])
+    structure.support(nodes[1])
+    structure.load(nodes[2], fy=-1000.0, case="weight")
+    structure.load(nodes[2], fx=500.0, case="wind")
+    return structure.build()
+
+
+OTHERS = {
+    "kinematics": (driven, da.solve_kinematics, {"duration": 1.0, "step": 0.02}, "rocker.angle"),
+    "equilibrium": (hanging, da.solve_equilibrium, {}, "bar.angle"),
+    "statics": (truss, da.solve_statics, {}, "c.uy"),
+    "large displacements": (truss, da.solve_statics, {"nonlinear": True}, "c.uy"),
+}
+VALUES = {"a": [0.2, 0.3, 0.9], "k": [20.0, 40.0, 60.0], "area": [1e-4, -1.0, 2e-4]}
+
+
+@pytest.mark.parametrize(("build", "verb", "options", "measure"), OTHERS.values(), ids=OTHERS)
+def test_other_analyses_take_designs(build, verb, options, measure, tmp_path):
+    model = build()
+    (name,) = model.parameters
+    batch = verb(model, parameters={name: VALUES[name]}, **options)
+    gradients = da.sensitivity(batch, da.maximum(measure))
+    table = da.load_results(batch.save(tmp_path / "batch.nc", measure))
+    for k, value in enumerate(VALUES[name]):
+        try:
+            single = verb(model, parameters={name: value}, **options)
+        except da.DalembertError as error:
+            assert batch.statuses[k].message == str(error)
+            assert not batch.succeeded[k]
+            continue
+        assert batch.statuses[k] == single.status
+        if single.status.success:
+            np.testing.assert_array_equal(batch.values(measure)[k], single.values(measure))
+            np.testing.assert_array_equal(table[measure][k], single.values(measure))
+            expected = da.sensitivity(single, da.maximum(measure))
+            np.testing.assert_array_equal(gradients[k], expected)
+    assert batch.succeeded[0]
+    assert not batch.succeeded.all() or name == "k"

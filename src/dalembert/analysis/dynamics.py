@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from dalembert.analysis.batch.fixed_steps import FixedSteps
-from dalembert.analysis.batch.solve import solve
+from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.branches import Branches, outputs_of, place_outputs
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics_run import DynamicsRun
@@ -291,4 +291,4 @@ def solve_dynamics(
         made: Any = Transient.of("solve_dynamics", duration=duration, **options)
     else:
         made = Dynamics.of("solve_dynamics", duration=duration, **options)
-    return solve(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
+    return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]

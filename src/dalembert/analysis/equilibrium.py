@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from dalembert.analysis.batch.solve import solve
+from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.model_truth import MOTION, ModelTruth
 from dalembert.analysis.served import need_model
@@ -34,8 +34,7 @@ from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic import newton
-from dalembert.symbolic.newton import NewtonSettings, Solution
+from dalembert.symbolic.newton import NewtonSettings, Solution, solve
 
 if TYPE_CHECKING:
     from dalembert.results.designs import ManyDesigns
@@ -125,7 +124,7 @@ class _Search:
             max_iterations=self.analysis.max_iterations,
             slack=1.0,
         )
-        return self.result(balance, newton.solve(balance, y, settings))
+        return self.result(balance, solve(balance, y, settings))
 
     def result(self, balance: StaticBalance, found: Solution[np.ndarray]) -> Motion:
         n, here = self.model.equations.speed_count, balance.residual(found.x)
@@ -211,4 +210,4 @@ def solve_equilibrium(
         made: Any = NonlinearStatics.of("solve_equilibrium", **options)
     else:
         made = Equilibrium.of("solve_equilibrium", **options)
-    return solve(made, model, parameters, workers=workers)  # type: ignore[no-any-return]
+    return run_analysis(made, model, parameters, workers=workers)  # type: ignore[no-any-return]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from dalembert.analysis.batch.solve import solve
+from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.driven_instants import driven_instant
 from dalembert.analysis.events import Occurrence
 from dalembert.analysis.kinematics_run import TOLERANCE, KinematicsRun
@@ -171,7 +171,7 @@ def solve_kinematics(
     """
     need_mechanism(model, "solve_kinematics", "take solve_statics")
     made = Kinematics.of("solve_kinematics", duration=duration, **options)
-    return solve(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
+    return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
 
 
 def refuse_outside(times: np.ndarray, run: np.ndarray) -> None:

@@ -15,7 +15,7 @@ from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 
 
-def solve(
+def run_analysis(
     analysis: Analysis[Any, Any],
     model: ParametricModel,
     parameters: Any,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, overload
 
-from dalembert.analysis.batch.solve import solve
+from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.statics import Statics
@@ -65,4 +65,4 @@ def solve_statics(
     need_structure(model, "solve_statics", "take solve_equilibrium")
     chosen = NonlinearStatics if nonlinear else Statics
     made = chosen.of("solve_statics", **options)
-    return solve(made, model, parameters, workers=workers)  # type: ignore[no-any-return]
+    return run_analysis(made, model, parameters, workers=workers)  # type: ignore[no-any-return]
