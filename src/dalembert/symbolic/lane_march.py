@@ -50,6 +50,12 @@ class LaneMarch:
     def report(self) -> str:
         return self._alone.report if self._lanes is None else f"LLVM, {LANES} lanes"
 
+    def shared(self, *columns: np.ndarray) -> list[np.ndarray]:
+        """(count,) columns that all sets have, as ``run`` takes them."""
+        if self._lanes is None:
+            return list(columns)
+        return [np.repeat(column, LANES).reshape(-1, LANES).T for column in columns]
+
     def run(
         self, x: np.ndarray, shared: list[np.ndarray], q: np.ndarray, chosen: np.ndarray
     ) -> np.ndarray:
@@ -58,7 +64,7 @@ class LaneMarch:
         Parameters
         ----------
         x, q : (sets, …) first states, and fixed numbers
-        shared : (count,) columns that all sets have, or (sets, rows, count) of their own
+        shared : columns that all sets have, by ``shared``, or (sets, rows, count) of their own
         chosen : numbers of the columns that are kept, in order
 
         Returns
@@ -87,10 +93,7 @@ class LaneMarch:
                 found.append(self._alone(count, x[k], *own, q[k])[0][:, wanted].T)
             return np.array(found)
         lanes = np.minimum(np.arange(LANES), len(x) - 1)
-        same = [
-            np.broadcast_to(column, (LANES, count)) if column.ndim == 1 else column[lanes]
-            for column in shared
-        ]
+        same = [column if column.ndim == 2 else column[lanes] for column in shared]
         (states,) = self._lanes.group(count, [x[lanes], *same, q[lanes]], wanted)
         return states[: len(x)].transpose(0, 2, 1)
 

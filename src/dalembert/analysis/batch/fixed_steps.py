@@ -132,7 +132,7 @@ class FixedSteps:
         q = self.starts.evaluate(prepared.values, self.starts.p[known])[0]
         x = np.empty((self.count, wanted.size, size))
         x[known, 0] = x0
-        shared = [steps.t, h, corrected.astype(float)]
+        shared = march.shared(steps.t, h, corrected.astype(float))
 
         def work(group: np.ndarray) -> None:
             x[known[group], 1:] = march.run(x0[group], shared, q[group], wanted[1:] - 1)

@@ -108,9 +108,9 @@ class BatchAdjoint:
         """Weights of the first states, and of the parameters by the steps."""
         prelude, single = backward_step(self.kernel, self.states.mode, True)
         h, n = np.diff(path.time)[::-1], path.x.shape[2]
-        shared = [path.time[:-1][::-1], h, np.ones(h.size)]
         columns = self.kernel.marched(single, (6,))
         march = LaneMarch(single, columns, self.kernel.backend, h.size * known.size)
+        shared = march.shared(path.time[:-1][::-1], h, np.ones(h.size))
         (q,) = self._evaluate(prelude.values, path.p[known])
         carried = np.zeros((known.size, n + prelude.rate_count))
         carried[:, :n] = seen[:, -1]
