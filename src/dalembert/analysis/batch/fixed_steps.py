@@ -154,8 +154,18 @@ class FixedSteps:
             times, order = np.unique(np.append(times, self.times[inside]), return_index=True)
             x = np.concatenate([x, moved], axis=1)[:, order]
         self.outputs = np.searchsorted(times, self.times - steps.instant)
-        p, mode = self.starts.p, self.starts.mode
-        states = MarchedStates(self.model, self.kernel, mode, times, p, x, self.workers)
+        mode = self.starts.mode
+        states = MarchedStates(
+            self.model,
+            kernel.variants[mode].bodies,
+            kernel.backend,
+            times,
+            self.starts.p,
+            x,
+            self.workers,
+            kernel=kernel,
+            mode=mode,
+        )
         return states, known
 
     def _inside(self, x, known, begins, length, times) -> np.ndarray:

@@ -22,7 +22,6 @@ from dalembert.analysis.model_residuals import (
 )
 from dalembert.analysis.model_truth import EXACT, MOTION
 from dalembert.analysis.singular_positions import LOST
-from dalembert.analysis.variant import Variant
 from dalembert.formulations.levels import Level
 from dalembert.model.model import Model
 from dalembert.symbolic.once import once
@@ -50,7 +49,7 @@ class Judgement:
     ):
         self.states, self.designs = states, designs
         every = np.arange(states.time.size)
-        found = states.evaluate(at_outputs(states.variant, states.model), designs, every)
+        found = states.evaluate(at_outputs(states.model, states.bodies), designs, every)
         each, self._energies, defined = found[0][..., 0], found[1], found[2][..., 0]
         self.violations = each[:, outputs].max(axis=1, initial=0.0)
         worst = np.argmax(np.nan_to_num(each, nan=np.inf), axis=1)
@@ -80,7 +79,7 @@ class Judgement:
         states, model = self.states, self.states.model
         spread = looked_at(states.time.size)
         outputs = np.column_stack([np.tile(spread, (worst.size, 1)), worst])
-        found = states.evaluate(at_some(states.variant, model), self.designs, outputs)
+        found = states.evaluate(at_some(model, states.bodies), self.designs, outputs)
         opened, relative, terms = (values.max(axis=1, initial=0.0) for values in found)
         shares, held = opened / np.array([*EXACT.values(), MOTION]), held_levels(states.kernel)
         for level in Level:
@@ -95,9 +94,8 @@ class Judgement:
 
 
 @once
-def at_outputs(variant: Variant, model: Model) -> ca.Function:
+def at_outputs(model: Model, bodies: ca.Function) -> ca.Function:
     """``(t, x, p) →`` violation, kinetic and potential energy, and 0 where all is defined."""
-    bodies = variant.bodies
     t, x, p = bodies.sx_in()
     y, v, a, multiplier = bodies.call([t, x, p])
     defined = ca.sum1(0 * ca.vertcat(a, multiplier))
@@ -106,11 +104,11 @@ def at_outputs(variant: Variant, model: Model) -> ca.Function:
 
 
 @once
-def at_some(variant: Variant, model: Model) -> ca.Function:
+def at_some(model: Model, bodies: ca.Function) -> ca.Function:
     """``(t, x, p) →`` shares of the terms, by level and of motion; residuals and terms by level."""
     e, scales = model.all_equations, model.scales
-    t, x, p = variant.bodies.sx_in()
-    y, v, a, multiplier = variant.bodies.call([t, x, p])
+    t, x, p = bodies.sx_in()
+    y, v, a, multiplier = bodies.call([t, x, p])
     m = e.constraint_count
     open_by, terms = constraint_rows(model)(t, y, v, a, p)
     units = ca.SX(scales.rows)

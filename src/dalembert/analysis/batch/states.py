@@ -20,13 +20,14 @@ from dalembert.symbolic.shared_columns import BLOCK, gathered_blocks
 
 
 @dataclass(eq=False)
-class MarchedStates:
-    """States of the integrated coordinates; what else there is follows from them when asked for.
+class States:
+    """States at the outputs; what else there is follows from them when asked for.
 
     Attributes
     ----------
     model : Model
-    kernel, mode : of the runs, and the variant that all have used
+    bodies : ``(t, x, p) → y, v, v̇, λ`` of all bodies and equations
+    backend : what evaluates functions
     time : (K,) outputs [s]
     p : (designs, n) parameters with all that is computed of them
     x : (designs, K, size) states; NaN where there is none
@@ -35,24 +36,16 @@ class MarchedStates:
     """
 
     model: Model
-    kernel: DynamicsKernel
-    mode: int
+    bodies: ca.Function
+    backend: Backend
     time: np.ndarray
     p: np.ndarray
     x: np.ndarray
     workers: int
     apart: Mapping[int, Result] = field(default_factory=dict)
 
-    @property
-    def variant(self) -> Variant:
-        return self.kernel.variants[self.mode]
-
-    @property
-    def backend(self) -> Backend:
-        return self.kernel.backend
-
     def table(self, measures: Sequence[Expression]) -> np.ndarray:
-        function = measured(self.variant, self.model, tuple(measures))
+        function = measured(self.model, self.bodies, tuple(measures))
         known = np.flatnonzero(np.isfinite(self.x[:, 0, 0])) if self.time.size else np.zeros(0, int)
         rows = function.numel_out(0)
         found = np.full((len(self.x), rows, self.time.size), np.nan)
@@ -92,10 +85,27 @@ class MarchedStates:
         return [values.reshape(len(designs), each, -1) for values in found]
 
 
+@dataclass(eq=False, kw_only=True)
+class MarchedStates(States):
+    """States of the integrated coordinates.
+
+    Attributes
+    ----------
+    kernel, mode : of the runs, and the variant that all have used
+    """
+
+    kernel: DynamicsKernel
+    mode: int
+
+    @property
+    def variant(self) -> Variant:
+        return self.kernel.variants[self.mode]
+
+
 @once
-def measured(variant: Variant, model: Model, measures: tuple[Expression, ...]) -> ca.Function:
+def measured(model: Model, bodies: ca.Function, measures: tuple[Expression, ...]) -> ca.Function:
     """``(t, x, p) → measures`` one above the other, as a motion takes them."""
-    bodies, function = variant.bodies, model.function(*measures)
+    function = model.function(*measures)
     t, x, p = bodies.sx_in()
     y, v, a, multiplier = bodies.call([t, x, p])
     forces = ca.vertcat(multiplier, ca.SX.zeros(function.size1_in(4) - multiplier.numel()))

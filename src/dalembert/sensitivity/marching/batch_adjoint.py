@@ -82,7 +82,7 @@ class BatchAdjoint:
         self, path: MarchedStates, known: np.ndarray, sample: Sample[Any], number: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """(known, K, size) weights that the response gives the states; (known, n) parameters."""
-        function = measured(self.variant, self.model, (sample.measure,))  # type: ignore[arg-type]
+        function = measured(self.model, self.variant.bodies, (sample.measure,))  # type: ignore[arg-type]
         (values,) = path.evaluate(function, known, number)
         times, reduce = sample.motion.time, sample.response
         weights = np.array([reduce.weights(times, row) for row in values[..., 0]])
