@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from dalembert.analysis.batch.driven_steps import DrivenSteps
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.driven_instants import driven_instant
 from dalembert.analysis.events import Occurrence
@@ -42,6 +43,7 @@ class Kinematics(OverTime[Motion]):
 
     spoken = "kinematics"
     execution = KinematicsRun
+    batched = DrivenSteps
 
     @property
     def efforts(self) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 
 from dalembert.analysis.batch.judgement import Judgement
 from dalembert.analysis.batch.one_by_one import STOPPED, OneByOne
-from dalembert.analysis.batch.starts import Starts, starting_mode
+from dalembert.analysis.batch.starts import Starts, first_states, starting_mode
 from dalembert.analysis.batch.states import MarchedStates
 from dalembert.analysis.branches import outputs_of
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
@@ -47,6 +47,7 @@ class FixedSteps:
         self.kernel: DynamicsKernel = self.run.kernel
         self.start = self.run.start
         self.grid = uniform_grid(self.start, self.run.end, self.run.step)
+        self.mode = starting_mode(self.kernel, model)
 
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
@@ -104,7 +105,15 @@ class FixedSteps:
 
     def march(self, report: Callable[[float], None]) -> tuple[MarchedStates, np.ndarray]:
         """States at the outputs, the start and the end, and the designs that have them."""
-        self.starts = Starts(self.run, self.designs, self.workers)
+        self.starts = Starts(
+            self.model,
+            self.designs,
+            self.kernel.backend,
+            self.workers,
+            (self.start, self.run.end),
+            self.analysis.formulation.needs_mass,
+            first_states(self.kernel, self.mode),
+        )
         self.statuses, self.alone = self.starts.statuses, self.starts.alone
         self.started = clock.perf_counter()
         return self._march(self.starts.known, report)
@@ -116,16 +125,16 @@ class FixedSteps:
         kernel, x0, h = self.kernel, self.starts.x0, np.diff(self.grid)
         number = np.arange(1, h.size + 1)
         corrected = (number % kernel.fixed.period == 0) | (number == h.size)
-        steps = Steps(self.grid[:-1], h, x0[:1].T, corrected, np.full(h.size, self.starts.mode))
+        steps = Steps(self.grid[:-1], h, x0[:1].T, corrected, np.full(h.size, self.mode))
         self.times, branches = outputs_of(steps, self.run.requested)
         ends = branches.index + branches.ends_of(steps)
         wanted = np.union1d(ends, [0, h.size])
-        size = kernel.variants[self.starts.mode].step.size
+        size = kernel.variants[self.mode].step.size
         self._afford(size)
-        prepared = kernel.fixed.prepared(self.starts.mode)
+        prepared = kernel.fixed.prepared(self.mode)
         self.marching = march = LaneMarch(
             prepared.called or prepared.function,
-            kernel.fixed.columns(self.starts.mode),
+            kernel.fixed.columns(self.mode),
             kernel.backend,
             h.size * known.size,
         )
@@ -154,17 +163,16 @@ class FixedSteps:
             times, order = np.unique(np.append(times, self.times[inside]), return_index=True)
             x = np.concatenate([x, moved], axis=1)[:, order]
         self.outputs = np.searchsorted(times, self.times - steps.instant)
-        mode = self.starts.mode
         states = MarchedStates(
             self.model,
-            kernel.variants[mode].bodies,
+            kernel.variants[self.mode].bodies,
             kernel.backend,
             times,
             self.starts.p,
             x,
             self.workers,
             kernel=kernel,
-            mode=mode,
+            mode=self.mode,
         )
         return states, known
 
@@ -173,7 +181,7 @@ class FixedSteps:
         moved = np.full((self.count, begins.size, x.shape[2]), np.nan)
         shape = known.size, begins.size
         (found,) = self.starts.evaluate(
-            self.kernel.variants[self.starts.mode].step.function,
+            self.kernel.variants[self.mode].step.function,
             np.broadcast_to(times[begins], shape).reshape(-1, 1),
             np.broadcast_to(length, shape).reshape(-1, 1),
             x[known][:, begins].reshape(-1, x.shape[2]),

@@ -9,7 +9,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.batch.states import MarchedStates
+from dalembert.analysis.batch.states import MarchedStates, States
 from dalembert.analysis.dynamics_truth import DRIFT, held_levels
 from dalembert.analysis.energy_balance import energy_errors, energy_moved
 from dalembert.analysis.model_residuals import (
@@ -79,7 +79,7 @@ class Judgement:
         states, model = self.states, self.states.model
         spread = looked_at(states.time.size)
         outputs = np.column_stack([np.tile(spread, (worst.size, 1)), worst])
-        found = states.evaluate(at_some(model, states.bodies), self.designs, outputs)
+        found = states.evaluate(at_some(model, states.bodies, True), self.designs, outputs)
         opened, relative, terms = (values.max(axis=1, initial=0.0) for values in found)
         shares, held = opened / np.array([*EXACT.values(), MOTION]), held_levels(states.kernel)
         for level in Level:
@@ -93,6 +93,21 @@ class Judgement:
         return np.where(np.isfinite(shares), shares, np.inf)
 
 
+def open_levels(states: States, designs: np.ndarray) -> np.ndarray:
+    """(designs,) what is open of constraints that are held at all levels, over what may be."""
+    spread = looked_at(states.time.size)
+    violated = violation(states.model)
+    t, x, p = states.bodies.sx_in()
+    at = ca.Function("open", [t, x, p], [violated(t, states.bodies(t, x, p)[0], p)])
+    (each,) = states.evaluate(at, designs, np.arange(states.time.size))
+    worst = np.argmax(np.nan_to_num(each[..., 0], nan=np.inf), axis=1)
+    outputs = np.column_stack([np.tile(spread, (worst.size, 1)), worst])
+    function = at_some(states.model, states.bodies, False)
+    found = states.evaluate(function, designs, outputs)[0].max(axis=1, initial=0.0)
+    shares = found / np.array([*EXACT.values()])
+    return np.asarray(np.where(np.isfinite(shares), shares, np.inf).max(axis=1))
+
+
 @once
 def at_outputs(model: Model, bodies: ca.Function) -> ca.Function:
     """``(t, x, p) →`` violation, kinetic and potential energy, and 0 where all is defined."""
@@ -104,8 +119,11 @@ def at_outputs(model: Model, bodies: ca.Function) -> ca.Function:
 
 
 @once
-def at_some(model: Model, bodies: ca.Function) -> ca.Function:
-    """``(t, x, p) →`` shares of the terms, by level and of motion; residuals and terms by level."""
+def at_some(model: Model, bodies: ca.Function, forces: bool) -> ca.Function:
+    """``(t, x, p) →`` shares of the terms, by level and of motion; residuals and terms by level.
+
+    Where there are no forces, equations of motion are not looked at.
+    """
     e, scales = model.all_equations, model.scales
     t, x, p = bodies.sx_in()
     y, v, a, multiplier = bodies.call([t, x, p])
@@ -119,10 +137,13 @@ def at_some(model: Model, bodies: ca.Function) -> ca.Function:
         shares.append(_largest(left / (size + units * scales.time**-level)))
         relative.append(_largest(left / units))
         sizes.append(_largest(size / units))
-    transmitted = ca.vertcat(multiplier, ca.SX.zeros(e.transmitted.numel() - multiplier.numel()))
-    left, size = motion_rows(model)(t, y, v, a, transmitted, p)
-    shares.append(_largest(ca.fabs(left) / (size + ca.SX(scales.efforts))))
-    shares[0] += ca.sum1(0 * ca.vertcat(open_by, left))  # what is largest says nothing of NaN
+    undefined = ca.sum1(0 * open_by)  # what is largest says nothing of NaN
+    if forces:
+        none = ca.SX.zeros(e.transmitted.numel() - multiplier.numel())
+        left, size = motion_rows(model)(t, y, v, a, ca.vertcat(multiplier, none), p)
+        shares.append(_largest(ca.fabs(left) / (size + ca.SX(scales.efforts))))
+        undefined += ca.sum1(0 * left)
+    shares[0] += undefined
     outputs = [ca.vertcat(*column) for column in (shares, relative, sizes)]
     return ca.Function("at_some", [t, x, p], outputs, {"cse": True})
 

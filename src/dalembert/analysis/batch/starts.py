@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.analysis.dynamics_run import DynamicsRun
 from dalembert.analysis.timeline import check_driver_laws
 from dalembert.elements.driver import Driver
 from dalembert.errors import AnalysisError
@@ -16,6 +13,7 @@ from dalembert.model.many_starts import ManyStarts
 from dalembert.model.model import Model
 from dalembert.results.designs import Designs
 from dalembert.results.status import Outcome, Status
+from dalembert.symbolic.backends import Backend
 from dalembert.symbolic.expression import stack
 from dalembert.symbolic.once import once
 from dalembert.symbolic.shared_columns import in_blocks
@@ -26,9 +24,11 @@ class Starts:
 
     Parameters
     ----------
-    run : DynamicsRun of the model's own values
-    designs : Designs
-    workers : threads at most
+    model, designs : what starts
+    backend, workers : what evaluates functions, and in how many threads
+    span : start and end of the run [s]
+    needs_mass : every mass must stay one
+    first : ``(t, y, p) → x`` of assembled positions
 
     Attributes
     ----------
@@ -40,10 +40,19 @@ class Starts:
     alone : numbers of the designs that are left to a run of their own
     """
 
-    def __init__(self, run: DynamicsRun, designs: Designs, workers: int):
-        self.run, self.model, self.kernel = run, run.model, run.kernel
-        self.designs, self.workers, self.count = designs, workers, len(designs)
-        self.start, self.needs_mass = run.start, run.analysis.formulation.needs_mass
+    def __init__(
+        self,
+        model: Model,
+        designs: Designs,
+        backend: Backend,
+        workers: int,
+        span: tuple[float, float],
+        needs_mass: bool,
+        first: ca.Function,
+    ):
+        self.model, self.designs, self.count = model, designs, len(designs)
+        self.backend, self.workers, self.first = backend, workers, first
+        (self.start, self.end), self.needs_mass = span, needs_mass
         self.statuses: dict[int, Status] = {}
         self.alone: list[int] = []
         self.p = self._parameters()
@@ -62,7 +71,7 @@ class Starts:
             p[~suspect] = table[~suspect]
         suspect |= self._lose_mass(p)
         if any(isinstance(c, Driver) and c.positive for c in model.constraints):
-            instants = np.linspace(self.start, self.run.end, 1001)
+            instants = np.linspace(self.start, self.end, 1001)
             for k in np.flatnonzero(~suspect):
                 try:
                     check_driver_laws(model, instants, p[k])
@@ -82,7 +91,7 @@ class Starts:
 
     def evaluate(self, function: ca.Function, *arguments: np.ndarray) -> list[np.ndarray]:
         """Results for rows of arguments."""
-        return in_blocks(self.kernel.backend.columns(function), self.workers, *arguments)
+        return in_blocks(self.backend.columns(function), self.workers, *arguments)
 
     def _starts(self, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """First states of the designs that can be assembled, and which these are."""
@@ -97,7 +106,7 @@ class Starts:
                 self.statuses[int(k)] = self._open(int(row), float(gap))
         p, known = p[found], known[found]
         t = np.full((known.size, 1), self.start)
-        (x0,) = self.evaluate(self._first_states, t, y[found], p)
+        (x0,) = self.evaluate(self.first, t, y[found], p)
         defined = np.all(np.isfinite(x0), axis=1)
         self.alone += [int(k) for k in known[~defined]]
         self.y0 = np.full((self.count, y.shape[1]), np.nan)
@@ -118,16 +127,6 @@ class Starts:
             gap,
         )
 
-    @property
-    def _first_states(self) -> ca.Function:
-        """``(t, y, p) → x`` with speeds, and memory."""
-        return _first_states(self.kernel, self.mode)
-
-    @cached_property
-    def mode(self) -> int:
-        """The variant in which all of them start."""
-        return starting_mode(self.kernel, self.model)
-
 
 def starting_mode(kernel: DynamicsKernel, model: Model) -> int:
     """The variant of the nominal start."""
@@ -144,7 +143,7 @@ def _masses(model: Model) -> ca.Function:
 
 
 @once
-def _first_states(kernel: DynamicsKernel, mode: int) -> ca.Function:
+def first_states(kernel: DynamicsKernel, mode: int) -> ca.Function:
     """``(t, y, p) → x`` of assembled positions."""
     model = kernel.model
     t, y, p = (ca.SX.sym(s, n) for s, n in zip("typ", model.initial_state.input_sizes, strict=True))
