@@ -11,8 +11,8 @@ import casadi as ca
 from dalembert.symbolic.native.loop import LOOP
 
 LARGE = 5_000_000
-"""Characters of C from which machine code gains little over the virtual machine, whose instructions
-are shorter: code that does not fit the caches of the processor is read from memory in every step."""
+"""Characters of C from which machine code gains little over the virtual machine, whose
+instructions are shorter: code that does not fit the caches is read from memory in every step."""
 FACTORISED = re.compile(
     r"^  casadi_qr\(\w+, \w+, \w+, \w+, \w+, (\w+), (\w+), \w+, \w+, (\w+)\);$", re.MULTILINE
 )
