@@ -439,6 +439,14 @@ def test_without_a_compiler_c_names_the_cure(monkeypatch):
         run(four_bar(), "c")
 
 
+def test_the_compiler_of_a_package_is_found_where_the_system_has_none(monkeypatch):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setattr(c_compiler.shutil, "which", lambda name: None)
+    monkeypatch.setattr(c_compiler, "find_spec", lambda name: name)
+    monkeypatch.setattr(c_compiler, "_compiler", lambda command: command)
+    assert c_compiler.find_compiler() == (sys.executable, "-m", "ziglang", "cc")
+
+
 @pytest.fixture
 def no_llvm(monkeypatch):
     """As if the package were not installed."""
