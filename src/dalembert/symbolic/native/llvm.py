@@ -85,7 +85,8 @@ def needed_llvm() -> Llvm:
     if found is None:
         raise UnsupportedError(
             "backend 'jit': the packages llvmlite and pycparser are not both installed; "
-            "'pip install llvmlite pycparser', or use backend='c' or 'vm', which give the same results"
+            "'pip install llvmlite pycparser', or use backend='c' or 'vm', which give the same "
+            "results"
         )
     return found
 
