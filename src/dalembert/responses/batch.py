@@ -23,18 +23,27 @@ MEMORY = 2.0**28
 """Bytes of states at once where designs run again."""
 
 
-def batch_response(batch: Batch, response: Response) -> xr.DataArray:
+def representative(batch: Batch) -> Any:
+    """A run of a design that has all the outputs, where one has; None where none succeeded."""
+    good = np.flatnonzero(batch.succeeded)
+    if not good.size:
+        return None
+    return batch.design(int(good[np.argmax([_whole(batch, int(k)) for k in good])]))
+
+
+def batch_response(batch: Batch, response: Response, like: Any = None) -> xr.DataArray:
     """The response of every design; NaN for those that failed.
 
     Measures are evaluated for all designs at once where the response looks at their outputs;
-    elsewhere (integrals of runs of which only some outputs are kept) design by design.
+    elsewhere (integrals of runs of which only some outputs are kept) the designs run again.
+    ``like`` is what ``representative`` gives.
     """
     import xarray as xr
 
     good = np.flatnonzero(batch.succeeded)
     values, unit = np.full(len(batch), np.nan), ""
-    if good.size:
-        like: Result = batch.design(int(good[np.argmax([_whole(batch, int(k)) for k in good])]))
+    like = representative(batch) if like is None else like
+    if like is not None:
         measure = scalar_measure(like, response)
         unit = response.over(like).unit(measure.unit)
         values[good] = _of_designs(batch, response, like, measure, good)
@@ -46,7 +55,8 @@ def batch_responses(batch: Batch, responses: Sequence[Response]) -> xr.Dataset:
     """Several responses by their labels, and how each design ended."""
     import xarray as xr
 
-    found = {r.label: batch_response(batch, r) for r in responses}
+    like = representative(batch)
+    found = {r.label: batch_response(batch, r, like) for r in responses}
     return xr.Dataset({"status": batch.status, **found}, attrs=batch.about)
 
 

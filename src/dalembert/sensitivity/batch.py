@@ -11,7 +11,7 @@ from dalembert.analysis.batch.states import MarchedStates
 from dalembert.analysis.batch.workers import can_copy, checked_workers, in_copies
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.responses.batch import batch_response
+from dalembert.responses.batch import batch_response, representative
 from dalembert.results.batch import Batch
 from dalembert.sensitivity.marching.batch_adjoint import BatchAdjoint
 from dalembert.sensitivity.methods import Adjoint
@@ -28,7 +28,8 @@ def labelled_gradients(
 
     listed = list(batch.model.parameters.values())
     parameters = [listed[i] for i in columns]
-    found = [batch_response(batch, response) for response in responses]
+    like = representative(batch)
+    found = [batch_response(batch, response, like) for response in responses]
     along: dict[str, Any] = batch.designs.coords | {
         "response": [r.label for r in responses],
         "parameter": [p.name for p in parameters],

@@ -20,7 +20,9 @@ from dalembert.errors import AnalysisError
 from dalembert.options import is_whole
 
 SHARES = 8
-"""Parts of the work for each worker, so that none waits long for the last."""
+"""Parts of the work for each worker at least, so that none waits long for the last."""
+LARGEST = 16
+"""Tasks of a part: after an interruption those begun are finished."""
 
 _task: Callable[[int], Any] | None = None
 """What the copies of this process were made for; they find it in their memory."""
@@ -56,10 +58,10 @@ def in_copies(
     """
     global _task
     _task = task
-    share = max(1, len(numbers) // (SHARES * workers))
+    share = min(max(1, len(numbers) // (SHARES * workers)), LARGEST)
     parts = [numbers[k : k + share] for k in range(0, len(numbers), share)]
     context = multiprocessing.get_context("fork")
-    pool = ProcessPoolExecutor(workers, context, _ignore_interrupts)
+    pool = ProcessPoolExecutor(workers, context, _end_when_interrupted)
     try:
         waiting = {pool.submit(_several, list(part)) for part in parts}
         while waiting:
@@ -73,9 +75,9 @@ def in_copies(
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _ignore_interrupts() -> None:
-    """The process that was copied decides what ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _end_when_interrupted() -> None:
+    """What is finished has been sent back; the process that was copied tells of it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _several(numbers: list[int]) -> list[tuple[int, Any]]:
