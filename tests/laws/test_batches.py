@@ -286,6 +286,12 @@ def truss() -> da.StructuralModel:
 
 OTHERS = {
     "kinematics": (driven, da.solve_kinematics, {"duration": 1.0, "step": 0.02}, "rocker.angle"),
+    "inverse dynamics": (
+        driven,
+        da.solve_inverse_dynamics,
+        {"duration": 1.0, "step": 0.02},
+        "drive.effort",
+    ),
     "equilibrium": (hanging, da.solve_equilibrium, {}, "bar.angle"),
     "statics": (truss, da.solve_statics, {}, "c.uy"),
     "large displacements": (truss, da.solve_statics, {"nonlinear": True}, "c.uy"),

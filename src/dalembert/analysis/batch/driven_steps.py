@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.batch.judgement import open_levels
+from dalembert.analysis.batch.judgement import open_by
 from dalembert.analysis.batch.one_by_one import STOPPED, OneByOne
 from dalembert.analysis.batch.starts import Starts
 from dalembert.analysis.batch.states import States
@@ -49,6 +49,8 @@ class DrivenSteps:
         self.backend = _backend(model)
         e, times = model.equations, self.run.requested.size
         self.kept = e.coordinate_count + 2 * e.speed_count
+        if analysis.efforts:
+            self.kept += e.constraint_count
         afford(
             f"{self.count} designs with {times} outputs of {self.kept} numbers",
             memory=24.0 * self.count * times * self.kept,
@@ -57,9 +59,9 @@ class DrivenSteps:
 
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
-        """Whether all designs take the same steps and no efforts are asked for."""
-        chosen = analysis.outputs is not None and analysis.step is None
-        return not (chosen or analysis.efforts or model.closure.lost or model.diagnosis.free)
+        """Whether all designs take the same steps."""
+        chosen = analysis.outputs is not None and analysis.step is None and not analysis.efforts
+        return not (chosen or model.closure.lost or model.diagnosis.free)
 
     def execute(self, report: Callable[[float], None]) -> Batch:
         """All designs; after an interruption those that were finished."""
@@ -77,7 +79,7 @@ class DrivenSteps:
         states, known, residuals, interrupted = self._move(starts, report)
         passed = known
         if known.size:
-            passed = known[open_levels(states, known) <= 1]
+            passed = known[open_by(states, known, self.analysis.efforts) <= 1]
         text, end = f"reached t = {self.run.requested[-1]:g} s", float(self.run.requested[-1])
         for k in passed:
             statuses[int(k)] = Status(Outcome.COMPLETED, text, end, float(residuals[k]))
@@ -126,7 +128,7 @@ class DrivenSteps:
 
         threads = self.workers if march.threaded else 1
         done = in_groups(work, np.arange(known.size), march.width, threads, report)
-        bodies = _bodies(self.kernel)
+        bodies = _bodies(self.kernel, self.analysis.efforts)
         states = States(self.model, bodies, self.backend, requested, starts.p, x, self.workers)
         return states, known[done & trusted], residuals, not done.all()
 
@@ -173,10 +175,15 @@ def _first(kernel: KinematicsKernel) -> ca.Function:
 
 
 @once
-def _bodies(kernel: KinematicsKernel) -> ca.Function:
-    """``(t, x, p) → y, v, v̇`` of states, and multipliers that kinematics does not know."""
-    e = kernel.e
-    n, k, m = e.coordinate_count, e.speed_count, len(kernel.model.closure.owners)
-    t, x, p = ca.SX.sym("t"), ca.SX.sym("x", n + 2 * k), ca.SX.sym("p", e.p.numel())
-    parts = [x[:n], x[n : n + k], x[n + k :], ca.SX(m, 1) + ca.SX.nan(m, 1)]
+def _bodies(kernel: KinematicsKernel, efforts: bool) -> ca.Function:
+    """``(t, x, p) → y, v, v̇, λ`` of states; where efforts are not asked for, λ is not known."""
+    e, closure = kernel.e, kernel.model.closure
+    n, k, m = e.coordinate_count, e.speed_count, e.constraint_count
+    t, p = ca.SX.sym("t"), ca.SX.sym("p", e.p.numel())
+    x = ca.SX.sym("x", n + 2 * k + (m if efforts else 0))
+    multiplier = ca.SX.nan(len(closure.owners), 1)
+    if efforts:
+        multiplier = ca.SX.zeros(len(closure.owners), 1)
+        multiplier[list(closure.rows)] = x[n + 2 * k :]
+    parts = [x[:n], x[n : n + k], x[n + k : n + 2 * k], multiplier]
     return ca.Function("bodies", [t, x, p], [ca.densify(part) for part in parts])

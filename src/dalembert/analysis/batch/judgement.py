@@ -93,8 +93,8 @@ class Judgement:
         return np.where(np.isfinite(shares), shares, np.inf)
 
 
-def open_levels(states: States, designs: np.ndarray) -> np.ndarray:
-    """(designs,) what is open of constraints that are held at all levels, over what may be."""
+def open_by(states: States, designs: np.ndarray, forces: bool) -> np.ndarray:
+    """(designs,) what is open where all levels are held, and of motion, over what may be."""
     spread = looked_at(states.time.size)
     violated = violation(states.model)
     t, x, p = states.bodies.sx_in()
@@ -102,9 +102,9 @@ def open_levels(states: States, designs: np.ndarray) -> np.ndarray:
     (each,) = states.evaluate(at, designs, np.arange(states.time.size))
     worst = np.argmax(np.nan_to_num(each[..., 0], nan=np.inf), axis=1)
     outputs = np.column_stack([np.tile(spread, (worst.size, 1)), worst])
-    function = at_some(states.model, states.bodies, False)
+    function = at_some(states.model, states.bodies, forces)
     found = states.evaluate(function, designs, outputs)[0].max(axis=1, initial=0.0)
-    shares = found / np.array([*EXACT.values()])
+    shares = found / np.array([*EXACT.values(), *([MOTION] if forces else [])])
     return np.asarray(np.where(np.isfinite(shares), shares, np.inf).max(axis=1))
 
 
@@ -128,21 +128,21 @@ def at_some(model: Model, bodies: ca.Function, forces: bool) -> ca.Function:
     t, x, p = bodies.sx_in()
     y, v, a, multiplier = bodies.call([t, x, p])
     m = e.constraint_count
-    open_by, terms = constraint_rows(model)(t, y, v, a, p)
+    left, terms = constraint_rows(model)(t, y, v, a, p)
     units = ca.SX(scales.rows)
     shares, relative, sizes = [], [], []
     for level in Level:
         part = slice(level * m, (level + 1) * m)
-        left, size = ca.fabs(open_by[part]), terms[part]
-        shares.append(_largest(left / (size + units * scales.time**-level)))
-        relative.append(_largest(left / units))
+        away, size = ca.fabs(left[part]), terms[part]
+        shares.append(_largest(away / (size + units * scales.time**-level)))
+        relative.append(_largest(away / units))
         sizes.append(_largest(size / units))
-    undefined = ca.sum1(0 * open_by)  # what is largest says nothing of NaN
+    undefined = ca.sum1(0 * left)  # what is largest says nothing of NaN
     if forces:
         none = ca.SX.zeros(e.transmitted.numel() - multiplier.numel())
-        left, size = motion_rows(model)(t, y, v, a, ca.vertcat(multiplier, none), p)
-        shares.append(_largest(ca.fabs(left) / (size + ca.SX(scales.efforts))))
-        undefined += ca.sum1(0 * left)
+        away, size = motion_rows(model)(t, y, v, a, ca.vertcat(multiplier, none), p)
+        shares.append(_largest(ca.fabs(away) / (size + ca.SX(scales.efforts))))
+        undefined += ca.sum1(0 * away)
     shares[0] += undefined
     outputs = [ca.vertcat(*column) for column in (shares, relative, sizes)]
     return ca.Function("at_some", [t, x, p], outputs, {"cse": True})
