@@ -36,6 +36,10 @@ class References:
 
     def node(self, beam: str, name: str) -> Any:
         """The body at an end of a beam, or at another of its nodes."""
+        if beam not in self.system.elements:
+            raise ModelError(
+                f"{beam} is not made yet; a beam begins and ends at bodies, or at beams before it"
+            )
         found: Any = self.system.elements[beam]
         nodes = found.named_nodes
         if name not in nodes:
