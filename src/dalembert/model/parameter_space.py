@@ -74,6 +74,8 @@ class ParameterSpace:
 
     def _chains(self, p: np.ndarray) -> Iterator[tuple[ComputedNumbers, np.ndarray, np.ndarray]]:
         """What is computed, its arguments, and their slopes (k, np)."""
+        if not self.computed:
+            return iter(())
         own = p[: self.count]
         arguments, slopes = (self._columns(f, own) for f in (self._arguments, self._slopes))
         return zip(self.computed, arguments, slopes, strict=True)
