@@ -2,9 +2,9 @@
 
 Data of the benchmark of Bauchau, Betsch, Cardona, Gerstmayr, Jonker, Masarati and Sonneville
 (Validation of flexible multibody dynamics beam formulations using benchmark problems, Multibody
-System Dynamics 37, 2016; its histories are curves): bars of 0.12, 0.24 and 0.12 m in a plane, hinges across it at A, B and D,
-that at C tilted by 5° towards the bar BC. With parallel axes rigid bars have one freedom and three
-equations too many; with the tilt they have none.
+System Dynamics 37, 2016; its histories are curves): bars of 0.12, 0.24 and 0.12 m in a plane, hinges
+across it at A, B and D, that at C tilted by 5° towards the bar BC. With parallel axes rigid bars
+have one freedom and three equations too many; with the tilt they have none.
 """
 
 import numpy as np
