@@ -140,7 +140,8 @@ class Closure:
         """More is demanded of the start than is free."""
         raise ModelError(
             f"{count} conditions on speeds hold at the start, where joints and drivers leave "
-            f"{freedom} free; leave some out, or give relaxed=False to a beam, which starts free of strain",
+            f"{freedom} free; leave some out, or give relaxed=False to a beam, which else starts "
+            "free of strain",
             self.description.name,
         )
 
