@@ -111,7 +111,7 @@ class Model(ParametricModel):
         return self.parts.space.complete(p)
 
     def tangents(self, p: np.ndarray, columns: Sequence[int]) -> np.ndarray:
-        return self.parts.space.tangents(p, list(columns))
+        return self.parts.space.tangents(p, columns)
 
     def gathered(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
         return self.parts.space.gathered(p, gradients)
