@@ -14,7 +14,7 @@ to all of them; both gradients converge to the same digits.
 
     pip install "dalembert[bench]"
     python benchmarks/gradients.py                    a few minutes, virtual machine
-    python benchmarks/gradients.py --backend vm c     and compiled: for 40 four-bars, minutes more
+    python benchmarks/gradients.py --backend vm jit   and as machine code
     python benchmarks/gradients.py -n 3 --repeats 9   one size, quieter medians
     python benchmarks/gradients.py --memory           only the memory of a march of a million steps
                                                       through one four-bar, in its own process
@@ -315,7 +315,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("-n", type=int, nargs="+", default=[3, 10, 40])
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--backend", nargs="+", default=["vm"], choices=["vm", "c"])
+    parser.add_argument("--backend", nargs="+", default=["vm"], choices=["vm", "jit", "c"])
     parser.add_argument("--memory", action="store_true", help="of a long march, nothing else")
     parser.add_argument("--steps", type=int, default=1_000_000, help="of the long march")
     parser.add_argument("--march", nargs=2, type=float, help=argparse.SUPPRESS)

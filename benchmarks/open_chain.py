@@ -247,7 +247,7 @@ def main(counts: list[int], repeats: int) -> None:
         kinds["Pinocchio aba, from Python"] = aba
         runs = {
             f"{name}{label}": lambda c=c, m=model, n=steps, b=backend: our_step(m, c, n, b)
-            for backend, label in {"vm": "", "c": ", C"}.items()
+            for backend, label in {"vm": "", "jit": ", LLVM"}.items()
             for name, c in COORDINATES.items()
         }
         runs["Exudyn tree, RK44"] = lambda n=count, s=steps: exudyn_tree(n, s)

@@ -123,7 +123,7 @@ def main() -> None:
     repeats = parser.parse_args().repeats
     runs: dict[str, Run] = {}
     for elements, step in ((4, 2e-3), (4, 1e-3), (6, 1e-3), (8, 5e-4)):
-        for backend in ("vm", "c"):
+        for backend in ("vm", "jit"):
             name = f"dalembert, {elements} of order 3, {backend}"
             runs[f"{name:34s}{step:8.0e}"] = ours(elements, step, backend)
     for kind, meshes in (("Cable2D", (8, 16, 32)), ("Beam2D", (16, 32, 64))):

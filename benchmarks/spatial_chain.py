@@ -21,8 +21,7 @@ import numpy as np
 
 import dalembert as da
 from dalembert import spatial
-from dalembert.symbolic.backends import Backend, Compiled, VirtualMachine
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.backends import BACKENDS
 
 GRAVITY = 9.81
 INERTIA = (0.01, 0.02, 0.015)
@@ -139,7 +138,7 @@ def steps_table(count: int) -> None:
     plain, projected = da.Stabilization(), da.Projection()
     motions = {
         (backend, stabilization): run(model, stabilization, backend)
-        for backend in ("vm", "c")
+        for backend in ("vm", "jit")
         for stabilization in (plain, projected)
     }
     per_step = {
@@ -159,18 +158,18 @@ def steps_table(count: int) -> None:
     )
 
 
-def acceleration(model: da.Model, backend: Backend) -> Callable[[], None]:
+def acceleration(model: da.Model, backend: str) -> Callable[[], None]:
     """One ``q̈`` of many, as a function without arguments."""
     view = da.JointCoordinates().view(model)
     e, many = view.equations, 200
     function = da.RangeSpace().acceleration(e, e.constraint_acceleration, [e.a]).function
-    kernel = Kernel(backend.mapped(function, many).map(many))
+    columns = BACKENDS[backend]().columns(function)
     q, u = (
         part.full() for part in view.reduce.function(0, model.start.y, model.start.v, model.nominal)
     )
     x = np.tile(np.vstack([q, u, np.zeros((2, 1))]), many)
     p = np.tile(model.nominal[:, None], many)
-    return lambda: kernel(np.zeros(many), x, p)
+    return lambda: columns(many, np.zeros(many), x, p)
 
 
 def accelerations_table(count: int) -> None:
@@ -180,7 +179,7 @@ def accelerations_table(count: int) -> None:
         pin = None
     model, many = build(count), 200
     found = []
-    for backend in (VirtualMachine(), Compiled()):
+    for backend in ("vm", "jit"):
         call = acceleration(model, backend)
         call()
         found.append(1e6 / many * best(lambda call=call: timed(call)))

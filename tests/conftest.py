@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the cores
+os.environ.setdefault(  # kept for the next run of the tests
+    "DALEMBERT_CACHE", str(Path(__file__).parents[1] / ".pytest_cache" / "machine_code")
+)
 
 import pytest
 from browser import browser, show  # noqa: F401

@@ -69,7 +69,15 @@ def run(code: str) -> str:
 
 def test_heavy_libraries_are_imported_lazily():
     """None with the package; with its names only what they need, which files need more of."""
-    heavy = ("xarray", "pandas", "matplotlib", "pydantic", "scipy.optimize")
+    heavy = (
+        "xarray",
+        "pandas",
+        "matplotlib",
+        "pydantic",
+        "scipy.optimize",
+        "llvmlite",
+        "pycparser",
+    )
     loaded = "print([m for m in {} if m in sys.modules])"
     first, then = ("casadi", "numpy", *heavy), heavy
     assert run(f"import sys, dalembert; {loaded.format(first)}") == "[]"

@@ -177,6 +177,22 @@ def test_optimize(model, tmp_path, capsys):
     assert "objective" in capsys.readouterr().out
 
 
+def test_cache(tmp_path, monkeypatch, capsys):
+    folder = tmp_path / "machine code"
+    monkeypatch.setenv("DALEMBERT_CACHE", str(folder))
+    assert main(["cache"]) == 0
+    assert "0 compiled functions, 0.0 MB, in" in capsys.readouterr().out
+    folder.mkdir()
+    (folder / "one.o").write_bytes(bytes(2_000_000))
+    (folder / "one.sha256").write_text("…")
+    assert main(["cache", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["functions"] == 1 and told["bytes"] == 2_000_000 and told["folder"] == str(folder)
+    assert main(["cache", "--clear"]) == 0
+    assert "1 compiled functions, 2.0 MB, deleted from" in capsys.readouterr().out
+    assert not list(folder.iterdir())
+
+
 def test_schema(tmp_path, capsys):
     assert main(["schema"]) == 0
     made = told(capsys)

@@ -102,7 +102,6 @@ class DynamicsKernel(StepOutputs):
             check_contacts(self.equations, formulation, integrator)
             self.contacts = ContactModes(self.view, self.variants, self._mode)
         self._transitions: dict[tuple[int, int, bool], int] = {}
-        self._columns: dict[tuple[ca.Function, bool, tuple[int, ...]], Columns] = {}
         self.fixed = FixedMarch(
             lambda mode: self.variants[mode].step, stabilization.period, self.backend
         )
@@ -209,19 +208,13 @@ class DynamicsKernel(StepOutputs):
         return everything
 
     def over(self, function: ca.Function, count: int) -> Callable[..., list[np.ndarray]]:
-        """The function for ``count`` columns at once; made once, for chunks ask again and again."""
-        return partial(self._made(function, False, ()), count)
+        """The function for ``count`` columns at once."""
+        return partial(self.backend.columns(function), count)
 
     def marched(self, function: ca.Function, fixed: tuple[int, ...]) -> Columns:
         """A function whose result is its first argument for the next column; ``fixed`` are the
         numbers of arguments that are the same for all."""
-        return self._made(function, True, fixed)
-
-    def _made(self, function: ca.Function, carried: bool, fixed: tuple[int, ...]) -> Columns:
-        key = (function, carried, fixed)
-        if key not in self._columns:
-            self._columns[key] = self.backend.columns(function, carried, fixed)
-        return self._columns[key]
+        return self.backend.columns(function, True, fixed)
 
     def steps(self, mode: int) -> Columns:
         """The steps, or attempted steps, of a mode."""

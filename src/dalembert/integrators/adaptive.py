@@ -54,14 +54,21 @@ class AdaptiveMarch:
     def columns(self, mode: int) -> Columns:
         """``single`` for many attempts."""
         if mode not in self._columns:
-            self._columns[mode] = self.backend.columns(self.single(mode), True, (1,))
+            called = self.attempt_of(mode).called and self._whole(mode, called=True)
+            self._columns[mode] = self.backend.columns(self.single(mode), True, (1,), called)
         return self._columns[mode]
 
     def single(self, mode: int) -> ca.Function:
         """``(state, fixed) → (state, record)`` of one attempt."""
         if mode not in self._singles:
-            self._singles[mode] = _idle_at_the_end(self.attempt_of(mode), self.crossed)
+            self._singles[mode] = self._whole(mode)
         return self._singles[mode]
+
+    def _whole(self, mode: int, called: bool = False) -> ca.Function:
+        attempt = self.attempt_of(mode)
+        function = attempt.called if called else attempt.function
+        assert function is not None
+        return _idle_at_the_end(function, len(attempt.memory), self.crossed)
 
     def run(
         self,
@@ -158,18 +165,19 @@ class AdaptiveMarch:
         return out[:, :stop], record[:, :stop], following, reason
 
 
-def _idle_at_the_end(attempt: Attempt, crossed: ca.Function | None) -> ca.Function:
+def _idle_at_the_end(
+    function: ca.Function, memory: int, crossed: ca.Function | None
+) -> ca.Function:
     """The attempt before the end, nothing from there on, so that the rest of a chunk is free.
 
     Beyond a switch there is nothing either, for the step across has to be cut first.
     """
-    function = attempt.function
     state, fixed = ca.MX.sym("s", function.numel_in(0)), ca.MX.sym("f", function.numel_in(1))
     idle = ca.Function("idle", [state, fixed], [state, ca.vertcat(state[0], 0, 0, 0)])
     branch = ca.Function.if_else("attempt_or_idle", function, idle)
     goes_on = state[0] < fixed[0]
     if crossed is not None:
-        head = 2 + len(attempt.memory)
+        head = 2 + memory
         x = state[head : head + crossed.numel_in(1)]
         goes_on = ca.logic_and(goes_on, ca.mmax(crossed(state[0], x, fixed[2:])) <= 0)
     outputs = branch(goes_on, state, fixed)

@@ -65,10 +65,12 @@ class Attempt:
     ----------
     function : ca.Function
     memory : initial values of what the controller remembers
+    called : the function in the form that is fastest compiled, if there is another
     """
 
     function: ca.Function
     memory: tuple[float, ...]
+    called: ca.Function | None = None
 
 
 @dataclass(frozen=True)

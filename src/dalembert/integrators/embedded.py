@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 
 from dalembert.integrators.base import Attempt, Problem
 from dalembert.integrators.error_norm import largest, relative_error
 from dalembert.integrators.explicit_step import ExplicitStep
-from dalembert.integrators.step_control import decide
+from dalembert.integrators.step_control import Graph, decide
 
 
 def embedded_attempt(
@@ -18,18 +20,35 @@ def embedded_attempt(
 
     What a correction removes counts little, see ``relative_error``.
     """
-    state = ca.SX.sym("s", 3 + step.size)
-    fixed = ca.SX.sym("f", 2 + step.parameter_count)
-    t, proposed, x = state[0], state[1], state[3:]
-    end, longest, p = fixed[0], fixed[1], fixed[2:]
-    h = ca.fmin(ca.fmin(proposed, longest), end - t)
-    _, slopes = step.stages(t, h, x, p)
-    new = step.advance(h, x, slopes)
-    corrected = step.correct(t + h, new, p)
-    ratio = _error_ratio(problem, step, rtol, atol, (t, h, x, corrected, p), slopes)
-    following, record = decide(state, end, h, corrected, ratio, step.tableau.error_order or 4)
-    function = ca.Function("attempt", [state, fixed], [following, record], {"cse": True})
-    return Attempt(function, (1.0,))
+    judge = _judge(problem, step, rtol, atol)
+
+    def attempt(kind: Any) -> ca.Function:
+        state, fixed = kind.sym("s", 3 + step.size), kind.sym("f", 2 + step.parameter_count)
+        t, x, p = state[0], state[3:], fixed[2:]
+        h = _length(state, fixed)
+        _, slopes = step.stages(t, h, x, p)
+        new = step.correct(t + h, step.advance(h, x, slopes), p)
+        out: Any = judge(state, fixed, new, ca.horzcat(*slopes))
+        options: Any = {"cse": True} if kind is ca.SX else {}
+        return ca.Function("attempt", [state, fixed], out, options)
+
+    return Attempt(attempt(ca.SX), (1.0,), attempt(ca.MX))
+
+
+def _length(state: Graph, fixed: Graph) -> Graph:
+    """Of the step: as proposed, but not too long and not beyond the end."""
+    return ca.fmin(ca.fmin(state[1], fixed[1]), fixed[0] - state[0])
+
+
+def _judge(problem: Problem, step: ExplicitStep, rtol: float, atol: np.ndarray) -> ca.Function:
+    """``(state, fixed, new, slopes) → (following, record)``."""
+    state, fixed = ca.SX.sym("s", 3 + step.size), ca.SX.sym("f", 2 + step.parameter_count)
+    slopes, new = ca.SX.sym("k", step.size, step.tableau.stages), ca.SX.sym("n", step.size)
+    t, x, h = state[0], state[3:], _length(state, fixed)
+    ratio = _error_ratio(problem, step, rtol, atol, (t, h, x, new, fixed[2:]), ca.horzsplit(slopes))
+    following, record = decide(state, fixed[0], h, new, ratio, step.tableau.error_order or 4)
+    inputs = [state, fixed, new, slopes]
+    return ca.Function("judge", inputs, [following, record], {"cse": True})
 
 
 def _error_ratio(problem: Problem, step: ExplicitStep, rtol, atol, where, slopes) -> ca.SX:

@@ -177,7 +177,7 @@ class FixedMarch:
     def columns(self, mode: int) -> Columns:
         """``single`` for many steps."""
         if mode not in self._columns:
-            made = self._prepared(mode)
+            made = self.prepared(mode)
             self._columns[mode] = self.backend.columns(made.function, True, (4,), made.called)
         return self._columns[mode]
 
@@ -185,7 +185,7 @@ class FixedMarch:
         """``q(p)``, kept for the next chunk."""
         known = self._passed_on.get(mode)
         if known is None or not np.array_equal(known[0], p):
-            known = p.copy(), self._prepared(mode).values(p).full().ravel()
+            known = p.copy(), self.prepared(mode).values(p).full().ravel()
             self._passed_on[mode] = known
         return known[1]
 
@@ -196,9 +196,9 @@ class FixedMarch:
 
     def single(self, mode: int) -> ca.Function:
         """``(x, t, h, flag, q) → x``; the flag says whether the step is corrected."""
-        return self._prepared(mode).function
+        return self.prepared(mode).function
 
-    def _prepared(self, mode: int) -> Marching:
+    def prepared(self, mode: int) -> Marching:
         """What is done once for many steps, and what is done in each."""
         if mode not in self._singles:
             step = self.step_of(mode)

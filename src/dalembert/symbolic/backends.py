@@ -14,12 +14,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.symbolic.columns import Columns, NativeColumns, VirtualColumns
+from dalembert.symbolic.columns import Columns, NativeColumns, VirtualColumns, compiled_form
 from dalembert.symbolic.native.c_compiler import needed_compiler
 from dalembert.symbolic.native.library import made
 from dalembert.symbolic.native.llvm import needed_llvm
 from dalembert.symbolic.native.source import c_source, hindrance
-from dalembert.symbolic.native.toolchain import Toolchain
+from dalembert.symbolic.native.toolchain import NotTranslated, Toolchain
+from dalembert.symbolic.once import once
 from dalembert.symbolic.switching import SwitchingColumns, best_toolchain
 
 MANY = 100
@@ -29,7 +30,7 @@ MANY = 100
 class Backend(ABC):
     """Chooses how functions are evaluated."""
 
-    @abstractmethod
+    @once
     def columns(
         self,
         function: ca.Function,
@@ -37,21 +38,33 @@ class Backend(ABC):
         fixed: tuple[int, ...] = (),
         called: ca.Function | None = None,
     ) -> Columns:
-        """A function for many columns; ``carried`` and ``fixed`` as in ``Columns``.
+        """A function for many columns; made once, for chunks ask again and again.
 
-        ``called`` is the same function in the form to be compiled, if there is another.
+        ``carried`` and ``fixed`` as in ``Columns``; ``called`` is the same function in the form
+        that is fastest compiled, if there is another.
         """
+        return self._columns(function, carried, fixed, called)
+
+    @abstractmethod
+    def _columns(
+        self,
+        function: ca.Function,
+        carried: bool,
+        fixed: tuple[int, ...],
+        called: ca.Function | None,
+    ) -> Columns:
+        """Make the columns."""
 
 
 class VirtualMachine(Backend):
     """CasADi's own interpreter: ready at once, nothing to compile."""
 
-    def columns(
+    def _columns(
         self,
         function: ca.Function,
-        carried: bool = False,
-        fixed: tuple[int, ...] = (),
-        called: ca.Function | None = None,
+        carried: bool,
+        fixed: tuple[int, ...],
+        called: ca.Function | None,
     ) -> Columns:
         return VirtualColumns(function, carried, fixed)
 
@@ -60,7 +73,8 @@ class Compiled(Backend):
     """Machine code, compiled once and kept on disk.
 
     Functions that CasADi cannot write as C, those with SUNDIALS inside, stay on the virtual
-    machine, so do those too large to be faster compiled, and those evaluated for few columns only.
+    machine, so do those too large to be faster compiled, those that the toolchain cannot translate,
+    and those evaluated for few columns only.
 
     Parameters
     ----------
@@ -75,14 +89,14 @@ class Compiled(Backend):
     def __init__(self, needed: Callable[[], Toolchain]):
         self._needed = needed
 
-    def columns(
+    def _columns(
         self,
         function: ca.Function,
-        carried: bool = False,
-        fixed: tuple[int, ...] = (),
-        called: ca.Function | None = None,
+        carried: bool,
+        fixed: tuple[int, ...],
+        called: ca.Function | None,
     ) -> Columns:
-        function = called or function
+        function = compiled_form(function, called)
         if not carried:
             return _WhereMany(function, fixed, partial(self._made, function, False, fixed))
         return self._made(function, carried, fixed)
@@ -93,7 +107,11 @@ class Compiled(Backend):
         why = hindrance(text)
         if text is None or why:
             return VirtualColumns(function, carried, fixed, why)
-        return NativeColumns(function, made(text, toolchain), toolchain.name, carried, fixed)
+        try:
+            loop = made(text, toolchain)
+        except NotTranslated as error:
+            return VirtualColumns(function, carried, fixed, str(error))
+        return NativeColumns(function, loop, toolchain.name, carried, fixed)
 
 
 class _WhereMany(Columns):
@@ -119,12 +137,12 @@ class _WhereMany(Columns):
 class Automatic(Backend):
     """Machine code where it is in the cache, or where the work repays compiling."""
 
-    def columns(
+    def _columns(
         self,
         function: ca.Function,
-        carried: bool = False,
-        fixed: tuple[int, ...] = (),
-        called: ca.Function | None = None,
+        carried: bool,
+        fixed: tuple[int, ...],
+        called: ca.Function | None,
     ) -> Columns:
         toolchain = best_toolchain()
         if toolchain is None:

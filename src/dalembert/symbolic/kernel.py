@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from contextlib import redirect_stderr
 from io import StringIO
-from typing import Any
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -18,9 +18,11 @@ from dalembert.errors import SolverFailure
 NO_SOLUTION = "its equations have no unique solution"
 
 
-def flattened(name: str, number: int, argument, size: int) -> np.ndarray:
+def flattened(
+    name: str, number: int, argument: Any, size: int, order: Literal["F", "C"] = "F"
+) -> np.ndarray:
     """An argument column by column; a single number fills it."""
-    flat = np.ascontiguousarray(np.asarray(argument, dtype=float).ravel(order="F"))
+    flat = np.ascontiguousarray(np.asarray(argument, dtype=float).ravel(order=order))
     if flat.size == 1 and size != 1:
         flat = np.full(size, flat[0])
     if flat.size != size:

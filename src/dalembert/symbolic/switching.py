@@ -1,7 +1,7 @@
 """Columns that begin on the virtual machine and go over to machine code.
 
 What is in the cache is taken at once. Work that is announced and takes several times as long as
-compiling waits for it. Else it is not known how much is still to come: once the work takes half as
+compiling waits for it. Else it is not known how much is still to come: once the work has taken as
 long as compiling, that is done in a process of its own, and the virtual machine goes on until it
 has ended. Both give the same numbers, so that nobody sees when they change.
 """
@@ -17,8 +17,14 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.columns import Columns, NativeColumns, VirtualColumns, dense
-from dalembert.symbolic.native.background import Compilation
+from dalembert.symbolic.columns import (
+    Columns,
+    NativeColumns,
+    VirtualColumns,
+    compiled_form,
+    instructions,
+)
+from dalembert.symbolic.native.background import Compilation, possible
 from dalembert.symbolic.native.c_compiler import find_compiler
 from dalembert.symbolic.native.library import kept, made
 from dalembert.symbolic.native.llvm import find_llvm
@@ -61,7 +67,7 @@ class SwitchingColumns(Columns):
         called: ca.Function | None = None,
     ):
         super().__init__(function, carried, fixed)
-        self._toolchain, self._called = toolchain, dense(called or function)
+        self._toolchain, self._called = toolchain, compiled_form(function, called)
         self._virtual = VirtualColumns(function, carried, fixed)
         self._native: NativeColumns | None = None
         self._text: str | None = None
@@ -127,13 +133,16 @@ class SwitchingColumns(Columns):
     def _compile(self, coming: float) -> None:
         fixed, rate = COMPILE_RATES[self._toolchain.name]
         cost = fixed + rate * len(str(self._text))
-        if coming >= WORTH_WAITING * cost:
-            try:
-                self._take(made(str(self._text), self._toolchain))
-            except UnsupportedError:  # a run must not fail for what it did not ask for
-                self._ended = True
-        elif self._seconds + coming >= min(cost / 2, LATEST):
+        known = coming >= WORTH_WAITING * cost
+        if not known and self._seconds + coming < min(cost, LATEST):
+            return
+        if not known and possible():
             self._compilation = Compilation(str(self._text), self._toolchain)
+            return
+        try:
+            self._take(made(str(self._text), self._toolchain))
+        except UnsupportedError:  # a run must not fail for what it did not ask for
+            self._ended = True
 
     def _end(self) -> None:
         """Take what another process has compiled, once it has."""
@@ -147,9 +156,3 @@ class SwitchingColumns(Columns):
                 self._called, loop, self._toolchain.name, self.carried, sorted(self.fixed)
             )
             self._ended = True
-
-
-def instructions(function: ca.Function) -> int:
-    """About how many operations a function does."""
-    inside = [function, *function.find_functions()]
-    return sum(f.n_instructions() for f in inside if f.is_a("SXFunction") or f.is_a("MXFunction"))

@@ -36,7 +36,7 @@ class AdjointMarch(MarchedSample):
             injected = self._injected(stop - count, stop - 1, p_bar)
             part = np.arange(stop - 1, stop - count - 1, -1)
             given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
-            carried = self._backward(count, mode, carried, (*given, injected[:, ::-1]))
+            carried = self._backward(count, mode, stop, carried, (*given, injected[:, ::-1]))
             stop -= count
         return p_bar + carried[n:] + self._through_start(carried[:n])
 
@@ -76,8 +76,8 @@ class AdjointMarch(MarchedSample):
         np.add.at(injected.T, self.number[chosen] - first, x_bar.T)
         return injected
 
-    def _backward(self, count: int, mode: int, carried: np.ndarray, given) -> np.ndarray:
-        """What ``count`` backward steps in one call make of ``[x̄; p̄]``."""
+    def _backward(self, count: int, mode: int, left: int, carried: np.ndarray, given) -> np.ndarray:
+        """What ``count`` of the steps left make of ``[x̄; p̄]``, backwards in one call."""
         n, p = self.size, self.p
         if self.kernel.fixed.at_once(mode):
             return _backward_chunk(self.step_of(mode), count)(carried, *given, p)[0].ravel()
@@ -85,7 +85,9 @@ class AdjointMarch(MarchedSample):
         prelude, single = _backward_step(self.kernel, mode, compiled)
         first = np.append(carried[:n], np.zeros(prelude.rate_count))
         values = prelude.values(p).full()
-        last = self.kernel.marched(single, (6,))(count, first, *given, values)[0][:, -1]
+        columns = self.kernel.marched(single, (6,))
+        columns.announce(left)
+        last = columns(count, first, *given, values)[0][:, -1]
         return np.append(last[:n], carried[n:] + prelude.adjoint(p, last[n:]).full().ravel())
 
     def _through_start(self, x_bar: np.ndarray) -> np.ndarray:

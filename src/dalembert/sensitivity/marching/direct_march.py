@@ -114,7 +114,9 @@ class DirectMarch:
         prelude, single = _forward_step(kernel, mode, self.count)
         values = prelude.values(p).full()
         rates = prelude.tangent.map(self.count)(np.tile(p[:, None], self.count), self.unit).full()
-        return kernel.marched(single, (5, 6))(count, dx, *given, values, rates)[0]
+        columns = kernel.marched(single, (5, 6))
+        columns.announce(self.run.steps.count)
+        return columns(count, dx, *given, values, rates)[0]
 
 
 @once

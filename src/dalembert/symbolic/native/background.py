@@ -23,6 +23,11 @@ finish({maker}(), {target!r})
 """
 
 
+def possible() -> bool:
+    """Python can be started again; not where it is part of another program."""
+    return bool(sys.executable) and not getattr(sys, "frozen", False)
+
+
 class Compilation:
     """A text that is being compiled.
 
@@ -44,6 +49,7 @@ class Compilation:
                 stdin=given,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
+                creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
 
     @property

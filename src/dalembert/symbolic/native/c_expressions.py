@@ -1,143 +1,38 @@
 """Expressions of the C that CasADi writes, as LLVM IR.
 
-Every variable has a place in memory; LLVM turns these into registers. Comparisons and conditions
-of numbers in lanes have no one answer, so that functions with such a choice are refused.
+Comparisons of numbers in lanes have no one answer; functions whose course depends on one are
+refused.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Any
 
 from pycparser import c_ast
 
-from dalembert.errors import UnsupportedError
+from dalembert.symbolic.native.c_instructions import Instructions, Value
 from dalembert.symbolic.native.c_types import INT, REAL, SMALL, VOID, CType, declared, pointer
-from dalembert.symbolic.native.real import INTRINSICS, LIBRARY, Real
+from dalembert.symbolic.native.real import INTRINSICS, LIBRARY
+from dalembert.symbolic.native.toolchain import NotTranslated
 
-Value = tuple[str, CType]
-SIMPLE = {"+": "add", "-": "sub", "*": "mul", "/": "sdiv", "%": "srem"}
-SIMPLE |= {"&": "and", "|": "or", "^": "xor", "<<": "shl", ">>": "ashr"}
-REALS = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
 WHOLE_COMPARED = {"==": "eq", "!=": "ne", "<": "slt", "<=": "sle", ">": "sgt", ">=": "sge"}
 REAL_COMPARED = {"==": "oeq", "!=": "une", "<": "olt", "<=": "ole", ">": "ogt", ">=": "oge"}
 NAMED = {"casadi_inf": "inf", "INFINITY": "inf", "casadi_nan": "nan", "NAN": "nan"}
 
 
-@dataclass
-class Surroundings:
-    """What functions see of their file.
+class Expressions(Instructions):
+    """Writes the instructions of expressions."""
 
-    Attributes
-    ----------
-    real : Real
-    functions : name → type of the result, types of the arguments
-    arrays : name → type
-    structs : name → names and types of the fields
-    """
-
-    real: Real
-    functions: dict[str, tuple[CType, list[CType]]] = field(default_factory=dict)
-    arrays: dict[str, CType] = field(default_factory=dict)
-    structs: dict[str, list[tuple[str, CType]]] = field(default_factory=dict)
-
-
-class Expressions:
-    """Writes the instructions of one function."""
-
-    def __init__(self, around: Surroundings):
-        self.around, self.real = around, around.real
-        self.lines: list[str] = []
-        self.places: list[str] = []
-        self.names: dict[str, Value] = {}
-        self.count = 0
-
-    # instructions -------------------------------------------------------------------
-    def new(self, right: str) -> str:
-        """The value of an instruction."""
-        self.count += 1
-        self.lines.append(f"  %v{self.count} = {right}")
-        return f"%v{self.count}"
-
-    def label(self, name: str) -> str:
-        self.count += 1
-        return f"{name}{self.count}"
-
-    def begin(self, label: str) -> None:
-        """Begin a block; the one before runs on into it."""
-        self.lines += [f"  br label %{label}", f"{label}:"]
-
-    def jump(self, label: str) -> None:
-        """Go elsewhere; what follows in the text is reached from nowhere else."""
-        self.lines += [f"  br label %{label}", f"{self.label('dead')}:"]
-
-    def branch(self, condition: str, yes: str, no: str) -> None:
-        self.lines.append(f"  br i1 {condition}, label %{yes}, label %{no}")
-
-    def place(self, kind: CType) -> str:
-        """Room for a variable, made when the function begins."""
-        self.count += 1
-        self.places.append(f"  %x{self.count} = alloca {kind.ir(self.real)}")
-        return f"%x{self.count}"
-
-    def load(self, place: str, kind: CType) -> Value:
-        if kind.kind == "array":
-            return place, pointer(kind.target)
-        if kind.kind == "struct":
-            return place, kind
-        return self.new(f"load {kind.ir(self.real)}, ptr {place}{self._align(kind)}"), kind
-
-    def store(self, value: Value, place: str, kind: CType) -> str:
-        made = self.converted(value, kind)
-        text = f"{kind.ir(self.real)} {made}, ptr {place}{self._align(kind)}"
-        self.lines.append(f"  store {text}")
-        return made
-
-    def _align(self, kind: CType) -> str:
-        return ", align 8" if kind.kind == "real" else ""
-
-    # expressions --------------------------------------------------------------------
     def value(self, node: Any) -> Value:
         """The value of an expression."""
         return self._methods[type(node)](self, node)
-
-    def converted(self, value: Value, kind: CType) -> str:
-        """A value as another type."""
-        name, given = value
-        if given == kind or (given.kind == kind.kind != "struct"):
-            return name
-        if kind.kind == "real":
-            if name.lstrip("-").isdigit():
-                return self.real.constant(name)
-            one = self.new(f"sitofp {given.ir(self.real)} {name} to double")
-            return self._in_all_lanes(one)
-        if given.kind == "real" and kind.kind in ("int", "small"):
-            if self.real.lanes > 1:
-                raise UnsupportedError("backend 'jit': lanes do not tell one whole number")
-            return self.new(f"fptosi double {name} to {kind.ir(self.real)}")
-        if kind.kind == "pointer" and name == "0":
-            return "null"
-        if {kind.kind, given.kind} == {"int", "small"}:
-            if name.lstrip("-").isdigit():
-                return name
-            how = "sext" if kind.kind == "int" else "trunc"
-            return self.new(f"{how} {given.ir(self.real)} {name} to {kind.ir(self.real)}")
-        raise UnsupportedError(f"backend 'jit': a {given.kind} is no {kind.kind}")
-
-    def _in_all_lanes(self, one: str) -> str:
-        if self.real.lanes == 1:
-            return one
-        ir, last = self.real.ir, "undef"
-        for lane in range(self.real.lanes):
-            last = self.new(f"insertelement {ir} {last}, double {one}, i32 {lane}")
-        return last
 
     def condition(self, node: Any) -> str:
         """Whether an expression is true."""
         name, lanes = self.test(node)
         if lanes:
-            raise UnsupportedError("backend 'jit': lanes do not agree on a choice")
+            raise NotTranslated("lanes do not agree on a choice")
         return name
 
     def test(self, node: Any) -> tuple[str, bool]:
@@ -179,15 +74,6 @@ class Expressions:
         self.begin(end)
         return self.new(f"load i1, ptr {place}"), False
 
-    def _alike(self, left: Value, right: Value) -> tuple[str, str, CType]:
-        """Two values in the type that holds both."""
-        kinds = {left[1].kind, right[1].kind}
-        for kind in ("pointer", "real", "int", "small"):
-            if kind in kinds:
-                common = left[1] if left[1].kind == kind else right[1]
-                return self.converted(left, common), self.converted(right, common), common
-        raise UnsupportedError(f"backend 'jit': {' and '.join(kinds)} are not compared")
-
     def _constant(self, node: Any) -> Value:
         if node.type == "double" or "." in node.value or "e" in node.value.lower():
             return self.real.constant(node.value), REAL
@@ -222,11 +108,7 @@ class Expressions:
                 f"getelementptr {struct.ir(self.real)}, ptr {place}, i32 0, i32 {number}"
             )
             return found, fields[number][1]
-        raise UnsupportedError(f"backend 'jit': {type(node).__name__} is no variable")
-
-    def _moved(self, base: str, kind: CType, by: Value) -> str:
-        index = self.converted(by, INT)
-        return self.new(f"getelementptr {kind.target.ir(self.real)}, ptr {base}, i64 {index}")
+        raise NotTranslated(f"{type(node).__name__} is no variable")
 
     def _binary(self, node: Any) -> Value:
         if node.op in WHOLE_COMPARED or node.op in ("&&", "||"):
@@ -239,24 +121,6 @@ class Expressions:
         if lanes:
             return self.new(f"uitofp {self.real.flag} {name} to {self.real.ir}"), REAL
         return self.new(f"zext i1 {name} to i32"), SMALL
-
-    def _combined(self, op: str, left: Value, right: Value) -> Value:
-        if left[1].kind == "pointer" and right[1].kind != "pointer":
-            by = right if op == "+" else (self._negative(right), right[1])
-            return self._moved(*left, by), left[1]
-        if right[1].kind == "pointer" and left[1].kind != "pointer":
-            return self._moved(*right, left), right[1]
-        a, b, kind = self._alike(left, right)
-        if kind.kind == "pointer":
-            raise UnsupportedError("backend 'jit': pointers are not subtracted")
-        how = REALS[op] if kind.kind == "real" else SIMPLE[op]
-        return self.new(f"{how} {kind.ir(self.real)} {a}, {b}"), kind
-
-    def _negative(self, value: Value) -> str:
-        name, kind = value
-        if kind.kind == "real":
-            return self.new(f"fneg {kind.ir(self.real)} {name}")
-        return self.new(f"sub {kind.ir(self.real)} 0, {name}")
 
     def _unary(self, node: Any) -> Value:
         if node.op == "*":
@@ -275,7 +139,7 @@ class Expressions:
             new = self._combined(node.op[-1], old, ("1", SMALL))
             self.store(new, place, kind)
             return old if node.op[0] == "p" else new
-        raise UnsupportedError(f"backend 'jit': the operator {node.op} is not known")
+        raise NotTranslated(f"the operator {node.op} is not known")
 
     def _assignment(self, node: Any) -> Value:
         if node.op == "=":
@@ -325,7 +189,7 @@ class Expressions:
             call = self.real.call(name, [self.converted(value, REAL) for value in given])
             return self.new(str(call)), REAL
         if name not in self.around.functions:
-            raise UnsupportedError(f"backend 'jit': the function {name} is not known")
+            raise NotTranslated(f"the function {name} is not known")
         kind, wanted = self.around.functions[name]
         parts = [
             f"{to.ir(self.real)} {self.converted(value, to)}"

@@ -7,10 +7,11 @@ from typing import Any
 
 from pycparser import c_ast, c_parser
 
-from dalembert.errors import UnsupportedError
-from dalembert.symbolic.native.c_expressions import Expressions, Surroundings
+from dalembert.symbolic.native.c_expressions import Expressions
+from dalembert.symbolic.native.c_instructions import Surroundings
 from dalembert.symbolic.native.c_text import CFunction
 from dalembert.symbolic.native.c_types import INT, REAL, SMALL, VOID, CType, declared, pointer
+from dalembert.symbolic.native.toolchain import NotTranslated
 
 TYPES = "typedef double casadi_real; typedef long long int casadi_int;\n"
 EVALUATION = (SMALL, [pointer(pointer(REAL)), pointer(pointer(REAL)), pointer(INT), pointer(REAL)])
@@ -43,7 +44,7 @@ def _parsed(text: str) -> list[Any]:
     try:
         return c_parser.CParser().parse(text.replace("CASADI_SYMBOL_EXPORT ", "")).ext
     except c_parser.ParseError as error:
-        raise UnsupportedError(f"backend 'jit': C that it cannot read ({error})") from None
+        raise NotTranslated(f"C that it cannot read ({error})") from None
 
 
 def _known(node: Any, around: Surroundings) -> bool:
@@ -55,7 +56,7 @@ def _known(node: Any, around: Surroundings) -> bool:
         around.structs[node.type.name] = fields
         return True
     if not isinstance(node, c_ast.FuncDef):
-        raise UnsupportedError(f"backend 'jit': {type(node).__name__} outside of functions")
+        raise NotTranslated(f"{type(node).__name__} outside of functions")
     around.functions[node.decl.name] = (declared(node.decl.type.type), _given(node))
     return False
 
@@ -168,7 +169,7 @@ class _Function(Expressions):
             elif isinstance(item, c_ast.Default):
                 other = label
             else:
-                raise UnsupportedError("backend 'jit': a switch with statements before its cases")
+                raise NotTranslated("a switch with statements before its cases")
             parts.append((label, item.stmts or ()))
         choices = " ".join(f"i64 {number}, label %{label}" for number, label in cases)
         self.lines.append(f"  switch i64 {value}, label %{other or end} [ {choices} ]")

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from pycparser import c_ast
 
-from dalembert.errors import UnsupportedError
 from dalembert.symbolic.native.real import Real
+from dalembert.symbolic.native.toolchain import NotTranslated
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class CType:
     def target(self) -> CType:
         """What it points to or consists of."""
         if self.to is None:
-            raise UnsupportedError(f"backend 'jit': a {self.kind} is used as a pointer")
+            raise NotTranslated(f"a {self.kind} is used as a pointer")
         return self.to
 
     def ir(self, real: Real) -> str:
@@ -69,4 +69,4 @@ def declared(node) -> CType:
             return WORDS[word]
         if "int" in node.names or "long" in node.names:
             return INT if "long" in node.names else SMALL
-    raise UnsupportedError(f"backend 'jit': a type that it does not know, {type(node).__name__}")
+    raise NotTranslated(f"a type that it does not know, {type(node).__name__}")

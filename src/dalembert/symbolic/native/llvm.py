@@ -16,9 +16,10 @@ from typing import Any, ClassVar
 from dalembert.errors import UnsupportedError
 from dalembert.symbolic.native.loop import ENTRY, SIGNATURE
 from dalembert.symbolic.native.real import LIBRARY
-from dalembert.symbolic.native.toolchain import Call, Toolchain
-from dalembert.symbolic.native.translation import VERSION, Module, translated
+from dalembert.symbolic.native.toolchain import Call, NotTranslated, Toolchain
 
+VERSION = 1
+"""Raised when the same text makes other instructions."""
 OPTIMISED = 1
 """Level of code generation; none changes how a number is rounded."""
 
@@ -50,7 +51,15 @@ class Llvm(Toolchain):
         return (*about, str(OPTIMISED), str(VERSION), str(self.lanes))
 
     def build(self, text: str, target: Path) -> None:
-        target.write_bytes(_object_code(translated(text, ENTRY, self.lanes)))
+        from dalembert.symbolic.native.translation import translated
+
+        try:
+            code = _object_code(translated(text, ENTRY, self.lanes))
+        except NotTranslated:
+            raise
+        except Exception as error:  # other versions of CasADi may write what nobody has seen
+            raise NotTranslated(f"LLVM: {type(error).__name__}: {error}") from None
+        target.write_bytes(code)
 
     def load(self, path: Path) -> Call:
         try:
@@ -93,7 +102,7 @@ def _machine() -> Any:
     )
 
 
-def _object_code(module: Module) -> bytes:
+def _object_code(module: Any) -> bytes:
     import llvmlite.binding as llvm
 
     machine = _machine()

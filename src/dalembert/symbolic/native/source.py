@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import redirect_stderr
 from io import StringIO
 
@@ -12,6 +13,11 @@ from dalembert.symbolic.native.loop import LOOP
 LARGE = 5_000_000
 """Characters of C from which the virtual machine is faster, whose instructions are shorter: code
 that does not fit the caches of the processor is read from memory in every step."""
+FACTORISED = re.compile(
+    r"^  casadi_qr\(\w+, \w+, \w+, \w+, \w+, (\w+), (\w+), \w+, \w+, (\w+)\);$", re.MULTILINE
+)
+SINGULAR = r"  if (casadi_qr_singular(0, 0, \2, \1, \3, 1e-12)) return 1;"
+"""What the virtual machine asks of a factorisation and CasADi's texts leave out."""
 
 
 def c_source(function: ca.Function) -> str | None:
@@ -24,7 +30,9 @@ def c_source(function: ca.Function) -> str | None:
     except RuntimeError:
         return None
     stateless = f"int {function.name()}_checkout(void) {{\n  return 0;" in text
-    return text + LOOP if stateless and "\n  #error" not in text else None
+    if not stateless or "\n  #error" in text:
+        return None
+    return FACTORISED.sub(rf"\g<0>\n{SINGULAR}", text) + LOOP
 
 
 def hindrance(text: str | None) -> str:

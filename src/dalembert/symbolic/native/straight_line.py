@@ -11,11 +11,11 @@ import itertools
 import re
 from collections.abc import Iterator
 
-from dalembert.errors import UnsupportedError
 from dalembert.symbolic.native.c_text import CFunction
 from dalembert.symbolic.native.real import Real
+from dalembert.symbolic.native.toolchain import NotTranslated
 
-PIECE = 1500
+PIECE = 1000
 """Operations that are compiled together."""
 ZEROS = "zeros"
 """The array that stands for arguments that are not given."""
@@ -92,8 +92,8 @@ def _assignment(target: str, right: str) -> Line:
     return "constant", target, (number,)
 
 
-def _unknown(line: str) -> UnsupportedError:
-    return UnsupportedError(f"backend 'jit': {line.strip()!r} is nothing that it knows")
+def _unknown(line: str) -> NotTranslated:
+    return NotTranslated(f"{line.strip()!r} is nothing that it knows")
 
 
 def _reads(line: Line) -> tuple[str, ...]:

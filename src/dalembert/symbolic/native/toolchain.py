@@ -7,6 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import ClassVar
 
+from dalembert.errors import UnsupportedError
+
+
+class NotTranslated(UnsupportedError):
+    """A toolchain does not know something in a text; others may."""
+
+
 Call = Callable[..., int]
 """The loop over columns of ``source.py``, on addresses; it returns how many columns are done."""
 
@@ -39,7 +46,7 @@ class Toolchain(ABC):
         Raises
         ------
         UnsupportedError
-            That is not possible; with the reason.
+            That is not possible; with the reason. ``NotTranslated`` where the text is at fault.
         """
 
     @abstractmethod

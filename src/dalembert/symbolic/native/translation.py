@@ -7,18 +7,17 @@ the entry calls is translated.
 from __future__ import annotations
 
 import re
+import sys
 from dataclasses import dataclass
 
-from dalembert.errors import UnsupportedError
-from dalembert.symbolic.native.c_expressions import Surroundings
 from dalembert.symbolic.native.c_functions import struct_lines, written_functions
+from dalembert.symbolic.native.c_instructions import Surroundings
 from dalembert.symbolic.native.c_text import CFunction, CText
 from dalembert.symbolic.native.c_types import INT, REAL
 from dalembert.symbolic.native.real import Real
 from dalembert.symbolic.native.straight_line import ZEROS, longest_input, slot_count, straight_line
+from dalembert.symbolic.native.toolchain import NotTranslated
 
-VERSION = 1
-"""Raised when the same text makes other instructions."""
 CALLED = re.compile(r"(casadi_f\d+)\(arg[^,()]*, res[^,()]*, iw[^,()]*, w(?:\+(\d+))?, ")
 PLACED = re.compile(r"(?:\*w\d+=|\bm\.\w+ = )w\+(\d+)\b")
 """Numbers of a caller that outlast calls; others in the work vector are made and used between."""
@@ -43,7 +42,7 @@ def translated(source: str, entry: str, lanes: int = 1) -> Module:
 
     Raises
     ------
-    UnsupportedError
+    NotTranslated
         There is C in it that is not known, or lanes do not agree on a choice.
     """
     text, real = CText.read(source), Real(lanes)
@@ -64,6 +63,8 @@ def translated(source: str, entry: str, lanes: int = 1) -> Module:
     arrays += [_array(name, *text.arrays[name], real) for name in wanted]
     head = f"i64 @{entry}("
     body = "\n".join(lines).replace(f"define internal {head}", f"define {head}")
+    if sys.platform == "win32":  # its linkers want to know of numbers like these
+        arrays.append("@_fltused = global i32 1")
     everything = [*struct_lines(around), *arrays, *real.declarations(body), body, ""]
     return Module("\n".join(everything), tuple(function.name for function in parsed))
 
@@ -92,8 +93,5 @@ def _check_work(functions: list[CFunction]) -> None:
         ends = [at + needs.get(name, 0) for name, at in calls]
         for (name, at), end in zip(calls, ends, strict=True):
             if any(at < place < end for place in places):
-                raise UnsupportedError(
-                    f"backend 'jit': {name} has too little room in {function.name}; "
-                    "use backend='c' or 'vm'"
-                )
+                raise NotTranslated(f"{name} has too little room in {function.name}")
         needs[function.name] = max([*ends, *places], default=0)
