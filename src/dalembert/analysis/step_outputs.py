@@ -13,7 +13,6 @@ from dalembert.integrators.checkpoints import States
 from dalembert.integrators.steps import Steps
 from dalembert.model.equations import Equations
 from dalembert.results.recording import Trajectory
-from dalembert.symbolic.kernel import Kernel
 
 BLOCK = 5000
 """Columns of a mapped function at once, so that what it is given takes little memory."""
@@ -31,7 +30,7 @@ class StepOutputs:
     variants: list[Variant]
     equations: Equations
 
-    def over(self, function: ca.Function, count: int) -> Kernel:
+    def over(self, function: ca.Function, count: int) -> Callable[..., list[np.ndarray]]:
         """The function for ``count`` columns at once."""
         raise NotImplementedError
 
