@@ -75,6 +75,8 @@ def test_graphs_of_matrices():
     function = ca.Function("both", [a, b], [chosen + ca.norm_2(b)])
     rng = np.random.default_rng(5)
     check(function, [rng.normal(size=(6, 3, 6)), rng.normal(size=(6, 3, 2))], 2, False)
+    sparse = ca.Function("sparse", [a, b], [ca.diag(b) * a])
+    check(sparse, [rng.normal(size=(6, 3, 6)), rng.normal(size=(6, 3, 2))], 2, True)
     smooth = ca.Function("product", [a, b], [ca.mtimes(a, b) + ca.norm_2(b) * (a[0] < b[0])])
     check(smooth, [rng.normal(size=(6, 3, 6)), rng.normal(size=(6, 3, 2))], 2, True)
 

@@ -35,6 +35,8 @@ class Columns(ABC):
         function = dense(function)
         self.function, self.carried, self.fixed = function, carried, frozenset(fixed)
         self.once = self.fixed | ({0} if carried else set())
+        if not all(function.sparsity_in(i).is_dense() for i in range(function.n_in())):
+            raise ValueError(f"{function.name()}: an argument is sparse")
         self.sizes = [function.numel_in(i) for i in range(function.n_in())]
         self.shapes = [function.size_out(i) for i in range(function.n_out())]
 

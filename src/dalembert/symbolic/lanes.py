@@ -17,7 +17,7 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.symbolic.backends import Automatic
-from dalembert.symbolic.columns import Columns, NativeColumns
+from dalembert.symbolic.columns import Columns, NativeColumns, dense
 from dalembert.symbolic.kernel import flattened
 from dalembert.symbolic.native.library import made
 from dalembert.symbolic.native.llvm import find_llvm
@@ -38,7 +38,7 @@ class LaneColumns:
     """
 
     def __init__(self, function: ca.Function, carried: bool = False, fixed: Sequence[int] = ()):
-        self.function, self.carried, self.fixed = function, carried, tuple(fixed)
+        self.function, self.carried, self.fixed = dense(function), carried, tuple(fixed)
 
     @cached_property
     def side_by_side(self) -> _SideBySide | None:

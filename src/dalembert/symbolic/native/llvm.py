@@ -84,8 +84,9 @@ def needed_llvm() -> Llvm:
     found = find_llvm()
     if found is None:
         raise UnsupportedError(
-            "backend 'jit': the package llvmlite is not installed; 'pip install llvmlite', or use "
-            "backend='c' or 'vm', which give the same results"
+            "backend 'jit': the packages llvmlite and pycparser are not both installed; "
+            "'pip install llvmlite pycparser', or use backend='c' or 'vm', which give the same "
+            "results"
         )
     return found
 

@@ -11,8 +11,8 @@ import casadi as ca
 from dalembert.symbolic.native.loop import LOOP
 
 LARGE = 5_000_000
-"""Characters of C from which the virtual machine is faster, whose instructions are shorter: code
-that does not fit the caches of the processor is read from memory in every step."""
+"""Characters of C from which machine code gains little over the virtual machine, whose
+instructions are shorter: code that does not fit the caches is read from memory in every step."""
 FACTORISED = re.compile(
     r"^  casadi_qr\(\w+, \w+, \w+, \w+, \w+, (\w+), (\w+), \w+, \w+, (\w+)\);$", re.MULTILINE
 )
@@ -39,4 +39,4 @@ def hindrance(text: str | None) -> str:
     """Why a function stays on the virtual machine; nothing where machine code pays."""
     if text is None:
         return "CasADi cannot write this integrator as C"
-    return f"{len(text) / 1e6:.1f} MB of C would be slower" if len(text) > LARGE else ""
+    return f"{len(text) / 1e6:.1f} MB of C would gain little" if len(text) > LARGE else ""
