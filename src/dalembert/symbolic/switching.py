@@ -86,6 +86,8 @@ class SwitchingColumns(Columns):
     def prepare(self, count: int) -> None:
         if self._native is None:
             self._virtual.prepare(count)
+        else:  # what is said of this run is not said of the ones before
+            self._columns = 0
 
     @property
     def report(self) -> str:
