@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse.linalg as linalg
 
 from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
+from dalembert.sparse.solver import Factors
 from dalembert.structures.factors import factors_of
 from dalembert.structures.model import StructuralModel
 
@@ -19,7 +19,7 @@ from dalembert.structures.model import StructuralModel
 class StaticsRecord:
     """What a gradient needs: the stiffness, and the factors of its free part ``K_ff``."""
 
-    factor: linalg.SuperLU | None
+    factor: Factors | None
     stiffness: Any
 
 
@@ -78,7 +78,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         return float(max(left, default=0.0) / max(np.abs(forces).max(initial=0.0), 1e-300))
 
 
-def factorised(model: StructuralModel, matrix) -> linalg.SuperLU | None:
+def factorised(model: StructuralModel, matrix) -> Factors | None:
     """Sparse factors of the stiffness of the free displacements.
 
     Raises
