@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sparse
 import scipy.sparse.linalg as linalg
 
+from dalembert.errors import BudgetError
 from dalembert.sparse.solver import Factors
 
 SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A"}
@@ -37,6 +38,11 @@ class SuperLUFactors(Factors):
             self._factors = linalg.splu(sparse.csc_array(matrix), **how)
         except RuntimeError as error:
             raise np.linalg.LinAlgError(str(error)) from None
+        except MemoryError:
+            raise BudgetError(
+                f"the factors of {matrix.shape[0]} equations need more memory than there is; make "
+                "it smaller, or take solver='iterative' where an analysis has that option"
+            ) from None
 
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
         return self._factors.solve(rhs, trans)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NoReturn
+
 import numpy as np
 import scipy.sparse as sparse
 
@@ -37,15 +39,20 @@ def factors_of(matrix, degrees: Numbering, free: np.ndarray) -> Factors | None:
     if not np.all(np.isfinite(motion)):
         raise SingularityError("the stiffness matrix is singular; support the structure")
     if SOFTEST * np.linalg.norm(motion) > 1.0:
-        shape = np.abs(motion) / np.sqrt(own)
-        moved = free[shape > 0.1 * shape.max()][:100]
-        moving = dict.fromkeys(degrees.place(int(k))[0] for k in moved)
-        raise SingularityError(
-            f"the structure is a mechanism: {', '.join(list(moving)[:8])} can move without "
-            "straining anything that counts beside the stiffness of the rest; support them or add "
-            "elements"
-        )
+        refuse_motion(motion / np.sqrt(own), degrees, free)
     return factor
+
+
+def refuse_motion(motion: np.ndarray, degrees: Numbering, free: np.ndarray) -> NoReturn:
+    """Tell which nodes can move, by a motion of the free displacements that strains nothing."""
+    shape = np.abs(motion)
+    moved = free[shape > 0.1 * shape.max()][:100]
+    moving = dict.fromkeys(degrees.place(int(k))[0] for k in moved)
+    raise SingularityError(
+        f"the structure is a mechanism: {', '.join(list(moving)[:8])} can move without "
+        "straining anything that counts beside the stiffness of the rest; support them or add "
+        "elements"
+    )
 
 
 def _factors(matrix, own: np.ndarray, pivoting: bool = False) -> Factors:
