@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from dalembert.sparse.solver import Factors, SparseSolver
 from dalembert.structures.factors import factors_of
 from dalembert.structures.iterative import better_iterative, multigrid_of
 from dalembert.structures.model import StructuralModel
+from dalembert.timing import Timing
 
 AUTO, DIRECT, ITERATIVE = SOLVERS = ("auto", "direct", "iterative")
 
@@ -66,16 +66,16 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         SingularityError
             The structure can move without straining; names the nodes that do.
         """
-        times = [perf_counter()]
+        timing = Timing()
         model = model.linearized
         p = model.values(parameters)
         assembly, size = model.assembly, len(model.degrees)
         free, held = assembly.free, assembly.prescribed
         rest = np.zeros(size)
         stiffness = assembly.stiffness(rest, p)
-        times.append(perf_counter())
+        timing.lap("assembly")
         factor = self._solver(model, assembly.inner(stiffness), p)
-        times.append(perf_counter())
+        timing.lap("factorisation")
         start = assembly.internal_forces(rest, p)
         u = np.zeros((size, len(model.loads)))
         forces = np.zeros_like(u)
@@ -91,7 +91,8 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         residual = self._residual(model, p, u, forces)
         status = Status(Outcome.COMPLETED, "linear statics", 0.0, residual)
         record = StaticsRecord(factor, stiffness)
-        statistics = self._statistics(model, factor, [*times, perf_counter()])
+        timing.lap("solution")
+        statistics = self._statistics(model, factor, timing)
         return StructuralResult(
             model, self, p, list(model.loads), u, forces, status, statistics, [record] * u.shape[1]
         )
@@ -107,7 +108,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
 
     @staticmethod
     def _statistics(
-        model: StructuralModel, factor: SparseSolver | None, times: list[float]
+        model: StructuralModel, factor: SparseSolver | None, timing: Timing
     ) -> dict[str, Any]:
         found: dict[str, Any] = {
             "displacements": len(model.degrees),
@@ -119,8 +120,8 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         if isinstance(factor, Multigrid):
             found["iterations"] = factor.iterations
             found["residual of the solver"] = factor.residual
-        spent = zip(("assembly", "factorisation", "solution"), np.diff(times), strict=True)
-        return found | {f"{name} time [s]": float(seconds) for name, seconds in spent}
+        found["build time [s]"] = round(model.build_time, 6)
+        return found | timing.statistics
 
     @staticmethod
     def _residual(model: StructuralModel, p, u: np.ndarray, forces: np.ndarray) -> float:

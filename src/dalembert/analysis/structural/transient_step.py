@@ -144,6 +144,7 @@ class TransientStep:
         self.settings = NewtonSettings(
             tolerance=integrator.tolerance, max_iterations=integrator.max_iterations, halvings=0
         )
+        self.factorisations = 0
         self._steady = self._factors(equation.slopes(equation.rest)) if equation.linear else None
         self.kept: Linearised | None = None
         self.balance, self.iterations = Balance(equation.model, equation.p), 0
@@ -156,6 +157,7 @@ class TransientStep:
         e, rule = self.equation, self.rule
         by_u, by_v = (rule.kappa * late for late in rule.late)
         matrix = combined((1.0, slopes.a), (by_v, slopes.v), (by_u, slopes.u))
+        self.factorisations += 1
         return factors(e.assembly.inner(matrix), SINGULAR, symmetric=e.symmetric)
 
     def advance(self, x: Moving, time: float) -> Moving | None:
