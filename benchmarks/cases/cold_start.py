@@ -15,7 +15,7 @@ from benchmarks.solvers.base import installed
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "four_bar.toml"
 PEERS = {
-    "dalembert": "dalembert",
+    "dalembert": "dalembert as da; da.System, da.solve_dynamics; from dalembert import planar",
     "Exudyn": "exudyn",
     "MuJoCo": "mujoco",
     "Pinocchio": "pinocchio",
