@@ -109,7 +109,7 @@ class Echelon:
         """Begin a round with these columns.
 
         A row waits for the first of them that it touches: the columns before that one are taken, or
-        were left out in this round. So all rows that touch a column wait for it when it is its turn.
+        were left out in this round. So whatever touches a column waits for it when its turn comes.
         """
         self._arriving = np.full(self.size, -1)
         self._arriving[list(waiting)] = self._turn[list(waiting)]
