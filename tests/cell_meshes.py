@@ -7,9 +7,9 @@ from itertools import combinations, permutations
 import casadi as ca
 import numpy as np
 
-from dalembert.structures.cells import Cell
+from dalembert.elements.fem.cells import Cell
+from dalembert.elements.fem.reference_cells import REFERENCE_CELLS
 from dalembert.structures.mesh_generators import box_mesh, rectangle_mesh
-from dalembert.structures.reference_cells import REFERENCE_CELLS
 
 CORNERS = {
     "triangle6": "triangle",

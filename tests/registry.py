@@ -15,7 +15,7 @@ import numpy as np
 from twins import CENTER, cross, cubic, direction, left, length, natural_cubic, turn
 
 import dalembert as da
-from dalembert import FormulaCurve, SplineCurve, cos, planar, sin, spatial, t, u
+from dalembert import FormulaCurve, SplineCurve, cos, planar, sin, spatial, structures, t, u
 from dalembert.elements.laws import (
     CycloidalRise,
     Formula,
@@ -117,7 +117,7 @@ class Builder:
             "position": self.numbers(**{f"{name}_x0": place[0], f"{name}_y0": place[1]}),
             "velocity": self.numbers(**{f"{name}_vx0": speeds[0], f"{name}_vy0": speeds[1]}),
         }
-        if kind is not planar.Particle:
+        if not issubclass(kind, planar.Particle):
             angle = pose[2] + self.observer.angle
             given["angle"] = self.number(f"{name}_angle0", angle)
             given["angular_velocity"] = self.number(f"{name}_w0", speed[2])
@@ -984,6 +984,54 @@ def _(q):
             order=1,
         )
     )
+
+
+def _chord(c):
+    """Between two nodes: natural length, length, direction and turn."""
+    before = np.array([c.p.b_x0 - c.p.a_x0, c.p.b_y0 - c.p.a_y0])
+    now = c.b.r - c.a.r
+    turned = direction(turn(-direction(before), now))
+    return length(before), length(now), now / length(now), turned
+
+
+def _truss(c):
+    natural, stretched, along, _ = _chord(c)
+    strain = stretched / natural - 1 - c.p.alpha * c.p.heat
+    force = c.p.E * c.p.A * strain * along
+    return [("a", force, c.a.r, 0.0), ("b", -force, c.b.r, 0.0)]
+
+
+def _nodes(q, kind):
+    return (
+        q.body("a", (0.3, -0.2, 0.1), (0.5, -0.3, 0.7), kind=kind),
+        q.body("b", (1.1, 0.5, -0.2), (-0.2, 0.4, -1.1), 0.8, 0.13, kind=kind),
+    )
+
+
+@case("truss", planar.PointNode, structures.Truss, loads=_truss)
+def _(q):
+    area, modulus, expansion, heat = q.numbers(A=0.02, E=8000.0, alpha=0.01, heat=2.0)
+    numbers = {"area": area, "modulus": modulus, "expansion": expansion, "temperature": heat}
+    q.add(structures.Truss("F", *_nodes(q, planar.PointNode), **numbers))
+
+
+def _frame(c):
+    natural, stretched, along, turned = _chord(c)
+    first, second = c.a.phi - c.p.a_angle0 - turned, c.b.phi - c.p.b_angle0 - turned
+    longer = natural * (2 * first**2 - first * second + 2 * second**2) / 30
+    axial = c.p.E * c.p.A * (stretched - natural + longer) / natural
+    bend = 2 * c.p.E * c.p.I / natural
+    moment_a = bend * (2 * first + second) + axial * natural * (4 * first - second) / 30
+    moment_b = bend * (first + 2 * second) + axial * natural * (4 * second - first) / 30
+    force = axial * along - (moment_a + moment_b) / stretched * left(along)
+    return [("a", force, c.a.r, -moment_a), ("b", -force, c.b.r, -moment_b)]
+
+
+@case("plane frame", planar.Node, structures.Frame, loads=_frame)
+def _(q):
+    area, bending, modulus = q.numbers(A=0.02, I=2e-3, E=3000.0)
+    numbers = {"area": area, "second_moment": bending, "modulus": modulus}
+    q.add(structures.Frame("F", *_nodes(q, planar.Node), **numbers))
 
 
 def _friction(c, speed):

@@ -8,7 +8,7 @@ import numpy as np
 
 import dalembert as da
 from dalembert import structures
-from dalembert.structures.continuum import Continuum
+from dalembert.elements.fem.continuum import Continuum
 from dalembert.structures.model import StructuralModel
 
 

@@ -10,8 +10,8 @@ import pytest
 
 import dalembert as da
 from dalembert import structures
-from dalembert.structures.cells import CELLS, oriented
-from dalembert.structures.registry import ELEMENTS, SHAPES, cell_of
+from dalembert.elements.fem.cells import CELLS, oriented
+from dalembert.elements.fem.registry import ELEMENTS, SHAPES, cell_of
 
 STEEL = {"thickness": 0.01, "modulus": 210e9}
 

@@ -56,6 +56,8 @@ ELEMENTS = {
         "Particle": "mass = 1",
         "FlexibleBody": 'structure = "beam.toml"\ninterface = { P = "n0", Q = ["n1"] }\n'
         'reference = "P"\ndamping_ratio = "k/100"\nparameters = { E = 2e9 }',
+        "Node": "position = ['k', 0]\nangle = 0.1\nmass = 1\ninertia = 0.1",
+        "PointNode": "position = ['k', 0]",
     },
     "beams": {
         "Beam": "length = 'k'\naxial_rigidity = 9\nshear_rigidity = 5\nbending_rigidity = 'k'\n"

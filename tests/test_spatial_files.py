@@ -64,6 +64,8 @@ ELEMENTS = {
         "Mesh": "file = 'wedge.obj'\nscale = 'k'\ndensity = 1",
         "FlexibleBody": "structure = 'beam.toml'\ninterface = ['n0', 'n1']\nmodes = 1\n"
         "rayleigh = ['k', 0]",
+        "Node": "position = ['k', 0, 0]\nmass = 1\ninertia = [1, 1, 1]",
+        "PointNode": "position = ['k', 0, 0]",
     },
     "beams": {
         "Beam": "frame_i = { body = 'ground' }\nlength = 'k'\naxial_rigidity = 9\n"

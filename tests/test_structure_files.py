@@ -13,11 +13,11 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 import dalembert as da
 from dalembert import structures
 from dalembert.cli import main
+from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.io import load_model_file
 from dalembert.io.analyses import make_analysis
 from dalembert.io.strategies import RESPONSES, STRUCTURAL_ANALYSES
 from dalembert.io.tasks import check_tasks, make_responses
-from dalembert.structures.registry import ELEMENTS
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 

@@ -8,11 +8,11 @@ import pytest
 
 import dalembert as da
 from dalembert import structures
+from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.fields import element_field, smoothed
 from dalembert.results.structural.plot import automatic_scale
 from dalembert.results.structural.symbols import arrows, moments, support_symbols
-from dalembert.structures.registry import ELEMENTS
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

@@ -3,6 +3,7 @@ that the analyses of structures find, and its gradients are exact."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 
 import numpy as np
@@ -13,6 +14,7 @@ from dalembert import planar, spatial, structures
 
 Build = Callable[[structures.Structure, float], None]
 SOFT = 2e6
+MATERIAL = {"thickness": 0.01, "modulus": 2e7, "density": 1000.0, "poisson": 0.3}
 
 
 def bars(s: structures.Structure, modulus) -> None:
@@ -93,6 +95,108 @@ def alone(shape: str, load: float) -> structures.Structure:
     down = {"fy": -load} if structure.dimension == 2 else {"fz": -load}
     structure.load(structure.nodes["D"], **down)
     return structure
+
+
+def as_elements(shape: str, load: float) -> da.Model:
+    """In a mechanism element by element, between nodes that are bodies of it."""
+    build, feet = SHAPES[shape]
+    system, drawn = da.System(shape), structures.Structure(shape)
+    build(drawn, system.parameter("modulus", SOFT))
+    kinds = planar if drawn.dimension == 2 else spatial
+    kind = kinds.Node if shape == "frame" else kinds.PointNode
+    nodes = {n: system.add(kind(n, position=drawn.nodes[n].position)) for n in drawn.nodes}
+    for element in drawn.elements.values():
+        ties = [nodes[node.name] for node in element.nodes()]
+        of_nodes = [f for f in dataclasses.fields(element) if not f.metadata][1:]
+        given = dict(zip((f.name for f in of_nodes), ties, strict=False))
+        if "connectivity" in given:
+            given["connectivity"] = tuple(ties)
+        system.add(dataclasses.replace(element, **given))
+    for foot in feet:
+        system.support(nodes[foot])
+    system.load(nodes["D"], **{"fy" if drawn.dimension == 2 else "fz": -load})
+    return system.build()
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_elements_between_bodies_are_those_of_the_structure(shape):
+    whole, parts = (da.solve_equilibrium(made(shape, 40.0)) for made in (held, as_elements))
+    for axis in "xyz"[: (SHAPES[shape][0] is solid and 3) or 2]:
+        np.testing.assert_allclose(parts[f"D.{axis}"], whole[f"S.D.{axis}"], rtol=1e-9, atol=1e-12)
+    runs = [
+        da.solve_dynamics(made(shape, 40.0), 0.02, step=1e-3, integrator=da.HHT())
+        for made in (held, as_elements)
+    ]
+    np.testing.assert_allclose(runs[1]["D.y"], runs[0]["S.D.y"], rtol=1e-9, atol=1e-12)
+
+
+def test_a_mesh_in_a_system_is_that_of_a_structure():
+    mesh, numbers = structures.rectangle_mesh((1.0, 0.2), (4, 1)), dict(MATERIAL)
+    system, structure = da.System("plate", gravity=(0, -9.81)), structures.Structure("plate")
+    plate, alone = (made.add_mesh("plate", mesh, **numbers) for made in (system, structure))
+    system.support(plate.where(x=0.0))
+    system.load(plate.nearest(1.0, 0.2), fy=-1.0)
+    structure.support(alone.nodes().where(x=0.0))
+    structure.load(alone.nodes().nearest(1.0, 0.2), fy=-1.0)
+    structure.gravity(0, -9.81)
+    found = da.solve_equilibrium(system.build())
+    known = da.NonlinearStatics().run(structure.build())
+    for k in range(10):
+        start = float(plate.bodies[k].natural[1])
+        expected = float(known[f"plate_nodes[{k}].uy"])
+        got = found[f"plate.mesh_nodes{k}.y"].values[-1] - start
+        assert got == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+def test_supports_may_move():
+    """The free end of a light bar follows a foot that a driver moves slowly."""
+    system = da.System("driven")
+    a, b = (system.add(planar.PointNode(n, position=(x, 0))) for n, x in (("a", 0), ("b", 1)))
+    system.add(structures.Truss("bar", a, b, area=1e-4, modulus=1e7, density=1.0))
+    system.support(a, ux=0.01 * (1 - da.cos(da.t)), uy=0.0)
+    system.support(b, uy=0.0)
+    motion = da.solve_dynamics(system.build(), 1.0, step=1e-4, outputs=10)
+    expected = 1 + 0.01 * (1 - np.cos(motion["time"].values))
+    np.testing.assert_allclose(motion["b.x"], expected, atol=1e-6)
+
+
+def test_wrong_nodes_supports_and_loads_are_told():
+    system = da.System("wrong")
+    a = system.add(planar.PointNode("a", position=(0, 0)))
+    b = system.add(planar.Node("b", position=(1, 0)))
+    body = system.add(planar.Body("body", mass=1.0, inertia=1.0))
+    drawn = structures.Structure("drawn")
+    other = drawn.node("other", 1.0, 0.0)
+    numbers = {"area": 1e-4, "modulus": 1e7}
+    with pytest.raises(da.ModelError, match=r"bar: node_j must be a node; got .*body"):
+        structures.Truss("bar", a, body, **numbers)
+    turned = da.System("turned")
+    turned.add(a), turned.add(b)
+    turned.add(structures.Frame("beam", a, b, second_moment=1e-8, **numbers))
+    with pytest.raises(da.ModelError, match=r"beam: turns its node a, a point; take planar\.Node"):
+        turned.build()
+    mixed = da.System("mixed")
+    mixed.add(a)
+    mixed.add(structures.Truss("bar", a, other, **numbers))
+    with pytest.raises(da.ModelError, match=r"bar: 'other' is a node of a structure"):
+        mixed.build()
+    placed = da.System("placed")
+    c = placed.add(planar.PointNode("c", position=(0, 0)))
+    nowhere = placed.add(planar.PointNode("nowhere"))
+    placed.add(structures.Truss("bar", c, nowhere, **numbers))
+    with pytest.raises(da.ModelError, match="nowhere: needs a position"):
+        placed.build()
+    with pytest.raises(da.ModelError, match="a: unknown direction 'rz'; known: ux, uy"):
+        system.support(a, rz=0.0)
+    with pytest.raises(da.ModelError, match="expected nodes"):
+        system.support(body)
+    with pytest.raises(da.ModelError, match="a: gets no load; give one of fx, fy"):
+        system.load(a)
+    short = da.System("short")
+    ends = [short.add(planar.PointNode(n, position=(1, 1))) for n in "fg"]
+    short.add(structures.Truss("bar", *ends, **numbers))
+    with pytest.raises(da.ModelError, match="bar: has no length"):
+        short.build()
 
 
 def displacement(motion: da.Motion, structure: structures.Structure, k: int = -1) -> np.ndarray:

@@ -18,10 +18,10 @@ from scipy.spatial.transform import Rotation
 import dalembert as da
 from dalembert import structures
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions
-from dalembert.structures.attached import GroundSpring
-from dalembert.structures.cells import CELLS
-from dalembert.structures.registry import ELEMENTS, cell_of
-from dalembert.structures.rotations import spin_map
+from dalembert.elements.fem.attached import GroundSpring
+from dalembert.elements.fem.cells import CELLS
+from dalembert.elements.fem.registry import ELEMENTS, cell_of
+from dalembert.elements.fem.rotations import spin_map
 from dalembert.structures.temperatures import CHANGES
 
 NUMBERS = {

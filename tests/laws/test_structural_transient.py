@@ -14,9 +14,9 @@ import dalembert as da
 from dalembert import structures
 from dalembert.analysis.structural import transient_step
 from dalembert.analysis.structural.transient_equation import Motions
+from dalembert.elements.fem.cells import CELLS
+from dalembert.elements.fem.registry import ELEMENTS, cell_of
 from dalembert.sensitivity.checks.replays import Replays
-from dalembert.structures.cells import CELLS
-from dalembert.structures.registry import ELEMENTS, cell_of
 
 INTEGRATORS = {
     "average acceleration": da.Newmark(),

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import dalembert as da
 from dalembert import structures
 from dalembert.analysis.structural.solve_statics import solve_statics
-from dalembert.structures.registry import ELEMENTS
+from dalembert.elements.fem.registry import ELEMENTS
 
 
 def triangle(dimension: int, make):

@@ -9,8 +9,8 @@ import pytest
 from cell_meshes import places_of
 
 import dalembert as da
-from dalembert.structures.cells import CELLS
-from dalembert.structures.registry import ELEMENTS, cell_of
+from dalembert.elements.fem.cells import CELLS
+from dalembert.elements.fem.registry import ELEMENTS, cell_of
 
 NUMBERS = {
     "area": 0.5,

@@ -9,8 +9,8 @@ from cell_meshes import shape_values, unit_mesh, with_middles
 
 import dalembert as da
 from dalembert import structures
-from dalembert.structures.reference_cells import REFERENCE_CELLS, gauss_box, gauss_simplex
-from dalembert.structures.registry import SHAPES
+from dalembert.elements.fem.reference_cells import REFERENCE_CELLS, gauss_box, gauss_simplex
+from dalembert.elements.fem.registry import SHAPES
 
 E, NU, RHO = 7.0, 0.3, 2.5
 CLASSES = {shape: cls for cls, shape in SHAPES.items() if hasattr(cls, "cell")}

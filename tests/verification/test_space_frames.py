@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import structures
-from dalembert.structures.graphs import ElementGraphs
+from dalembert.elements.fem.graphs import ElementGraphs
+from dalembert.elements.fem.rotations import rotation_matrix, rotation_vector
 from dalembert.structures.kind import ElementKind
-from dalembert.structures.rotations import rotation_matrix, rotation_vector
 from dalembert.structures.temperatures import CHANGES
 
 SECTION = {

@@ -8,6 +8,7 @@ from typing import Literal, overload
 
 import numpy as np
 
+from dalembert.analysis.served import need_mechanism
 from dalembert.model.assembled_state import AssembledState
 from dalembert.model.assemblies import Assemblies
 from dalembert.model.model import Model
@@ -100,6 +101,7 @@ def solve_assembly(
     AssemblyError
         It cannot be assembled; names the worst joint and its residual.
     """
+    need_mechanism(model, "solve_assembly", "it needs no assembly, take solve_statics")
     p = model.values(parameters)
     first = model.assemble(p, time)
     if not all:

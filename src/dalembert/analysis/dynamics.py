@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -13,7 +13,9 @@ from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics_run import DynamicsRun
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.instants import end_by_event, ended_again, instant_of
+from dalembert.analysis.served import need_model
 from dalembert.analysis.step_quadrature import StepQuadrature
+from dalembert.analysis.structural.transient import Transient
 from dalembert.analysis.timeline import check_times
 from dalembert.analysis.variant import Variant
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -28,6 +30,8 @@ from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome
+from dalembert.results.structural.motion import StructuralMotion
+from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.backends import BACKENDS
 from dalembert.symbolic.once import once
 
@@ -236,6 +240,7 @@ def _kernel(
     return DynamicsKernel(model, coordinates, formulation, stabilization, integrator, chosen)
 
 
+@overload
 def solve_dynamics(
     model: Model,
     duration: float | None = None,
@@ -243,12 +248,35 @@ def solve_dynamics(
     parameters: Mapping[str, float] | None = None,
     progress: bool | Callable[[float], None] = False,
     **options: Any,
-) -> Motion:
+) -> Motion: ...
+
+
+@overload
+def solve_dynamics(
+    model: StructuralModel,
+    duration: float | None = None,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    progress: bool | Callable[[float], None] = False,
+    **options: Any,
+) -> StructuralMotion: ...
+
+
+def solve_dynamics(
+    model: Model | StructuralModel,
+    duration: float | None = None,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    progress: bool | Callable[[float], None] = False,
+    **options: Any,
+) -> Motion | StructuralMotion:
     """Integrate the equations of motion, ``M v̇ + d = f − Cᵀλ``, ``C v̇ = ξ`` (5.2).
+
+    Those of a structure are those of ``solve_transient``, with its options.
 
     Parameters
     ----------
-    model : Model
+    model : Model or StructuralModel
     duration : [s]
     parameters : new values of parameters, without rebuilding
     progress : True for a bar, or a function of the fraction done
@@ -259,6 +287,10 @@ def solve_dynamics(
     AnalysisError
         Wrong options; ``AssemblyError``, ``SingularityError`` where the run cannot begin.
     """
+    need_model(model, "solve_dynamics")
+    if isinstance(model, StructuralModel):
+        made = Transient.of("solve_dynamics", duration=duration, **options)
+        return made.run(model, parameters, progress)
     return Dynamics.of("solve_dynamics", duration=duration, **options).run(
         model, parameters, progress
     )

@@ -9,17 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
 from dalembert.analysis.contact.unseen import negative_gaps
 from dalembert.analysis.model_truth import MOTION, ModelTruth
+from dalembert.analysis.served import need_model
 from dalembert.analysis.static_balance import (
     StaticBalance,
     StaticsKernel,
     statics_kernel,
 )
+from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.errors import AnalysisError
 from dalembert.formulations.levels import Level
 from dalembert.model.model import Model
@@ -28,6 +30,8 @@ from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
+from dalembert.results.structural.result import StructuralResult
+from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.newton import NewtonSettings, Solution, solve
 
 TOLERANCE = 1e-10
@@ -149,14 +153,31 @@ class _Search:
         )
 
 
+@overload
 def solve_equilibrium(
     model: Model, *, parameters: Mapping[str, float] | None = None, **options: Any
-) -> Motion:
+) -> Motion: ...
+
+
+@overload
+def solve_equilibrium(
+    model: StructuralModel, *, parameters: Mapping[str, float] | None = None, **options: Any
+) -> StructuralResult: ...
+
+
+def solve_equilibrium(
+    model: Model | StructuralModel,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    **options: Any,
+) -> Motion | StructuralResult:
     """Static equilibrium near the assembled position, ``f − d − Cᵀλ = 0`` at rest.
+
+    That of a structure is ``solve_statics(nonlinear=True)``, at displacements of any size.
 
     Parameters
     ----------
-    model : Model
+    model : Model or StructuralModel
     parameters : new values of parameters, without rebuilding
     **options : fields of ``Equilibrium``: time, tolerance, max_iterations
 
@@ -166,4 +187,7 @@ def solve_equilibrium(
         Wrong options; ``AssemblyError`` where the mechanism cannot be put together. A search that
         does not converge says so in its status.
     """
+    need_model(model, "solve_equilibrium")
+    if isinstance(model, StructuralModel):
+        return NonlinearStatics.of("solve_equilibrium", **options).run(model, parameters)
     return Equilibrium.of("solve_equilibrium", **options).run(model, parameters)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.analysis.kinematics import Kinematics
+from dalembert.analysis.served import need_mechanism
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.motion import Motion
@@ -49,6 +50,7 @@ def solve_inverse_dynamics(
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
     """
+    need_mechanism(model, "solve_inverse_dynamics", "take solve_transient")
     return InverseDynamics.of("solve_inverse_dynamics", duration=duration, **options).run(
         model, parameters, progress
     )

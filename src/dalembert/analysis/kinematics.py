@@ -17,6 +17,7 @@ from dalembert.analysis.contact.unseen import negative_gaps
 from dalembert.analysis.driven_instants import driven_instant
 from dalembert.analysis.events import Occurrence
 from dalembert.analysis.kinematics_run import TOLERANCE, KinematicsRun
+from dalembert.analysis.served import need_mechanism
 from dalembert.analysis.timeline import check_times
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
@@ -171,6 +172,7 @@ def solve_kinematics(
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
     """
+    need_mechanism(model, "solve_kinematics", "take solve_statics")
     return Kinematics.of("solve_kinematics", duration=duration, **options).run(
         model, parameters, progress
     )

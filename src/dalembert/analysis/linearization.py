@@ -15,6 +15,7 @@ import numpy as np
 
 from dalembert.analysis.equilibrium import Equilibrium
 from dalembert.analysis.linearization_kernel import Linearized, linearization_kernel
+from dalembert.analysis.served import need_mechanism
 from dalembert.errors import AnalysisError
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
@@ -177,6 +178,8 @@ def linearize(
 ) -> Modes:
     """Eigenfrequencies, damping ratios and mode shapes on the constraint tangent space.
 
+    Those of a structure are found by ``solve_modes``, some of many.
+
     Parameters
     ----------
     model : Model
@@ -192,6 +195,7 @@ def linearize(
         No equilibrium was found, or wrong options; ``SingularityError`` where a free motion has no
         mass.
     """
+    need_mechanism(model, "linearize", "take solve_modes")
     if at is not None:
         if parameters or options:
             given = ", ".join([*(parameters or ()), *options])

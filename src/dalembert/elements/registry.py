@@ -48,7 +48,14 @@ PLANAR = Space(
     "planar",
     2,
     {
-        "bodies": named(planar.Body, planar.Bar, planar.Particle, planar.FlexibleBody),
+        "bodies": named(
+            planar.Body,
+            planar.Bar,
+            planar.Particle,
+            planar.FlexibleBody,
+            planar.Node,
+            planar.PointNode,
+        ),
         "beams": named(planar.Beam),
         "joints": named(
             planar.Revolute,
@@ -100,6 +107,8 @@ SPATIAL = Space(
             spatial.Capsule,
             spatial.Mesh,
             spatial.FlexibleBody,
+            spatial.Node,
+            spatial.PointNode,
         ),
         "beams": named(spatial.Beam),
         "joints": named(

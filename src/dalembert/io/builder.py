@@ -32,8 +32,10 @@ from dalembert.io.fields import (
     given_fields,
     written,
 )
+from dalembert.io.finite_elements import FiniteElements
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
+from dalembert.io.mesh_reader import MeshReader
 from dalembert.io.messages import explain
 from dalembert.io.order import dependency_order
 from dalembert.io.orientations import read_frame, read_orientation
@@ -93,11 +95,16 @@ class Builder:
             self.add("bodies", name)
         for name in self.document.beams:
             self.add("beams", name)
+        elastic = FiniteElements(
+            self.document, MeshReader(self.source, self.located, self.formulas), self.system
+        )
+        elastic.add()
         for name in self.document.joints:
             self.add("joints", name)
         for name in self.document.drivers:
             self.add("drivers", name)
         self.forces()
+        elastic.hold()
         for measure, value in self.document.initial.items():
             with self.located("initial", measure):
                 known = self.formulas.read(measure, Scope.MOTION)

@@ -25,6 +25,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.fem.nodal import Nodal
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
@@ -37,7 +38,6 @@ from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.model.coordinates import Coordinates
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.node import Node
 from dalembert.symbolic.expression import Expression
 
 
@@ -51,13 +51,13 @@ class Quantities:
 
 Points = dict[str, Vector]
 Names = tuple[str, ...]
-Nodes = tuple[Node, ...]
+Nodes = tuple[Nodal, ...]
 Laws = tuple[Law, ...]
 Places = tuple[Point, ...]
 Interval = tuple[float, float]
 Measured = str | Expression
 CountOrTimes = int | Sequence[float]
-ATTACHED = (BodyElement, Point, Frame, Node, Nodes)
+ATTACHED = (BodyElement, Point, Frame, Nodal, Nodes)
 """What ``connect`` lists, where an element has it first of all."""
 KNOWN: dict[Any, Any] = {
     kind: kind

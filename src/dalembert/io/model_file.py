@@ -143,7 +143,8 @@ def _schema(data: dict[str, Any], path: Path) -> type[Document] | type[Structure
     if not isinstance(kind, str) or kind not in BUILDERS:
         known, close = ", ".join(BUILDERS), nearest(kind, BUILDERS)
         raise ModelError(f"unknown kind {shown(kind)}{close}; known: {known}", f"{path}: kind")
-    if "kind" not in data and {"nodes", "elements", "meshes"} & set(data):
+    elastic = {"nodes", "elements", "meshes"} & set(data)
+    if "kind" not in data and elastic and not {"bodies", "joints"} & set(data):
         raise ModelError('nodes and elements make a structure; add kind = "structure"', str(path))
     if kind == "structure":
         return StructureDocument

@@ -34,15 +34,15 @@ class References:
             raise ModelError(unknown("body", name, known))
         return self.system.body(name)
 
-    def node(self, beam: str, name: str) -> Any:
-        """The body at an end of a beam, or at another of its nodes."""
-        found: Any = self.system.elements[beam]
+    def node(self, owner: str, name: str) -> Any:
+        """The body at a node of a beam or a mesh."""
+        found: Any = self.system.elements[owner]
         nodes = found.named_nodes
         if name not in nodes:
-            known = [f"{beam}.{node}" for node in nodes]
-            given = f"{beam}.{name}" if name else beam
+            known = [f"{owner}.{node}" for node in nodes]
+            given = f"{owner}.{name}" if name else owner
             raise ModelError(
-                f"unknown node {given!r}{nearest(given, known)}; nodes of {beam}: {listed(known)}"
+                f"unknown node {given!r}{nearest(given, known)}; nodes of {owner}: {listed(known)}"
             )
         return nodes[name]
 
@@ -64,7 +64,7 @@ class References:
         if not isinstance(given, str):
             return self._placed(kind, given)
         owner, _, name = given.partition(".")
-        if owner in self.document.beams:
+        if owner in self.document.beams or owner in self.document.meshes:
             return self.node(owner, name)
         body = self.body(owner)
         if not name:

@@ -10,6 +10,7 @@ from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.orientations import FrameTable
 from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES_OF
+from dalembert.io.structure_tables import ELEMENT, MESH, NodalLoadTable, SupportTable
 from dalembert.io.tables import any_of, point_type, strategy_type, table_of
 from dalembert.io.values import Bound, Entry, Integer, Number, Text, list_of, shown
 from dalembert.sensitivity.methods import METHODS
@@ -149,7 +150,10 @@ class ModelDocument(Record):
 class Document(ModelDocument):
     """A model file of dalembert: a mechanism, and what is to be computed on it."""
 
-    sections = ("parameters", "derived", "bodies", "beams", "joints", "drivers", "forces")
+    sections = (
+        *("parameters", "derived", "bodies", "beams", "elements", "meshes"),
+        *("joints", "drivers", "forces"),
+    )
     analyses = ANALYSES
     space: ClassVar[Space]
     """Where its elements are, unless they say otherwise."""
@@ -167,6 +171,18 @@ class Document(ModelDocument):
     ground: GroundTable = Field(default_factory=GroundTable)
     bodies: dict[str, Any] = Field(default_factory=dict)
     beams: dict[str, Any] = Field(default_factory=dict)
+    elements: dict[str, ELEMENT] = Field(  # type: ignore[valid-type]
+        default_factory=dict, description="finite elements between nodes"
+    )
+    meshes: dict[str, MESH] = Field(  # type: ignore[valid-type]
+        default_factory=dict, description="finite elements, every node of which is a body"
+    )
+    supports: list[SupportTable] = Field(  # type: ignore[valid-type]
+        default_factory=list, description="prescribed displacements of nodes"
+    )
+    loads: list[NodalLoadTable] = Field(  # type: ignore[valid-type]
+        default_factory=list, description="forces and moments on nodes"
+    )
     joints: dict[str, Any] = Field(default_factory=dict)
     drivers: dict[str, Any] = Field(default_factory=dict)
     forces: dict[str, Any] = Field(default_factory=dict)

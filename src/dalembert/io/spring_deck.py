@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.springs import AxialSpring
 from dalembert.errors import FileError, ModelError
 from dalembert.readable import read_text
-from dalembert.structures.node import Node
-from dalembert.structures.springs import AxialSpring
 from dalembert.structures.structure import Structure
 from dalembert.text import visible
 

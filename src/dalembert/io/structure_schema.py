@@ -10,6 +10,8 @@ from dalembert.io.choices import one_of
 from dalembert.io.schema import ModelDocument, any_of
 from dalembert.io.strategies import RESPONSES, STRUCTURAL_ANALYSES
 from dalembert.io.structure_tables import (
+    ELEMENT,
+    MESH,
     Acceleration,
     InitialTable,
     LineLoadTable,
@@ -18,14 +20,9 @@ from dalembert.io.structure_tables import (
     SupportTable,
     TemperatureTable,
     TractionTable,
-    element_table,
-    mesh_table,
 )
 from dalembert.io.tables import table_of
-from dalembert.structures.registry import ELEMENTS
 
-_ELEMENT = one_of({n: element_table(n, c) for n, c in ELEMENTS.items()})
-_MESH = one_of({n: mesh_table(n, c) for n, c in ELEMENTS.items()})
 _ANALYSIS = any_of(STRUCTURAL_ANALYSES)
 _FINAL = table_of("Final", RESPONSES["Final"], optional_type=True, title="StructuralFinal")
 _RESPONSE = one_of(
@@ -42,8 +39,8 @@ class StructureDocument(ModelDocument):
 
     kind: Literal["structure"]
     nodes: dict[str, Place] = Field(default_factory=dict, description="name → coordinates [m]")
-    elements: dict[str, _ELEMENT] = Field(default_factory=dict)  # type: ignore[valid-type]
-    meshes: dict[str, _MESH] = Field(default_factory=dict)  # type: ignore[valid-type]
+    elements: dict[str, ELEMENT] = Field(default_factory=dict)  # type: ignore[valid-type]
+    meshes: dict[str, MESH] = Field(default_factory=dict)  # type: ignore[valid-type]
     supports: list[SupportTable] = Field(default_factory=list)  # type: ignore[valid-type]
     loads: list[LoadTable] = Field(default_factory=list)  # type: ignore[valid-type]
     gravity: list[Acceleration] = Field(default_factory=list)

@@ -6,7 +6,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, create_model
 
-from dalembert.io.choices import Record
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
+from dalembert.elements.fem.registry import ELEMENTS
+from dalembert.io.choices import Record, one_of
 from dalembert.io.fields import Quantity, written
 from dalembert.io.tables import about_field, summary_of, value_type
 from dalembert.io.values import (
@@ -19,8 +22,6 @@ from dalembert.io.values import (
     number_or_formula,
     shown,
 )
-from dalembert.structures.base import StructuralElement
-from dalembert.structures.node import ROTATIONS, TRANSLATIONS
 
 TURNS = ROTATIONS[3]
 _ONE = {"type": ["number", "string"]}
@@ -129,6 +130,9 @@ CASE: Any = (Text, Field(default="", description="name of the load case"))
 SupportTable = _with_directions(
     "Support", "Prescribed displacements; without any, all are zero.", DISPLACEMENTS
 )
+NodalLoadTable = _with_directions(
+    "NodalLoad", "Forces and moments on each of some nodes of a mechanism.", FORCES
+)
 LoadTable = _with_directions(
     "Load",
     "Forces and moments on each of some nodes.",
@@ -215,3 +219,9 @@ def _table(
         default = ... if field.is_needed else None
         keys[field.name] = (given, Field(default, description=about_field(field)))
     return create_model(title, __base__=base, __doc__=summary_of(cls), **keys)
+
+
+ELEMENT = one_of({name: element_table(name, cls) for name, cls in ELEMENTS.items()})
+"""Any finite element between nodes."""
+MESH = one_of({name: mesh_table(name, cls) for name, cls in ELEMENTS.items()})
+"""Any mesh."""

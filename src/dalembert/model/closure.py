@@ -99,11 +99,10 @@ class Closure:
 
     def _close(self, strict: bool) -> None:
         d, e, p = self.description, self.all_equations, self.nominal
-        conditions = [self._fixed(m.sx - v.sx) for m, v in d.conditions]
-        of_speed = [ca.depends_on(condition, e.v) for condition in conditions]
+        conditions = self._fixed(stack(m.sx - v.sx for m, v in d.conditions))
+        of_speed = np.array(ca.which_depends(conditions, e.v, 1, True), dtype=bool)
         positions, speeds = (
-            stack(c for c, s in zip(conditions, of_speed, strict=True) if s is which)
-            for which in (False, True)
+            conditions[np.flatnonzero(chosen).tolist(), :] for chosen in (~of_speed, of_speed)
         )
         searches, facing = self._curve_searches(), self._fixed(stack(self._loosely_facing()))
         self._assembler = Assembler(

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from dalembert.elements.base import Element
+from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.errors import ModelError
 from dalembert.model.checks import ValueChecks, check_membership, check_symbols
 from dalembert.model.description import Description
+from dalembert.model.held_nodes import Held, loads, supports
 from dalembert.model.model import Model
+from dalembert.structures.elastic_structure import ElasticStructure
+from dalembert.structures.mesh import Classes
+from dalembert.structures.structure import Structure
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.parameter import Parameter
 
@@ -62,6 +66,60 @@ class System(Description):
         self._claim(element.name)
         self.elements[element.name] = element
         return element
+
+    def add_mesh(
+        self,
+        name: str,
+        mesh: Any,
+        element: Classes = None,
+        *,
+        velocity: Any = None,
+        angular_velocity: Any = 0.0,
+        **quantities: Any,
+    ) -> ElasticStructure:
+        """Add a mesh of finite elements, every node of which is a body.
+
+        Few elements: all of them are part of the equations. A fine mesh is a ``FlexibleBody``.
+
+        Parameters
+        ----------
+        mesh, element, **quantities : as ``Structure.add_mesh`` takes them
+        velocity, angular_velocity : of the whole at the start [m/s], [rad/s]
+
+        Raises
+        ------
+        ModelError, FileError, UnsupportedError
+            No mesh, an element that does not fit its cells, meshio missing.
+        """
+        structure = Structure(name)
+        structure.add_mesh("mesh", mesh, element, **quantities)
+        made = ElasticStructure(
+            name, structure=structure, velocity=velocity, angular_velocity=angular_velocity
+        )
+        return self.add(made)
+
+    def support(self, nodes: Held, **displacements: Any) -> list[Constraint]:
+        """Prescribe displacements of nodes, e.g. ``ux=0, uy=0.01`` [m], ``rz=0`` [rad].
+
+        Without any, all are zero. A value is for each of the nodes, a formula of parameters and
+        time. Zero displacements are a pin or a clamp, others drivers.
+
+        Raises
+        ------
+        ModelError
+            No node, or an unknown direction.
+        """
+        return [self.add(made) for made in supports(self.ground, nodes, displacements)]
+
+    def load(self, nodes: Held, **forces: Any) -> list[ForceElement]:
+        """Put forces on each of some nodes, e.g. ``fx=10, fy=-3`` [N], ``mz=2`` [N m].
+
+        Raises
+        ------
+        ModelError
+            No node, no load, or an unknown direction.
+        """
+        return [self.add(made) for made in loads(nodes, forces, len(self.elements))]
 
     def initial(self, measure: Expression, value) -> None:
         """Prescribe a position-level measure, or a speed, at the start, exactly.

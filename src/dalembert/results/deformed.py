@@ -12,10 +12,10 @@ import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from dalembert.elements.fem.registry import cell_of
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.structural.drawing import StructuralDrawing
-from dalembert.structures.registry import cell_of
 from dalembert.symbolic.expression import Expression
 
 PIECES = 12

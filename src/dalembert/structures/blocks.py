@@ -9,14 +9,14 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.graphs import ElementGraphs, ThermalGraphs
+from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
-from dalembert.structures.base import StructuralElement
 from dalembert.structures.block import ElementBlock
 from dalembert.structures.description import StructureDescription
 from dalembert.structures.elements import Elements
-from dalembert.structures.graphs import ElementGraphs, ThermalGraphs
 from dalembert.structures.kind import ElementKind
-from dalembert.structures.node import Node
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.spans import Spans
 from dalembert.structures.temperatures import CHANGES

@@ -7,11 +7,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
+from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
-from dalembert.structures.base import StructuralElement
 from dalembert.structures.elements import Elements
 from dalembert.structures.nodal_load import Load
-from dalembert.structures.node import ROTATIONS, TRANSLATIONS, Node
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.spans import Spans
 from dalembert.structures.spread_loads import (

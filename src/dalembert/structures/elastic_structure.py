@@ -7,16 +7,16 @@ the few shapes that matter.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import (
+    Condition,
     ForceElement,
     Look,
     Powers,
@@ -25,39 +25,20 @@ from dalembert.elements.base import (
     quantity,
 )
 from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.fem.between_bodies import BetweenBodies
+from dalembert.elements.fem.cell_functions import functions_of
+from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.node_bodies import NodeBody
 from dalembert.elements.look import Strand
 from dalembert.elements.planar import node as planar
 from dalembert.elements.spatial import node as spatial
 from dalembert.errors import ModelError, UnsupportedError
-from dalembert.structures.base import StructuralElement
 from dalembert.structures.blocks import Part
-from dalembert.structures.cell_functions import CellFunctions
-from dalembert.structures.cells import CELLS
-from dalembert.structures.continuum import Continuum
 from dalembert.structures.description import StructureDescription
-from dalembert.structures.graphs import ElementGraphs
-from dalembert.structures.node import Node
+from dalembert.structures.mesh import Mesh
+from dalembert.structures.nodes import Nodes
 from dalembert.symbolic.expression import Expression, as_sx
-
-
-@dataclass(frozen=True, eq=False)
-class Cell:
-    """One finite element between bodies.
-
-    Attributes
-    ----------
-    name : of the element, within the structure
-    functions : of its kind
-    nodes : numbers of its nodes
-    u : displacements of its nodes
-    data : coordinates of its nodes, then its numbers
-    """
-
-    name: str
-    functions: CellFunctions
-    nodes: np.ndarray
-    u: ca.SX
-    data: ca.SX
+from dalembert.text import unknown
 
 
 @dataclass(eq=False)
@@ -139,7 +120,7 @@ class ElasticStructure(ForceElement):
         for name, place, turns in zip(
             self._names(), ca.horzsplit(self.places), turning, strict=True
         ):
-            kind = kinds.Node if turns else kinds.PointNode
+            kind = kinds.ElementNode if turns else kinds.ElementPointNode
             angle = {"angle": 0.0} if turns else {}
             spin = {"angular_velocity": self.angular_velocity} if turns else {}
             found.append(
@@ -169,11 +150,63 @@ class ElasticStructure(ForceElement):
     def node(self, name: str | Node, number: int | None = None) -> Any:
         """The body of a node, or of one of a set by its number."""
         known = name.name if isinstance(name, Node) else name
-        wanted = f"{self.name}.{known}{'' if number is None else number}"
-        for body in self.bodies:
-            if body.name == wanted:
-                return body
-        raise ModelError(f"has no node {wanted.removeprefix(self.name + '.')!r}", self.name)
+        wanted = f"{known}{'' if number is None else number}"
+        if wanted not in self.named_nodes:
+            raise ModelError(unknown("node", wanted, self.named_nodes), self.name)
+        return self.named_nodes[wanted]
+
+    def at(self, nodes: Node | Nodes) -> list[NodeBody]:
+        """The bodies of nodes of the structure."""
+        first = self.structure.numbers.first(nodes.name)
+        numbers = first + nodes.index if isinstance(nodes, Nodes) else [first]
+        return [self.bodies[k] for k in numbers]
+
+    @property
+    def mesh(self) -> Mesh:
+        """The one mesh that its structure was made of.
+
+        Raises
+        ------
+        ModelError
+            There is none, or several.
+        """
+        meshes = getattr(self.structure, "meshes", {})
+        if len(meshes) != 1:
+            raise ModelError(f"has {len(meshes)} meshes; ask its structure for nodes", self.name)
+        return next(iter(meshes.values()))
+
+    @property
+    def named_nodes(self) -> dict[str, NodeBody]:
+        """Its bodies by their names within it."""
+        return dict(zip(self._names(), self.bodies, strict=True))
+
+    def where(
+        self,
+        condition: Callable[..., np.ndarray] | None = None,
+        *,
+        tolerance: float | None = None,
+        **coordinates: float,
+    ) -> list[NodeBody]:
+        """The bodies of nodes at given coordinates, e.g. ``x=0``, free of stress, or where
+        ``condition(x, y)`` is true.
+
+        Raises
+        ------
+        ModelError
+            No node is there.
+        """
+        chosen = self._points.where(condition, tolerance=tolerance, **coordinates)
+        return [self.bodies[k] for k in chosen.index]
+
+    def nearest(self, *place: float) -> NodeBody:
+        """The body of the one node nearest to a place [m], free of stress."""
+        return self.bodies[self._points.nearest(*place).index[0]]
+
+    @property
+    def _points(self) -> Nodes:
+        """All nodes."""
+        points = [[Expression(x) for x in ca.vertsplit(p)] for p in ca.horzsplit(self.places)]
+        return Nodes(self.name, np.array(points, dtype=object))
 
     def own_coordinates(self) -> list[Coordinates]:
         return list(self.bodies)
@@ -183,28 +216,19 @@ class ElasticStructure(ForceElement):
 
     # elements ---------------------------------------------------------------------------------
     @cached_property
-    def cells(self) -> list[Cell]:
+    def cells(self) -> list[BetweenBodies]:
         """Every finite element."""
-        kinds: dict[tuple, CellFunctions] = {}
         found = []
         for part in self.parts_of_structure:
-            key = (part.cls, part.nodes.shape[1], *part.options.items())
-            if key not in kinds:
-                count = part.nodes.shape[1]
-                graphs = ElementGraphs(part.cls, self.dimension, count, part.options)
-                kinds[key] = CellFunctions(graphs)
+            count, options = part.nodes.shape[1], tuple(part.options.items())
+            kind: Any = part.cls
+            functions = functions_of(kind, self.dimension, count, options)
             for row, nodes in enumerate(part.nodes):
-                moved = [self._displacement(k, part.cls.turns) for k in nodes]
                 numbers = [self._number(part, f.name, row) for f in part.cls.quantity_fields()]
-                data = ca.vertcat(*(self.places[:, int(k)] for k in nodes), *numbers)
                 name = part.name if part.count is None else f"{part.name}{row}"
-                found.append(Cell(name, kinds[key], nodes, ca.vertcat(*moved), data))
+                bodies = tuple(self.bodies[k] for k in nodes)
+                found.append(BetweenBodies(name, functions, bodies, ca.vertcat(*numbers)))
         return found
-
-    def _displacement(self, k: int, turns: bool) -> ca.SX:
-        body = self.bodies[k]
-        moved = body.pose[: self.dimension] - self.places[:, int(k)]
-        return ca.vertcat(moved, body.pose[2]) if turns else moved
 
     @staticmethod
     def _number(part: Part, name: str, row: int) -> ca.SX:
@@ -214,58 +238,29 @@ class ElasticStructure(ForceElement):
         return as_sx(np.atleast_1d(np.asarray(given)[row]).tolist())
 
     def powers(self, rate: Rate) -> Powers:
-        found = []
-        for cell in self.cells:
-            _, slope = cell.functions.stored(cell.u, cell.data)
-            found.append((rate(cell.u), -slope))
-        return found
+        return [pair for cell in self.cells for pair in cell.powers(rate)]
 
     def potential(self) -> ca.SX:
-        stored = (cell.functions.stored(cell.u, cell.data)[0] for cell in self.cells)
-        return sum(stored, ca.SX(0))
+        return sum((cell.stored for cell in self.cells), ca.SX(0))
 
     def inertial_powers(self, rate: Rate) -> Powers:
-        found = []
-        for cell in self.cells:
-            if cell.functions.massless:
-                continue
-            speed = rate(cell.u)
-            force = cell.functions.inertia(cell.u, speed, rate(speed), cell.data)
-            found.append((speed, force))
-        return found
+        return [pair for cell in self.cells for pair in cell.inertial_powers(rate)]
 
     def masses(self) -> list[tuple[ca.SX, ca.SX]]:
-        found: list[tuple[ca.SX, ca.SX]] = []
-        for cell in self.cells:
-            shares = cell.functions.shares(cell.data)
-            places = [self.bodies[k].pose[: self.dimension] for k in cell.nodes]
-            found += zip(places, ca.vertsplit(shares), strict=True)
-        return found
+        return [share for cell in self.cells for share in cell.masses()]
+
+    def conditions(self) -> list[Condition]:
+        return [*super().conditions(), *(c for cell in self.cells for c in cell.conditions())]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         found = {"strain_energy": (self.potential(), "J")}
         for cell in self.cells:
-            graphs = cell.functions.graphs
             if cell.name in self.structure.elements:
-                for name, (_, unit) in graphs.measures.items():
-                    value = cell.functions.measure(name)(cell.u, cell.data)
-                    found[f"{cell.name}.{name}"] = (value, unit)
+                for name, value in cell.recovered().items():
+                    found[f"{cell.name}.{name}"] = value
         return found
 
     def look(self) -> list[Look]:
         """Edges of the elements, each once."""
-        edges: dict[tuple[int, int], None] = {}
-        for cell in self.cells:
-            nodes = [int(k) for k in cell.nodes]
-            for face in outlines(cell.functions.graphs.cls):
-                ring = [nodes[k] for k in (*face, face[0])]
-                edges |= {(min(p), max(p)): None for p in pairwise(ring) if p[0] != p[1]}
-        return [Strand(self.bodies[i].center, self.bodies[j].center) for i, j in sorted(edges)]
-
-
-def outlines(cls: type[StructuralElement]) -> tuple[tuple[int, ...], ...]:
-    """Faces of a cell, node by node around each; of a line itself."""
-    if not issubclass(cls, Continuum):
-        return (tuple(range(cls.node_count)),)
-    shape = cls.cell.dimension, cls.node_count
-    return next(cell.faces for cell in CELLS.values() if (cell.dimension, cell.nodes) == shape)
+        edges = {frozenset((i.name, j.name)): (i, j) for c in self.cells for i, j in c.edges()}
+        return [Strand(i.center, j.center) for i, j in edges.values()]

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.elements.fem.base import StructuralElement, check_options
 from dalembert.errors import ModelError
-from dalembert.structures.base import StructuralElement, check_options
 from dalembert.structures.nodes import Nodes
 from dalembert.symbolic.expression import Expression, as_expression
 

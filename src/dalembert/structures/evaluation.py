@@ -5,8 +5,8 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.structures.base import Rows
-from dalembert.structures.graphs import ElementGraphs
+from dalembert.elements.fem.energies import Rows
+from dalembert.elements.fem.graphs import ElementGraphs
 from dalembert.symbolic.kernel import Kernel
 
 Columns = tuple[np.ndarray, ...]

@@ -8,10 +8,10 @@ from typing import ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.structures.attached import AXES, Attached
+from dalembert.elements.fem.attached import AXES, Attached
+from dalembert.elements.fem.rotations import spin_map
 from dalembert.structures.blocks import Part
 from dalembert.structures.nodal_load import Load
-from dalembert.structures.rotations import spin_map
 from dalembert.symbolic.expression import Expression
 
 

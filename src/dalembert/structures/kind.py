@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.structures.base import Rows
+from dalembert.elements.fem.energies import Rows
 from dalembert.structures.inertia import KindInertia
 
 

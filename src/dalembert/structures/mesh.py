@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.cells import CELLS, oriented
+from dalembert.elements.fem.registry import element_for
 from dalembert.errors import ModelError
-from dalembert.structures.base import StructuralElement
-from dalembert.structures.cells import CELLS, oriented
 from dalembert.structures.elements import Elements
 from dalembert.structures.mesh_data import MeshData, mesh_data
 from dalembert.structures.nodes import Nodes
-from dalembert.structures.registry import element_for
 
 if TYPE_CHECKING:
     from dalembert.structures.description import StructureDescription

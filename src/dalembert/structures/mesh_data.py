@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.elements.fem.cells import CELLS, cell_name
 from dalembert.errors import FileError, ModelError, UnsupportedError
 from dalembert.readable import readable
-from dalembert.structures.cells import CELLS, cell_name
 from dalembert.text import plain_text
 
 WEIGHT = 4

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from dalembert.budget import afford, numeral
+from dalembert.elements.fem.cells import CELLS
 from dalembert.errors import ModelError
 from dalembert.options import is_number
-from dalembert.structures.cells import CELLS
 
 CELL = 1000
 """Bytes of a cell with its nodes and its element, at least."""

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.cells import CELLS, facets
+from dalembert.elements.fem.continuum import Continuum
+from dalembert.elements.fem.lines import Line
+from dalembert.elements.fem.reference_cells import REFERENCE_CELLS
 from dalembert.errors import ModelError
-from dalembert.structures.base import StructuralElement
-from dalembert.structures.cells import CELLS, facets
-from dalembert.structures.continuum import Continuum
 from dalembert.structures.elements import Elements
-from dalembert.structures.lines import Line
 from dalembert.structures.nodes import Nodes
-from dalembert.structures.reference_cells import REFERENCE_CELLS
 from dalembert.structures.temperatures import CHANGES
 from dalembert.structures.tractions import TRACTIONS
 from dalembert.symbolic.expression import Expression, as_expression

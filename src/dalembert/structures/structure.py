@@ -20,6 +20,10 @@ class Structure(StructureDescription):
     description : str
     """
 
+    def __init__(self, name: str, description: str = ""):
+        super().__init__(name, description)
+        self.meshes: dict[str, Mesh] = {}
+
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str):
@@ -51,7 +55,8 @@ class Structure(StructureDescription):
         ModelError, FileError, UnsupportedError
             No mesh, an element that does not fit its cells, meshio missing.
         """
-        return add_mesh(self, name, mesh, element, quantities)
+        made = self.meshes[name] = add_mesh(self, name, mesh, element, quantities)
+        return made
 
     def build(self) -> StructuralModel:
         """Check and freeze.

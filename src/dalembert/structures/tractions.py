@@ -12,9 +12,9 @@ from typing import ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.structures.base import StructuralElement
-from dalembert.structures.node import Node
-from dalembert.structures.reference_cells import REFERENCE_CELLS, ReferenceCell
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.reference_cells import REFERENCE_CELLS, ReferenceCell
 
 
 @dataclass(eq=False)

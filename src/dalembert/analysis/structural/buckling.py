@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectral import SpectralAnalysis
 from dalembert.analysis.structural.spectrum import Spectrum
@@ -115,4 +116,5 @@ def solve_buckling(
         Wrong options, unknown load case, no such factor; ``SingularityError`` where the structure
         is a mechanism.
     """
+    need_structure(model, "solve_buckling", "take linearize about loaded equilibria")
     return Buckling.of("solve_buckling", count=count, case=case, **options).run(model, parameters)

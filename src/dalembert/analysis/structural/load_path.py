@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.path_equations import Crossing, PathEquations
 from dalembert.errors import AnalysisError, SingularityError
@@ -279,4 +280,5 @@ def solve_load_path(
     AnalysisError
         Wrong options; ``SingularityError`` where the structure is a mechanism.
     """
+    need_structure(model, "solve_load_path", "take solve_equilibrium load by load")
     return ArcLength.of("solve_load_path", **options).run(model, parameters)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectral import SpectralAnalysis
 from dalembert.analysis.structural.spectrum import Spectrum
@@ -155,4 +156,5 @@ def solve_modes(
     AnalysisError
         Wrong options, nothing has mass; ``SingularityError`` where something moves freely.
     """
+    need_structure(model, "solve_modes", "take linearize")
     return Modal.of("solve_modes", count=count, **options).run(model, parameters)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.statics import Statics
 from dalembert.results.structural.result import StructuralResult
@@ -33,5 +34,6 @@ def solve_statics(
     AnalysisError
         Wrong options; ``SingularityError`` where the structure is a mechanism.
     """
+    need_structure(model, "solve_statics", "take solve_equilibrium")
     chosen = NonlinearStatics if nonlinear else Statics
     return chosen.of("solve_statics", **options).run(model, parameters)

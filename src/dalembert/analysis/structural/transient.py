@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.analysis.branches import place_outputs
 from dalembert.analysis.progress import Reported
+from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.structural.transient_run import TransientRun, motion_at
 from dalembert.analysis.structural.transient_start import STARTS
@@ -144,6 +145,7 @@ def solve_transient(
     AnalysisError
         Wrong options; ``SingularityError`` where the run cannot begin.
     """
+    need_structure(model, "solve_transient", "take solve_dynamics")
     return Transient.of("solve_transient", duration=duration, **options).run(
         model, parameters, progress
     )

@@ -164,11 +164,15 @@ class Beam(Noded, ForceElement):
     # forces -----------------------------------------------------------------------------------
     def powers(self, rate: Rate) -> Powers:
         lead, rigid, length = self.damping.sx, self.rigidities(), self.length.sx
-        found: Powers = []
-        for strain, weight in self.strains:
-            speed = rate(strain)
-            found.append((speed, -length * weight * rigid * (strain + lead * speed)))
-        return found
+        return [
+            (speed, -length * weight * rigid * (strain + lead * speed))
+            for (strain, weight), speed in zip(self.strains, self._strain_rates(rate), strict=True)
+        ]
+
+    def _strain_rates(self, rate: Rate) -> list[ca.SX]:
+        """Of all strains, taken at once: a rate looks at all nodes."""
+        each = ca.horzcat(*(strain for strain, _ in self.strains))
+        return ca.horzsplit(ca.reshape(rate(ca.vec(each)), each.shape))
 
     def potential(self) -> ca.SX:
         rigid = self.rigidities()
@@ -179,7 +183,10 @@ class Beam(Noded, ForceElement):
         if self.damping.sx.is_zero():
             return []
         viscous = self.length.sx * self.damping.sx * self.rigidities()
-        return [(rate(e), -weight * viscous * rate(e)) for e, weight in self.strains]
+        return [
+            (speed, -weight * viscous * speed)
+            for (_, weight), speed in zip(self.strains, self._strain_rates(rate), strict=True)
+        ]
 
     # inertia ----------------------------------------------------------------------------------
     def _summed(self, part: np.ndarray) -> np.ndarray:
@@ -218,10 +225,9 @@ class Beam(Noded, ForceElement):
         """Its nodes are on that shape at the start, and move with it."""
         last = self.count - 1
         free = [k for k in self.nodes if 0 < k < last or (k == last and self.relaxed)]
-        errors = [self.shape_error(k) for k in free]
-        rates = [rate_of(error, self.parts(), t.sx) for error in errors]
-        columns = [ca.vertsplit(error) for error in (*errors, *rates)]
-        return [(Expression(entry), Expression(0)) for column in columns for entry in column]
+        errors = stack(self.shape_error(k) for k in free)
+        rates = rate_of(errors, self.parts(), t.sx)
+        return [(Expression(e), Expression(0)) for e in ca.vertsplit(ca.vertcat(errors, rates))]
 
     # what is known of it ----------------------------------------------------------------------
     def forces_at(self, share: float) -> ca.SX:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import casadi as ca
@@ -33,8 +33,8 @@ class CrossSection:
     body: Any = None
 
 
-class NodeBody:
-    """A node of an element, ahead of the body that it is in the plane or in space.
+class OwnNode:
+    """A node that an element brings along, ahead of the body that it is in the plane or in space.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class Noded:
                 found[k] = self.first_node(name)
                 continue
             found[k] = self.node_kind(name)
-            found[k].estimate = partial(self._estimate, k)
+            found[k].estimate = cache(partial(self._estimate, k))
         return found
 
     def first_node(self, name: str) -> Any:

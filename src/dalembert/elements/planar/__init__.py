@@ -19,6 +19,7 @@ from dalembert.elements.planar.drivers import (
 from dalembert.elements.planar.flexible_body import FlexibleBody
 from dalembert.elements.planar.gear import Coupling, GearPair, RackAndPinion, RollingDisc
 from dalembert.elements.planar.loads import Force, Moment
+from dalembert.elements.planar.node import Node, PointNode
 from dalembert.elements.planar.point_on_curve import PointOnCurve
 from dalembert.elements.planar.revolute import Revolute
 from dalembert.elements.planar.rigid_link import RigidLink
@@ -50,9 +51,11 @@ __all__ = [
     "JointActuator",
     "JointFriction",
     "Moment",
+    "Node",
     "Particle",
     "PinInSlot",
     "Point",
+    "PointNode",
     "PointOnCurve",
     "RackAndPinion",
     "Revolute",

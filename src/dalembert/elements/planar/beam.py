@@ -15,7 +15,7 @@ from dalembert.elements.flexible.nodes import CrossSection
 from dalembert.elements.pair import need_point
 from dalembert.elements.planar.body import rotation
 from dalembert.elements.planar.in_plane import InPlane
-from dalembert.elements.planar.node import Node
+from dalembert.elements.planar.node import ElementNode
 from dalembert.elements.point import Point
 from dalembert.symbolic.expression import Expression
 
@@ -49,7 +49,7 @@ class Beam(InPlane, beam.Beam):
     angle: Scalar = quantity("rad", "at its start", default=None, keyword=True)
     velocity: Vector = quantity("m/s", "of its start", default=None, size=2, keyword=True)
     angular_velocity: Scalar = quantity("rad/s", "at its start", default=None, keyword=True)
-    node_kind = Node
+    node_kind = ElementNode
     dimension: ClassVar[int] = 2
     force_names = (("axial_force", "N"), ("shear_force", "N"), ("bending_moment", "N m"))
 
@@ -63,7 +63,7 @@ class Beam(InPlane, beam.Beam):
 
     def first_node(self, name: str) -> Any:
         given = self.velocity, self.angular_velocity
-        return Node(name, None, None, self.position, self.angle, *given)
+        return ElementNode(name, None, None, self.position, self.angle, *given)
 
     def carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
         place, angle = self.natural(self.length.sx * self.places[k])

@@ -29,6 +29,7 @@ from dalembert.elements.spatial.links import (
 )
 from dalembert.elements.spatial.loads import Force, Torque
 from dalembert.elements.spatial.mesh import Mesh
+from dalembert.elements.spatial.node import Node, PointNode
 from dalembert.elements.spatial.planar_joint import Planar
 from dalembert.elements.spatial.point_joints import PointOnLine, PointOnPlane
 from dalembert.elements.spatial.point_on_curve import PointOnCurve
@@ -71,8 +72,10 @@ __all__ = [
     "JointFriction",
     "KnifeEdge",
     "Mesh",
+    "Node",
     "Particle",
     "Planar",
+    "PointNode",
     "PointOnCurve",
     "PointOnLine",
     "PointOnPlane",

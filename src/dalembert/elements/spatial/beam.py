@@ -19,7 +19,7 @@ from dalembert.elements.flexible import beam
 from dalembert.elements.flexible.nodes import CrossSection
 from dalembert.elements.frame import Frame
 from dalembert.elements.rotation import Orientation, as_orientation
-from dalembert.elements.spatial.node import Node
+from dalembert.elements.spatial.node import ElementNode
 from dalembert.errors import ModelError
 from dalembert.symbolic import rotation
 from dalembert.symbolic.expression import Expression
@@ -59,7 +59,7 @@ class Beam(beam.Beam):
     rotation: Orientation = option("at its start", default=None, keyword=True)
     velocity: Vector = quantity("m/s", "of its start", default=None, size=3, keyword=True)
     angular_velocity: Vector = quantity("rad/s", "at its start", default=None, size=3, keyword=True)
-    node_kind = Node
+    node_kind = ElementNode
     dimension: ClassVar[int] = 3
     force_names = (
         ("axial_force", "N"),
@@ -92,7 +92,7 @@ class Beam(beam.Beam):
     def first_node(self, name: str) -> Any:
         where = {"position": self.position, "rotation": self.rotation}
         speeds = {"velocity": self.velocity, "angular_velocity": self.angular_velocity}
-        return Node(name, **where, **speeds)
+        return ElementNode(name, **where, **speeds)
 
     def carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
         own = self.natural_section(self.length.sx * self.places[k])

@@ -9,6 +9,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from dalembert.elements.fem.cells import CELLS
+from dalembert.elements.fem.nodal import ROTATIONS
+from dalembert.elements.fem.registry import cell_of
+from dalembert.elements.fem.springs import AxialSpring
 from dalembert.results.structural.shapes import (
     COIL,
     Shapes,
@@ -19,11 +23,7 @@ from dalembert.results.structural.shapes import (
     turned_tangent,
 )
 from dalembert.structures.block import ElementBlock
-from dalembert.structures.cells import CELLS
 from dalembert.structures.model import StructuralModel
-from dalembert.structures.node import ROTATIONS
-from dalembert.structures.registry import cell_of
-from dalembert.structures.springs import AxialSpring
 
 SHARP = 0.6
 """Angle between two faces from which on their edge is drawn [rad]."""

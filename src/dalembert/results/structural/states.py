@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from dalembert.elements.fem.node import Node
 from dalembert.errors import AnalysisError
 from dalembert.results.result import Result
 from dalembert.structures.measures import State
 from dalembert.structures.mesh import Mesh
 from dalembert.structures.model import StructuralModel
-from dalembert.structures.node import Node
 from dalembert.structures.nodes import Nodes
 from dalembert.symbolic.expression import Expression
 

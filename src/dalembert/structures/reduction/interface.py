@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
-from dalembert.structures.node import Node
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.reduction.rigid import rigid_motions

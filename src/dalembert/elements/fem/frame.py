@@ -15,10 +15,10 @@ from typing import ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.fem.beams import Bending, linear_kinetic
+from dalembert.elements.fem.energies import Named
+from dalembert.elements.fem.lines import Line
 from dalembert.errors import ModelError
-from dalembert.structures.base import Named
-from dalembert.structures.beams import Bending, linear_kinetic
-from dalembert.structures.lines import Line
 
 
 @dataclass(eq=False)
@@ -134,7 +134,7 @@ class Frame(Line):
         return linear_kinetic(first, second, mass * length) + bent
 
     @classmethod
-    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
+    def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         beam, turns, length = cls.bending(x, q), cls.end_turns(u, x), cls.length(x)
         moment_i, moment_j = beam.moments(*turns)
         shear = (moment_i + moment_j) / length

@@ -8,10 +8,11 @@ from typing import ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.energies import Named
+from dalembert.elements.fem.nodal import Nodal
+from dalembert.elements.fem.rotations import carried_by_node
 from dalembert.errors import ModelError
-from dalembert.structures.base import Named, StructuralElement
-from dalembert.structures.node import Node
-from dalembert.structures.rotations import carried_by_node
 
 AXES = ("x", "y", "z")
 
@@ -25,16 +26,16 @@ class Attached(StructuralElement):
     node : where it is
     """
 
-    node: Node
+    node: Nodal
     node_count: ClassVar[int] = 1
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not isinstance(self.node, Node) or self.node.dimension not in self.dimensions:
+        if not isinstance(self.node, Nodal) or self.node.dimension not in self.dimensions:
             known = " or ".join(map(str, self.dimensions))
             raise ModelError(f"needs a node with {known} coordinates; got {self.node!r}", self.name)
 
-    def nodes(self) -> tuple[Node, ...]:
+    def nodes(self) -> tuple[Nodal, ...]:
         return (self.node,)
 
     @classmethod
@@ -67,7 +68,7 @@ class GroundSpring(Attached):
         return sum(parts, ca.SX(0))
 
     @classmethod
-    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
+    def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         name, unit = cls.effort
         return {f"{name}_{a}": (q[f"stiffness_{a}"] * u[0][k], unit) for a, k in cls.directions(x)}
 

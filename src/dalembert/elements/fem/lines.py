@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.nodal import Nodal
 from dalembert.errors import ModelError
-from dalembert.structures.base import StructuralElement
-from dalembert.structures.node import Node
 
 
 @dataclass(eq=False)
@@ -20,19 +20,19 @@ class Line(StructuralElement):
     node_i, node_j : its ends
     """
 
-    node_i: Node
-    node_j: Node
+    node_i: Nodal
+    node_j: Nodal
     node_count = 2
 
     def __post_init__(self) -> None:
         super().__post_init__()
         for field in ("node_i", "node_j"):
-            if not isinstance(getattr(self, field), Node):
+            if not isinstance(getattr(self, field), Nodal):
                 raise ModelError(f"{field} must be a node; got {getattr(self, field)!r}", self.name)
         if self.node_i is self.node_j:
             raise ModelError(f"ties {self.node_i.name} to itself; take two nodes", self.name)
 
-    def nodes(self) -> tuple[Node, ...]:
+    def nodes(self) -> tuple[Nodal, ...]:
         return self.node_i, self.node_j
 
     @staticmethod

@@ -14,11 +14,11 @@ from typing import ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Scalar, Vector, quantity
+from dalembert.elements.fem.beams import Bending, linear_kinetic
+from dalembert.elements.fem.energies import Named
+from dalembert.elements.fem.lines import Line
+from dalembert.elements.fem.rotations import rotation_matrix, rotation_vector, spin_map
 from dalembert.errors import ModelError
-from dalembert.structures.base import Named
-from dalembert.structures.beams import Bending, linear_kinetic
-from dalembert.structures.lines import Line
-from dalembert.structures.rotations import rotation_matrix, rotation_vector, spin_map
 
 UPRIGHT = 1e-3
 """Sine of the angle to the z axis below which a beam counts as vertical."""
@@ -198,7 +198,7 @@ class SpaceFrame(Line):
 
     # measures -----------------------------------------------------------------------------
     @classmethod
-    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
+    def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         """Section forces in its own axes; moments ``_i``, ``_j`` are those on its ends."""
         length, (first, second) = cls.length(x), cls.end_rotations(u, x, q)
         strain = cls.lengthening(u, x, q, first, second) / length

@@ -7,9 +7,9 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.structures.base import Named, StructuralElement
-from dalembert.structures.inertia_graphs import InertiaGraphs
-from dalembert.structures.node import ROTATIONS
+from dalembert.elements.fem.energies import Energies, Named
+from dalembert.elements.fem.inertia_graphs import InertiaGraphs
+from dalembert.elements.fem.nodal import ROTATIONS
 
 
 class ElementGraphs(InertiaGraphs):
@@ -26,7 +26,7 @@ class ElementGraphs(InertiaGraphs):
 
     def __init__(
         self,
-        cls: type[StructuralElement],
+        cls: type[Energies],
         dimension: int,
         node_count: int,
         options: dict[str, Any] | None = None,
@@ -68,7 +68,7 @@ class ElementGraphs(InertiaGraphs):
     @cached_property
     def measures(self) -> Named:
         """Named quantities of the class: name → (expression, unit)."""
-        named = self.cls.measures(self._u, self._x, self._q)
+        named = self.cls.recovered(self._u, self._x, self._q)
         if self.linear:
             named = {name: (self._expanded(sx, 1), unit) for name, (sx, unit) in named.items()}
         return named | self.cls.derived({name: sx for name, (sx, _) in named.items()}, self._q)

@@ -1,20 +1,19 @@
-"""Nodes: places that elements tie together, with the directions in which they move."""
+"""Nodes of structures: places that elements tie together."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import casadi as ca
+
 from dalembert.elements.base import Element, Vector
+from dalembert.elements.fem.nodal import DIMENSIONS, Nodal
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import as_expression
 
-TRANSLATIONS = ("ux", "uy", "uz")
-ROTATIONS = {1: (), 2: ("rz",), 3: ("rx", "ry", "rz")}
-DIMENSIONS = (1, 2, 3)
-
 
 @dataclass(eq=False)
-class Node(Element):
+class Node(Nodal, Element):
     """A node of a structure.
 
     Parameters
@@ -34,6 +33,10 @@ class Node(Element):
         self.position = as_expression(value, f"{self.name}.position", "m", size)
 
     @property
-    def dimension(self) -> int:
+    def natural(self) -> ca.SX:  # type: ignore[override]
+        return self.position.sx
+
+    @property
+    def dimension(self) -> int:  # type: ignore[override]
         """Number of coordinates."""
         return len(self.position)

@@ -8,7 +8,7 @@ from typing import ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Scalar, option, quantity
-from dalembert.structures.continuum import Continuum
+from dalembert.elements.fem.continuum import Continuum
 
 
 @dataclass(eq=False)

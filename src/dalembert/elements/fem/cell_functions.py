@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import casadi as ca
 
-from dalembert.structures.base import Rows
-from dalembert.structures.graphs import ElementGraphs
+from dalembert.elements.fem.energies import Rows
+from dalembert.elements.fem.graphs import ElementGraphs
 
 
 class CellFunctions:
@@ -50,11 +51,22 @@ class CellFunctions:
         momentum = ca.substitute(ca.gradient(energy, g.u), g.u, along)
         return ca.Function("shares", [g.data], [momentum[::per_node]])
 
-    def measure(self, name: str) -> ca.Function:
-        """``(u, data)`` → a measure of the element."""
+    @cached_property
+    def checks(self) -> list[tuple[ca.Function, str]]:
+        """``data`` → what must be positive, everywhere in the element; what is wrong if not."""
         g = self.graphs
-        value = self._at(g.measures[name][0], g.cls.stations[""])
-        return ca.Function("measure", [g.u, g.data], [value])
+        return [
+            (ca.Function("check", [g.data], [self._at(value, point)]), wrong)
+            for value, wrong in g.checks
+            for point in g.cls.samples
+        ]
+
+    @cached_property
+    def recovered(self) -> ca.Function:
+        """``(u, data)`` → the measures of the element, where they are taken by default."""
+        g = self.graphs
+        values = [self._at(value, g.cls.stations[""]) for value, _ in g.measures.values()]
+        return ca.Function("recovered", [g.u, g.data], values)
 
     def _summed(self, value: ca.SX, points: Rows) -> ca.SX:
         return sum((self._at(value, point) for point in points), ca.SX(0))
@@ -63,3 +75,11 @@ class CellFunctions:
         """The value at a point of integration."""
         at = self.graphs.at
         return ca.substitute(value, at, ca.SX(list(point))) if at.numel() else value
+
+
+@lru_cache
+def functions_of(
+    cls: Any, dimension: int, node_count: int, options: tuple[tuple[str, Any], ...]
+) -> CellFunctions:
+    """Those of a kind of element, which are made once."""
+    return CellFunctions(ElementGraphs(cls, dimension, node_count, dict(options)))

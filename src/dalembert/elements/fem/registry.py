@@ -7,19 +7,20 @@ between two nodes, one in ``SHAPES``.
 
 from __future__ import annotations
 
-from dalembert.structures.attached import (
+from dalembert.elements.fem.attached import (
     GroundRotationSpring,
     GroundSpring,
     PointInertia,
     PointMass,
 )
-from dalembert.structures.base import StructuralElement
-from dalembert.structures.frame import Frame, TimoshenkoFrame
-from dalembert.structures.plane import Quadrilateral, Quadrilateral8, Triangle, Triangle6
-from dalembert.structures.solid import Hexahedron, Hexahedron20, Tetrahedron, Tetrahedron10
-from dalembert.structures.space_frame import SpaceFrame, TimoshenkoSpaceFrame
-from dalembert.structures.springs import AxialSpring
-from dalembert.structures.truss import Truss
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.energies import Energies
+from dalembert.elements.fem.frame import Frame, TimoshenkoFrame
+from dalembert.elements.fem.plane import Quadrilateral, Quadrilateral8, Triangle, Triangle6
+from dalembert.elements.fem.solid import Hexahedron, Hexahedron20, Tetrahedron, Tetrahedron10
+from dalembert.elements.fem.space_frame import SpaceFrame, TimoshenkoSpaceFrame
+from dalembert.elements.fem.springs import AxialSpring
+from dalembert.elements.fem.truss import Truss
 
 ELEMENTS: dict[str, type[StructuralElement]] = {
     "AxialSpring": AxialSpring,
@@ -55,7 +56,7 @@ SHAPES: dict[type[StructuralElement], str] = {
 """Class → its shape as a cell of a mesh; the nodes of both are in the same order (that of VTK)."""
 
 
-def cell_of(cls: type[StructuralElement]) -> str:
+def cell_of(cls: type[Energies]) -> str:
     """Shape of a class of elements: its own row, that of a class above it, else by its nodes."""
     known = next((SHAPES[base] for base in cls.__mro__ if base in SHAPES), None)
     return known or {1: "vertex", 2: "line"}.get(cls.node_count, "polygon")

@@ -7,8 +7,8 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.structures.base import StructuralElement
-from dalembert.structures.rotations import carried_by_node
+from dalembert.elements.fem.energies import Energies
+from dalembert.elements.fem.rotations import carried_by_node
 
 
 class InertiaGraphs:
@@ -18,7 +18,7 @@ class InertiaGraphs:
     of a mass matrix, which turns with the nodes.
     """
 
-    cls: type[StructuralElement]
+    cls: type[Energies]
     linear: bool
     u: ca.SX
     data: ca.SX

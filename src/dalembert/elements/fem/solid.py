@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dalembert.structures.continuum import Continuum
+from dalembert.elements.fem.continuum import Continuum
 
 
 @dataclass(eq=False)

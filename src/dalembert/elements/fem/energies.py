@@ -1,36 +1,23 @@
-"""What a structural element is.
-
-To write a new one: a dataclass with ``name`` first, then its nodes, then its numbers as
-``quantity``; and one class method ``energy``, the strain energy of the displaced element, with
-``kinetic`` beside it if it has mass. Internal forces ``∂W/∂u``, tangent stiffness ``∂²W/∂u²``, mass
-matrix and all design derivatives follow by differentiation, once per kind of element, and are
-evaluated for all elements of the kind at once. Where the inertia turns with the element,
-``carried`` says how: inertia forces ``d/dt ∂T/∂v − ∂T/∂u`` follow from the same kinetic energy.
-
-An element that is integrated numerically gives ``samples``; its energy is then the sum over them of
-``energy``, which finds the sample in ``q["at"]``.
-"""
+"""What one finite element states: its energies, and what is recovered from its displacements."""
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import casadi as ca
 
 from dalembert.elements.base import Element
-from dalembert.errors import ModelError
-from dalembert.structures.node import Node
-from dalembert.symbolic.expression import as_expression
 
 Rows = tuple[tuple[float, ...], ...]
 Named = dict[str, tuple[ca.SX, str]]
 
 
-@dataclass(eq=False)
-class StructuralElement(Element):
-    """An element between nodes."""
+class Energies(Element):
+    """A kind of finite element, as formulas of displacements ``u`` and places ``x`` of its nodes.
+
+    An element that is integrated numerically gives ``samples``; its energy is then the sum over
+    them of ``energy``, which finds the sample in ``q["at"]``.
+    """
 
     turns: ClassVar[bool] = False
     """Whether its nodes have rotations too."""
@@ -50,27 +37,6 @@ class StructuralElement(Element):
     """The same for ``kinetic``."""
     stations: ClassVar[dict[str, tuple[float, ...]]] = {"": ()}
     """Values of ``q["at"]`` where measures are taken, by what is added to their names."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for name, meta in self.quantities():
-            as_expression(getattr(self, name), f"{self.name}.{name}", meta["unit"], meta["size"])
-        check_options(self.name, self.options())
-
-    def options(self) -> dict[str, bool]:
-        """Switches, which make elements of one class different kinds."""
-        fields = (f for f in dataclasses.fields(self) if f.metadata.get("kind") == "option")
-        return {f.name: getattr(self, f.name) for f in fields}
-
-    @classmethod
-    def default_options(cls) -> dict[str, Any]:
-        """The switches and where they stand."""
-        fields = (f for f in dataclasses.fields(cls) if f.metadata.get("kind") == "option")
-        return {f.name: f.default for f in fields}
-
-    def nodes(self) -> tuple[Node, ...]:
-        """The nodes it ties together."""
-        raise NotImplementedError
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
@@ -124,7 +90,7 @@ class StructuralElement(Element):
         return v
 
     @classmethod
-    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
+    def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         """Named quantities of the displaced element: name → (expression, unit).
 
         For small displacements they are taken to the first order.
@@ -133,7 +99,7 @@ class StructuralElement(Element):
 
     @classmethod
     def derived(cls, measured: dict[str, ca.SX], q: dict[str, ca.SX]) -> Named:
-        """Quantities that follow from ``measures`` by formulas of any kind."""
+        """Quantities that follow from ``recovered`` by formulas of any kind."""
         return {}
 
     @classmethod
@@ -141,15 +107,7 @@ class StructuralElement(Element):
         """(expression that must be positive at every sample, what is wrong if it is not)."""
         return []
 
-
-def check_options(entity: str, options: dict[str, Any]) -> None:
-    """Switches must be true or false.
-
-    Raises
-    ------
-    ModelError
-        One is something else.
-    """
-    for name, value in options.items():
-        if not isinstance(value, bool):
-            raise ModelError(f"must be True or False; got {value!r}", f"{entity}.{name}")
+    @classmethod
+    def outlines(cls) -> tuple[tuple[int, ...], ...]:
+        """Its faces, node by node around each; of a line itself."""
+        return (tuple(range(cls.node_count)),)

@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 from scipy.special import roots_jacobi
 
-from dalembert.structures.base import Rows
+from dalembert.elements.fem.energies import Rows
 
 DYADIC = 64
 """Coefficients of shape functions are whole numbers divided by this."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.structures.base import Named
-from dalembert.structures.lines import Line
+from dalembert.elements.fem.energies import Named
+from dalembert.elements.fem.lines import Line
 
 
 @dataclass(eq=False)
@@ -29,7 +29,7 @@ class AxialSpring(Line):
         return q["stiffness"] * cls.elongation(u, x) ** 2 / 2
 
     @classmethod
-    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
+    def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         elongation = cls.elongation(u, x)
         return {"elongation": (elongation, "m"), "force": (q["stiffness"] * elongation, "N")}
 

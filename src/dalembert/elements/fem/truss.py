@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.structures.base import Named
-from dalembert.structures.beams import linear_kinetic
-from dalembert.structures.lines import Line
+from dalembert.elements.fem.beams import linear_kinetic
+from dalembert.elements.fem.energies import Named
+from dalembert.elements.fem.lines import Line
 
 
 @dataclass(eq=False)
@@ -50,7 +50,7 @@ class Truss(Line):
         return linear_kinetic(v[0], v[1], mass)
 
     @classmethod
-    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
+    def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         strain = cls.elongation(u, x) / cls.length(x)
         stress = q["modulus"] * (strain - q["expansion"] * q["temperature"])
         return {

@@ -13,10 +13,12 @@ from typing import ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.cells import CELLS
+from dalembert.elements.fem.energies import Named
+from dalembert.elements.fem.nodal import Nodal
+from dalembert.elements.fem.reference_cells import REFERENCE_CELLS, ReferenceCell
 from dalembert.errors import ModelError
-from dalembert.structures.base import Named, StructuralElement
-from dalembert.structures.node import Node
-from dalembert.structures.reference_cells import REFERENCE_CELLS, ReferenceCell
 
 AXES = ("x", "y", "z")
 
@@ -35,7 +37,7 @@ class Continuum(StructuralElement):
     temperature : change ``ΔT`` against the state without stress, under every load [K]
     """
 
-    connectivity: tuple[Node, ...]
+    connectivity: tuple[Nodal, ...]
     modulus: Scalar = quantity("Pa", "Young's modulus", above=0.0, keyword=True)
     poisson: Scalar = quantity("", "Poisson's ratio", default=0.3, above=-1.0, keyword=True)
     density: Scalar = quantity("kg/m^3", "density", default=0.0, minimum=0.0, keyword=True)
@@ -65,10 +67,10 @@ class Continuum(StructuralElement):
             )
         d = self.cell.dimension
         for node in self.connectivity:
-            if not isinstance(node, Node) or node.dimension != d:
+            if not isinstance(node, Nodal) or node.dimension != d:
                 raise ModelError(f"needs nodes with {d} coordinates; got {node!r}", self.name)
 
-    def nodes(self) -> tuple[Node, ...]:
+    def nodes(self) -> tuple[Nodal, ...]:
         return self.connectivity
 
     # geometry -----------------------------------------------------------------------------
@@ -147,7 +149,7 @@ class Continuum(StructuralElement):
 
     # measures -----------------------------------------------------------------------------
     @classmethod
-    def measures(cls, u: list[ca.SX], x: list[ca.SX], q: dict) -> Named:
+    def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict) -> Named:
         """Green's strain (tensor components) and the second Piola–Kirchhoff stress."""
         strain = cls.strain(ca.mtimes(ca.horzcat(*u), cls.slopes(x, q)[0]))
         first, second = cls.lame(q)
@@ -188,6 +190,11 @@ class Continuum(StructuralElement):
             ),
             (cls.compressibility(q), "is incompressible; Poisson's ratio must be lower"),
         ]
+
+    @classmethod
+    def outlines(cls) -> tuple[tuple[int, ...], ...]:
+        shape = cls.cell.dimension, cls.node_count
+        return next(c.faces for c in CELLS.values() if (c.dimension, c.nodes) == shape)
 
     counting: ClassVar[str] = "move its nodes, or count them in the order of VTK"
 

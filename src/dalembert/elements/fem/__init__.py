@@ -1,0 +1,1 @@
+"""Finite elements: what they are, and their energies as functions of the graph."""

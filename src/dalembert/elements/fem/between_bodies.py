@@ -1,0 +1,99 @@
+"""One finite element between bodies: what its energies give to the equations of a mechanism.
+
+Strain and kinetic energies are those of structures, at displacements of any size; what a node is
+displaced by is where its body went.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import casadi as ca
+
+from dalembert.elements.base import Condition, Look, Powers, Rate
+from dalembert.elements.fem.cell_functions import CellFunctions
+from dalembert.elements.fem.node_bodies import NodeBody
+from dalembert.elements.look import Strand
+
+
+@dataclass(frozen=True, eq=False)
+class BetweenBodies:
+    """A finite element between bodies.
+
+    Attributes
+    ----------
+    name : of the element
+    functions : of its kind
+    nodes : the bodies at its nodes
+    numbers : SX, its quantities one below the other
+    """
+
+    name: str
+    functions: CellFunctions
+    nodes: tuple[NodeBody, ...]
+    numbers: ca.SX
+
+    @cached_property
+    def u(self) -> ca.SX:
+        """Displacements of its nodes."""
+        turns = self.functions.graphs.cls.turns
+        return ca.vertcat(*(node.displaced(turns, self.name) for node in self.nodes))
+
+    @cached_property
+    def data(self) -> ca.SX:
+        """Coordinates of its nodes free of stress, then its numbers."""
+        return ca.vertcat(*(node.natural for node in self.nodes), self.numbers)
+
+    @property
+    def stored(self) -> ca.SX:
+        """Strain energy [J]."""
+        return self.functions.stored(self.u, self.data)[0]
+
+    def powers(self, rate: Rate) -> Powers:
+        """The internal forces, ``−∂W/∂u``."""
+        return [(rate(self.u), -self.functions.stored(self.u, self.data)[1])]
+
+    def inertial_powers(self, rate: Rate) -> Powers:
+        """``d/dt ∂T/∂v − ∂T/∂u``."""
+        if self.functions.massless:
+            return []
+        speed = rate(self.u)
+        force = self.functions.inertia(self.u, speed, rate(speed), self.data)
+        return [] if force.is_zero() else [(speed, force)]
+
+    def masses(self) -> list[tuple[ca.SX, ca.SX]]:
+        """(place, mass) of its nodes."""
+        if self.functions.massless:
+            return []
+        shares = self.functions.shares(self.data)
+        return list(zip((n.place for n in self.nodes), ca.vertsplit(shares), strict=True))
+
+    def recovered(self) -> dict[str, tuple[ca.SX, str]]:
+        """Its strains, stresses and forces."""
+        named = self.functions.graphs.measures
+        if not named:
+            return {}
+        values = self.functions.recovered.call([self.u, self.data])
+        return {n: (v, unit) for (n, (_, unit)), v in zip(named.items(), values, strict=True)}
+
+    def conditions(self) -> list[Condition]:
+        """Its shape and material must be possible."""
+        found: list[Condition] = []
+        for check, wrong in self.functions.checks:
+            value = check(self.data)
+            found.append((2 * (value > 0) - 1, wrong.replace("{:", "{0:"), value))
+        return found
+
+    def edges(self) -> list[tuple[Any, Any]]:
+        """Nodes that its outline joins, around each of its faces."""
+        rings = [[*face, face[0]] for face in self.functions.graphs.cls.outlines()]
+        pairs = [pair for ring in rings for pair in pairwise(ring) if pair[0] != pair[1]]
+        return [(self.nodes[i], self.nodes[j]) for i, j in pairs]
+
+    def look(self) -> list[Look]:
+        """Its edges."""
+        edges = {frozenset((i.name, j.name)): (i, j) for i, j in self.edges()}
+        return [Strand(i.center, j.center) for i, j in edges.values()]

@@ -1,0 +1,124 @@
+"""What holds and loads nodes of a mechanism, by the joints, drivers and forces there are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from dalembert.elements import planar, spatial
+from dalembert.elements.base import Constraint, ForceElement
+from dalembert.elements.body import BodyElement
+from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
+from dalembert.elements.fem.node_bodies import NodeBody
+from dalembert.elements.planar.body import Ground
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression
+
+Held = NodeBody | Sequence[NodeBody]
+
+
+def supports(ground: Ground, nodes: Held, displacements: dict[str, Any]) -> Iterator[Constraint]:
+    """Constraints that prescribe displacements ``ux, uy, uz`` [m] and ``rz`` [rad] in the plane.
+
+    Raises
+    ------
+    ModelError
+        No node, or an unknown direction.
+    """
+    for node in several(nodes):
+        name = f"{node.name.replace('.', '_')}_support"
+        known = _directions(node)
+        _check(node, displacements, known)
+        given = displacements or dict.fromkeys(known, 0.0)
+        held = all(_is_zero(given.get(direction, 1.0)) for direction in known)
+        place = ground.point(*(Expression(node.natural[k]) for k in range(node.dimension)))
+        if held and node.dimension == 2:
+            joint = planar.Weld if _body(node).rotates else planar.Revolute
+            yield joint(name, place, _body(node).center)
+        elif held and not _body(node).rotates:
+            yield spatial.Spherical(name, place, _body(node).center)
+        elif not displacements:
+            frame = ground.frame(tuple(place.local[k] for k in range(3)))
+            yield spatial.Weld(name, frame, _body(node).frame())
+        else:
+            for direction, value in given.items():
+                yield _driver(f"{name}_{direction}", ground, node, direction, value)
+
+
+def _driver(name: str, ground: Ground, node: NodeBody, direction: str, value: Any) -> Constraint:
+    """The constraint that one displacement has a value."""
+    if direction == "rz":
+        return planar.RotationalDriver(name, ground, _body(node), law=value)
+    kind = planar if node.dimension == 2 else spatial
+    k = TRANSLATIONS.index(direction)
+    axis = tuple(float(i == k) for i in range(node.dimension))
+    law = Expression(node.natural[k]) + value
+    return kind.CoordinateDriver(name, _body(node).center, law=law, direction=axis)
+
+
+def loads(nodes: Held, forces: dict[str, Any], number: int) -> Iterator[ForceElement]:
+    """Forces ``fx, fy, fz`` [N] on each of some nodes, and in the plane the moment ``mz`` [N m].
+
+    Parameters
+    ----------
+    number : what tells their names from those of other loads
+
+    Raises
+    ------
+    ModelError
+        No node, no load, or an unknown direction.
+    """
+    for node in several(nodes):
+        named = {d.replace("u", "f").replace("r", "m"): d for d in _directions(node)}
+        if not forces:
+            raise ModelError(f"{node.name}: gets no load; give one of {', '.join(named)}")
+        _check(node, forces, tuple(named))
+        name = f"{node.name.replace('.', '_')}_load{number}"
+        kind = planar if node.dimension == 2 else spatial
+        vector = tuple(forces.get(f"f{axis}", 0.0) for axis in "xyz"[: node.dimension])
+        if any(not _is_zero(component) for component in vector):
+            yield kind.Force(name, _body(node).center, vector)
+        if "mz" in forces:
+            yield planar.Moment(f"{name}_mz", _body(node), forces["mz"])
+
+
+def several(nodes: Held) -> list[NodeBody]:
+    """One node, or some.
+
+    Raises
+    ------
+    ModelError
+        Something else.
+    """
+    given = list(nodes) if isinstance(nodes, Sequence) else [nodes]
+    for node in given:
+        if not isinstance(node, NodeBody):
+            raise ModelError(
+                f"expected nodes, as planar.Node or those of a mesh; got {node!r}; other bodies "
+                "are held by joints and loaded by forces"
+            )
+    return given
+
+
+def _body(node: NodeBody) -> Any:
+    """The node, as the body that it is."""
+    assert isinstance(node, BodyElement)
+    return node
+
+
+def _directions(node: NodeBody) -> tuple[str, ...]:
+    """Those that can be prescribed one by one."""
+    turns = ROTATIONS[2] if node.dimension == 2 and _body(node).rotates else ()
+    return TRANSLATIONS[: node.dimension] + turns
+
+
+def _check(node: NodeBody, given: dict[str, Any], known: tuple[str, ...]) -> None:
+    for direction in given:
+        if direction not in known:
+            raise ModelError(
+                f"{node.name}: unknown direction {direction!r}; known: {', '.join(known)}"
+            )
+
+
+def _is_zero(value: Any) -> bool:
+    return not isinstance(value, Expression) and value == 0

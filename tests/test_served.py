@@ -1,0 +1,71 @@
+"""Analyses that have one meaning serve mechanisms and structures; others say which they serve."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, structures
+
+
+@pytest.fixture(scope="module")
+def bar():
+    made = structures.Structure("bar")
+    a, b = made.node("a", 0.0, 0.0), made.node("b", 1.0, 0.0)
+    made.add(structures.Truss("rod", a, b, area=1e-4, modulus=1e9, density=1000.0))
+    made.support(a)
+    made.support(b, uy=0.0)
+    made.load(b, fx=100.0)
+    return made.build()
+
+
+@pytest.fixture(scope="module")
+def ball():
+    made = da.System("ball", gravity=(0, -9.81))
+    made.add(planar.Particle("ball", mass=1.0, position=(0.0, 1.0)))
+    return made.build()
+
+
+def test_one_name_for_one_meaning(bar):
+    options = {"step": 1e-4, "integrator": da.Newmark()}
+    runs = [solve(bar, 1e-3, **options) for solve in (da.solve_dynamics, da.solve_transient)]
+    np.testing.assert_array_equal(runs[0]["b.ux"], runs[1]["b.ux"])
+    found, known = da.solve_equilibrium(bar), da.solve_statics(bar, nonlinear=True)
+    assert float(found["b.ux"]) == float(known["b.ux"]) == pytest.approx(1e-3, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("solve", "cure"),
+    [
+        (da.linearize, "take solve_modes"),
+        (da.solve_kinematics, "take solve_statics"),
+        (da.solve_inverse_dynamics, "take solve_transient"),
+        (da.solve_assembly, "take solve_statics"),
+    ],
+)
+def test_those_of_mechanisms_name_that_of_structures(solve, cure, bar):
+    with pytest.raises(da.AnalysisError, match=f"of mechanisms, 'bar' is a structure; .*{cure}"):
+        solve(bar)
+
+
+@pytest.mark.parametrize(
+    ("solve", "cure"),
+    [
+        (da.solve_statics, "take solve_equilibrium"),
+        (da.solve_transient, "take solve_dynamics"),
+        (da.solve_modes, "take linearize"),
+        (da.solve_buckling, "take linearize"),
+        (da.solve_load_path, "take solve_equilibrium"),
+    ],
+)
+def test_those_of_structures_name_that_of_mechanisms(solve, cure, ball):
+    with pytest.raises(da.AnalysisError, match=f"of structures, 'ball' is a mechanism; {cure}"):
+        solve(ball)
+
+
+@pytest.mark.parametrize("solve", [da.solve_dynamics, da.solve_equilibrium, da.linearize])
+def test_what_is_no_model_is_told(solve):
+    system = da.System("unbuilt")
+    with pytest.raises(da.AnalysisError, match=r"takes a model; got .*build\(\) it first"):
+        solve(system)
