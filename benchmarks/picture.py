@@ -10,6 +10,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
 
 from benchmarks.precision import Curve
 
@@ -23,7 +24,10 @@ def draw(name: str, curves: Sequence[Curve], folder: Path) -> Path:
         shown = [p for p in curve.points if np.isfinite(p.error)]
         seconds, errors = [p.seconds for p in shown], [p.error for p in shown]
         ax.loglog(seconds, errors, marker=mark, label=curve.contestant.name)
-    ax.set_xlabel("time of the run [s]")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+    ax.xaxis.set_major_formatter(EngFormatter("s"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set_xlabel("time of the run")
     ax.set_ylabel("error of the observed point [m]")
     ax.set_title(name)
     ax.grid(which="major", alpha=0.3)
