@@ -79,7 +79,7 @@ class Buckling(SpectralAnalysis[BucklingModes]):
         factor = factorised(pencil.model, b)
         if factor is None:
             raise AnalysisError("nothing in the structure can move; release a support")
-        if self.constant is not None and not (factor.U.diagonal() > 0).all():
+        if self.constant is not None and factor.negative:
             raise SingularityError(
                 f"load case {self.constant!r} alone makes the structure buckle; lower it"
             )

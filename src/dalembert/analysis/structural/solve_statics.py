@@ -26,7 +26,8 @@ def solve_statics(
     model : StructuralModel
     parameters : new values of parameters, without rebuilding
     nonlinear : for large displacements
-    **options : fields of ``NonlinearStatics``: steps, tolerance, max_iterations
+    **options : fields of ``Statics``: solver; of ``NonlinearStatics``: steps, tolerance,
+        max_iterations
 
     Raises
     ------

@@ -13,8 +13,8 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sparse
-import scipy.sparse.linalg as linalg
 
+from dalembert.sparse.factorise import general_factors
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.rigid import pull_places, push_places, spins
@@ -118,7 +118,7 @@ class ReductionSlopes:
         k, m = (self.assembly.inner(matrix) for matrix in (self.stiffness, self.mass))
         border = sparse.csc_matrix(self._momenta)
         return [
-            linalg.splu(sparse.bmat([[k - w**2 * m, border], [border.T, None]]).tocsc()).solve
+            general_factors(sparse.bmat([[k - w**2 * m, border], [border.T, None]])).solve
             for w in self.reduced.frequencies
         ]
 
