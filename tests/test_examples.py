@@ -212,6 +212,16 @@ def test_four_bar_follows_its_one_equation(pictures: Path) -> None:
     assert numbers("four_bar", pictures)["energy error"] < 1e-4
 
 
+def test_map_of_four_bars_has_grashofs_line(pictures: Path) -> None:
+    found, example = numbers("four_bar_map", pictures), script("four_bar_map")
+    b, c = np.meshgrid(example.COUPLERS, example.ROCKERS)
+    reach = math.hypot(example.CRANK, example.GROUND)  # from the crank pin to the rocker's pivot
+    assert found["assembled"] == ((b + c > reach) & (abs(b - c) < reach)).sum()
+    assert found["not finished"] < 0.01 * found["designs"]
+    assert found["on the other side of Grashof's line"] == 0
+    assert found["transmission angle off by at most [deg]"] < 0.2  # 1 ms between outputs
+
+
 def test_violation_grows_is_held_is_removed(pictures: Path) -> None:
     found = numbers("four_bar_violation", pictures)
     assert found["violation a"] > 30 * found["violation b"] > 1e3 * found["violation c"]

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from dalembert.symbolic.native.c_compiler import find_compiler
 
 import dalembert as da
 from benchmarks.mechanism import GROUND, Joint, Mechanism
 from benchmarks.solvers.base import Contestant, Run
 from dalembert import planar, spatial
 from dalembert.symbolic.backends import BACKENDS
+from dalembert.symbolic.native.c_compiler import find_compiler
 
 NAMES = {"vm": "dalembert", "jit": "dalembert, jit", "c": "dalembert, C"}
 

@@ -118,7 +118,8 @@ from dalembert.model.coordinates import AbsoluteCoordinates as AbsoluteCoordinat
 from dalembert.model.joint_coordinates import JointCoordinates as JointCoordinates
 from dalembert.model.model import Model as Model
 from dalembert.model.system import System as System
-from dalembert.responses.base import Response as Response, evaluate as evaluate
+from dalembert.responses.base import Response as Response
+from dalembert.responses.evaluation import evaluate as evaluate
 from dalembert.responses.events import (
     AtEvent as AtEvent,
     at_event as at_event,
@@ -141,6 +142,7 @@ from dalembert.responses.integrals import (
     total as total,
 )
 from dalembert.responses.values import At as At, Final as Final, at as at, final as final
+from dalembert.results.batch import Batch as Batch
 from dalembert.results.comparison.result import Comparison as Comparison
 from dalembert.results.motion import Motion as Motion
 from dalembert.results.open_mechanism import assembly_report as assembly_report

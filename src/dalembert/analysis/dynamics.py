@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from dalembert.analysis.batch.fixed_steps import FixedSteps
+from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.branches import Branches, outputs_of, place_outputs
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics_run import DynamicsRun
@@ -28,12 +30,16 @@ from dalembert.integrators.runge_kutta import RK4
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.options import options
+from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.backends import BACKENDS
 from dalembert.symbolic.once import once
+
+if TYPE_CHECKING:
+    from dalembert.results.designs import ManyDesigns
 
 STRATEGIES = {
     "coordinates": (Coordinates, AbsoluteCoordinates),
@@ -75,6 +81,7 @@ class Dynamics(OverTime[Motion]):
     spoken = "dynamics"
     integrates = True
     execution = DynamicsRun
+    batched = FixedSteps
 
     coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
     formulation: Formulation = field(default_factory=RangeSpace)
@@ -239,14 +246,27 @@ def solve_dynamics(
 ) -> StructuralMotion: ...
 
 
+@overload
 def solve_dynamics(
     model: Model | StructuralModel,
     duration: float | None = None,
     *,
-    parameters: Mapping[str, float] | None = None,
+    parameters: ManyDesigns,
     progress: bool | Callable[[float], None] = False,
+    workers: int | None = None,
     **options: Any,
-) -> Motion | StructuralMotion:
+) -> Batch: ...
+
+
+def solve_dynamics(
+    model: Model | StructuralModel,
+    duration: float | None = None,
+    *,
+    parameters: Any = None,
+    progress: bool | Callable[[float], None] = False,
+    workers: int | None = None,
+    **options: Any,
+) -> Motion | StructuralMotion | Batch:
     """Integrate the equations of motion, ``M v̇ + d = f − Cᵀλ``, ``C v̇ = ξ`` (5.2).
 
     Those of a structure are those of ``solve_transient``, with its options.
@@ -255,8 +275,10 @@ def solve_dynamics(
     ----------
     model : Model or StructuralModel
     duration : [s]
-    parameters : new values of parameters, without rebuilding
+    parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
+        of dicts for a batch
     progress : True for a bar, or a function of the fraction done
+    workers : of a batch; by default one for each core
     **options : fields of ``Dynamics``: step, outputs, formulation, stabilization, integrator, …
 
     Raises
@@ -266,8 +288,7 @@ def solve_dynamics(
     """
     need_model(model, "solve_dynamics")
     if isinstance(model, StructuralModel):
-        made = Transient.of("solve_dynamics", duration=duration, **options)
-        return made.run(model, parameters, progress)
-    return Dynamics.of("solve_dynamics", duration=duration, **options).run(
-        model, parameters, progress
-    )
+        made: Any = Transient.of("solve_dynamics", duration=duration, **options)
+    else:
+        made = Dynamics.of("solve_dynamics", duration=duration, **options)
+    return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]

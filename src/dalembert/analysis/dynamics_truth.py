@@ -43,16 +43,8 @@ class DynamicsTruth(ModelTruth):
 
     @cached_property
     def held(self) -> frozenset[Level]:
-        """Levels at which all constraints are held, and not nearly so.
-
-        What is left out as redundant follows from the others where the levels below are held.
-        """
-        first, stabilization = self.kernel.variants[0], self.kernel.stabilization
-        fed_back = {Level.ACCELERATION} if stabilization.feedback else NONE
-        held = (first.formulation.held - fed_back) | stabilization.held
-        if not first.equations.dropped.numel():
-            return held
-        return frozenset(level for level in held if set(range(level)) <= held)
+        """Levels at which all constraints are held, and not nearly so."""
+        return held_levels(self.kernel)
 
     def open_at(self, level: Level) -> tuple[Gap, float]:
         if level in self.held:
@@ -94,3 +86,16 @@ class DynamicsTruth(ModelTruth):
             if limit == DRIFT and TOLD < gap.share <= DRIFT
         ]
         return found + self.energy.doubts(self.balance)
+
+
+def held_levels(kernel: DynamicsKernel) -> frozenset[Level]:
+    """Levels at which a run holds all constraints, and not nearly so.
+
+    What is left out as redundant follows from the others where the levels below are held.
+    """
+    first, stabilization = kernel.variants[0], kernel.stabilization
+    fed_back = {Level.ACCELERATION} if stabilization.feedback else NONE
+    held = (first.formulation.held - fed_back) | stabilization.held
+    if not first.equations.dropped.numel():
+        return held
+    return frozenset(level for level in held if set(range(level)) <= held)

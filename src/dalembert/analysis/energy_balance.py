@@ -44,17 +44,12 @@ class EnergyBalance:
     @property
     def errors(self) -> np.ndarray:
         """(K,) energy that came from nowhere [J]."""
-        dissipated, given = self.work
-        total = self.energies.sum(axis=0) + dissipated - given
-        return total - total[0]
+        return energy_errors(self.energies, self.work)
 
     @property
     def moved(self) -> float:
         """The energy that took part: kinetic, of storages since the start, dissipated, put in."""
-        kinetic, potential = self.energies
-        parts = (kinetic, potential - potential[0], *self.work)
-        least = ROUNDING[0] * np.abs(self.energies).max() + ROUNDING[1] * self.natural
-        return float(sum(np.abs(part).max() for part in parts) + least)
+        return float(energy_moved(self.energies, self.work, self.natural))
 
     @cached_property
     def worst(self) -> tuple[float, float, float]:
@@ -86,3 +81,17 @@ class EnergyBalance:
             f"{abs(error):.3g} J {what} by t = {time:.9g} s, {share:.0%} of the {self.moved:.3g} J "
             "that took part in the motion"
         )
+
+
+def energy_errors(energies: np.ndarray, work: np.ndarray) -> np.ndarray:
+    """(…, K) energy that came from nowhere [J], of (…, 2, K) as in ``EnergyBalance``."""
+    total = energies.sum(axis=-2) + work[..., 0, :] - work[..., 1, :]
+    return np.asarray(total - total[..., :1])
+
+
+def energy_moved(energies: np.ndarray, work: np.ndarray, natural: float) -> np.ndarray:
+    """(…,) energy that took part [J]."""
+    kinetic, potential = energies[..., 0, :], energies[..., 1, :]
+    parts = (kinetic, potential - potential[..., :1], work[..., 0, :], work[..., 1, :])
+    least = ROUNDING[0] * np.abs(energies).max(axis=(-2, -1)) + ROUNDING[1] * natural
+    return np.asarray(sum(np.abs(part).max(axis=-1) for part in parts) + least)

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.model_truth import MOTION, ModelTruth
 from dalembert.analysis.served import need_model
@@ -26,6 +27,7 @@ from dalembert.errors import AnalysisError
 from dalembert.formulations.levels import Level
 from dalembert.model.model import Model
 from dalembert.options import options
+from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.result import Analysis
@@ -33,6 +35,9 @@ from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.newton import NewtonSettings, Solution, solve
+
+if TYPE_CHECKING:
+    from dalembert.results.designs import ManyDesigns
 
 TOLERANCE = 1e-10
 
@@ -165,12 +170,23 @@ def solve_equilibrium(
 ) -> StructuralResult: ...
 
 
+@overload
 def solve_equilibrium(
     model: Model | StructuralModel,
     *,
-    parameters: Mapping[str, float] | None = None,
+    parameters: ManyDesigns,
+    workers: int | None = None,
     **options: Any,
-) -> Motion | StructuralResult:
+) -> Batch: ...
+
+
+def solve_equilibrium(
+    model: Model | StructuralModel,
+    *,
+    parameters: Any = None,
+    workers: int | None = None,
+    **options: Any,
+) -> Motion | StructuralResult | Batch:
     """Static equilibrium near the assembled position, ``f − d − Cᵀλ = 0`` at rest.
 
     That of a structure is ``solve_statics(nonlinear=True)``, at displacements of any size.
@@ -178,7 +194,9 @@ def solve_equilibrium(
     Parameters
     ----------
     model : Model or StructuralModel
-    parameters : new values of parameters, without rebuilding
+    parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
+        of dicts for a batch
+    workers : of a batch; by default one for each core
     **options : fields of ``Equilibrium``: time, tolerance, max_iterations
 
     Raises
@@ -189,5 +207,7 @@ def solve_equilibrium(
     """
     need_model(model, "solve_equilibrium")
     if isinstance(model, StructuralModel):
-        return NonlinearStatics.of("solve_equilibrium", **options).run(model, parameters)
-    return Equilibrium.of("solve_equilibrium", **options).run(model, parameters)
+        made: Any = NonlinearStatics.of("solve_equilibrium", **options)
+    else:
+        made = Equilibrium.of("solve_equilibrium", **options)
+    return run_analysis(made, model, parameters, workers=workers)  # type: ignore[no-any-return]

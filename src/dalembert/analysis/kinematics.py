@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from dalembert.analysis.batch.driven_steps import DrivenSteps
+from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.driven_instants import driven_instant
 from dalembert.analysis.events import Occurrence
 from dalembert.analysis.kinematics_run import TOLERANCE, KinematicsRun
@@ -21,8 +23,12 @@ from dalembert.analysis.served import need_mechanism
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.options import options
+from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
+
+if TYPE_CHECKING:
+    from dalembert.results.designs import ManyDesigns
 
 
 @options
@@ -37,6 +43,7 @@ class Kinematics(OverTime[Motion]):
 
     spoken = "kinematics"
     execution = KinematicsRun
+    batched = DrivenSteps
 
     @property
     def efforts(self) -> bool:
@@ -114,6 +121,7 @@ class Kinematics(OverTime[Motion]):
         return replace(motion, parameters=p, trajectory=trajectory)
 
 
+@overload
 def solve_kinematics(
     model: Model,
     duration: float | None = None,
@@ -121,15 +129,40 @@ def solve_kinematics(
     parameters: Mapping[str, float] | None = None,
     progress: bool | Callable[[float], None] = False,
     **options: Any,
-) -> Motion:
+) -> Motion: ...
+
+
+@overload
+def solve_kinematics(
+    model: Model,
+    duration: float | None = None,
+    *,
+    parameters: ManyDesigns,
+    progress: bool | Callable[[float], None] = False,
+    workers: int | None = None,
+    **options: Any,
+) -> Batch: ...
+
+
+def solve_kinematics(
+    model: Model,
+    duration: float | None = None,
+    *,
+    parameters: Any = None,
+    progress: bool | Callable[[float], None] = False,
+    workers: int | None = None,
+    **options: Any,
+) -> Motion | Batch:
     """Positions, velocities and accelerations of a driven mechanism over time (Fig. 1.12).
 
     Parameters
     ----------
     model : fully driven Model; masses are not needed
     duration : [s]
-    parameters : new values of parameters, without rebuilding
+    parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
+        of dicts for a batch
     progress : True for a bar, or a function of the fraction done
+    workers : of a batch; by default one for each core
     **options : fields of ``Kinematics``: step, outputs, t_span
 
     Raises
@@ -139,9 +172,8 @@ def solve_kinematics(
         cannot be put together.
     """
     need_mechanism(model, "solve_kinematics", "take solve_statics")
-    return Kinematics.of("solve_kinematics", duration=duration, **options).run(
-        model, parameters, progress
-    )
+    made = Kinematics.of("solve_kinematics", duration=duration, **options)
+    return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
 
 
 def refuse_outside(times: np.ndarray, run: np.ndarray) -> None:

@@ -7,6 +7,7 @@ with all constraint equations and in the coordinates of the bodies, whatever a r
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -59,21 +60,21 @@ class ModelResiduals:
     def violations(self) -> np.ndarray:
         """(K,) largest residual of a position constraint; angles times the natural length [m]."""
         s = self.s
-        mapped = _violation(self.model, s.t.size)
+        mapped = _mapped(self.model, violation, s.t.size)
         return mapped(s.t, s.y, np.tile(self.p[:, None], s.t.size))[0].ravel()
 
     @cached_property
     def energies(self) -> np.ndarray:
         """(2, K) kinetic and potential energy [J]."""
         s = self.s
-        mapped = _energies(self.model, s.t.size)
+        mapped = _mapped(self.model, energies, s.t.size)
         return mapped(s.t, s.y, s.v, np.tile(self.p[:, None], s.t.size))[0]
 
     @cached_property
     def looked(self) -> Trajectory:
         """The states at which all equations are looked at; the worst position is among them."""
         count = self.s.t.size
-        spread = np.linspace(0, count - 1, min(count, LOOKED)).astype(int)
+        spread = looked_at(count)
         worst = np.argsort(np.nan_to_num(self.violations, nan=np.inf))[-1:]
         return self.s.some(np.union1d(spread, worst))
 
@@ -81,7 +82,10 @@ class ModelResiduals:
     def _constraints(self) -> tuple[np.ndarray, np.ndarray]:
         """Rows of Φ, Ψ and ``C v̇ − ξ``; magnitudes of their terms."""
         s = self.looked
-        mapped, p = _constraints(self.model, s.t.size), np.tile(self.p[:, None], s.t.size)
+        mapped, p = (
+            _mapped(self.model, constraint_rows, s.t.size),
+            np.tile(self.p[:, None], s.t.size),
+        )
         residuals, terms = mapped(s.t, s.y, s.v, s.a, p)
         return residuals, terms
 
@@ -89,7 +93,7 @@ class ModelResiduals:
     def _motion(self) -> tuple[np.ndarray, np.ndarray]:
         """Rows of the equations of motion; magnitudes of their terms."""
         s = self.looked
-        mapped, p = _motion(self.model, s.t.size), np.tile(self.p[:, None], s.t.size)
+        mapped, p = _mapped(self.model, motion_rows, s.t.size), np.tile(self.p[:, None], s.t.size)
         forces = s.forces(self.model.all_equations.transmitted.numel())
         residuals, terms = mapped(s.t, s.y, s.v, s.a, forces, p)
         return residuals, terms
@@ -141,25 +145,36 @@ class ModelResiduals:
         return int(row), float(shares[row, k]), float(residuals[row, k]), float(time)
 
 
+def looked_at(count: int) -> np.ndarray:
+    """Numbers of the outputs at which all equations are looked at."""
+    return np.linspace(0, count - 1, min(count, LOOKED)).astype(int)
+
+
 @once
-def _violation(model: Model, count: int) -> Kernel:
-    """``(t, y, p) → |Φ|`` for so many columns."""
+def _mapped(model: Model, function_of: Callable[[Model], ca.Function], count: int) -> Kernel:
+    """One of the functions below for so many columns."""
+    return Kernel(function_of(model).map(count))
+
+
+@once
+def violation(model: Model) -> ca.Function:
+    """``(t, y, p) → |Φ|``."""
     e = model.all_equations
     lengths = e.constraints * (e.scales.length / e.scales.rows)
-    violation = ca.densify(ca.norm_inf(lengths)) if lengths.numel() else ca.SX(0)
-    return Kernel(ca.Function("violation", [e.t, e.y, e.p], [violation], {"cse": True}).map(count))
+    largest = ca.densify(ca.norm_inf(lengths)) if lengths.numel() else ca.SX(0)
+    return ca.Function("violation", [e.t, e.y, e.p], [largest], {"cse": True})
 
 
 @once
-def _energies(model: Model, count: int) -> Kernel:
-    """``(t, y, v, p) → [T; V]`` for so many columns."""
+def energies(model: Model) -> ca.Function:
+    """``(t, y, v, p) → [T; V]``."""
     e = model.all_equations
     wanted = ca.densify(ca.vertcat(e.kinetic_energy, e.potential))
-    return Kernel(ca.Function("energies", [e.t, e.y, e.v, e.p], [wanted], {"cse": True}).map(count))
+    return ca.Function("energies", [e.t, e.y, e.v, e.p], [wanted], {"cse": True})
 
 
 @once
-def _constraints(model: Model, count: int) -> Kernel:
+def constraint_rows(model: Model) -> ca.Function:
     """``(t, y, v, v̇, p) →`` residuals of each level, and sums of the magnitudes of their terms."""
     e = model.all_equations
     c, size = e.jacobian, ca.fabs(e.jacobian)
@@ -171,11 +186,11 @@ def _constraints(model: Model, count: int) -> Kernel:
         (ca.mtimes(c, e.a) - xi, ca.mtimes(size, ca.fabs(e.a)) + ca.fabs(xi)),
     ]
     outputs = [ca.densify(ca.vertcat(*parts)) for parts in zip(*pairs, strict=True)]
-    return Kernel(ca.Function("levels", [e.t, e.y, e.v, e.a, e.p], outputs).map(count))
+    return ca.Function("levels", [e.t, e.y, e.v, e.a, e.p], outputs)
 
 
 @once
-def _motion(model: Model, count: int) -> Kernel:
+def motion_rows(model: Model) -> ca.Function:
     """``(t, y, v, v̇, λ, p) →`` residuals of the equations of motion, and magnitudes likewise."""
     e = model.all_equations
     c = e.jacobian
@@ -190,4 +205,4 @@ def _motion(model: Model, count: int) -> Kernel:
             terms += ca.mtimes(ca.fabs(rows).T, ca.fabs(force))
     outputs = [ca.densify(push + e.bias - e.force + pull), ca.densify(terms)]
     inputs = [e.t, e.y, e.v, e.a, e.transmitted, e.p]
-    return Kernel(ca.Function("motion", inputs, outputs).map(count))
+    return ca.Function("motion", inputs, outputs)

@@ -133,7 +133,7 @@ def check_driver_laws(model: Model, times: np.ndarray, p: np.ndarray) -> None:
             e = model.equations
             law = ca.Function("law", [e.t, e.p], [ca.densify(driver.law.value(e.t))])
             looked = times[:: max(1, times.size // 2000)]
-            values = np.array([float(law(t, p)) for t in looked])
+            values = law.map(looked.size)(looked, np.tile(p[:, None], looked.size)).full().ravel()
             if np.any(~(values > 0)):
                 k = int(np.argmin(values > 0))
                 raise AnalysisError(

@@ -9,6 +9,7 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
+from dalembert.budget import LARGEST
 from dalembert.elements.base import Constraint, ForceElement
 from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ExpressionError, ModelError
@@ -122,18 +123,24 @@ class ValueChecks:
     def __init__(self, d: Description):
         known = set(d.parameters)
         self._checks: list[Callable[[np.ndarray], None]] = []
+        self._allowed: list[tuple[float, float]] = []
         formulas: list[ca.SX] = []
         for element in d.elements.values():
             for entity, formula, meta in element.checked_quantities():
                 if free_symbols(formula.sx) <= known:
                     self._checks.append(partial(_check_numbers, entity=entity, meta=meta))
                     formulas.append(formula.sx)
+                    bounds = float(meta["minimum"]), float(meta["above"])
+                    self._allowed += [bounds] * formula.sx.numel()
             for condition, wrong, *told in element.conditions():
                 if free_symbols(condition) <= known:
                     n = condition.numel()
                     check = partial(_check_condition, name=element.name, wrong=wrong, count=n)
                     self._checks.append(check)
                     formulas.append(stack([condition, *told]))
+                    anything = (-np.inf, -np.inf)
+                    self._allowed += [(0.0, -np.inf)] * n
+                    self._allowed += [anything] * (formulas[-1].numel() - n)
         self._ends = np.cumsum([f.numel() for f in formulas], dtype=int)
         symbols = stack(p.sx for p in d.parameters.values())
         self._values = ca.Function("quantities", [symbols], [stack(formulas)])
@@ -149,6 +156,16 @@ class ValueChecks:
         numbers = np.split(self._values(values).full().ravel(), self._ends[:-1])
         for check, found in zip(self._checks, numbers, strict=False):
             check(found)
+
+    def doubtful(self, table: np.ndarray) -> np.ndarray:
+        """(designs,) whether rows of parameter values need a look each, as most do not."""
+        with np.errstate(all="ignore"):
+            found = np.asarray(self._values.map(len(table))(table.T).full())
+            low, above = (np.array(column)[:, None] for column in zip(*self._allowed, strict=True))
+            size = np.abs(found)
+            usable = (size == 0) | ((size >= 1 / LARGEST) & (size <= LARGEST))
+            sound = usable & (found >= low) & (found > above)
+        return ~np.all(sound, axis=0) | ~np.all(np.isfinite(table), axis=1)
 
 
 def doubts_of(d: Description, values: Sequence[float] | np.ndarray) -> tuple[str, ...]:

@@ -55,6 +55,7 @@ class Closure:
         singular position
     recipe : Recipe of the start
     jacobian : ``C`` of all rows at the assembled position, sparse, in natural units
+    anchor : nominal parameters and the position assembled for them, from which others are followed
 
     Raises
     ------
@@ -118,7 +119,7 @@ class Closure:
             self.generic = generic_rows(self._assembler, self.owners, self.rows, y, p)
         refuse_over_driving(self.owners, self.generic)
         self.recipe = Recipe(e, self.guesses, self.scales, self.rows, positions, speeds)
-        self._anchor = p.copy(), self._hold_positions(y, p)
+        self.anchor = p.copy(), self._hold_positions(y, p)
         self._hold_speeds(strict)
         self.start = self.assemble(p)
         left_out = sorted(set(range(len(self.owners))) - set(self.generic))
@@ -181,7 +182,7 @@ class Closure:
 
     def _hold_speeds(self, strict: bool) -> None:
         """Hold given speeds; project them where they contradict each other."""
-        p, y = self._anchor
+        p, y = self.anchor
         given, n = self.guesses.twist, self.all_equations.speed_count
         jacobian = self.recipe.scaled_speed_jacobian(0.0, y, p)
         if jacobian.shape[0] > n:
@@ -233,7 +234,7 @@ class Closure:
         AssemblyError
             Names the worst joint and its residual.
         """
-        anchor_p, anchor_y = self._anchor
+        anchor_p, anchor_y = self.anchor
         y = self._follow(anchor_p, anchor_y, p, time)
         if self.lost:  # equations left out at the start need not hold with other parameters
             left = self._assembler.closeness(time, y, p)

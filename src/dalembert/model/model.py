@@ -111,6 +111,10 @@ class Model(ParametricModel):
     def check_values(self, p: np.ndarray) -> None:
         self._value_checks(p[: len(self.parameters)])
 
+    def doubtful(self, table: np.ndarray) -> np.ndarray:
+        """(designs,) which rows of parameter values need a look by ``check_values``."""
+        return self._value_checks.doubtful(table)
+
     def completed(self, p: np.ndarray) -> np.ndarray:
         return self.parts.space.complete(p)
 

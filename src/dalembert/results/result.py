@@ -158,6 +158,9 @@ class Analysis(ABC, Generic[M, R]):
     integrates: ClassVar[bool] = False
     """Its results come of integration, which energies judge."""
 
+    batched: ClassVar[Any] = None
+    """What runs many designs at once, and tells by ``serves`` whether it can."""
+
     @property
     def gradient_error(self) -> float:
         """Relative error of its gradients, beside that of equations solved to round-off."""

@@ -12,6 +12,8 @@ class Outcome(StrEnum):
     COMPLETED = "completed"
     TERMINATED = "terminated by an event"
     INTERRUPTED = "interrupted"
+    NOT_ASSEMBLED = "cannot be assembled"
+    REFUSED = "refused"
     LOCKED = "locked: no position satisfies the drivers"
     SINGULAR = "singular position"
     CHATTERING = "chattering"

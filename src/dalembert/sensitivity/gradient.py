@@ -9,7 +9,9 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, as_responses, evaluate
+from dalembert.results.batch import Batch
 from dalembert.results.result import Result
+from dalembert.sensitivity.batch import batch_gradients, labelled_gradients
 from dalembert.sensitivity.checks.certificate import certify
 from dalembert.sensitivity.checks.diagnosis import Findings, diagnose
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def sensitivity(
-    motion: Result,
+    motion: Result | Batch,
     responses: Response | Sequence[Response],
     wrt: Sequence[str] | None = None,
     method: Method = "auto",
@@ -35,7 +37,8 @@ def sensitivity(
     Parameters
     ----------
     motion : result of ``solve_dynamics``, ``solve_kinematics``, ``solve_inverse_dynamics``,
-        ``solve_equilibrium``, ``linearize`` or ``solve_statics``
+        ``solve_equilibrium``, ``linearize`` or ``solve_statics``, or a batch of them: the gradient
+        is then ``design × response × parameter``, NaN where a design failed, without notes
     responses : one or several
     wrt : names of parameters; all by default
     method : ``"auto"``, ``"adjoint"``, ``"direct"``, ``"finite-difference"`` or a strategy object
@@ -49,6 +52,8 @@ def sensitivity(
         parameters, e.g. at an event that is only just reached.
     """
     listed = as_responses(responses)
+    if isinstance(motion, Batch):
+        return _of_batch(motion, listed, wrt, method, certificate)
     refuse_unfinished(motion)
     columns = chosen_columns(motion, wrt)
     strategy = _strategy(method, len(listed), len(columns))
@@ -62,6 +67,17 @@ def sensitivity(
     if certificate:
         table.attrs["certificate"] = certify(motion, listed, columns)
     return table
+
+
+def _of_batch(
+    batch: Batch, responses: list[Response], wrt, method: Method, certificate: bool
+) -> xr.DataArray:
+    if certificate:
+        raise AnalysisError("a certificate is of one design; take that of batch[k]")
+    columns = chosen_columns(batch, wrt)
+    strategy = _strategy(method, len(responses), len(columns))
+    values = batch_gradients(batch, responses, columns, strategy)
+    return labelled_gradients(batch, responses, columns, values, type(strategy).__name__)
 
 
 def gradient_values(
@@ -79,7 +95,7 @@ def gradient_values(
     return _values(motion, responses, columns, _strategy(method, len(responses), len(columns)))
 
 
-def chosen_columns(motion: Result, wrt: Sequence[str] | None) -> list[int]:
+def chosen_columns(motion: Result | Batch, wrt: Sequence[str] | None) -> list[int]:
     """Numbers of the parameters with these names, each once; all where ``wrt`` is None.
 
     Raises

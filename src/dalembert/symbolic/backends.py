@@ -17,11 +17,11 @@ import numpy as np
 from dalembert.symbolic.columns import Columns, NativeColumns, VirtualColumns, compiled_form
 from dalembert.symbolic.native.c_compiler import needed_compiler
 from dalembert.symbolic.native.library import made
-from dalembert.symbolic.native.llvm import needed_llvm
+from dalembert.symbolic.native.llvm import find_llvm, needed_llvm
 from dalembert.symbolic.native.source import c_source, hindrance
 from dalembert.symbolic.native.toolchain import NotTranslated, Toolchain
 from dalembert.symbolic.once import once
-from dalembert.symbolic.switching import SwitchingColumns, best_toolchain
+from dalembert.symbolic.switching import SwitchingColumns, best_toolchain, repays
 
 MANY = 100
 """Columns from which a mapped function is worth compiling to who asked for it."""
@@ -44,6 +44,13 @@ class Backend(ABC):
         that is fastest compiled, if there is another.
         """
         return self._columns(function, carried, fixed, called)
+
+    def side_by_side(self, function: ca.Function, called: ca.Function, work: int) -> bool:
+        """Whether several sets of arguments are to be computed side by side, by LLVM.
+
+        ``work`` columns are asked for of all sets together; ``called`` is what would be compiled.
+        """
+        return False
 
     @abstractmethod
     def _columns(
@@ -89,6 +96,9 @@ class Compiled(Backend):
     def __init__(self, needed: Callable[[], Toolchain]):
         self._needed = needed
 
+    def side_by_side(self, function: ca.Function, called: ca.Function, work: int) -> bool:
+        return self._needed is needed_llvm and find_llvm() is not None
+
     def _columns(
         self,
         function: ca.Function,
@@ -133,9 +143,16 @@ class _WhereMany(Columns):
     def report(self) -> str:
         return (self._many or self._virtual).report
 
+    @property
+    def compiled(self) -> bool:
+        return self._many is not None and self._many.compiled
+
 
 class Automatic(Backend):
     """Machine code where it is in the cache, or where the work repays compiling."""
+
+    def side_by_side(self, function: ca.Function, called: ca.Function, work: int) -> bool:
+        return find_llvm() is not None and repays(function, called, work)
 
     def _columns(
         self,

@@ -98,8 +98,15 @@ class _SideBySide(NativeColumns):
 
     lanes = LANES
 
-    def group(self, count: int, arguments: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Results (lanes, rows, columns) for one set of arguments in each lane."""
+    def group(
+        self, count: int, arguments: Sequence[np.ndarray], chosen: np.ndarray | None = None
+    ) -> list[np.ndarray]:
+        """Results (lanes, rows, columns) for one set of arguments in each lane.
+
+        Parameters
+        ----------
+        chosen : numbers of the columns that are wanted, where columns are no matrices; else all
+        """
         wanted = [n * (1 if i in self.once else count) * LANES for i, n in enumerate(self.sizes)]
         given = [
             flattened(self.function.name(), i, a.T, n, "C")
@@ -112,6 +119,11 @@ class _SideBySide(NativeColumns):
             whole[:first] = given[0]
             given[0], results[0] = whole, whole[first:]
         self._call(count, given, results)  # what is in lanes does not fail
+        if chosen is not None:
+            return [
+                r.reshape(count, rows, LANES)[chosen].transpose(2, 1, 0)
+                for r, (rows, _) in zip(results, self.shapes, strict=True)
+            ]
         return [
             np.ascontiguousarray(r.reshape(-1, LANES).T)
             .reshape(LANES, columns * count, rows)

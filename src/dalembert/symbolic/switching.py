@@ -158,3 +158,12 @@ class SwitchingColumns(Columns):
                 self._called, loop, self._toolchain.name, self.carried, sorted(self.fixed)
             )
             self._ended = True
+
+
+def repays(function: ca.Function, called: ca.Function, count: int) -> bool:
+    """Whether so many columns of a function take longer than to compile ``called`` by LLVM."""
+    coming = count * VIRTUAL_RATE * instructions(function)
+    if coming < TEXT_RATE * instructions(called):
+        return False
+    fixed, rate = COMPILE_RATES["LLVM"]
+    return coming >= WORTH_WAITING * (fixed + rate * len(c_source(called) or ""))

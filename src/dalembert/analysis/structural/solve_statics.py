@@ -3,29 +3,58 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
+from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.statics import Statics
+from dalembert.results.batch import Batch
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 
+if TYPE_CHECKING:
+    from dalembert.results.designs import ManyDesigns
 
+
+@overload
 def solve_statics(
     model: StructuralModel,
     *,
     parameters: Mapping[str, float] | None = None,
     nonlinear: bool = False,
     **options: Any,
-) -> StructuralResult:
+) -> StructuralResult: ...
+
+
+@overload
+def solve_statics(
+    model: StructuralModel,
+    *,
+    parameters: ManyDesigns,
+    nonlinear: bool = False,
+    workers: int | None = None,
+    **options: Any,
+) -> Batch: ...
+
+
+def solve_statics(
+    model: StructuralModel,
+    *,
+    parameters: Any = None,
+    nonlinear: bool = False,
+    workers: int | None = None,
+    **options: Any,
+) -> StructuralResult | Batch:
     """Statics of a structure, ``K U = P`` partitioned by (8.14).
 
     Parameters
     ----------
     model : StructuralModel
-    parameters : new values of parameters, without rebuilding
+    parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
+        of dicts for a batch
     nonlinear : for large displacements
+    workers : of a batch; by default one for each core
     **options : fields of ``Statics``: solver; of ``NonlinearStatics``: steps, tolerance,
         max_iterations
 
@@ -36,4 +65,5 @@ def solve_statics(
     """
     need_structure(model, "solve_statics", "take solve_equilibrium")
     chosen = NonlinearStatics if nonlinear else Statics
-    return chosen.of("solve_statics", **options).run(model, parameters)
+    made = chosen.of("solve_statics", **options)
+    return run_analysis(made, model, parameters, workers=workers)  # type: ignore[no-any-return]

@@ -82,7 +82,7 @@ class AdjointMarch(MarchedSample):
         if self.kernel.fixed.at_once(mode):
             return _backward_chunk(self.step_of(mode), count)(carried, *given, p)[0].ravel()
         compiled = self.kernel.steps(mode).compiled
-        prelude, single = _backward_step(self.kernel, mode, compiled)
+        prelude, single = backward_step(self.kernel, mode, compiled)
         first = np.append(carried[:n], np.zeros(prelude.rate_count))
         values = prelude.values(p).full()
         columns = self.kernel.marched(single, (6,))
@@ -124,9 +124,7 @@ def _backward_chunk(step: Step, count: int) -> Kernel:
 
 
 @once
-def _backward_step(
-    kernel: DynamicsKernel, mode: int, compiled: bool
-) -> tuple[Prelude, ca.Function]:
+def backward_step(kernel: DynamicsKernel, mode: int, compiled: bool) -> tuple[Prelude, ca.Function]:
     """The prelude, and ``([x̄; q̄], t, h, flag, x, what is seen, q) → [x̄; q̄]``.
 
     ``compiled`` asks for the form that is fastest as machine code.

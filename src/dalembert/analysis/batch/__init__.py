@@ -1,0 +1,1 @@
+"""Many designs of one model in one call."""

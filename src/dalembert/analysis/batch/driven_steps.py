@@ -1,0 +1,182 @@
+"""Kinematics of many designs at the same instants: assembled at once, moved side by side."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.batch.judgement import open_levels
+from dalembert.analysis.batch.one_by_one import STOPPED, OneByOne
+from dalembert.analysis.batch.starts import Starts
+from dalembert.analysis.batch.states import States
+from dalembert.analysis.kinematics_kernel import KinematicsKernel
+from dalembert.analysis.kinematics_run import (
+    LARGEST_TURN,
+    REGULAR,
+    SMALL_TURN,
+    TOLERANCE,
+    KinematicsRun,
+)
+from dalembert.budget import afford
+from dalembert.model.model import Model
+from dalembert.results.batch import Batch
+from dalembert.results.designs import Designs
+from dalembert.results.status import Outcome, Status
+from dalembert.symbolic.backends import BACKENDS, Backend
+from dalembert.symbolic.lane_march import LaneMarch, in_groups
+from dalembert.symbolic.once import once
+
+
+class DrivenSteps:
+    """One execution of a batch; what is not beyond doubt has a run of its own.
+
+    Parameters
+    ----------
+    analysis : strategy object with the fields of ``Kinematics``
+    model, designs : what is moved
+    workers : threads at most
+    """
+
+    def __init__(self, analysis: Any, model: Model, designs: Designs, workers: int):
+        self.analysis, self.model, self.designs = analysis, model, designs
+        self.workers, self.count = workers, len(designs)
+        self.run = KinematicsRun(analysis, model, None)
+        self.kernel: KinematicsKernel = self.run.kernel
+        self.backend = _backend(model)
+        e, times = model.equations, self.run.requested.size
+        self.kept = e.coordinate_count + 2 * e.speed_count
+        afford(
+            f"{self.count} designs with {times} outputs of {self.kept} numbers",
+            memory=24.0 * self.count * times * self.kept,
+            cure="ask for fewer, e.g. outputs=101, or move the designs in several batches",
+        )
+
+    @classmethod
+    def serves(cls, analysis: Any, model: Model) -> bool:
+        """Whether all designs take the same steps and no efforts are asked for."""
+        chosen = analysis.outputs is not None and analysis.step is None
+        return not (chosen or analysis.efforts or model.closure.lost or model.diagnosis.free)
+
+    def execute(self, report: Callable[[float], None]) -> Batch:
+        """All designs; after an interruption those that were finished."""
+        begin = clock.perf_counter()
+        starts = Starts(
+            self.model,
+            self.designs,
+            self.backend,
+            self.workers,
+            (self.run.start, self.run.end),
+            False,
+            _first(self.kernel),
+        )
+        statuses, alone = starts.statuses, starts.alone
+        states, known, residuals, interrupted = self._move(starts, report)
+        passed = known
+        if known.size:
+            passed = known[open_levels(states, known) <= 1]
+        text, end = f"reached t = {self.run.requested[-1]:g} s", float(self.run.requested[-1])
+        for k in passed:
+            statuses[int(k)] = Status(Outcome.COMPLETED, text, end, float(residuals[k]))
+        alone += [int(k) for k in np.setdiff1d(known, passed)]
+        states.x[np.setdiff1d(np.arange(self.count), passed)] = np.nan
+        runs = OneByOne(self.analysis, self.model, self.designs)
+        waiting = [k for k in range(self.count) if k not in statuses]
+        if not interrupted:
+            runs.run(waiting, self.workers, lambda fraction: None)
+        for k in waiting:
+            statuses[k] = runs.statuses.get(k, STOPPED)
+        states.apart = runs.results
+        if len(runs.errors) == self.count and len({s.message for s in statuses.values()}) == 1:
+            raise next(iter(runs.errors.values()))
+        statistics = {
+            "workers": self.workers,
+            "backend": self.marching.report,
+            "steps of a design": self.run.grid.size - 1,
+            "designs run on their own": len(waiting),
+            "computation time [s]": round(clock.perf_counter() - begin, 6),
+        }
+        listed = [statuses[k] for k in range(self.count)]
+        made = self.model, self.analysis, self.designs, listed, states, runs.results
+        return Batch(*made, statistics)
+
+    def _move(
+        self, starts: Starts, report: Callable[[float], None]
+    ) -> tuple[States, np.ndarray, np.ndarray, bool]:
+        """States at the outputs, designs trusted all the way, residuals, and whether it stopped."""
+        grid, requested, known = self.run.grid, self.run.requested, starts.known
+        h, single = np.diff(grid), _step(self.kernel)
+        columns = self.backend.columns(single, True, (3,))
+        self.marching = march = LaneMarch(single, columns, self.backend, h.size * known.size)
+        shared, p, x0 = march.shared(grid[1:], h), starts.p[known], starts.x0
+        outputs = np.searchsorted(grid, requested)
+        x = np.full((self.count, requested.size, self.kept), np.nan)
+        residuals, trusted = np.full(self.count, np.nan), np.zeros(known.size, dtype=bool)
+        every, length = np.arange(h.size), self.model.equations.scales.length
+
+        def work(group: np.ndarray) -> None:
+            path = march.run(x0[group], shared, p[group], every)
+            trusted[group] = self._trusted(path, h) & (x0[group, -4] >= REGULAR * 1e-3)
+            whole = np.concatenate([x0[group, None], path], axis=1)
+            x[known[group]] = whole[:, outputs, : self.kept]
+            residuals[known[group]] = np.nanmax(whole[..., -3], axis=1) * length
+
+        threads = self.workers if march.threaded else 1
+        done = in_groups(work, np.arange(known.size), march.width, threads, report)
+        bodies = _bodies(self.kernel)
+        states = States(self.model, bodies, self.backend, requested, starts.p, x, self.workers)
+        return states, known[done & trusted], residuals, not done.all()
+
+    def _trusted(self, path: np.ndarray, h: np.ndarray) -> np.ndarray:
+        """(sets,) whether all steps converged with corrections small against their motion."""
+        regular, residual, change, moved = (path[..., k] for k in (-4, -3, -2, -1))
+        always, share = SMALL_TURN
+        small = np.maximum(always, share * np.abs(h) / (self.run.end - self.run.start))
+        with np.errstate(invalid="ignore"):
+            sound = (residual < TOLERANCE) & (regular > REGULAR)
+            sound &= change <= np.maximum(LARGEST_TURN * moved, small)
+        return np.asarray(np.all(sound, axis=1) & np.all(np.isfinite(path), axis=(1, 2)))
+
+
+@once
+def _backend(model: Model) -> Backend:
+    """What evaluates the functions of this model's kinematics."""
+    return BACKENDS["auto"]()
+
+
+@once
+def _step(kernel: KinematicsKernel) -> ca.Function:
+    """``(column, t, h, p) → next`` as ``single``, and how far it goes, by natural sizes."""
+    single, e = kernel.single, kernel.e
+    size, n = single.numel_in(0), e.coordinate_count
+    last, t, h, p = (
+        ca.SX.sym(s, k) for s, k in zip("cthp", (size + 1, 1, 1, e.p.numel()), strict=True)
+    )
+    new = single(last[:size], t, h, p)
+    way = e.manifold.displacement(last[:n], new[:n]) / ca.SX(e.scales.displacements)
+    moved = ca.norm_inf(way) if way.numel() else ca.SX(0)
+    return ca.Function("driven_step", [last, t, h, p], [ca.vertcat(new, moved)], {"cse": True})
+
+
+@once
+def _first(kernel: KinematicsKernel) -> ca.Function:
+    """``(t, y, p) → column`` of an assembled position."""
+    single, e = kernel.single, kernel.e
+    t, y, p = (
+        ca.SX.sym(s, k) for s, k in zip("typ", (1, e.coordinate_count, e.p.numel()), strict=True)
+    )
+    column = ca.vertcat(y, ca.SX.zeros(single.numel_in(0) - y.numel()))
+    return ca.Function("first", [t, y, p], [ca.vertcat(single(column, t, 0, p), 0)])
+
+
+@once
+def _bodies(kernel: KinematicsKernel) -> ca.Function:
+    """``(t, x, p) → y, v, v̇`` of states, and multipliers that kinematics does not know."""
+    e = kernel.e
+    n, k, m = e.coordinate_count, e.speed_count, len(kernel.model.closure.owners)
+    t, x, p = ca.SX.sym("t"), ca.SX.sym("x", n + 2 * k), ca.SX.sym("p", e.p.numel())
+    parts = [x[:n], x[n : n + k], x[n + k :], ca.SX(m, 1) + ca.SX.nan(m, 1)]
+    return ca.Function("bodies", [t, x, p], [ca.densify(part) for part in parts])

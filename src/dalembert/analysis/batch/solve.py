@@ -1,0 +1,68 @@
+"""Running an analysis for one design or for many."""
+
+from __future__ import annotations
+
+import time as clock
+from typing import Any
+
+from dalembert.analysis.batch.one_by_one import OneByOne
+from dalembert.analysis.batch.workers import checked_workers
+from dalembert.analysis.progress import Reported, progress_reporter
+from dalembert.results.batch import Batch
+from dalembert.results.batch_samples import Gathered
+from dalembert.results.designs import Designs, are_designs
+from dalembert.results.result import Analysis
+from dalembert.symbolic.parametric_model import ParametricModel
+
+
+def run_analysis(
+    analysis: Analysis[Any, Any],
+    model: ParametricModel,
+    parameters: Any,
+    progress: Reported = False,
+    workers: int | None = None,
+) -> Any:
+    """The result of an analysis, or a batch of them where many designs are given."""
+    count = checked_workers(workers)
+    if not are_designs(parameters):
+        return analysis.run(model, parameters, progress)  # type: ignore[call-arg]
+    return solve_batch(analysis, model, Designs.of(model, parameters), progress, count)
+
+
+def solve_batch(
+    analysis: Analysis[Any, Any],
+    model: ParametricModel,
+    designs: Designs,
+    progress: Reported,
+    workers: int,
+) -> Batch:
+    """All designs; those that fail are marked.
+
+    Raises
+    ------
+    DalembertError
+        No design could begin, and all for one reason, which then is none of theirs.
+    """
+    if times := analysis.checks(model).get("duration"):
+        times()
+    begin = clock.perf_counter()
+    with progress_reporter(progress, f"{len(designs)} designs of {model.name}") as report:
+        if analysis.batched is not None and analysis.batched.serves(analysis, model):
+            found: Batch = analysis.batched(analysis, model, designs, workers).execute(report)
+            return found
+        runs = OneByOne(analysis, model, designs)
+        runs.run(range(len(designs)), workers, report)
+    statuses = [runs.statuses[k] for k in range(len(designs))]
+    alike = {status.message for status in statuses}
+    if not runs.results and len(alike) == 1 and runs.errors:
+        raise next(iter(runs.errors.values()))
+    elapsed = clock.perf_counter() - begin
+    return Batch(
+        model,
+        analysis,
+        designs,
+        statuses,
+        Gathered(len(designs), runs.results),
+        runs.results,
+        {"workers": workers, "computation time [s]": round(elapsed, 6)},
+    )

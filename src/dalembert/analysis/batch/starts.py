@@ -1,0 +1,159 @@
+"""Where many designs start: all assembled at once, before they march together."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.timeline import check_driver_laws
+from dalembert.elements.driver import Driver
+from dalembert.errors import AnalysisError
+from dalembert.model.many_starts import ManyStarts
+from dalembert.model.model import Model
+from dalembert.results.designs import Designs
+from dalembert.results.status import Outcome, Status
+from dalembert.symbolic.backends import Backend
+from dalembert.symbolic.expression import stack
+from dalembert.symbolic.once import once
+from dalembert.symbolic.shared_columns import in_blocks
+
+
+class Starts:
+    """Parameters and first states of many designs.
+
+    Parameters
+    ----------
+    model, designs : what starts
+    backend, workers : what evaluates functions, and in how many threads
+    span : start and end of the run [s]
+    needs_mass : every mass must stay one
+    first : ``(t, y, p) → x`` of assembled positions
+
+    Attributes
+    ----------
+    p : (designs, n) all that functions take for parameters; nominal ones where they are refused
+    known : numbers of the designs that start here
+    x0 : (known, size) their first states
+    y0 : (designs, n) assembled positions of the bodies
+    statuses : number of the design → Status, of those that cannot be assembled
+    alone : numbers of the designs that are left to a run of their own
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        designs: Designs,
+        backend: Backend,
+        workers: int,
+        span: tuple[float, float],
+        needs_mass: bool,
+        first: ca.Function,
+    ):
+        self.model, self.designs, self.count = model, designs, len(designs)
+        self.backend, self.workers, self.first = backend, workers, first
+        (self.start, self.end), self.needs_mass = span, needs_mass
+        self.statuses: dict[int, Status] = {}
+        self.alone: list[int] = []
+        self.p = self._parameters()
+        known = np.setdiff1d(np.arange(self.count), self.alone)
+        self.x0, self.known = self._starts(known)
+
+    def _parameters(self) -> np.ndarray:
+        """(designs, n) all that functions take for parameters; what may be wrong runs alone."""
+        table, model = self.designs.values, self.model
+        suspect = model.doubtful(table)
+        p = np.tile(model.nominal, (self.count, 1))
+        if model.parts.space.computed:
+            for k in np.flatnonzero(~suspect):
+                p[k] = model.completed(table[k])
+        else:
+            p[~suspect] = table[~suspect]
+        suspect |= self._lose_mass(p)
+        if any(isinstance(c, Driver) and c.positive for c in model.constraints):
+            instants = np.linspace(self.start, self.end, 1001)
+            for k in np.flatnonzero(~suspect):
+                try:
+                    check_driver_laws(model, instants, p[k])
+                except AnalysisError:
+                    suspect[k] = True
+        self.alone = [int(k) for k in np.flatnonzero(suspect)]
+        return p
+
+    def _lose_mass(self, p: np.ndarray) -> np.ndarray:
+        """(designs,) where a mass is zero that was not when the model was built."""
+        if not self.needs_mass:
+            return np.zeros(self.count, dtype=bool)
+        y = np.tile(self.model.start.y, (self.count, 1))
+        (mass,) = self.evaluate(_masses(self.model), y, p)
+        mass[:, list(self.model.equations.massless)] = 1.0
+        return np.any(mass == 0, axis=1)
+
+    def evaluate(self, function: ca.Function, *arguments: np.ndarray) -> list[np.ndarray]:
+        """Results for rows of arguments."""
+        return in_blocks(self.backend.columns(function), self.workers, *arguments)
+
+    def _starts(self, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """First states of the designs that can be assembled, and which these are."""
+        many, p = ManyStarts(self.model.closure, self.evaluate), self.p[known]
+        y, reached, found = many.positions(p, self.start)
+        first = self.model.closure.anchor[0]
+        if (lost := np.flatnonzero(~found)).size:
+            there = first + reached[lost, None] * (p[lost] - first)
+            for k, row, gap in zip(
+                known[lost], *many.gaps(self.start, y[lost], there), strict=True
+            ):
+                self.statuses[int(k)] = self._open(int(row), float(gap))
+        p, known = p[found], known[found]
+        t = np.full((known.size, 1), self.start)
+        (x0,) = self.evaluate(self.first, t, y[found], p)
+        defined = np.all(np.isfinite(x0), axis=1)
+        self.alone += [int(k) for k in known[~defined]]
+        self.y0 = np.full((self.count, y.shape[1]), np.nan)
+        self.y0[known] = y[found]
+        return x0[defined], known[defined]
+
+    def _open(self, row: int, gap: float) -> Status:
+        """Of a design that cannot be assembled; what stays open most stands for all."""
+        name, unit = "an initial condition", ""
+        if row >= 0:
+            constraint, k = self.model.closure.owners[row]
+            name, unit = constraint.name, constraint.units()[k]
+        return Status(
+            Outcome.NOT_ASSEMBLED,
+            f"cannot be assembled at t = {self.start:g} s: {name} stays open by {gap:.3g} {unit}; "
+            "the design alone tells more",
+            float("nan"),
+            gap,
+        )
+
+
+def starting_mode(kernel: DynamicsKernel, model: Model) -> int:
+    """The variant of the nominal start."""
+    start, p = model.start, model.nominal
+    x = kernel.start.function(0.0, start.y, start.v, p).full().ravel()
+    return kernel.choose(0.0, x, p)
+
+
+@once
+def _masses(model: Model) -> ca.Function:
+    """``(y, p) →`` diagonal of the mass matrix."""
+    e = model.all_equations
+    return ca.Function("masses", [e.y, e.p], [ca.densify(stack([ca.diag(e.mass)]))])
+
+
+@once
+def first_states(kernel: DynamicsKernel, mode: int) -> ca.Function:
+    """``(t, y, p) → x`` of assembled positions."""
+    model = kernel.model
+    t, y, p = (ca.SX.sym(s, n) for s, n in zip("typ", model.initial_state.input_sizes, strict=True))
+    place, speeds = model.initial_state.function(t, y, p)
+    x = kernel.start.function(t, place, speeds, p)
+    step = kernel.variants[mode].step
+    if step.begin is None:
+        return ca.Function("first", [t, y, p], [x], {"cse": True})
+    first = ca.Function("first", [t, y, p], [x])
+    given = [ca.MX.sym(s, n) for s, n in zip("typ", model.initial_state.input_sizes, strict=True)]
+    state = first(*given)
+    memory = step.begin(given[0], state, given[2])
+    return ca.Function("first", given, [ca.densify(ca.vertcat(state, memory))])

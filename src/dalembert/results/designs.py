@@ -1,0 +1,157 @@
+"""Designs: values of parameters, many sets of them at once."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.symbolic.parametric_model import ParametricModel
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    Column = float | np.ndarray | Sequence[float]
+    ManyDesigns = Mapping[str, Column] | np.ndarray | Sequence[Mapping[str, float]] | pd.DataFrame
+    """Values of parameters of many designs."""
+
+FORMS = (
+    "give name → numbers or arrays of one length, a table (designs, parameters), a DataFrame or a "
+    "list of dicts"
+)
+
+
+def are_designs(parameters: Any) -> bool:
+    """Whether values of parameters are those of a batch: arrays, a table, or a list of dicts."""
+    if parameters is None:
+        return False
+    if isinstance(parameters, Mapping):
+        return any(np.ndim(value) for value in parameters.values())
+    if isinstance(parameters, np.ndarray):
+        return parameters.ndim != 1
+    return _is_frame(parameters) or isinstance(parameters, Sequence)
+
+
+@dataclass(frozen=True, eq=False)
+class Designs:
+    """Values of the parameters of a model, a row for each design.
+
+    Attributes
+    ----------
+    names : of all parameters
+    values : (designs, parameters); numbers that are none belong to designs that are refused
+    varied : names of those given for each design
+    units : of all parameters
+    """
+
+    names: tuple[str, ...]
+    values: np.ndarray
+    varied: tuple[str, ...]
+    units: tuple[str, ...]
+
+    @classmethod
+    def of(cls, model: ParametricModel, parameters: Any) -> Designs:
+        """Designs in any of their forms; what is not given has the model's own value.
+
+        Raises
+        ------
+        AnalysisError
+            Unknown names, different lengths, wrong shapes, no design at all, or no numbers.
+        """
+        names = tuple(model.parameters)
+        columns = _columns(parameters, names)
+        for name in columns:
+            _refuse_unknown(name, names)
+        given = {name: _numbers(name, value) for name, value in columns.items()}
+        lengths = {name: value.size for name, value in given.items() if value.ndim}
+        if len(set(lengths.values())) > 1:
+            told = ", ".join(f"{name} has {size}" for name, size in lengths.items())
+            raise AnalysisError(f"designs of one batch need arrays of one length: {told}")
+        count = next(iter(lengths.values()), 1)
+        if not count:
+            raise AnalysisError("the batch has no design; give at least one")
+        values = np.tile([float(p.value) for p in model.parameters.values()], (count, 1))
+        for name, value in given.items():
+            values[:, names.index(name)] = value
+        units = tuple(p.unit for p in model.parameters.values())
+        return cls(names, values.reshape(count, len(names)), tuple(lengths), units)
+
+    @property
+    def count(self) -> int:
+        return self.values.shape[0]
+
+    def __len__(self) -> int:
+        return self.count
+
+    def some(self, chosen: np.ndarray) -> Designs:
+        """These designs only."""
+        return Designs(self.names, self.values[chosen], self.varied, self.units)
+
+    def named(self, k: int) -> dict[str, float]:
+        """Name → value of one design."""
+        return dict(zip(self.names, self.values[k].tolist(), strict=True))
+
+    @property
+    def coords(self) -> dict[str, Any]:
+        """Coordinates along ``design``: its number, and the parameters that vary."""
+        units = dict(zip(self.names, self.units, strict=True))
+        found: dict[str, Any] = {"design": np.arange(self.count)}
+        for name in self.varied:
+            column = self.values[:, self.names.index(name)]
+            found[name] = ("design", column, {"units": units[name], "long_name": name})
+        return found
+
+
+def _columns(parameters: Any, names: tuple[str, ...]) -> dict[str, Any]:
+    """Name → value or values, whatever the form."""
+    if isinstance(parameters, Mapping):
+        return dict(parameters)
+    if isinstance(parameters, np.ndarray):
+        if parameters.ndim != 2 or parameters.shape[1] != len(names):
+            raise AnalysisError(
+                f"a table of designs has a column for each of the {len(names)} parameters "
+                f"({', '.join(names) or 'none'}); its shape is {parameters.shape}"
+            )
+        return dict(zip(names, parameters.T, strict=True))
+    if _is_frame(parameters):
+        return {str(name): parameters[name].to_numpy() for name in parameters.columns}
+    rows: list[Any] = list(parameters) if isinstance(parameters, Sequence) else [None]
+    if isinstance(parameters, str) or not all(isinstance(row, Mapping) for row in rows):
+        raise AnalysisError(f"parameters of a batch are {parameters!r:.60}; {FORMS}")
+    if not rows:
+        raise AnalysisError("the batch has no design; give at least one")
+    known = list(dict.fromkeys(name for row in rows for name in row))
+    for k, row in enumerate(rows):
+        if missing := [name for name in known if name not in row]:
+            raise AnalysisError(f"design {k} gives no {', '.join(missing)}, others do; give all")
+    return {name: [row[name] for row in rows] for name in known}
+
+
+def _numbers(name: str, value: Any) -> np.ndarray:
+    """A number, or a column of them."""
+    try:
+        found = np.asarray(value, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise AnalysisError(f"{name} is {value!r:.60}; {FORMS}") from None
+    if found.ndim > 1:
+        raise AnalysisError(
+            f"{name} has the shape {found.shape}; give a number, or one for each design in one "
+            "dimension (ravel() a grid)"
+        )
+    return found
+
+
+def _refuse_unknown(name: Any, names: tuple[str, ...]) -> None:
+    if name in names:
+        return
+    close = difflib.get_close_matches(str(name), names, 1)
+    nearest = f" (did you mean {close[0]!r}?)" if close else ""
+    raise AnalysisError(f"unknown parameter {name!r}{nearest}; known: {', '.join(names) or 'none'}")
+
+
+def _is_frame(value: Any) -> bool:
+    return hasattr(value, "columns") and hasattr(value, "to_numpy")
