@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import html
-from typing import TYPE_CHECKING
+from typing import Any
 
-if TYPE_CHECKING:
-    from dalembert.design.optimum import Bounded, Optimum
+from dalembert.design.bounded import Bounded
 
 
-def optimum_table(best: Optimum) -> str:
-    """HTML of objective, parameters, limits and prices; all names are escaped."""
+def optimum_table(best: Any) -> str:
+    """HTML of an ``Optimum``: objective, parameters, limits and prices; all names are escaped."""
     unit = html.escape(best.unit)
     start = best.history[0].objective
     rows = [_row("th", "", "unit", "lower", "start", "best", "upper", "price")]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from dalembert.design.bounded import Bounded
 from dalembert.design.methods.base import Ended
 from dalembert.design.optimality import OPTIMAL, Multipliers, multipliers, why_stuck
-from dalembert.design.optimum import Bounded, Iterate, Optimum
+from dalembert.design.optimum import Iterate, Optimum
 from dalembert.design.problem import Evaluation
 from dalembert.design.program import FEASIBLE, Point, Program
 

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -15,9 +15,6 @@ from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parser import parse_formula
-
-if TYPE_CHECKING:
-    from dalembert.design.case import Case
 
 
 class Quantity(ABC):
@@ -42,7 +39,7 @@ class Quantity(ABC):
         """Its unit, from those of its terms."""
         return ""
 
-    def of(self, case: Case | None) -> Quantity:
+    def of(self, case: Any) -> Quantity:
         """The same, with responses that name no case taken of this one."""
         return self
 
@@ -51,7 +48,7 @@ class Quantity(ABC):
 class CaseResponse(Quantity):
     """A response of one case."""
 
-    case: Case
+    case: Any
     response: Response
 
     @property
@@ -125,7 +122,7 @@ class Combined(Quantity):
     def unit(self, units: Sequence[str]) -> str:
         return self.given_unit
 
-    def of(self, case: Case | None) -> Quantity:
+    def of(self, case: Any) -> Quantity:
         parts = {name: bound(part, case) for name, part in self.parts.items()}
         made = Combined(self.formula, parts, self.name, self.given_unit)
         made._function  # noqa: B018 - tells of names that are unknown
@@ -191,14 +188,14 @@ class SumOfSquares(Quantity):
     def slope(self, values: np.ndarray) -> np.ndarray:
         return 2 * self.residuals(values) / np.asarray(self.scales)
 
-    def of(self, case: Case | None) -> Quantity:
+    def of(self, case: Any) -> Quantity:
         parts = [bound(part, case) for part in self.responses]
         if any(not isinstance(part, CaseResponse) for part in parts):
             raise AnalysisError(f"{self.name}: give responses, no formulas of them")
         return SumOfSquares(parts, self.targets, self.scales, self.name)
 
 
-def bound(given: Any, case: Case | None) -> Quantity:
+def bound(given: Any, case: Any) -> Quantity:
     """A response or quantity with its case.
 
     Raises
