@@ -43,6 +43,10 @@ from dalembert.analysis.structural.transient import (
 )
 from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleigh
 from dalembert.design.case import Case as Case
+from dalembert.design.ecosystem.functions import DesignFunctions as DesignFunctions
+from dalembert.design.ecosystem.openmdao_component import openmdao_component as openmdao_component
+from dalembert.design.ecosystem.pymoo_problem import pymoo_problem as pymoo_problem
+from dalembert.design.front import Front as Front
 from dalembert.design.limit import Limit as Limit
 from dalembert.design.methods.cma_es import CmaEs as CmaEs
 from dalembert.design.methods.differential_evolution import (
@@ -58,6 +62,7 @@ from dalembert.design.methods.slsqp import Slsqp as Slsqp
 from dalembert.design.methods.trust_constr import TrustConstr as TrustConstr
 from dalembert.design.optimization import optimize as optimize
 from dalembert.design.optimum import Optimum as Optimum
+from dalembert.design.pareto import pareto as pareto
 from dalembert.design.quantity import SumOfSquares as SumOfSquares, combined as combined
 from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
 from dalembert.elements import (

@@ -52,6 +52,7 @@ class DesignProblem:
     variables : what varies
     gradient : method of ``sensitivity``
     log : where evaluations are kept
+    source : a problem with the same terms, whose runs are used
     """
 
     quantities: Sequence[Quantity]
@@ -59,6 +60,7 @@ class DesignProblem:
     gradient: Method = "auto"
     log: EvaluationLog | None = None
     on_run: Callable[[], None] = lambda: None
+    source: DesignProblem | None = None
     runs: int = 0
     gradients: int = 0
     failures: list[str] = field(default_factory=list)
@@ -66,11 +68,25 @@ class DesignProblem:
 
     def __post_init__(self) -> None:
         self.cases = in_order([t.case for q in self.quantities for t in q.terms])
+        if self.source is not None:
+            self.terms: list[tuple[Case, Response]] = self.source.terms
+            self.cases = self.source.cases
+            return
         needed = [q for case in self.cases for q in case.given.values()]
         self.terms = list(
             dict.fromkeys(
                 (t.case, t.response) for q in (*self.quantities, *needed) for t in q.terms
             )
+        )
+
+    def judged_by(self, quantities: Sequence[Quantity]) -> DesignProblem:
+        """The same runs with other quantities of the same responses."""
+        return DesignProblem(
+            quantities,
+            self.variables,
+            self.gradient,
+            failures=self.failures,
+            source=self.source or self,
         )
 
     # what runs give ---------------------------------------------------------------------
@@ -85,6 +101,11 @@ class DesignProblem:
 
     def evaluate(self, x: np.ndarray, gradient: bool = True) -> Evaluation | None:
         """Quantities (and gradient) at ``x``; None where the run fails, with the reason kept."""
+        if self.source is not None:
+            made = self.source.evaluate(x, gradient)
+            return made and Evaluation(
+                made.terms, self._values(made.terms), made.gradient, made.runs
+            )
         key = np.asarray(x, dtype=float).tobytes()
         if key not in self._cache:
             self._cache[key] = self._recalled(x) if self._is_known(x) else self._kept(x)
@@ -153,6 +174,8 @@ class DesignProblem:
 
     def results(self, x: np.ndarray) -> dict[Case, Result]:
         """Case → its result at ``x``, run again where only numbers are kept."""
+        if self.source is not None:
+            return self.source.results(x)
         found = self.evaluate(x, gradient=False)
         if found is not None and not found.runs:
             again = self._run(x)
