@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, create_model
 
+from dalembert.design.methods.registry import OPTIMIZERS
 from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.orientations import FrameTable
@@ -28,14 +30,21 @@ def _format(value: Any) -> int:
     return value
 
 
-def _method(value: Any) -> str:
-    if not isinstance(value, str) or value not in METHODS:
-        known = ", ".join(METHODS)
-        raise ValueError(f"unknown method {shown(value)}{nearest(value, METHODS)}; known: {known}")
-    return value
+def _one_name(known: Iterable[str]) -> Any:
+    """One of these names."""
+    names = list(known)
+
+    def check(value: Any) -> str:
+        if not isinstance(value, str) or value not in names:
+            near = nearest(value, names)
+            raise ValueError(f"unknown method {shown(value)}{near}; known: {', '.join(names)}")
+        return value
+
+    return Annotated[str, BeforeValidator(check), WithJsonSchema({"enum": names})]
 
 
-Method = Annotated[str, BeforeValidator(_method), WithJsonSchema({"enum": list(METHODS)})]
+Method = _one_name(METHODS)
+Optimizing = _one_name(OPTIMIZERS)
 Names = list[Text]
 Bounds = list_of(Bound, 2, "lower, upper")
 
@@ -69,7 +78,7 @@ class SensitivityTable(Record):
 
     responses: Names = Field(default_factory=list, description="names of responses; all by default")
     wrt: Names = Field(default_factory=list, description="names of parameters; all by default")
-    method: Method = "auto"
+    method: Method = "auto"  # type: ignore[valid-type]
 
 
 class LimitTable(Record):
@@ -88,8 +97,15 @@ class OptimizeTable(Record):
     vary: Names = Field(
         default_factory=list, description="names of parameters; all with bounds by default"
     )
+    integers: Names = Field(
+        default_factory=list, description="those of them that take whole numbers"
+    )
+    catalogues: list[dict[Text, list[Number]]] = Field(
+        default_factory=list, description="sizes to choose from: tables of parameters and values"
+    )
     subject_to: list[LimitTable] = Field(default_factory=list)
-    method: Method = "auto"
+    method: Optimizing = "slsqp"  # type: ignore[valid-type]
+    gradient: Method = "auto"  # type: ignore[valid-type]
     max_iterations: Integer = 100
     tolerance: Number = 1e-8
 
