@@ -42,6 +42,9 @@ from dalembert.analysis.structural.transient import (
     solve_transient as solve_transient,
 )
 from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleigh
+from dalembert.design.identification.experiment import Experiment as Experiment
+from dalembert.design.identification.identified import Identification as Identification
+from dalembert.design.identification.identify import identify as identify
 from dalembert.design.optimization import optimize as optimize
 from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
 from dalembert.elements import (
