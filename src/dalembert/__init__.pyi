@@ -47,6 +47,16 @@ from dalembert.design.identification.identified import Identification as Identif
 from dalembert.design.identification.identify import identify as identify
 from dalembert.design.optimization import optimize as optimize
 from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
+from dalembert.design.reliability.distributions import (
+    Gumbel as Gumbel,
+    Lognormal as Lognormal,
+    Normal as Normal,
+    Truncated as Truncated,
+    Uniform as Uniform,
+    Weibull as Weibull,
+)
+from dalembert.design.reliability.reliability import reliability as reliability
+from dalembert.design.reliability.reliable import Reliability as Reliability
 from dalembert.elements import (
     laws as laws,
     planar as planar,

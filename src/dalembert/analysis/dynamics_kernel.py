@@ -211,14 +211,9 @@ class DynamicsKernel:
                 return Switch(kept, following)
         return everything
 
-    def over(
-        self, function: ca.Function, count: int, fixed: tuple[int, ...] = ()
-    ) -> Callable[..., list[np.ndarray]]:
-        """The function for ``count`` columns at once; made once, for chunks ask again and again.
-
-        ``fixed`` are the numbers of arguments that are the same for all columns.
-        """
-        return partial(self._made(function, False, fixed), count)
+    def over(self, function: ca.Function, count: int) -> Callable[..., list[np.ndarray]]:
+        """The function for ``count`` columns at once; made once, for chunks ask again and again."""
+        return partial(self._made(function, False, ()), count)
 
     def marched(self, function: ca.Function, fixed: tuple[int, ...]) -> Columns:
         """A function whose result is its first argument for the next column; ``fixed`` are the

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,33 +13,34 @@ from dalembert.design.identification.misfit import Misfit
 from dalembert.design.identification.unknowns import Unknowns
 from dalembert.errors import AnalysisError
 
-if TYPE_CHECKING:
-    from dalembert.design.identification.identified import Identification
-
 
 def advise(
-    found: Identification, candidates: Mapping[str, Mapping[str, float]]
+    misfit: Misfit,
+    before: Information,
+    x: np.ndarray,
+    factor: float,
+    candidates: Mapping[str, Mapping[str, float]],
 ) -> list[dict[str, Any]]:
     """See ``Identification.advise``."""
-    before = found.information
     made = []
     for name, parameters in candidates.items():
-        rows = _jacobian(found, name, parameters)
+        rows = _jacobian(misfit, x, name, parameters)
         after = Information(before.labels, np.vstack([before.jacobian, rows]), before.sizes)
-        deviation = np.sqrt(np.diag(after.covariance(found.factor)))
+        deviation = np.sqrt(np.diag(after.covariance(factor)))
         made.append(
             {
                 "name": name,
                 "gain": after.determinant() - before.determinant(),
-                "deviation": dict(zip(found.x, map(float, deviation), strict=True)),
+                "deviation": dict(zip(before.labels, map(float, deviation), strict=True)),
             }
         )
     return sorted(made, key=lambda row: -row["gain"])
 
 
-def _jacobian(found: Identification, name: str, parameters: Mapping[str, float]) -> np.ndarray:
+def _jacobian(
+    misfit: Misfit, x: np.ndarray, name: str, parameters: Mapping[str, float]
+) -> np.ndarray:
     """(N, n) of one more run of the first experiment with other parameters."""
-    misfit, x = found.misfit, np.array(list(found.x.values()))
     first = misfit.observations[0]
     for given in parameters:
         if given in misfit.unknowns.where[0]:

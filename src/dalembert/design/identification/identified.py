@@ -125,7 +125,8 @@ class Identification:
         """
         from dalembert.design.identification.excitation import advise
 
-        return advise(self, candidates)
+        x = np.array(list(self.x.values()))
+        return advise(self.misfit, self.information, x, self.factor, candidates)
 
     # for people ----------------------------------------------------------------------------
     @property
@@ -141,12 +142,25 @@ class Identification:
         """Data, model and residuals of every column; returns the figure."""
         from dalembert.design.identification.pictures import plot_fit
 
-        return plot_fit(self)
+        return plot_fit(self.misfit, self.predicted)
 
     def _repr_html_(self) -> str:
         from dalembert.design.identification.pictures import html
 
-        return html(self)
+        kind = "given" if self.noise_given else "estimated"
+        noise = ", ".join(f"{column}: {level:.3g}" for column, level in self.noise.items())
+        told = f"{self.samples} samples: {self.message}", f"noise ({kind}): {noise}"
+        return html(self._rows(), told, self.notes)
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        """Unknown, value, deviation, interval and unit of each, as text."""
+        parameters, interval = self.misfit.model.parameters, self.interval()
+        rows: list[tuple[str, ...]] = []
+        for (name, value), deviation in self._pairs():
+            low, high = interval[name]
+            unit = parameters[name].unit if name in parameters else ""
+            rows.append((name, f"{value:.6g}", f"{deviation:.2g}", f"{low:.6g} … {high:.6g}", unit))
+        return rows
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{n} = {v:.6g} ± {s:.2g}" for (n, v), s in self._pairs())

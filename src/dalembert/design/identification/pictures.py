@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from dalembert.design.identification.identified import Identification
+from dalembert.design.identification.misfit import Misfit
 
 
-def plot_fit(found: Identification) -> Any:
+def plot_fit(misfit: Misfit, predicted: Sequence[np.ndarray]) -> Any:
     """Data with the model above, residuals in standard deviations below; one column each."""
     import matplotlib.pyplot as plt
 
-    columns = list(found.noise)
+    observations = misfit.observations
+    columns = list(dict.fromkeys(c for o in observations for c in o.columns))
     figure, axes = plt.subplots(
         *(2, len(columns)),
         figsize=(1 + 3.6 * len(columns), 4.6),
@@ -24,10 +25,7 @@ def plot_fit(found: Identification) -> Any:
         squeeze=False,
         layout="constrained",
     )
-    observations = found.misfit.observations
-    for e, (o, model, noise) in enumerate(
-        zip(observations, found.predicted, found.misfit.noise, strict=True)
-    ):
+    for e, (o, model, noise) in enumerate(zip(observations, predicted, misfit.noise, strict=True)):
         for j, column in enumerate(o.columns):
             above, below = axes[:, columns.index(column)]
             used, colour = np.isfinite(model[:, j]), f"C{e}"
@@ -49,22 +47,14 @@ def plot_fit(found: Identification) -> Any:
     return figure
 
 
-def html(found: Identification) -> str:
+def html(rows: Sequence[Sequence[str]], told: tuple[str, str], notes: Sequence[str]) -> str:
     """Table of the unknowns with their intervals, and what is doubtful."""
-    parameters = found.misfit.model.parameters
-    interval, rows = found.interval(), []
-    for (name, value), deviation in zip(found.x.items(), found.deviation.values(), strict=True):
-        low, high = interval[name]
-        unit = parameters[name].unit if name in parameters else ""
-        cells = (name, f"{value:.6g}", f"{deviation:.2g}", f"{low:.6g} … {high:.6g}", unit)
-        rows.append("".join(f"<td>{escape(cell)}</td>" for cell in cells))
     head = "".join(f"<th>{h}</th>" for h in ("unknown", "value", "±", "95 % interval", "unit"))
-    body = "".join(f"<tr>{row}</tr>" for row in rows)
-    noise = ", ".join(f"{escape(c)}: {s:.3g}" for c, s in found.noise.items())
-    notes = "".join(f"<li>{escape(note)}</li>" for note in found.notes)
-    kind = "given" if found.noise_given else "estimated"
+    cells = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
+    body = "".join(f"<tr>{row}</tr>" for row in cells)
+    listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
     return (
-        f"<p><b>Identification</b>, {found.samples} samples: {escape(found.message)}</p>"
+        f"<p><b>Identification</b>, {escape(told[0])}</p>"
         f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-        f"<p>noise ({kind}): {noise}</p><ul>{notes}</ul>"
+        f"<p>{escape(told[1])}</p><ul>{listed}</ul>"
     )

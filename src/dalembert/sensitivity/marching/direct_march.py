@@ -80,7 +80,7 @@ class DirectMarch:
 
     def _look(self, take: Take, first: int, changes: np.ndarray) -> None:
         """Take what the responses see of ``∂x/∂p``, (states, columns, n), from a state on."""
-        n = self.run.size
+        n, kernel = self.run.size, self.run.kernel
         for row, sample in enumerate(self.seen):
             chosen = sample.seen(first, first + len(changes) - 1)
             if not chosen.size:
@@ -90,27 +90,24 @@ class DirectMarch:
             k, length = sample.branches.index[chosen], sample.branches.length[chosen]
             inside = np.flatnonzero((length != 0) & ~sample.ends[chosen])
             for mode, part in alike(sample.steps.mode[k[inside]], inside):
-                tangents = self._over(_inside(sample.step_of(mode), self.count), part.size)
+                tangents = kernel.over(_inside(sample.step_of(mode), self.count), part.size)
                 begin = sample.steps.t[k[part]], length[part], sample.steps.x[:, k[part]]
-                dx = tangents(*begin, sample.p, _beside(moved[part]), self.unit)[0]
+                dx = tangents(*begin, *self._alike(part.size, _beside(moved[part])))[0]
                 moved[part] = dx.reshape(n, part.size, self.count).transpose(1, 2, 0)
             for mode, part in alike(sample.modes[chosen], np.arange(chosen.size)):
                 size = sample.step_of(mode).state_size
-                measured = sample.measured(self.run.kernel.variants[mode])
-                rates = self._over(_measured(measured, self.count), part.size)(
+                measured = _measured(sample.measured(kernel.variants[mode]), self.count)
+                rates = kernel.over(measured, part.size)(
                     sample.motion.time[chosen[part]],
                     states[:size, part],
-                    sample.p,
-                    _beside(moved[part][:, :, :size]),
-                    self.unit,
+                    *self._alike(part.size, _beside(moved[part][:, :, :size])),
                 )[0]
                 for j, row_rates in zip(part, rates.reshape(part.size, -1), strict=True):
                     take(row, int(chosen[j]), row_rates)
 
-    def _over(self, function: ca.Function, count: int) -> Callable[..., list[np.ndarray]]:
-        """Tangents at so many instants at once; parameters and their changes are the same."""
-        last = function.n_in() - 1
-        return self.run.kernel.over(function, count, fixed=(last - 2, last))
+    def _alike(self, count: int, dx: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Parameters, changes of the states, and those of the parameters at so many instants."""
+        return np.tile(self.run.p[:, None], count), dx, np.tile(self.unit, count)
 
     def _at_start(self) -> np.ndarray:
         """(n, columns) ``∂x/∂p`` of the first state."""
