@@ -65,6 +65,19 @@ from dalembert.design.optimum import Optimum as Optimum
 from dalembert.design.pareto import pareto as pareto
 from dalembert.design.quantity import SumOfSquares as SumOfSquares, combined as combined
 from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
+from dalembert.design.identification.experiment import Experiment as Experiment
+from dalembert.design.identification.identified import Identification as Identification
+from dalembert.design.identification.identify import identify as identify
+from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
+from dalembert.design.reliability.distributions import (
+    Gumbel as Gumbel,
+    Lognormal as Lognormal,
+    Normal as Normal,
+    Truncated as Truncated,
+    Uniform as Uniform,
+    Weibull as Weibull,
+from dalembert.design.reliability.reliability import reliability as reliability
+from dalembert.design.reliability.reliable import Reliability as Reliability
 from dalembert.elements import (
     laws as laws,
     planar as planar,

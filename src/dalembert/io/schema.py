@@ -110,6 +110,44 @@ class OptimizeTable(Record):
     tolerance: Number = 1e-8
 
 
+class ExperimentTable(Record):
+    """Measurements of one run, with the conditions it was made under."""
+
+    data: Text
+    name: Text = ""
+    parameters: dict[str, Number] = Field(
+        default_factory=dict, description="name of a parameter → value that this run had"
+    )
+    own: Names = Field(
+        default_factory=list, description="parameters that are unknown and this run's own"
+    )
+
+
+class IdentifyTable(Record):
+    """Which parameters ``dalembert identify`` finds from which measurements."""
+
+    data: Text = None
+    experiments: list[ExperimentTable] = Field(
+        default_factory=list, description="list of runs, tables as below, instead of `data`"
+    )
+    measures: dict[str, Text] = Field(
+        default_factory=dict,
+        description="column → measure or formula; columns named as measures by default",
+    )
+    vary: Names = Field(
+        default_factory=list, description="names of parameters; all with bounds by default"
+    )
+    time: Text = None
+    noise: dict[str, Number] = Field(
+        default_factory=dict, description="column → standard deviation; estimated by default"
+    )
+    delays: dict[str, Bounds] = Field(  # type: ignore[valid-type]
+        default_factory=dict, description="column → `[least, most]` of an unknown lag [s]"
+    )
+    loss: Text = "linear"
+    max_iterations: Integer = 100
+
+
 _COORDINATES, _FORMULATION, _STABILIZATION, _INTEGRATOR = map(strategy_type, STRATEGIES_OF)
 
 
@@ -161,6 +199,7 @@ class ModelDocument(Record):
     parameters: dict[str, _PARAMETER] = Field(default_factory=dict)  # type: ignore[valid-type]
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
     optimize: OptimizeTable = None  # type: ignore[assignment]
+    identify: IdentifyTable = None  # type: ignore[assignment]
 
 
 class Document(ModelDocument):
