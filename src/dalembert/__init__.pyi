@@ -47,6 +47,9 @@ from dalembert.design.ecosystem.functions import DesignFunctions as DesignFuncti
 from dalembert.design.ecosystem.openmdao_component import openmdao_component as openmdao_component
 from dalembert.design.ecosystem.pymoo_problem import pymoo_problem as pymoo_problem
 from dalembert.design.front import Front as Front
+from dalembert.design.identification.experiment import Experiment as Experiment
+from dalembert.design.identification.identified import Identification as Identification
+from dalembert.design.identification.identify import identify as identify
 from dalembert.design.limit import Limit as Limit
 from dalembert.design.methods.cma_es import CmaEs as CmaEs
 from dalembert.design.methods.differential_evolution import (
@@ -64,11 +67,6 @@ from dalembert.design.optimization import optimize as optimize
 from dalembert.design.optimum import Optimum as Optimum
 from dalembert.design.pareto import pareto as pareto
 from dalembert.design.quantity import SumOfSquares as SumOfSquares, combined as combined
-from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
-from dalembert.design.identification.experiment import Experiment as Experiment
-from dalembert.design.identification.identified import Identification as Identification
-from dalembert.design.identification.identify import identify as identify
-from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
 from dalembert.design.reliability.distributions import (
     Gumbel as Gumbel,
     Lognormal as Lognormal,
@@ -76,8 +74,10 @@ from dalembert.design.reliability.distributions import (
     Truncated as Truncated,
     Uniform as Uniform,
     Weibull as Weibull,
+)
 from dalembert.design.reliability.reliability import reliability as reliability
 from dalembert.design.reliability.reliable import Reliability as Reliability
+from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
 from dalembert.elements import (
     laws as laws,
     planar as planar,
