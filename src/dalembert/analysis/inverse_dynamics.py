@@ -50,7 +50,6 @@ def solve_inverse_dynamics(
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
     """
+    made = InverseDynamics.of("solve_inverse_dynamics", duration=duration, **options)
     need_mechanism(model, "solve_inverse_dynamics", "take solve_transient")
-    return InverseDynamics.of("solve_inverse_dynamics", duration=duration, **options).run(
-        model, parameters, progress
-    )
+    return made.run(model, parameters, progress)

@@ -116,5 +116,6 @@ def solve_buckling(
         Wrong options, unknown load case, no such factor; ``SingularityError`` where the structure
         is a mechanism.
     """
+    made = Buckling.of("solve_buckling", count=count, case=case, **options)
     need_structure(model, "solve_buckling", "take linearize about loaded equilibria")
-    return Buckling.of("solve_buckling", count=count, case=case, **options).run(model, parameters)
+    return made.run(model, parameters)

@@ -156,5 +156,6 @@ def solve_modes(
     AnalysisError
         Wrong options, nothing has mass; ``SingularityError`` where something moves freely.
     """
+    made = Modal.of("solve_modes", count=count, **options)
     need_structure(model, "solve_modes", "take linearize")
-    return Modal.of("solve_modes", count=count, **options).run(model, parameters)
+    return made.run(model, parameters)

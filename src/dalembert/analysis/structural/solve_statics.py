@@ -63,7 +63,7 @@ def solve_statics(
     AnalysisError
         Wrong options; ``SingularityError`` where the structure is a mechanism.
     """
-    need_structure(model, "solve_statics", "take solve_equilibrium")
     chosen = NonlinearStatics if nonlinear else Statics
     made = chosen.of("solve_statics", **options)
+    need_structure(model, "solve_statics", "take solve_equilibrium")
     return run_analysis(made, model, parameters, workers=workers)  # type: ignore[no-any-return]

@@ -9,8 +9,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.design.optimum import Limit
-from dalembert.design.problem import DesignProblem
+from dalembert.design.limit import Limit
+from dalembert.design.optimization import design_problem
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Analysis
@@ -78,17 +78,13 @@ class RunLimits(LimitStates):
                 self.sides.append((row, sign, bound))
                 self.labels.append(f"{response.label}{text}")
         every = as_responses(unique)
-        self.problem = DesignProblem(model, analysis, every, [*self.names, *self.others])
+        self.problem = design_problem(model, analysis, every, [*self.names, *self.others])
         listed = list(model.parameters)
         self.rest = np.array([model.nominal[listed.index(n)] for n in self.others])
 
     def values(self, x: np.ndarray) -> np.ndarray:
         self.calls += 1
-        try:
-            found = self.problem.evaluate(np.append(x, self.rest), gradient=False)
-        except ModelError as error:  # a stiffness below zero, far out in a tail
-            self.problem.failures.append(str(error))
-            found = None
+        found = self.problem.evaluate(np.append(x, self.rest), gradient=False)
         if found is None:
             return np.full(len(self.sides), np.nan)
         return np.array([sign * (found.values[row] - bound) for row, sign, bound in self.sides])
@@ -97,7 +93,7 @@ class RunLimits(LimitStates):
         found = self.problem.evaluate(np.append(x, self.rest))
         if found is None:
             raise AnalysisError(f"a run fails: {self.failure}")
-        rows = np.array([sign * found.slope(row) for row, sign, _ in self.sides])
+        rows = np.array([sign * self.problem.slope(found, row) for row, sign, _ in self.sides])
         return rows[:, : len(self.names)], rows[:, len(self.names) :]
 
     @property
