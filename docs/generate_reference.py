@@ -292,6 +292,7 @@ FIXED = {
             "responses": "name → response",
             "sensitivity": "what `dalembert sensitivity` computes",
             "optimize": "what `dalembert optimize` computes",
+            "identify": "what `dalembert identify` finds",
             "report": "what the report shows first",
         },
     ),
@@ -344,7 +345,8 @@ FIXED = {
             "minimize": "name of the response to make small; this or `maximize`",
             "maximize": "name of the response to make large",
             "subject_to": "list of limits, tables as below",
-            "method": "method of the gradients",
+            "method": "how it is searched for, see [methods](optimization.md#methods)",
+            "gradient": "method of the gradients",
             "max_iterations": "of the optimiser",
             "tolerance": "on the relative change of the objective",
         },
@@ -355,6 +357,23 @@ FIXED = {
             "response": "name of a response",
             "lower": "it must not be below",
             "upper": "it must not be above",
+        },
+    ),
+    "identify": (
+        schema.IdentifyTable,
+        {
+            "data": "file of measurements beside this one, .csv or .parquet",
+            "time": "column of the times; `time` or `t` by default",
+            "loss": '`"linear"`, or against outliers `"soft_l1"`, `"huber"`, `"cauchy"`, '
+            '`"arctan"`',
+            "max_iterations": "of least squares",
+        },
+    ),
+    "experiment": (
+        schema.ExperimentTable,
+        {
+            "data": "file of measurements",
+            "name": "in results; its number by default",
         },
     ),
     "report": (schema.ReportTable, {}),

@@ -129,6 +129,39 @@ class Mechanism(JointTwin):
             )
         )
 
+    # where things may touch, elastic alone ----------------------------------------------
+    def pressed(self, depth: Callable, k: float, exponent: float) -> None:
+        """``k δⁿ`` where ``δ > 0``."""
+        n = exponent + 1
+        self.energies.append(lambda f: k / n * np.maximum(depth(f), 0) ** n)
+
+    def cable(self, i: str, j: str) -> None:
+        """It pulls where two points are further apart than it is long."""
+        p, q, apart = self.distance(i, j)
+        k, free = self.rng.uniform((5, 0.3), (40, 2))
+        self.add(planar.Cable, (p, q), length=free, stiffness=k)
+        self.pressed(lambda f: apart(f) - free, k, 1.0)
+
+    def contact(self, i: str, j: str) -> None:
+        """Two discs, by Hertz."""
+        p, q, apart = self.distance(i, j)
+        k, a, b = self.rng.uniform((5, 0.1, 0.1), (40, 0.6, 0.6))
+        discs = planar.contact.Circle(p, radius=a), planar.contact.Circle(q, radius=b)
+        self.add(planar.Contact, *discs, law=planar.contact.Hertz(stiffness=k))
+        self.pressed(lambda f: a + b - apart(f), k, 1.5)
+
+    def clearance(self, i: str, j: str) -> None:
+        """A journal in a bearing with much play."""
+        p, q, apart = self.distance(i, j)
+        k, play = self.rng.uniform((5, 0.2), (40, 1))
+        law = planar.contact.Hertz(stiffness=k)
+        self.add(planar.ClearanceRevolute, p, q, radius=0.1, clearance=play, law=law)
+        self.pressed(lambda f: apart(f) - play, k, 1.5)
+
+    def any_touch(self, i: str, j: str) -> None:
+        kinds = self.cable, self.contact, self.clearance
+        kinds[self.rng.integers(len(kinds))](i, j)
+
     def any_force(self, i: str, j: str) -> None:
         """A random force on body j, from body i where it comes from a body."""
         turn_both = self.turns(i) and self.turns(j)

@@ -207,4 +207,7 @@ def random_mechanism(seed: int) -> tuple[str, Mechanism]:
         m.any_force(*pair())
     if rng.random() < 0.2:
         m.driver(*pair())
+    rng = m.rng = np.random.default_rng((seed, 1))  # so that all else stays as it was
+    if rng.random() < 0.2:
+        m.any_touch(*pair())
     return make.__name__, m

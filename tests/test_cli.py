@@ -95,6 +95,28 @@ def test_run_writes_results_and_report(model, tmp_path, capsys):
     assert "coupler.P" in (out / "four_bar.report.html").read_text(encoding="utf-8")
 
 
+def test_profile_tells_where_the_time_went(model, tmp_path, capsys):
+    """Parts add up to the whole, and what is inside of them is no more than they are."""
+    run = ["run", str(model), "--output", str(tmp_path / "out"), "--profile"]
+    assert main([*run, "--json"]) == 0
+    found = told(capsys)["profile"]
+    parts = found["parts"]
+    assert list(parts) == ["model", "analysis", "results", "report"]
+    assert sum(part["seconds"] for part in parts.values()) == pytest.approx(found["seconds"])
+    assert "build" in parts["model"]["inside"]
+    inside = parts["analysis"]["inside"]
+    assert {"assembly", "compile", "integration", "outputs", "checks"} <= set(inside)
+    assert inside["projection, of the integration"] > 0
+    for part in parts.values():
+        shares = [v for name, v in part["inside"].items() if not name.startswith("projection")]
+        assert sum(shares) <= part["seconds"] + 1e-5
+    counts = found["counts"]
+    assert counts["evaluations of accelerations"] == 4 * counts["steps"] > 0
+    assert counts["projections"] == counts["steps"]
+    assert main(run) == 0
+    assert "projection, of the integration" in capsys.readouterr().out
+
+
 def test_run_here_by_default(model, tmp_path, monkeypatch, capsys):
     here = tmp_path / "here"
     here.mkdir()

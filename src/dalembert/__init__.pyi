@@ -42,8 +42,42 @@ from dalembert.analysis.structural.transient import (
     solve_transient as solve_transient,
 )
 from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleigh
+from dalembert.design.case import Case as Case
+from dalembert.design.ecosystem.functions import DesignFunctions as DesignFunctions
+from dalembert.design.ecosystem.openmdao_component import openmdao_component as openmdao_component
+from dalembert.design.ecosystem.pymoo_problem import pymoo_problem as pymoo_problem
+from dalembert.design.front import Front as Front
+from dalembert.design.identification.experiment import Experiment as Experiment
+from dalembert.design.identification.identified import Identification as Identification
+from dalembert.design.identification.identify import identify as identify
+from dalembert.design.limit import Limit as Limit
+from dalembert.design.methods.cma_es import CmaEs as CmaEs
+from dalembert.design.methods.differential_evolution import (
+    DifferentialEvolution as DifferentialEvolution,
+)
+from dalembert.design.methods.discrete import BranchAndBound as BranchAndBound
+from dalembert.design.methods.ipopt import Ipopt as Ipopt
+from dalembert.design.methods.least_squares import LeastSquares as LeastSquares
+from dalembert.design.methods.moving_asymptotes import Mma as Mma
+from dalembert.design.methods.multistart import Multistart as Multistart
+from dalembert.design.methods.nlopt_ccsa import Ccsaq as Ccsaq
+from dalembert.design.methods.slsqp import Slsqp as Slsqp
+from dalembert.design.methods.trust_constr import TrustConstr as TrustConstr
 from dalembert.design.optimization import optimize as optimize
-from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
+from dalembert.design.optimum import Optimum as Optimum
+from dalembert.design.pareto import pareto as pareto
+from dalembert.design.quantity import SumOfSquares as SumOfSquares, combined as combined
+from dalembert.design.reliability.distributions import (
+    Gumbel as Gumbel,
+    Lognormal as Lognormal,
+    Normal as Normal,
+    Truncated as Truncated,
+    Uniform as Uniform,
+    Weibull as Weibull,
+)
+from dalembert.design.reliability.reliability import reliability as reliability
+from dalembert.design.reliability.reliable import Reliability as Reliability
+from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
 from dalembert.elements import (
     laws as laws,
     planar as planar,

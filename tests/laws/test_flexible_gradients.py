@@ -8,6 +8,7 @@ import dalembert as da
 from dalembert import planar, spatial
 
 SPACES = pytest.mark.parametrize("dimension", [2, 3])
+IMPLICIT = {2: da.Radau(fixed=True), 3: da.Trapezoidal()}
 NAMES = ["thick", "E", "len", "ratio", "k"]
 
 
@@ -61,7 +62,7 @@ TIP = [da.final("rod.tip.y"), da.integral("rod.tip.deflection.y"), da.final("rod
 def test_explicit_steps(dimension, frame):
     place = {"position": None} if frame == "mean" else {}
     model = swing(dimension, reference=frame, modes=0, **place)
-    motion = da.solve_dynamics(model, 1e-3, step=5e-5, integrator=da.RK4())
+    motion = da.solve_dynamics(model, 5e-4, step=5e-5, integrator=da.RK4())
     gradient = agree(motion, TIP)
     assert np.abs(gradient[:, :3]).max(axis=0).min() > 1e-6  # each number of the structure counts
 
@@ -69,7 +70,7 @@ def test_explicit_steps(dimension, frame):
 @SPACES
 def test_implicit_steps(dimension):
     model = swing(dimension)
-    agree(da.solve_dynamics(model, 1.5e-3, step=5e-4, integrator=da.Radau(fixed=True)), TIP)
+    agree(da.solve_dynamics(model, 1.5e-3, step=5e-4, integrator=IMPLICIT[dimension]), TIP)
 
 
 def test_displacements_of_second_order():
@@ -95,7 +96,7 @@ def test_linearisation(dimension):
     agree(modes, [da.at(1.0, "frequency"), da.at(2.0, "damping_ratio")])
 
 
-def test_inverse_dynamics():
+def test_driven():
     def drive(system, rod):
         pin = planar.Revolute("pin", system.ground.center, rod.point("root"))
         system.add(pin)
@@ -119,7 +120,7 @@ def test_new_values_are_those_of_another_model(dimension):
     values = {"thick": 0.035, "E": 1.5e9, "len": 0.95}
     fresh = {"h": 0.035, "E": 1.5e9, "L": 0.95, "rho": 1100.0}
     followed, fixed = swing(dimension, weld), swing(dimension, weld, parameters=fresh)
-    run = {"duration": 2e-3, "step": 1e-3, "integrator": da.Radau(fixed=True)}
+    run = {"duration": 2e-3, "step": 1e-3, "integrator": IMPLICIT[dimension]}
     found = da.solve_dynamics(followed, parameters=values, **run)
     expected = da.solve_dynamics(fixed, **run)
     for measure in ("rod.tip.position", "potential_energy"):

@@ -1,11 +1,14 @@
 """Reduced matrices and floating shapes follow the parameters: by slopes and by differences."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg
 from flexible_bodies import ENDS, tapered
 
 import dalembert as da
+from dalembert.elements.flexible.shapes import SectionShapes
 from dalembert.structures import Frame, rectangle_mesh
 from dalembert.structures.reduction.slopes import ReductionSlopes
 
@@ -80,23 +83,30 @@ def test_frequencies_of_the_reduced_structure(name, parameter):
 FLOATING = CASES | {"space": lambda: (tapered(3), ENDS)}
 
 
-def _numbers(shapes) -> list[np.ndarray]:
-    found = [shapes.inertia, shapes.stiffness, shapes.critical, shapes.origin]
+def _tables(shapes) -> list[np.ndarray]:
+    found = [shapes.inertia, shapes.stiffness, shapes.critical]
     for section in shapes.sections.values():
         found += [section.place, section.shift, section.turn]
-    return [table.ravel() for table in found]
+    return found
+
+
+def _numbers(shapes) -> list[np.ndarray]:
+    return [table.ravel() for table in (*_tables(shapes), shapes.origin)]
 
 
 @pytest.mark.parametrize("name", FLOATING)
 @pytest.mark.parametrize(("frame", "second"), [("root", False), ("mean", False), ("root", True)])
 def test_numbers_of_floating_shapes(name, frame, second):
-    """Inertia, stiffness, damping and sections, away from where the shapes were chosen."""
+    """Inertia, stiffness, damping and sections, away from where the shapes were chosen.
+
+    Forwards against differences, backwards against forwards.
+    """
     model, ends = FLOATING[name]()
     modes = 0 if second else 2
     following = model.following(ends, modes, frame=frame, second_order=second)
     values = {n: 1.05 * v for n, v in zip(model.parameters, model.nominal, strict=True)}
     parameter = next(iter(model.parameters))
-    (slopes,) = following.slopes(values, [parameter])
+    slopes = following.push(values, {parameter: 1.0})
     step = 2e-3 * values[parameter]
     ahead = [
         _numbers(following.at(values | {parameter: values[parameter] + o * step}))
@@ -107,3 +117,19 @@ def test_numbers_of_floating_shapes(name, frame, second):
         expected = np.array([1 / 6, -4 / 3, 4 / 3, -1 / 6]) @ np.array(four) / step
         size = np.abs(here).max(initial=0.0) / values[parameter]
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7 * size + 1e-300)
+    weights = [np.random.default_rng(2).normal(size=x.shape) for x in _tables(slopes)]
+    forwards = sum(float(np.sum(w * x)) for w, x in zip(weights, _tables(slopes), strict=True))
+    inertia, stiffness, critical, *rest = weights
+    sections = {
+        label: SectionShapes(*rest[3 * k : 3 * k + 3]) for k, label in enumerate(slopes.sections)
+    }
+    weighed = replace(
+        slopes,
+        inertia=inertia,
+        stiffness=stiffness,
+        critical=critical,
+        mass=np.zeros_like(stiffness),
+        sections=sections,
+    )
+    backwards = following.pull(values, weighed, [parameter]).item()
+    assert backwards == pytest.approx(forwards, rel=1e-9)

@@ -286,9 +286,9 @@ def solve_dynamics(
     AnalysisError
         Wrong options; ``AssemblyError``, ``SingularityError`` where the run cannot begin.
     """
-    need_model(model, "solve_dynamics")
     if isinstance(model, StructuralModel):
         made: Any = Transient.of("solve_dynamics", duration=duration, **options)
     else:
         made = Dynamics.of("solve_dynamics", duration=duration, **options)
+    need_model(model, "solve_dynamics")
     return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -13,6 +13,7 @@ from dalembert.analysis.branches import Branches
 from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.quantities import check_contacts
+from dalembert.analysis.step_outputs import StepOutputs
 from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.analysis.transition import Transition, crossed, distances
 from dalembert.analysis.variant import Variant
@@ -22,20 +23,16 @@ from dalembert.formulations.redundancy import TRUSTED, best_rows, largest_share
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.adaptive import AdaptiveMarch
 from dalembert.integrators.base import Attempt, Integrator
-from dalembert.integrators.checkpoints import States
 from dalembert.integrators.march import FixedMarch
 from dalembert.integrators.steps import Steps, Switch
 from dalembert.model.closure import AssembledState
 from dalembert.model.contacts import Phase, Phases, touching
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
-from dalembert.results.recording import Recording, Trajectory
+from dalembert.results.recording import Recording
 from dalembert.symbolic.backends import Backend, VirtualMachine
 from dalembert.symbolic.columns import Columns
 from dalembert.symbolic.implicit import ImplicitFunction
-
-BLOCK = 5000
-"""Columns of a mapped function at once, so that what it is given takes little memory."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +50,7 @@ class DynamicsRecord:
     quadrature: StepQuadrature | None = None
 
 
-class DynamicsKernel:
+class DynamicsKernel(StepOutputs):
     """Compiled functions of one model under one choice of strategies.
 
     Made once by ``Dynamics.kernel`` and shared by runs, replays and gradients. Formulations that
@@ -250,68 +247,3 @@ class DynamicsKernel:
         if begin is not None:
             x = np.concatenate([x, begin(t, x, p).full().ravel()])
         return x, mode
-
-    def branch_states(self, steps: Steps, branches: Branches, p: np.ndarray) -> np.ndarray:
-        """States at the outputs: ends of steps as they are, others by a partial step."""
-        k, ends = branches.index, branches.ends_of(steps)
-        states = steps.x[:, k + ends]
-        inside = np.flatnonzero((branches.length != 0) & ~ends)
-        for mode, part in alike(steps.mode[k[inside]], inside):
-            (states[:, part],) = self.over(self.variants[mode].step.function, part.size)(
-                steps.t[k[part]],
-                branches.length[part],
-                states[:, part],
-                np.tile(p[:, None], part.size),
-            )
-        return states
-
-    def modes(self, steps: Steps, branches: Branches) -> np.ndarray:
-        """Variant of each output."""
-        if not steps.count:
-            return np.full(branches.index.size, len(self.variants) - 1)
-        following = np.minimum(branches.index + 1, steps.count - 1)
-        return steps.mode[np.where(branches.ends_of(steps), following, branches.index)]
-
-    def mapped(
-        self,
-        function_of: Callable[[Variant], ca.Function],
-        modes: np.ndarray,
-        times: np.ndarray,
-        states: States,
-        p: np.ndarray,
-        *more: np.ndarray,
-    ) -> list[np.ndarray]:
-        """``(t, x, p, …)`` functions of the variants over outputs, each by its own variant."""
-        results: list[np.ndarray] = []
-        size = self.variants[0].step.state_size
-        for mode, part in alike(modes, np.arange(modes.size)):
-            function = function_of(self.variants[mode])
-            found = self.over(function, part.size)(
-                times[part],
-                states[:size, part],
-                np.tile(p[:, None], part.size),
-                *(column[:, part] for column in more),
-            )
-            results = results or [np.zeros((r.shape[0], modes.size)) for r in found]
-            for whole, piece in zip(results, found, strict=True):
-                whole[:, part] = piece
-        return results
-
-    def trajectory(
-        self, times: np.ndarray, steps: Steps, branches: Branches, p: np.ndarray
-    ) -> Trajectory:
-        """Poses, speeds, accelerations and multipliers of all bodies at the outputs."""
-        states = self.branch_states(steps, branches, p)
-        modes = self.modes(steps, branches)
-        y, v, a, multiplier = self.mapped(lambda s: s.bodies, modes, times, states, p)
-        n = self.equations.coordinate_count + self.equations.speed_count
-        work = states[n : n + 2] - steps.x[n : n + 2, :1]
-        return Trajectory(times, y, v, a, multiplier, work)
-
-
-def alike(modes: np.ndarray, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-    """Parts of the chosen columns that have one mode, ``BLOCK`` at most."""
-    for mode in np.unique(modes):
-        part = chosen[modes == mode]
-        for begin in range(0, part.size, BLOCK):
-            yield int(mode), part[begin : begin + BLOCK]

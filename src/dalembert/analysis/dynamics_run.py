@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable
 from typing import Any
 
@@ -41,6 +40,7 @@ from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord
 from dalembert.results.status import Outcome, Status
+from dalembert.timing import Timing
 
 SHORTEST = 1e-12
 """Step length, relative to the time, at which an adaptive run is asked why it ended."""
@@ -136,20 +136,22 @@ class DynamicsRun:
         return found
 
     def execute(self, progress) -> Motion:
-        begin = clock.perf_counter()
+        timing = Timing()
         x0, mode = self.initial_state()
+        timing.lap("assembly")
         self.prepare(mode)
-        prepared, begin = clock.perf_counter() - begin, clock.perf_counter()
+        timing.lap("compile")
         with progress_reporter(progress, f"integrating {self.model.name}") as report:
             watch = self.watch(report)
             steps = self.march(x0, mode, watch)
-        elapsed = clock.perf_counter() - begin
+        timing.lap("integration")
         happened, ends = self.events.find(steps)
         if ends is not None:
             steps = self.events.cut(steps, *ends)
         jumps = self.kernel.jumps(steps)
         times, branches = outputs_of(steps, self.requested, ends is not None, jumps)
         trajectory = self.kernel.trajectory(times, steps, branches, self.p)
+        timing.lap("outputs")
         truth = DynamicsTruth(self.kernel, steps, trajectory, self.p, self.analysis.balance)
         motion = Motion(
             model=self.model,
@@ -157,7 +159,7 @@ class DynamicsRun:
             parameters=self.p,
             trajectory=trajectory,
             status=self.status(steps, truth, happened if ends is not None else []),
-            statistics=statistics(self.kernel, steps, trajectory, self.p, (prepared, elapsed)),
+            statistics=statistics(self.kernel, steps, trajectory, self.p, timing),
             events=happened,
             record=DynamicsRecord(self.kernel, steps, branches),
         )
@@ -165,6 +167,8 @@ class DynamicsRun:
             motion.statistics |= self.contacts.statistics(steps.end)
             motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
         motion.warnings = self.doubts(motion, truth)
+        timing.lap("checks")
+        motion.statistics |= timing.statistics
         return motion
 
     def prepare(self, mode: int) -> None:

@@ -14,6 +14,7 @@ from dalembert.integrators.steps import Steps
 from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.once import once
+from dalembert.timing import Timing
 
 
 class Ending:
@@ -138,10 +139,10 @@ def statistics(
     steps: Steps,
     s: Trajectory,
     p: np.ndarray,
-    times: tuple[float, float],
+    timing: Timing,
 ) -> dict[str, Any]:
-    """What was done, for people; ``times`` of preparation and integration [s]."""
-    prepared, elapsed = times
+    """What was done, for people, and how long its parts took."""
+    elapsed, parts = timing.parts["integration"], timing.parts
     choices = {
         "coordinates": kernel.coordinates,
         "formulation": kernel.formulation,
@@ -153,8 +154,10 @@ def statistics(
     made |= {
         "steps": steps.lasting.size,
         "rejected steps": steps.rejected,
-        "preparation time [s]": round(prepared, 6),
-        "integration time [s]": round(elapsed, 6),
+        **_counts(kernel, steps),
+        "build time [s]": round(kernel.model.build_time, 6),
+        "preparation time [s]": round(parts["assembly"] + parts["compile"], 6),
+        **timing.statistics,
     }
     made |= kernel.formulation.report
     if kernel.formulation.every_equation:  # whose multipliers are iterated or only nearly right
@@ -169,6 +172,17 @@ def statistics(
         made["shortest step [s]"] = float(h.min())
         made["longest step [s]"] = float(h.max())
     return made
+
+
+def _counts(kernel: DynamicsKernel, steps: Steps) -> dict[str, int]:
+    """How often something was evaluated, where that can be told from outside of a step."""
+    found: dict[str, int] = {}
+    if each := kernel.integrator.evaluations:
+        found["evaluations of accelerations"] = each * (int(steps.lasting.size) + steps.rejected)
+    last = steps.lasting[-1:]
+    if last.size and kernel.variants[int(steps.mode[last[0]])].problem.correction is not None:
+        found["projections"] = int(np.sum(steps.corrected))
+    return found
 
 
 @once

@@ -205,9 +205,9 @@ def solve_equilibrium(
         Wrong options; ``AssemblyError`` where the mechanism cannot be put together. A search that
         does not converge says so in its status.
     """
-    need_model(model, "solve_equilibrium")
     if isinstance(model, StructuralModel):
         made: Any = NonlinearStatics.of("solve_equilibrium", **options)
     else:
         made = Equilibrium.of("solve_equilibrium", **options)
+    need_model(model, "solve_equilibrium")
     return run_analysis(made, model, parameters, workers=workers)  # type: ignore[no-any-return]

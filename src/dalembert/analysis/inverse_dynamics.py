@@ -81,6 +81,6 @@ def solve_inverse_dynamics(
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
     """
-    need_mechanism(model, "solve_inverse_dynamics", "take solve_transient")
     made = InverseDynamics.of("solve_inverse_dynamics", duration=duration, **options)
+    need_mechanism(model, "solve_inverse_dynamics", "take solve_transient")
     return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]

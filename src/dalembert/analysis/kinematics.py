@@ -171,8 +171,8 @@ def solve_kinematics(
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
     """
-    need_mechanism(model, "solve_kinematics", "take solve_statics")
     made = Kinematics.of("solve_kinematics", duration=duration, **options)
+    need_mechanism(model, "solve_kinematics", "take solve_statics")
     return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
 
 

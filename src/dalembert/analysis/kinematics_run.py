@@ -100,6 +100,7 @@ class KinematicsRun:
             "positions": trajectory.t.size,
             "steps": int(times.size - 1),
             "substeps": self.substeps,
+            "build time [s]": round(self.model.build_time, 6),
             "computation time [s]": round(clock.perf_counter() - begin, 6),
         }
         return Motion(

@@ -206,7 +206,6 @@ def linearize(
         No equilibrium was found, or wrong options; ``SingularityError`` where a free motion has no
         mass.
     """
-    need_mechanism(model, "linearize", "take solve_modes")
     if at is not None:
         if parameters or options:
             given = ", ".join([*(parameters or ()), *options])
@@ -216,4 +215,5 @@ def linearize(
             return modes_of(analysis, at_rest(at, coordinates))
         return modes_of(MotionLinearization(at, coordinates), last_instant(at, coordinates))
     made = Linearization.of("linearize", coordinates=coordinates, **options)
+    need_mechanism(model, "linearize", "take solve_modes")
     return made.run(model, parameters)

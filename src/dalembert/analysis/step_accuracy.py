@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import DynamicsKernel, alike
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.step_outputs import alike
 from dalembert.errors import SolverFailure
 from dalembert.integrators.checkpoints import Checkpoints
 from dalembert.integrators.steps import Steps

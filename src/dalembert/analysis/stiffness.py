@@ -11,13 +11,13 @@ import math
 
 import casadi as ca
 import numpy as np
-import scipy.sparse.linalg as spla
 
 from dalembert.elements.base import Powers
 from dalembert.elements.coordinates import rate_of
 from dalembert.integrators.base import Integrator
 from dalembert.model.assembled_state import AssembledState
 from dalembert.model.model import Model
+from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.expression import free_symbols, stack
 from dalembert.symbolic.once import once
 
@@ -73,7 +73,7 @@ def _swings(model: Model, state: AssembledState, p: np.ndarray) -> tuple[list[st
     pushed[: slopes.shape[1]] = slopes.T
     try:
         moved = _solved(found[2], pushed)[: slopes.shape[1]]
-    except (RuntimeError, np.linalg.LinAlgError):  # singular: the run will say why
+    except np.linalg.LinAlgError:  # singular: the run will say why
         return nothing, np.zeros((0, 2))
     both = both * np.sum(slopes * moved.T, axis=1)[:, None]
     good = np.isfinite(both).all(axis=1) & (both[:, 1] > 0)
@@ -83,7 +83,7 @@ def _swings(model: Model, state: AssembledState, p: np.ndarray) -> tuple[list[st
 def _solved(matrix: ca.DM, rhs: np.ndarray) -> np.ndarray:
     if rhs.shape[0] <= SMALL:
         return np.linalg.solve(matrix.full(), rhs)
-    return spla.splu(matrix.sparse()).solve(rhs)
+    return general_factors(matrix.sparse()).solve(rhs)
 
 
 def _components(powers: Powers) -> Powers:

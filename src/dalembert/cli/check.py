@@ -36,6 +36,9 @@ def check(model: Path, /, *, settings: Settings | None = None, as_json: AsJson =
 
 def _check_tasks(file: ModelFile, model: Any) -> None:
     """What the file asks to compute can be made."""
+    from dalembert.io.identification import make_identification
     from dalembert.io.tasks import check_tasks
 
     check_tasks(file, model)
+    if file.document.identify is not None:
+        make_identification(file, model)

@@ -31,6 +31,7 @@ def optimize(
     /,
     *,
     output: Path | None = None,
+    history: Path | None = None,
     settings: Settings | None = None,
     quiet: Annotated[Quiet, Parameter(help="Do not print the iterations.")] = False,
     as_json: AsJson = False,
@@ -44,6 +45,8 @@ def optimize(
     output
         Folder for the motion of the best design (.optimum.nc and .optimum.report.html); none is
         written by default.
+    history
+        File in which all designs run are kept; the same call goes on from it after an interrupt.
     """
     from dalembert.design.optimization import optimize as best_of
     from dalembert.io.analyses import make_analysis
@@ -60,7 +63,9 @@ def optimize(
         print(f"iteration {number}: {objective:.8g}", file=sys.stderr)
 
     silent = quiet or as_json
-    best = best_of(built, **design, analysis=task, progress=False if silent else tell)
+    best = best_of(
+        built, **design, analysis=task, history=history, progress=False if silent else tell
+    )
     files: list[Path] = []
     if folder is not None:
         base = folder / f"{file.path.stem}.optimum"
@@ -81,14 +86,19 @@ def _document(best: Optimum, files: list[Path]) -> dict[str, Any]:
         "message": best.message,
         "x": best.x,
         "fun": best.fun,
+        "objective": best.label,
+        "unit": best.unit,
         "start": best.history[0].parameters,
         "start_fun": best.history[0].objective,
         "gradient": best.gradient,
         "violation": best.violation,
         "at_bounds": best.at_bounds,
         "active": best.active,
+        "prices": best.prices,
+        "stationarity": best.stationarity,
         "iterations": len(best.history) - 1,
         "runs": best.runs,
+        "gradients": best.gradients,
         "failed_runs": best.failed_runs,
         "history": [
             {"parameters": i.parameters, "objective": i.objective, "violation": i.violation}
@@ -101,13 +111,16 @@ def _document(best: Optimum, files: list[Path]) -> dict[str, Any]:
 def _print(name: str, made: dict[str, Any]) -> None:
     style = "green" if made["ok"] else "red"
     tell(f"{name}: {made['message']}", style)
-    tell(f"  objective  {made['start_fun']:.8g} → {made['fun']:.8g}")
+    change = f"{made['start_fun']:.8g} → {made['fun']:.8g} {made['unit']}".rstrip()
+    tell(f"  objective {made['objective']}  {change}")
     for parameter, value in made["x"].items():
         note = "  (at its bound)" if parameter in made["at_bounds"] else ""
         start = made["start"][parameter]
         tell(f"  {parameter:<10} {start:.8g} → {value:.8g}{note}")
     if made["active"]:
         tell(f"  limits that hold with equality: {', '.join(made['active'])}")
+    for price in made["prices"]:
+        tell(f"  {price}")
     if made["violation"] > 0:
         tell(f"  largest relative violation of a limit: {made['violation']:.3g}")
     failed = f", {made['failed_runs']} failed" if made["failed_runs"] else ""

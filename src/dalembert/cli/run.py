@@ -31,8 +31,10 @@ from dalembert.cli.loading import (
     refuse_replacing,
     teller_of,
 )
+from dalembert.cli.profile import profile as profile_of, show_profile
 from dalembert.errors import UnsupportedError
 from dalembert.results.status import Outcome, Status
+from dalembert.timing import Timing
 
 
 def run(
@@ -44,6 +46,7 @@ def run(
     settings: Settings | None = None,
     report: bool = True,
     csv: Annotated[bool, Parameter(negative=())] = False,
+    profile: Annotated[bool, Parameter(negative=())] = False,
     quiet: Quiet = False,
     as_json: AsJson = False,
 ) -> int:
@@ -61,6 +64,8 @@ def run(
         Write the interactive report.
     csv
         Write all results as a table too.
+    profile
+        Tell where the time went: building, steps, outputs, report.
     """
     from dalembert.io.analyses import make_analysis
     from dalembert.io.tasks import report_choices
@@ -69,9 +74,13 @@ def run(
         with wrong_input():
             if analysis is not None:
                 raise UnsupportedError(f"--analysis {analysis}: a deck is solved by linear statics")
+            if profile:
+                raise UnsupportedError("--profile: a deck has none; profile its model file")
         return run_deck(model, output, settings, report, csv, quiet, as_json)
     pages = (output or Path()) if report else None
+    timing = Timing()
     file, built = loaded(model, settings, pages)
+    timing.lap("model")
     teller = teller_of(built)
     with wrong_input():
         task = make_analysis(file, built, analysis)
@@ -80,19 +89,28 @@ def run(
     with wrong_input():
         refuse_replacing(model, [base.with_name(base.name + kind) for kind in (".nc", ".csv")])
     show = not quiet and not as_json and sys.stderr.isatty()
-    with failure_drawn(model, pages), file.located("analysis"):
+    with failure_drawn(model, pages), file.located("analysis"), timing.part("analysis"):
         result = task.run(built, progress=show)
-    files = result.write(base, report, csv, **choices)
+    with timing.part("results"):
+        files = result.write(base, False, csv, **choices)
+    if report and result.has_page:
+        with timing.part("report"):
+            page = base.with_name(f"{base.name}.report.html")
+            files.append(result.report(page, **choices))
     code = _exit_code(result.status)
-    made = {"ok": code == DONE, "name": file.name, "model": teller.sentence}
+    made: dict[str, Any] = {"ok": code == DONE, "name": file.name, "model": teller.sentence}
     made |= result.summary()
     made["files"] = [str(f) for f in files]
+    if profile:
+        made["profile"] = profile_of(timing, result)
     if as_json:
         emit(made)
     elif not quiet:
         _print(made, teller.messages)
         teller.show(made)
         written(files)
+        if profile:
+            show_profile(made["profile"])
     if code != DONE and quiet:
         print(f"Error: {made['status']}", file=sys.stderr)
     return code

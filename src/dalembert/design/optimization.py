@@ -1,47 +1,63 @@
-"""Optimisation: ``min f, g ≤ 0, bounds`` (8.41) with exact gradients, by SLSQP."""
+"""Optimisation: ``min f, g ≤ 0, bounds`` (8.41) with exact gradients, by the method of choice."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from dalembert.design.optimum import Iterate, Limit, Optimum
-from dalembert.design.problem import DesignProblem, Evaluation
+from dalembert.design.case import Case
+from dalembert.design.evaluation_log import EvaluationLog
+from dalembert.design.limit import Limit
+from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.registry import make_optimizer
+from dalembert.design.optimum import Optimum
+from dalembert.design.outcome import judged
+from dalembert.design.problem import DesignProblem, common_parameters
+from dalembert.design.program import Program
+from dalembert.design.quantity import Quantity, bound
+from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text import unknown
+
+ROUNDS = 4
+"""How often a search goes on with the objective measured anew, where it fell far."""
 
 
 def optimize(
-    model: ParametricModel,
-    minimize: Response | None = None,
+    model: ParametricModel | None = None,
+    minimize: Any = None,
     *,
-    maximize: Response | None = None,
+    maximize: Any = None,
     subject_to: Sequence[Limit] = (),
-    vary: Sequence[str] | None = None,
-    analysis: Analysis,
+    vary: Sequence[Any] | None = None,
+    analysis: Analysis | None = None,
     start: Mapping[str, float] | None = None,
-    method: Method = "auto",
+    method: str | Optimizer = "slsqp",
+    gradient: Method = "auto",
     max_iterations: int = 100,
     tolerance: float = 1e-8,
+    history: str | Path | None = None,
     progress: bool | Callable[[int, float], None] = False,
 ) -> Optimum:
-    """Best parameters for a response of an analysis.
+    """Best parameters for responses of one analysis or several.
 
     Parameters
     ----------
-    model : Model
-    minimize, maximize : the objective, one of them
+    model, analysis : what is run, as ``Dynamics(...)``; not needed where all responses are those
+        of cases, ``case[response]``
+    minimize, maximize : the objective, one of them: a response, ``combined(...)``,
+        ``SumOfSquares(...)``
     subject_to : limits on other responses
-    vary : names of the parameters to vary; default all with a bound; bounds are respected
-    analysis : ``Dynamics(...)``, ``Kinematics(...)`` or ``InverseDynamics(...)``
+    vary : names of parameters, ``Integer``, ``Catalogue``; default all with bounds
     start : initial values; default the nominal ones
-    method : of ``sensitivity``
+    method : ``"slsqp"``, ``"ipopt"``, … or an object such as ``Multistart(starts=50)``
+    gradient : method of ``sensitivity``
     tolerance : on the relative change of the scaled objective
+    history : file in which evaluations are kept; a search that was interrupted goes on from it
     progress : True prints each iteration, or a function of its number and objective
 
     Raises
@@ -51,206 +67,104 @@ def optimize(
     """
     if (minimize is None) == (maximize is None):
         raise AnalysisError("give one objective: minimize=... or maximize=...")
-    return _Slsqp(model, minimize, maximize, list(subject_to), vary, analysis, start, method).solve(
-        max_iterations, tolerance, progress
+    sign, objective = (1.0, minimize) if minimize is not None else (-1.0, maximize)
+    problem = design_problem(
+        model, analysis, [objective, *(limit.response for limit in subject_to)], vary, start
     )
+    problem.gradient = gradient
+    chosen = make_optimizer(method, bool(problem.variables.sizes))
+    if history is not None:
+        problem.log = EvaluationLog(history, fingerprint(problem))
+    program = Program(problem, subject_to, sign, problem.variables.start, _teller(progress))
+    return solve(program, chosen, Stop(max_iterations, tolerance))
 
 
-class _Slsqp:
-    """SLSQP on variables scaled to their bounds and an objective scaled to its start."""
+def design_problem(
+    model: ParametricModel | None,
+    analysis: Analysis | None,
+    wanted: Sequence[Any],
+    vary: Sequence[Any] | None,
+    start: Mapping[str, float] | None = None,
+) -> DesignProblem:
+    """Quantities as functions of what varies.
 
-    def __init__(
-        self,
-        model: ParametricModel,
-        minimize: Response | None,
-        maximize: Response | None,
-        limits: Sequence[Limit],
-        vary: Sequence[str] | None,
-        analysis: Analysis,
-        start: Mapping[str, float] | None,
-        method: Method,
-    ):
-        self.model, self.limits = model, limits
-        self.sign = 1.0 if minimize is not None else -1.0
-        self.last = 0.0
-        self.names = self._names(vary)
-        objective = minimize if minimize is not None else maximize
-        assert objective is not None
-        unique = {id(r): r for r in (objective, *(limit.response for limit in limits))}
-        self.responses = as_responses(list(unique.values()))
-        self.rows = [list(unique).index(id(limit.response)) for limit in limits]
-        self.problem = DesignProblem(model, analysis, self.responses, self.names, method)
-        bounds = np.array([model.parameters[n].bounds for n in self.names])
-        self.lower, self.upper = bounds[:, 0], bounds[:, 1]
-        nominal = model.nominal[[list(model.parameters).index(n) for n in self.names]]
-        given = dict(start or {})
-        model.values(given)
-        self.x0 = np.array([given.get(n, v) for n, v in zip(self.names, nominal, strict=True)])
-        self.x0 = np.clip(self.x0, self.lower, self.upper)
-        width = self.upper - self.lower
-        self.width = np.where(
-            np.isfinite(width) & (width > 0), width, np.maximum(abs(self.x0), 1.0)
-        )
+    Raises
+    ------
+    AnalysisError
+        Something that is no response, two with one label, or no analysis for a response.
+    """
+    if (model is None) != (analysis is None):
+        raise AnalysisError("give model and analysis= together, or responses of cases alone")
+    case = Case(model, analysis) if model is not None and analysis is not None else None
+    quantities = [bound(one, case) for one in wanted]
+    _refuse_labels(quantities)
+    owners = [t.case for q in quantities for t in q.terms]
+    parameters = common_parameters([*([case] if case is not None else []), *owners])
+    for name in start or {}:
+        if name not in parameters:
+            raise ModelError(unknown("parameter", name, parameters))
+    return DesignProblem(quantities, make_variables(parameters, vary, dict(start or {})))
 
-    def _names(self, vary: Sequence[str] | None) -> list[str]:
-        parameters = self.model.parameters
-        if vary is None:
-            vary = [n for n, p in parameters.items() if np.all(np.isfinite(p.bounds))]
-        for name in vary:
-            if name not in parameters:
-                known = ", ".join(parameters) or "none"
-                raise ModelError(f"unknown parameter {name!r} to vary (known: {known})")
-        twice = [name for k, name in enumerate(vary) if name in vary[:k]]
-        if twice:
-            raise ModelError(f"the parameter {twice[0]!r} is to vary twice; name it once")
-        if not vary:
-            raise AnalysisError("nothing to vary: name parameters, or give some of them bounds")
-        return list(vary)
 
-    # scaled functions ----------------------------------------------------------------
-    def unscale(self, z: np.ndarray) -> np.ndarray:
-        return np.clip(self.x0 + self.width * z, self.lower, self.upper)
+def _refuse_labels(quantities: Sequence[Quantity]) -> None:
+    known: dict[str, Quantity] = {}
+    for quantity in quantities:
+        other = known.setdefault(quantity.label, quantity)
+        if [(t.case, t.response) for t in other.terms] != [
+            (t.case, t.response) for t in quantity.terms
+        ]:
+            raise AnalysisError(f"two responses are called {quantity.label!r}; name them")
 
-    def objective(self, z: np.ndarray) -> float:
-        found = self.problem.evaluate(self.unscale(z), gradient=False)
-        if found is None:  # let the line search come back
-            return self.last + 10.0 * (1.0 + abs(self.last))
-        self.last = self.sign * found.values[0] / self.scale
-        return self.last
 
-    def slope(self, z: np.ndarray) -> np.ndarray:
-        """Slope of the objective; SciPy asks for it once an iteration, at the design reached."""
-        x = self.unscale(z)
-        found = self.problem.evaluate(x)
-        if found is not None:
-            self.reached = x, found
-            self.record(x, found)
-        return self.sign * self.reached[1].slope(0) * self.width / self.scale
+def fingerprint(problem: DesignProblem) -> dict[str, Any]:
+    """What tells one problem from another, for its history file."""
+    return {
+        "models": [case.model.name for case in problem.cases],
+        "analyses": [repr(case.analysis)[:500] for case in problem.cases],
+        "responses": [f"{r.label}: {r.measure}"[:200] for _, r in problem.terms],
+        "vary": problem.variables.names,
+        "parameters": [
+            {n: v for n, v in zip(case.model.parameters, map(float, case.model.nominal))}  # noqa: B905, C416
+            for case in problem.cases
+        ],
+    }
 
-    def size(self, k: int, bound: float) -> float:
-        """What one is for a limit: the bound, or the response at the start."""
-        return max(abs(bound), abs(self.first.values[self.rows[k]]), 1e-12)
 
-    def constraint(self, k: int, bound: float, sense: float) -> dict:
-        """SciPy's form ``c(z) ≥ 0`` of one side of a limit, scaled."""
-        row, size = self.rows[k], self.size(k, bound)
+def _teller(progress: Any) -> Callable[[int, float], None] | None:
+    if callable(progress):
+        return progress
+    if not progress:
+        return None
+    return lambda number, objective: print(f"iteration {number}: {objective:.8g}")
 
-        def value(z: np.ndarray) -> float:
-            found = self.problem.evaluate(self.unscale(z), gradient=False) or self.reached[1]
-            return sense * (found.values[row] - bound) / size
 
-        def slope(z: np.ndarray) -> np.ndarray:
-            found = self.problem.evaluate(self.unscale(z)) or self.reached[1]
-            return sense * found.slope(row) * self.width / size
+def solve(program: Program, method: Optimizer, stop: Stop) -> Optimum:
+    """The optimum of a program; the best design so far where it is interrupted."""
+    z = program.scaled(program.origin)
+    try:
+        ended = method.solve(program, z, stop)
+        ended = _refined(program, method, stop, ended)
+        return judged(program, ended)
+    except KeyboardInterrupt:
+        number = len(program.history) - 1
+        best = program.scaled(program.best[0])
+        message = f"interrupted after {number} iteration(s)"
+        return judged(program, Ended(best, False, message), interrupted=True)
 
-        limit = self.limits[k]
-        kind = "eq" if limit.lower == limit.upper else "ineq"
-        return {"type": kind, "fun": value, "jac": slope}
 
-    def constraints(self) -> list[dict]:
-        made = []
-        for k, limit in enumerate(self.limits):
-            if limit.lower is not None:
-                made.append(self.constraint(k, limit.lower, 1.0))
-            if limit.upper is not None and limit.upper != limit.lower:
-                made.append(self.constraint(k, limit.upper, -1.0))
-        return made
-
-    # solving -------------------------------------------------------------------------
-    def solve(self, max_iterations: int, tolerance: float, progress: Any) -> Optimum:
-        from scipy.optimize import minimize as scipy_minimize
-
-        first = self.problem.evaluate(self.x0)
-        if first is None:
-            raise AnalysisError(f"the starting design fails: {self.problem.failures[-1]}")
-        self.first, self.reached = first, (self.x0, first)
-        self.scale = max(abs(first.values[0]), 1e-12)
-        self.last = self.sign * first.values[0] / self.scale
-        self.progress = progress
-        self.history = [self.iterate(self.x0, first)]
-        low = (self.lower - self.x0) / self.width
-        high = (self.upper - self.x0) / self.width
-        try:
-            outcome = scipy_minimize(
-                self.objective,
-                np.zeros(len(self.names)),
-                jac=self.slope,
-                method="SLSQP",
-                bounds=list(zip(low, high, strict=True)),
-                constraints=self.constraints(),
-                options={"maxiter": max_iterations, "ftol": tolerance},
-            )
-            x = self.unscale(outcome.x)
-            found = self.problem.evaluate(x)
-        except KeyboardInterrupt:
-            message = f"interrupted after {len(self.history) - 1} iteration(s)"
-            return self.optimum(*self.reached, False, message, interrupted=True)
-        if found is None:
-            message = f"ended at a design that fails: {self.problem.failures[-1]}"
-            return self.optimum(*self.reached, False, message)
-        return self.optimum(x, found, bool(outcome.success), str(outcome.message))
-
-    def record(self, x: np.ndarray, found: Evaluation) -> None:
-        """Keep and tell a design, unless it is the last one."""
-        reached = self.iterate(x, found)
-        if reached.parameters == self.history[-1].parameters:
-            return
-        self.history.append(reached)
-        number = len(self.history) - 1
-        if callable(self.progress):
-            self.progress(number, reached.objective)
-        elif self.progress:
-            print(f"iteration {number}: {reached.objective:.8g}")
-
-    def iterate(self, x: np.ndarray, found: Evaluation) -> Iterate:
-        return Iterate(self.problem.parameters(x), float(found.values[0]), self.violation(found))
-
-    def violation(self, found: Evaluation) -> float:
-        worst = 0.0
-        for k, limit in enumerate(self.limits):
-            value = found.values[self.rows[k]]
-            if limit.lower is not None:
-                worst = max(worst, (limit.lower - value) / self.size(k, limit.lower))
-            if limit.upper is not None:
-                worst = max(worst, (value - limit.upper) / self.size(k, limit.upper))
-        return float(worst)
-
-    def optimum(
-        self,
-        x: np.ndarray,
-        found: Evaluation,
-        success: bool,
-        message: str,
-        interrupted: bool = False,
-    ) -> Optimum:
-        self.record(x, found)
-        near = 1e-6 * self.width
-        at_bounds = [
-            n
-            for n, v, lo, hi, e in zip(self.names, x, self.lower, self.upper, near, strict=True)
-            if v - lo <= e or hi - v <= e
-        ]
-        active = [
-            limit.response.label
-            for row, limit in zip(self.rows, self.limits, strict=True)
-            if any(
-                b is not None and abs(found.values[row] - b) <= 1e-6 * max(abs(b), 1.0)
-                for b in (limit.lower, limit.upper)
-            )
-        ]
-        return Optimum(
-            x=self.problem.parameters(x),
-            fun=float(found.values[0]),
-            success=success,
-            message=message,
-            gradient=dict(zip(self.names, found.slope(0), strict=True)),
-            history=self.history,
-            initial=self.first.motion,
-            motion=found.motion,
-            at_bounds=at_bounds,
-            active=active,
-            runs=self.problem.runs,
-            failed_runs=len(self.problem.failures),
-            violation=self.violation(found),
-            interrupted=interrupted,
-        )
+def _refined(program: Program, method: Optimizer, stop: Stop, ended: Ended) -> Ended:
+    """Go on where the objective fell so far that its tolerance was loose, or a search got stuck."""
+    if method.is_global or ended.optima:
+        return ended
+    for _ in range(ROUNDS):
+        before, scale = program.objective(ended.z), program.scale
+        if (ended.success and abs(before) > 1e-2) or not program.begin(ended.z):
+            break
+        found = method.solve(program, ended.z, stop)
+        value = program.objective(found.z) * program.scale / scale
+        gained = value < before - 1e-3 * abs(before)
+        if gained or found.success or value < before:
+            ended = found
+        if not gained:
+            break
+    return ended

@@ -31,5 +31,9 @@ class ComputedNumbers(ABC):
         """
 
     @abstractmethod
-    def slopes(self, arguments: np.ndarray) -> np.ndarray:
-        """(n, k) their derivatives."""
+    def push(self, arguments: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """(n, c) their changes along directions (k, c)."""
+
+    @abstractmethod
+    def pull(self, arguments: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """(k, c) weights of the arguments from weights (n, c) of the numbers."""

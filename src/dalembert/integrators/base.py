@@ -109,6 +109,11 @@ class Integrator:
         return 4
 
     @property
+    def evaluations(self) -> int | None:
+        """Evaluations of the accelerations in one step, None where steps solve equations."""
+        return None
+
+    @property
     def longest_step(self) -> float | None:
         """Longest step of an adaptive method [s], if limited."""
         return None

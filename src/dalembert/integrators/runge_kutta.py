@@ -42,6 +42,10 @@ class ExplicitRungeKutta(Integrator, ABC):
         """Coefficients of the method."""
 
     @property
+    def evaluations(self) -> int:
+        return self.tableau.stages
+
+    @property
     def stability(self) -> Callable[[np.ndarray], np.ndarray]:
         return self.tableau.stability
 

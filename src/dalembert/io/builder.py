@@ -23,6 +23,7 @@ from dalembert.elements.registry import CONTACT_LAWS, FRICTIONS, SHAPES, element
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.elements.user_constraint import UserConstraint
+from dalembert.errors import ModelError
 from dalembert.io.fields import (
     FileField,
     Places,
@@ -208,6 +209,10 @@ class Builder:
         """The structure in another file, which is read once."""
         if path not in self.structures:
             data = read_document(path)
+            if data.get("kind") != "structure":
+                raise ModelError(
+                    f'{path.name} is no structure; give a file with kind = "structure"'
+                )
             try:
                 document = StructureDocument.model_validate(data)
             except ValidationError as error:

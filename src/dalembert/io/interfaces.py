@@ -14,7 +14,8 @@ _NAMES = {"type": "array", "items": {"type": "string"}, "minItems": 1}
 def _interfaces(value: Any) -> Any:
     chosen = list(value.values()) if isinstance(value, dict) else value
     if not isinstance(chosen, list) or not chosen:
-        raise ValueError(f"expected names of nodes, or a table of them, got {shown(value)}")
+        got = "none" if value == {} else shown(value)
+        raise ValueError(f"expected names of nodes, or a table of them, got {got}")
     for nodes in chosen:
         names = nodes if isinstance(nodes, list) and isinstance(value, dict) else [nodes]
         if not names or not all(isinstance(name, str) for name in names):

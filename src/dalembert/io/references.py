@@ -36,6 +36,10 @@ class References:
 
     def node(self, owner: str, name: str) -> Any:
         """The body at a node of a beam or a mesh."""
+        if owner not in self.system.elements:
+            raise ModelError(
+                f"{owner} is not made yet; a beam begins and ends at bodies, or at beams before it"
+            )
         found: Any = self.system.elements[owner]
         nodes = found.named_nodes
         if name not in nodes:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, create_model
 
+from dalembert.design.methods.registry import OPTIMIZERS
 from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.orientations import FrameTable
@@ -28,14 +30,21 @@ def _format(value: Any) -> int:
     return value
 
 
-def _method(value: Any) -> str:
-    if not isinstance(value, str) or value not in METHODS:
-        known = ", ".join(METHODS)
-        raise ValueError(f"unknown method {shown(value)}{nearest(value, METHODS)}; known: {known}")
-    return value
+def _one_name(known: Iterable[str]) -> Any:
+    """One of these names."""
+    names = list(known)
+
+    def check(value: Any) -> str:
+        if not isinstance(value, str) or value not in names:
+            near = nearest(value, names)
+            raise ValueError(f"unknown method {shown(value)}{near}; known: {', '.join(names)}")
+        return value
+
+    return Annotated[str, BeforeValidator(check), WithJsonSchema({"enum": names})]
 
 
-Method = Annotated[str, BeforeValidator(_method), WithJsonSchema({"enum": list(METHODS)})]
+Method = _one_name(METHODS)
+Optimizing = _one_name(OPTIMIZERS)
 Names = list[Text]
 Bounds = list_of(Bound, 2, "lower, upper")
 
@@ -69,7 +78,7 @@ class SensitivityTable(Record):
 
     responses: Names = Field(default_factory=list, description="names of responses; all by default")
     wrt: Names = Field(default_factory=list, description="names of parameters; all by default")
-    method: Method = "auto"
+    method: Method = "auto"  # type: ignore[valid-type]
 
 
 class LimitTable(Record):
@@ -88,10 +97,55 @@ class OptimizeTable(Record):
     vary: Names = Field(
         default_factory=list, description="names of parameters; all with bounds by default"
     )
+    integers: Names = Field(
+        default_factory=list, description="those of them that take whole numbers"
+    )
+    catalogues: list[dict[Text, list[Number]]] = Field(
+        default_factory=list, description="sizes to choose from: tables of parameters and values"
+    )
     subject_to: list[LimitTable] = Field(default_factory=list)
-    method: Method = "auto"
+    method: Optimizing = "slsqp"  # type: ignore[valid-type]
+    gradient: Method = "auto"  # type: ignore[valid-type]
     max_iterations: Integer = 100
     tolerance: Number = 1e-8
+
+
+class ExperimentTable(Record):
+    """Measurements of one run, with the conditions it was made under."""
+
+    data: Text
+    name: Text = ""
+    parameters: dict[str, Number] = Field(
+        default_factory=dict, description="name of a parameter → value that this run had"
+    )
+    own: Names = Field(
+        default_factory=list, description="parameters that are unknown and this run's own"
+    )
+
+
+class IdentifyTable(Record):
+    """Which parameters ``dalembert identify`` finds from which measurements."""
+
+    data: Text = None
+    experiments: list[ExperimentTable] = Field(
+        default_factory=list, description="list of runs, tables as below, instead of `data`"
+    )
+    measures: dict[str, Text] = Field(
+        default_factory=dict,
+        description="column → measure or formula; columns named as measures by default",
+    )
+    vary: Names = Field(
+        default_factory=list, description="names of parameters; all with bounds by default"
+    )
+    time: Text = None
+    noise: dict[str, Number] = Field(
+        default_factory=dict, description="column → standard deviation; estimated by default"
+    )
+    delays: dict[str, Bounds] = Field(  # type: ignore[valid-type]
+        default_factory=dict, description="column → `[least, most]` of an unknown lag [s]"
+    )
+    loss: Text = "linear"
+    max_iterations: Integer = 100
 
 
 _COORDINATES, _FORMULATION, _STABILIZATION, _INTEGRATOR = map(strategy_type, STRATEGIES_OF)
@@ -145,6 +199,7 @@ class ModelDocument(Record):
     parameters: dict[str, _PARAMETER] = Field(default_factory=dict)  # type: ignore[valid-type]
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
     optimize: OptimizeTable = None  # type: ignore[assignment]
+    identify: IdentifyTable = None  # type: ignore[assignment]
 
 
 class Document(ModelDocument):

@@ -9,7 +9,8 @@ import numpy as np
 
 from dalembert.analysis.comparison.compare import Comparing
 from dalembert.analysis.comparison.observation import observe
-from dalembert.design.optimum import Limit
+from dalembert.design.limit import Limit
+from dalembert.design.variables import Catalogue, Integer
 from dalembert.errors import ModelError
 from dalembert.io.analyses import given_options, make_analysis, make_strategy
 from dalembert.io.measures import measure_reader
@@ -84,7 +85,7 @@ def chosen_response(
     return made[name]
 
 
-def chosen_parameters(file: ModelFile, names: list[str] | None, *where: str) -> list[str]:
+def chosen_parameters(file: ModelFile, names: list[str] | None, *where: str | int) -> list[str]:
     """Some of the parameters; all where no names are given."""
     known = list(file.document.parameters)
     if not known:
@@ -143,9 +144,24 @@ def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
         raise file.located.error(
             "name the parameters to vary, or give some bounds", "optimize", "vary"
         )
-    design["vary"] = chosen_parameters(file, vary, "optimize", "vary")
-    keys = ("method", "max_iterations", "tolerance")
+    design["vary"] = _with_sizes(file, chosen_parameters(file, vary, "optimize", "vary"))
+    keys = ("method", "gradient", "max_iterations", "tolerance")
     return design | {key: getattr(asked, key) for key in keys}
+
+
+def _with_sizes(file: ModelFile, vary: list[str]) -> list[Any]:
+    """What varies, with whole numbers and catalogues in place of their names."""
+    asked: Any = file.document.optimize
+    integers = chosen_parameters(file, asked.integers, "optimize", "integers")
+    whole = integers if asked.integers else []
+    made: dict[str, Any] = {name: Integer(name) if name in whole else name for name in vary}
+    made |= {name: Integer(name) for name in whole}
+    for k, columns in enumerate(asked.catalogues):
+        names = chosen_parameters(file, list(columns), "optimize", "catalogues", k)
+        for name in names[1:]:
+            made.pop(name, None)
+        made[names[0]] = Catalogue(columns)
+    return list(made.values())
 
 
 def make_comparison(file: ModelFile, model: Any, given: Mapping[str, Any]) -> dict[str, Any]:

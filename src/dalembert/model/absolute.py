@@ -10,6 +10,7 @@ import casadi as ca
 from dalembert.elements.base import Powers
 from dalembert.elements.coordinates import Coordinates, motion_rate_of, rate_of
 from dalembert.elements.planar.body import Ground
+from dalembert.errors import ModelError
 from dalembert.model.description import Description
 from dalembert.model.equations import ConstraintKinematics, Equations
 from dalembert.model.inertia import BlockInertia
@@ -81,11 +82,19 @@ def absolute_equations(d: Description) -> Equations:
 
 def _contacts(d: Description) -> tuple[RigidGap, ...]:
     """Rigid gaps with the ground at rest."""
-    found = rigid_gaps([*d.elements.values()], d.coordinates)
-    return tuple(
+    found = tuple(
         replace(gap, distance=at_ground(d.ground, gap.distance), slip=at_ground(d.ground, gap.slip))
-        for gap in found
+        for gap in rigid_gaps([*d.elements.values()], d.coordinates)
     )
+    pose, twist = (stack(getattr(c, kind) for c in d.coordinates) for kind in ("pose", "twist"))
+    for gap in found:
+        if not ca.depends_on(gap.distance, pose):
+            told = "its distance depends on no position, so that nothing opens or closes it; give "
+            raise ModelError(f"{told}one that does, such as a body's y", gap.name)
+        if gap.slip.numel() and not ca.depends_on(gap.slip, twist):
+            told = "its slip depends on no speed; give a velocity along the surface, such as a "
+            raise ModelError(f"{told}body's vx", gap.name)
+    return found
 
 
 def _inertia(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX]:

@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 from scipy import sparse
-from scipy.sparse import linalg
 
 from dalembert.model.equations import Equations
 from dalembert.model.guesses import Guesses
 from dalembert.model.scales import Scales
+from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic import newton
 from dalembert.symbolic.expression import stack
 
@@ -235,7 +235,4 @@ def factorised(matrix: sparse.sparray) -> Callable[[np.ndarray], np.ndarray]:
         return lambda right: right
     if not np.all(np.isfinite(matrix.data)):
         raise np.linalg.LinAlgError("not finite")
-    try:
-        return linalg.splu(sparse.csc_array(matrix)).solve
-    except RuntimeError as error:
-        raise np.linalg.LinAlgError(str(error)) from None
+    return general_factors(matrix).solve

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.driver import Driver
-from dalembert.errors import AssemblyError, SingularityError
+from dalembert.errors import AssemblyError, ModelError, SingularityError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembled_state import AssembledState
 from dalembert.model.assembly import Assembler
@@ -136,6 +136,15 @@ class Closure:
         if not shares[worst] <= INCONSISTENT:
             refuse_contradiction(self.owners, self.independence, left_out[worst], open_by[worst])
 
+    def _refuse_conditions(self, count: int, freedom: int) -> None:
+        """More is demanded of the start than is free."""
+        raise ModelError(
+            f"{count} conditions on speeds hold at the start, where joints and drivers leave "
+            f"{freedom} free; leave some out, or give relaxed=False to a beam, which else starts "
+            "free of strain",
+            self.description.name,
+        )
+
     def _projected(self) -> np.ndarray:
         """The guesses, moved onto all constraints."""
         found = self._assembler.project(0.0, self.nominal)
@@ -176,6 +185,8 @@ class Closure:
         p, y = self.anchor
         given, n = self.guesses.twist, self.all_equations.speed_count
         jacobian = self.recipe.scaled_speed_jacobian(0.0, y, p)
+        if jacobian.shape[0] > n:
+            self._refuse_conditions(jacobian.shape[0] - len(self.rows), n - len(self.rows))
         known = [speed is not None for speed in given]
         chosen = free_columns(jacobian, self.guesses.priority(known))
         self.recipe = replace(self.recipe, speeds=HeldSpeeds.of(chosen, given, np.zeros(n)))

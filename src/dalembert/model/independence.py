@@ -55,14 +55,15 @@ class Echelon:
         self._turn[waiting] = np.arange(len(waiting))
         self._place = np.zeros(self.size, dtype=int)
         self._active: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-        self._touching: list[set[int]] = [set() for _ in range(self.size)]
         self._names = count()
+        self._expected(())
         for start, end in pairwise(by_row.indptr):
             self._add(by_row.indices[start:end], by_row.data[start:end])
         norms = np.sqrt(np.bincount(by_row.indices, by_row.data**2, self.size))
         self._rows: list[tuple[int, np.ndarray, np.ndarray]] = []
         for threshold in thresholds:
             last = threshold == thresholds[-1]
+            self._expected(waiting)
             waiting = [j for j in waiting if not self._take(j, threshold * norms[j], last)]
         self.pivots = [row[0] for row in self._rows]
 
@@ -104,28 +105,52 @@ class Echelon:
                 found.setdefault(column, []).append(row)
         return found
 
+    def _expected(self, waiting: Sequence[int]) -> None:
+        """Begin a round with these columns.
+
+        A row waits for the first of them that it touches: the columns before that one are taken, or
+        were left out in this round. So whatever touches a column waits for it when its turn comes.
+        """
+        self._arriving = np.full(self.size, -1)
+        self._arriving[list(waiting)] = self._turn[list(waiting)]
+        self._now = -1
+        self._waiting: dict[int, list[int]] = {}
+        for name in self._active:
+            self._wait(name)
+
+    def _wait(self, name: int) -> None:
+        columns = self._active[name][0]
+        turns = self._arriving[columns]
+        later = np.flatnonzero(turns > self._now)
+        if later.size:
+            first = int(columns[later[np.argmin(turns[later])]])
+            self._waiting.setdefault(first, []).append(name)
+
     def _take(self, column: int, least: float, last: bool) -> bool:
         """Eliminate a column if enough is left of it; if not, its rest is dropped at last."""
-        touching = [self._active[name] for name in sorted(self._touching[column])]
+        self._now = int(self._turn[column])
+        names = sorted(self._waiting.pop(column, ()))
+        touching = [self._active[name] for name in names]
         rest = [entries[columns == column][0] for columns, entries in touching]
         left = math.hypot(*rest)
         if not left > max(least, NOTHING):
-            if last or left <= NOTHING:
-                self._drop(column)
+            drop = last or left <= NOTHING
+            for name in names:
+                self._drop(name, column) if drop else self._wait(name)
             return False
-        columns, block = self._merged(column)
+        columns, block = self._merged(names, column)
         triangle = _triangular(block)
         self._rows.append((column, columns[1:], triangle[0]))
         for k, row in enumerate(triangle[1:], 1):
             self._add(columns[k:], row[k:])
         return True
 
-    def _merged(self, first: int) -> tuple[np.ndarray, np.ndarray]:
+    def _merged(self, names: list[int], first: int) -> tuple[np.ndarray, np.ndarray]:
         """The rows that touch a column, which stands first, the others in turn; they are removed.
 
         So what is left of them is triangular, and the next column touches few of them.
         """
-        found = [self._remove(name) for name in sorted(self._touching[first])]
+        found = [self._active.pop(name) for name in names]
         columns = np.unique(np.concatenate([columns for columns, _ in found]))
         turn = self._turn[columns]
         turn[columns == first] = -1
@@ -143,20 +168,12 @@ class Echelon:
         if columns.size:
             name = next(self._names)
             self._active[name] = columns, entries
-            for j in columns.tolist():
-                self._touching[j].add(name)
+            self._wait(name)
 
-    def _remove(self, name: int) -> tuple[np.ndarray, np.ndarray]:
+    def _drop(self, name: int, column: int) -> None:
+        """Forget what is left of a column in a row."""
         columns, entries = self._active.pop(name)
-        for j in columns.tolist():
-            self._touching[j].discard(name)
-        return columns, entries
-
-    def _drop(self, column: int) -> None:
-        """Forget what is left of a column."""
-        for name in sorted(self._touching[column]):
-            columns, entries = self._remove(name)
-            self._add(columns[columns != column], entries[columns != column])
+        self._add(columns[columns != column], entries[columns != column])
 
 
 def rows_of(matrix, tolerance: float = DEPENDENT) -> Echelon:

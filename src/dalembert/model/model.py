@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
+from time import perf_counter
 
 import casadi as ca
 import numpy as np
@@ -47,9 +48,11 @@ class Model(ParametricModel):
     nominal : (n,) their values, and numbers computed from them
     closure : how it is assembled
     diagnosis : Diagnosis
+    build_time : seconds it took to make it
     """
 
     def __init__(self, parts: Description, strict: bool = False):
+        begin = perf_counter()
         self.parts = parts
         self.name, self.description = parts.name, parts.description
         self.parameters, self.derived_parameters = parts.parameters, parts.derived_parameters
@@ -68,6 +71,7 @@ class Model(ParametricModel):
         self.closure = Closure(parts, self.all_equations, guesses, self.nominal, strict)
         self.equations = self.all_equations.with_rows(self.closure.rows)
         self.diagnosis = diagnose(parts, self.closure, mass)
+        self.build_time = perf_counter() - begin
 
     @property
     def guesses(self) -> Guesses:
@@ -115,7 +119,7 @@ class Model(ParametricModel):
         return self.parts.space.complete(p)
 
     def tangents(self, p: np.ndarray, columns: Sequence[int]) -> np.ndarray:
-        return self.parts.space.tangents(p, list(columns))
+        return self.parts.space.tangents(p, columns)
 
     def gathered(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
         return self.parts.space.gathered(p, gradients)

@@ -7,12 +7,13 @@ by the chain rule, ``dJ/dp = ∂J/∂p + (∂J/∂r) (∂r/∂p)``.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 import casadi as ca
 import numpy as np
 
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.symbolic.expression import stack
-from dalembert.symbolic.once import once
 
 
 class ParameterSpace:
@@ -52,23 +53,32 @@ class ParameterSpace:
         """What one of them follows."""
         return self._columns(self._arguments, p[: self.count])[self.computed.index(of)].ravel()
 
-    def tangents(self, p: np.ndarray, columns: list[int]) -> np.ndarray:
+    def tangents(self, p: np.ndarray, columns: Sequence[int]) -> np.ndarray:
         """(n, columns) changes of the whole vector with some of the parameters."""
-        return np.eye(self.count)[:, columns] if not self.computed else self._matrix(p)[:, columns]
+        moved = [np.eye(self.count)[:, list(columns)]]
+        for numbers, arguments, slopes in self._chains(p):
+            moved.append(numbers.push(arguments.ravel(), slopes @ moved[0]))
+        return np.vstack(moved)
 
     def gathered(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
         """(rows, np) gradients by the parameters from (rows, n) by the whole vector."""
-        return gradients if not self.computed else gradients @ self._matrix(p)
+        if not self.computed:
+            return gradients
+        found, begin = gradients[:, : self.count].copy(), self.count
+        for numbers, arguments, slopes in self._chains(p):
+            size = numbers.symbols.numel()
+            own = gradients[:, begin : begin + size].T
+            found += numbers.pull(arguments.ravel(), own).T @ slopes
+            begin += size
+        return found
 
-    def _matrix(self, p: np.ndarray) -> np.ndarray:
-        return self._tangents(np.asarray(p, dtype=float)[: self.count].tobytes())
-
-    @once
-    def _tangents(self, given: bytes) -> np.ndarray:
-        own = np.frombuffer(given)
+    def _chains(self, p: np.ndarray) -> Iterator[tuple[ComputedNumbers, np.ndarray, np.ndarray]]:
+        """What is computed, its arguments, and their slopes (k, np)."""
+        if not self.computed:
+            return iter(())
+        own = p[: self.count]
         arguments, slopes = (self._columns(f, own) for f in (self._arguments, self._slopes))
-        chains = zip(self.computed, arguments, slopes, strict=True)
-        return np.vstack([np.eye(self.count), *(c.slopes(a.ravel()) @ s for c, a, s in chains)])
+        return zip(self.computed, arguments, slopes, strict=True)
 
     def _columns(self, function: ca.Function, p: np.ndarray) -> list[np.ndarray]:
         found = function(p)

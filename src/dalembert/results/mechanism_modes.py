@@ -41,7 +41,7 @@ class Modes(Numbered):
     ----------
     model : Model that was linearised
     analysis : the analysis that made it
-    parameters : (np,) values used
+    parameters : (n,) values used, then numbers computed from them
     numbers : (k,) of the modes, from 1, by increasing ``|s|``
     eigenvalues : (k,) complex [1/s]; one of each conjugate pair
     shapes : (n, k) complex displacements, largest entry one

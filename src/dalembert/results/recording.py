@@ -99,7 +99,7 @@ class Recording(Result):
     ----------
     model : Model the motion belongs to
     analysis : the analysis that made it, e.g. ``Dynamics(...)``
-    parameters : (np,) parameter values used
+    parameters : (n,) parameter values used, then numbers computed from them
     trajectory : Trajectory
     status : Status
     statistics : name → number or text, for people

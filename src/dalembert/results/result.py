@@ -27,7 +27,7 @@ class Result(Protocol):
     ----------
     model : what was analysed
     analysis : the analysis that made it
-    parameters : (np,) values used
+    parameters : (n,) values used, then numbers computed from them
     time : (K,) instants [s]; of load cases, modes and points of a path their numbers
     status : how it ended
     statistics : name → number or text, for people

@@ -7,6 +7,7 @@ Everything else (labels, units, certificates, the command line) follows.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -33,6 +34,15 @@ class Engine:
     def adjoint(self) -> np.ndarray:
         """(responses, np) by one adjoint solution for each response."""
         raise NotImplementedError
+
+    def of_samples(self, columns: Sequence[int]) -> list[np.ndarray]:
+        """(K, columns) derivatives ``∂m_k/∂p`` of the samples themselves, for each response."""
+        made = []
+        for sample in self.samples:
+            alone = np.eye(sample.weights.size)
+            each = [replace(sample, weights=row) for row in alone]
+            made.append(type(self)(each).direct(columns).reshape(len(each), len(columns)))
+        return made
 
     def gathered(self, rows: Sequence[np.ndarray]) -> np.ndarray:
         """(responses, np) of derivatives (n,) by all of the parameter vector."""

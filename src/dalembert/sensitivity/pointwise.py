@@ -42,19 +42,22 @@ class PointwiseGradient:
 
     def direct(self, columns: Sequence[int]) -> np.ndarray:
         """(columns,) derivatives by one tangent solve per parameter and instant."""
-        weights = self.sample.weights
-        active = np.flatnonzero(weights)
+        return self.sample.weights @ self.samples(columns)
+
+    def samples(self, columns: Sequence[int]) -> np.ndarray:
+        """(K, columns) derivatives of the samples that have a weight."""
+        active = np.flatnonzero(self.sample.weights)
         t, y, p = self._arguments()
-        gradient = np.zeros(len(columns))
+        found = np.zeros((t.size, len(columns)))
         if not active.size:
-            return gradient
+            return found
         mapped = self.measured.tangent.map(active.size)
         still_t, still_y = ca.DM.zeros(1, active.size), ca.DM.zeros(y.shape[0], active.size)
         for i, change in enumerate(self.motion.model.tangents(p[:, 0], columns).T):
             direction = np.tile(change[:, None], active.size)
             rates = mapped(t[active], y[:, active], p[:, active], still_t, still_y, direction)
-            gradient[i] = float(rates.full().ravel() @ weights[active])
-        return gradient
+            found[active, i] = rates.full().ravel()
+        return found
 
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:
         """(np,) the derivative of the adjoint gradient along a direction of the parameters."""
@@ -84,6 +87,9 @@ class PointwiseEngine(RowEngine):
     """One row after the other."""
 
     row = PointwiseGradient
+
+    def of_samples(self, columns: Sequence[int]) -> list[np.ndarray]:
+        return [row.samples(columns) for row in self._rows()]
 
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:
         return np.array([row.hessian_product(direction) for row in self._rows()])

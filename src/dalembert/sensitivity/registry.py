@@ -51,12 +51,24 @@ def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
     UnsupportedError
         The analysis has none.
     """
+    kind = engine_for(motion)
+    samples = [take_sample(motion, r) for r in responses]
+    if any(sample.moves_with for sample in samples):
+        return EventEngine(motion, kind, samples)
+    return kind(samples)
+
+
+def engine_for(motion: Result) -> type[Engine]:
+    """The kind of engine for a result.
+
+    Raises
+    ------
+    UnsupportedError
+        The analysis has none.
+    """
     for kind in type(motion.analysis).__mro__:
         if kind in ENGINES:
-            samples = [take_sample(motion, r) for r in responses]
-            if any(sample.moves_with for sample in samples):
-                return EventEngine(motion, ENGINES[kind], samples)
-            return ENGINES[kind](samples)
+            return ENGINES[kind]
     raise UnsupportedError(
         f"gradients of {type(motion.analysis).__name__} are not available; use "
         "method='finite-difference'"

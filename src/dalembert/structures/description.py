@@ -7,14 +7,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.fem.base import StructuralElement
-from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
+from dalembert.elements.fem.nodal import ROTATIONS
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
 from dalembert.structures.elements import Elements
 from dalembert.structures.nodal_load import Load
 from dalembert.structures.nodes import Nodes
-from dalembert.structures.spans import Spans
+from dalembert.structures.parts import StructureParts
 from dalembert.structures.spread_loads import (
     LineLoad,
     Spread,
@@ -25,11 +24,9 @@ from dalembert.structures.spread_loads import (
     tractions,
 )
 from dalembert.symbolic.expression import Expression, as_expression
-from dalembert.symbolic.parameter import Parameter
-from dalembert.text import plain_text
 
 
-class StructureDescription:
+class StructureDescription(StructureParts):
     """Nodes, elements between them, supports and loads; the builder fills it.
 
     Every number may be a formula of parameters.
@@ -41,79 +38,13 @@ class StructureDescription:
     """
 
     def __init__(self, name: str, description: str = ""):
-        self.name = plain_text(name, "name of the structure")
-        self.description = plain_text(description, "description of the structure")
-        self.parameters: dict[str, Parameter] = {}
-        self.nodes: dict[str, Node | Nodes] = {}
-        self.numbers = Spans()
-        self.elements: dict[str, StructuralElement | Elements] = {}
+        super().__init__(name, description)
         self.supports: dict[tuple[str, str], Expression] = {}
         self.fixed: list[str] = []
         self.loads: dict[str, list[Load]] = {}
         self.spread: dict[str, list[Spread]] = {}
         self.temperatures: dict[str, dict[str, dict[str, Any]]] = {}
         self.initials: dict[str, list[Load]] = {"displacement": [], "velocity": []}
-
-    def parameter(
-        self, name: str, value: float, unit: str = "", bounds=None, description: str = ""
-    ) -> Parameter:
-        """Declare a parameter; use it in formulas wherever a number is accepted."""
-        self._claim(name)
-        made = Parameter(name, value, unit, bounds, description)
-        self.parameters[name] = made
-        return made
-
-    def node(self, name: str, *position) -> Node:
-        """Add a node at the given coordinates [m]; all nodes have the same number of them."""
-        self._claim(name)
-        made = Node(name, position)
-        self._check_dimension(made)
-        self.numbers.add(name)
-        self.nodes[name] = made
-        return made
-
-    def add_nodes(self, name: str, points) -> Nodes:
-        """Add many nodes at once, at ``points`` (count, d) [m], numbers or formulas."""
-        self._claim(name)
-        made = Nodes(name, points)
-        self._check_dimension(made)
-        self.numbers.add(name, len(made))
-        self.nodes[name] = made
-        return made
-
-    def add(self, element: StructuralElement):
-        """Add an element; returns it."""
-        if not isinstance(element, StructuralElement):
-            raise ModelError(f"add() takes a structural element, got {element!r}", self.name)
-        self._claim(element.name)
-        for node in element.nodes():
-            if self.nodes.get(node.name) is not node:
-                raise ModelError(
-                    f"is tied to {node.name!r}, which is no node of this structure; add it with "
-                    "structure.node(...)",
-                    element.name,
-                )
-        self.elements[element.name] = element
-        return element
-
-    def add_elements(
-        self, name: str, cls: type[StructuralElement], nodes: Nodes, cells, **numbers: Any
-    ) -> Elements:
-        """Add many elements of one class at once.
-
-        Parameters
-        ----------
-        name : of the set; ``name[k]`` is one of them
-        cls : class of the elements
-        nodes : the nodes that ``cells`` counts
-        cells : (count, nodes of an element) numbers within ``nodes``
-        **numbers : quantities of the class, for all or an array with one for each; options
-        """
-        self._claim(name)
-        self._known(nodes)
-        made = Elements(name, cls, nodes, cells, **numbers)
-        self.elements[name] = made
-        return made
 
     def support(self, node: Node | Nodes, **displacements) -> None:
         """Prescribe displacements of nodes, e.g. ``ux=0, uy=0.01`` [m], ``rz=0`` [rad].
@@ -251,41 +182,6 @@ class StructureDescription:
             direction = velocities.get(name, name)
             self.initials[kind].append(Load(self._numbers(node), direction, each, entity))
 
-    @property
-    def dimension(self) -> int:
-        """Of space."""
-        return next((n.dimension for n in self.nodes.values()), 1)
-
-    def _known(self, node: Node | Nodes) -> None:
-        if not isinstance(node, (Node, Nodes)):
-            raise ModelError(f"expected nodes of the structure, got {node!r}", self.name)
-        known = self.nodes.get(node.name)
-        if isinstance(known, Nodes) and isinstance(node, Nodes) and known.points is node.points:
-            return  # a selection of a set
-        if known is not node:
-            raise ModelError("is no node of this structure", node.name)
-
-    def _directions(self, node: Node | Nodes) -> tuple[str, ...]:
-        self._known(node)
-        return TRANSLATIONS[: node.dimension] + ROTATIONS[node.dimension]
-
-    def _names(self, node: Node | Nodes) -> list[str]:
-        return node.names if isinstance(node, Nodes) else [node.name]
-
-    def _numbers(self, node: Node | Nodes) -> np.ndarray:
-        first = self.numbers.first(node.name)
-        return first + node.index if isinstance(node, Nodes) else np.array([first])
-
-    @staticmethod
-    def _each(node: Node | Nodes, value: Any) -> Any:
-        """One value for each node."""
-        count = len(node) if isinstance(node, Nodes) else 1
-        if isinstance(value, Expression) or np.ndim(value) != 1:
-            return [value] * count
-        if len(value) != count:
-            raise ModelError(f"has {count} node(s), got {len(value)} values", node.name)
-        return value
-
     def _prescribe(self, name: str, direction: str, value: Expression) -> None:
         known = self.supports.setdefault((name, direction), value)
         if known is not value and not ca.is_equal(known.sx, value.sx, 1):
@@ -293,28 +189,3 @@ class StructureDescription:
                 f"{direction} is prescribed twice, {known.sx} and {value.sx}; support it once",
                 f"support {name}",
             )
-
-    def _check_dimension(self, made: Node | Nodes) -> None:
-        for other in self.nodes.values():
-            if other.dimension != made.dimension:
-                raise ModelError(
-                    f"has {made.dimension} coordinates, {other.name} has {other.dimension}",
-                    made.name,
-                )
-            return  # all others agree with the first
-
-    @staticmethod
-    def _check_direction(node: Node | Nodes, direction: str, known) -> None:
-        if direction not in known:
-            raise ModelError(
-                f"unknown direction {direction!r}; known: {', '.join(known)}", node.name
-            )
-
-    def _vector(self, entity: str, values, unit: str) -> tuple[Expression, ...]:
-        if len(values) != self.dimension:
-            raise ModelError(f"needs {self.dimension} numbers, got {len(values)}", entity)
-        return tuple(as_expression(v, entity, unit) for v in values)
-
-    def _claim(self, name: str) -> None:
-        if name in self.parameters or name in self.nodes or name in self.elements:
-            raise ModelError("the name is already used; choose a different one", name)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NoReturn
 
 import numpy as np
 import scipy.sparse as sparse
-import scipy.sparse.linalg as linalg
 
 from dalembert.errors import SingularityError
+from dalembert.sparse.factorise import pivoted_factors, symmetric_factors
+from dalembert.sparse.solver import Factors
 from dalembert.structures.numbering import Numbering
 
 SOFTEST = 1e-14
@@ -18,7 +19,7 @@ BACKWARD = 1e-10
 """Backward error that factors without pivots may have."""
 
 
-def factors_of(matrix, degrees: Numbering, free: np.ndarray) -> linalg.SuperLU | None:
+def factors_of(matrix, degrees: Numbering, free: np.ndarray) -> Factors | None:
     """Sparse factors of the stiffness of free displacements, which have these numbers.
 
     Raises
@@ -38,30 +39,32 @@ def factors_of(matrix, degrees: Numbering, free: np.ndarray) -> linalg.SuperLU |
     if not np.all(np.isfinite(motion)):
         raise SingularityError("the stiffness matrix is singular; support the structure")
     if SOFTEST * np.linalg.norm(motion) > 1.0:
-        shape = np.abs(motion) / np.sqrt(own)
-        moved = free[shape > 0.1 * shape.max()][:100]
-        moving = dict.fromkeys(degrees.place(int(k))[0] for k in moved)
-        raise SingularityError(
-            f"the structure is a mechanism: {', '.join(list(moving)[:8])} can move without "
-            "straining anything that counts beside the stiffness of the rest; support them or add "
-            "elements"
-        )
+        refuse_motion(motion / np.sqrt(own), degrees, free)
     return factor
 
 
-def _factors(matrix, own: np.ndarray, pivoting: bool = False) -> linalg.SuperLU:
+def refuse_motion(motion: np.ndarray, degrees: Numbering, free: np.ndarray) -> NoReturn:
+    """Tell which nodes can move, by a motion of the free displacements that strains nothing."""
+    shape = np.abs(motion)
+    moved = free[shape > 0.1 * shape.max()][:100]
+    moving = dict.fromkeys(degrees.place(int(k))[0] for k in moved)
+    raise SingularityError(
+        f"the structure is a mechanism: {', '.join(list(moving)[:8])} can move without "
+        "straining anything that counts beside the stiffness of the rest; support them or add "
+        "elements"
+    )
+
+
+def _factors(matrix, own: np.ndarray, pivoting: bool = False) -> Factors:
     """Factors by symmetric elimination, or with pivots; of a matrix nearby where one vanishes."""
-    options: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A"}
-    if not pivoting:
-        options |= {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    factors = pivoted_factors if pivoting else symmetric_factors
     try:
-        return linalg.splu(matrix.tocsc(), **options)
-    except RuntimeError:
-        shifted = matrix + sparse.diags(0.1 * SOFTEST * own)
-        return linalg.splu(shifted.tocsc(), **options)
+        return factors(matrix)
+    except np.linalg.LinAlgError:
+        return factors(matrix + sparse.diags(0.1 * SOFTEST * own))
 
 
-def _softest(factor: linalg.SuperLU, matrix, root: np.ndarray) -> tuple[np.ndarray, float]:
+def _softest(factor: Factors, matrix, root: np.ndarray) -> tuple[np.ndarray, float]:
     """The softest motion by inverse iteration, in units of ``root`` and so long as it is soft.
 
     The backward error of the factors comes along.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
+from time import perf_counter
 
 import casadi as ca
 import numpy as np
@@ -44,9 +45,11 @@ class StructuralModel(ParametricModel):
     prescribed : ParametricArray of the prescribed displacements, in their order
     loads : case → LoadCase
     initial : where a motion begins
+    build_time : seconds it took to make it
     """
 
     def __init__(self, structure: StructureDescription, linear: bool = False):
+        begin = perf_counter()
         self.structure, self.name, self.linear = structure, structure.name, linear
         self.parameters = dict(structure.parameters)
         self.p = stack(q.sx for q in self.parameters.values())
@@ -67,6 +70,7 @@ class StructuralModel(ParametricModel):
         self.loads = LoadCaseMaker(maker, self.degrees, self.assembly).cases()
         self.initial = InitialConditions(structure, numbers, self.degrees, self.p)
         self.measures = StructuralMeasures(self.degrees, self.blocks)
+        self.build_time = perf_counter() - begin
 
     @cached_property
     def linearized(self) -> StructuralModel:

@@ -10,6 +10,7 @@ import casadi as ca
 
 from dalembert.errors import ModelError
 from dalembert.symbolic.series import alternating, angle_over_sine
+from dalembert.symbolic.template import template
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 VERSINE_TERMS = 20
@@ -26,6 +27,7 @@ def skew(a: ca.SX) -> ca.SX:
     )
 
 
+@template(4)
 def matrix(e: ca.SX) -> ca.SX:
     """``R(e)`` (3, 3) for ``|e| = 1``."""
     w, x, y, z = e[0], e[1], e[2], e[3]
@@ -41,6 +43,7 @@ def about_z(angle: ca.SX) -> ca.SX:
     return ca.vertcat(ca.cos(angle / 2), 0, 0, ca.sin(angle / 2))
 
 
+@template(4, 4)
 def product(a: ca.SX, b: ca.SX) -> ca.SX:
     """``a ⊗ b``: the turn b, seen in the frame that a has turned; ``R(a ⊗ b) = R(a) R(b)``."""
     vector = a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:])
@@ -52,11 +55,13 @@ def conjugate(e: ca.SX) -> ca.SX:
     return ca.vertcat(e[0], -e[1:])
 
 
+@template(4, 3)
 def rate(e: ca.SX, turning: ca.SX) -> ca.SX:
     """``ė = e ⊗ (0, ω') / 2``."""
     return product(e, ca.vertcat(0, turning)) / 2
 
 
+@template(4, 3)
 def turned(e: ca.SX, turn: ca.SX) -> ca.SX:
     """Where a small turn δ' leads, ``e ⊗ (1, δ'/2)`` at length one; the inverse of ``turn``.
 
@@ -66,6 +71,7 @@ def turned(e: ca.SX, turn: ca.SX) -> ca.SX:
     return moved / ca.sqrt(ca.sumsqr(moved))
 
 
+@template(4, 4)
 def turn(e: ca.SX, other: ca.SX) -> ca.SX:
     """δ' from one orientation to another; infinite for half a turn."""
     between = product(conjugate(e), other)

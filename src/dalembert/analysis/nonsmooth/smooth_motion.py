@@ -7,11 +7,11 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.model.assembly import ROUNDING
 from dalembert.model.model import Model
+from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.kernel import Kernel
 from dalembert.symbolic.patterned import Matrix, Patterned
 
@@ -129,6 +129,6 @@ def _factors(matrix: Matrix, joints: Matrix) -> Callable[[np.ndarray], np.ndarra
         return lambda right: lu_solve(factored, right, check_finite=False)
     blocks = [[matrix, joints.T], [joints, None]] if m else [[matrix]]
     try:
-        return splu(sparse.block_array(blocks, format="csc")).solve
-    except RuntimeError:
+        return general_factors(sparse.block_array(blocks, format="csc")).solve
+    except np.linalg.LinAlgError:
         raise SingularityError(text) from None

@@ -79,7 +79,7 @@ class Buckling(SpectralAnalysis[BucklingModes]):
         factor = factorised(pencil.model, b)
         if factor is None:
             raise AnalysisError("nothing in the structure can move; release a support")
-        if self.constant is not None and not (factor.U.diagonal() > 0).all():
+        if self.constant is not None and factor.negative:
             raise SingularityError(
                 f"load case {self.constant!r} alone makes the structure buckle; lower it"
             )
@@ -116,5 +116,6 @@ def solve_buckling(
         Wrong options, unknown load case, no such factor; ``SingularityError`` where the structure
         is a mechanism.
     """
+    made = Buckling.of("solve_buckling", count=count, case=case, **options)
     need_structure(model, "solve_buckling", "take linearize about loaded equilibria")
-    return Buckling.of("solve_buckling", count=count, case=case, **options).run(model, parameters)
+    return made.run(model, parameters)

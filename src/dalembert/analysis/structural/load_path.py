@@ -280,5 +280,6 @@ def solve_load_path(
     AnalysisError
         Wrong options; ``SingularityError`` where the structure is a mechanism.
     """
+    made = ArcLength.of("solve_load_path", **options)
     need_structure(model, "solve_load_path", "take solve_equilibrium load by load")
-    return ArcLength.of("solve_load_path", **options).run(model, parameters)
+    return made.run(model, parameters)

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy.sparse.linalg as linalg
 
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
@@ -19,6 +18,7 @@ from dalembert.options import options
 from dalembert.results.result import Given
 from dalembert.results.structural.result import StructuralResult
 from dalembert.results.structural.vibration_modes import VibrationModes
+from dalembert.sparse.factorise import indefinite_factors
 from dalembert.structures.eigenpairs import nearest
 from dalembert.structures.model import StructuralModel
 
@@ -120,8 +120,8 @@ class Modal(SpectralAnalysis[VibrationModes]):
         matrix = a - self.shift * b
         if self.shift > 0 or self.about is not None:  # may be indefinite
             try:
-                return linalg.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A").solve
-            except RuntimeError:
+                return indefinite_factors(matrix).solve
+            except np.linalg.LinAlgError:
                 raise SingularityError(
                     f"the stiffness is singular at the shift {self.shift:g}; give another one"
                 ) from None
@@ -156,5 +156,6 @@ def solve_modes(
     AnalysisError
         Wrong options, nothing has mass; ``SingularityError`` where something moves freely.
     """
+    made = Modal.of("solve_modes", count=count, **options)
     need_structure(model, "solve_modes", "take linearize")
-    return Modal.of("solve_modes", count=count, **options).run(model, parameters)
+    return made.run(model, parameters)

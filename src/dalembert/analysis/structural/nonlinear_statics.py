@@ -17,6 +17,7 @@ from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.newton import Ending, Equations, NewtonSettings, Residual, solve
+from dalembert.timing import Timing
 
 SHORTEST = 1e-6
 """Share of the load below which a step is not halved any more."""
@@ -61,7 +62,7 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
         SingularityError
             The structure is a mechanism before any load acts.
         """
-        p = model.values(parameters)
+        p, timing = model.values(parameters), Timing()
         paths = [LoadPath(self, model, p, case) for case in model.loads]
         interrupted = False
         try:
@@ -86,8 +87,18 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
             status = Status(Outcome.NOT_CONVERGED, text, worst.reached, residual)
         else:
             status = Status(Outcome.COMPLETED, "nonlinear statics", 1.0, residual)
+        timing.lap("loading")
         record = [path.record() for path in paths]
-        statistics = {"iterations": sum(path.iterations for path in paths)}
+        timing.lap("outputs")
+        iterations = sum(path.iterations for path in paths)
+        factors = [one.factor for one in record if one.factor is not None]
+        statistics: dict[str, Any] = {
+            "iterations": iterations,
+            "factorisations": iterations + len(factors),
+            "solver": factors[0].name if factors else "none",
+            "build time [s]": round(model.build_time, 6),
+            **timing.statistics,
+        }
         return StructuralResult(
             model, self, p, list(model.loads), u, forces, status, statistics, record
         )

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
-import scipy.sparse.linalg as linalg
 
 from dalembert.analysis.structural.balance import Balance, Balanced
 from dalembert.analysis.structural.statics import factorised
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.results.structural.load_path import Plane
+from dalembert.sparse.factorise import general_factors, symmetric_factors
+from dalembert.sparse.solver import Factors
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.newton import ROUNDING, Equations, Residual
 
@@ -100,7 +101,7 @@ class PathEquations:
         load = growing[self.free] - rows[:, self.held] @ self.given
         return rows[:, self.free].tocsc(), load, whole
 
-    def factor(self, point: np.ndarray, plane: Plane, known: Any = None) -> linalg.SuperLU:
+    def factor(self, point: np.ndarray, plane: Plane, known: Any = None) -> Factors:
         """Factors of the bordered matrix, regular at limit points.
 
         Raises
@@ -112,8 +113,8 @@ class PathEquations:
         row = plane.row
         parts = [[stiffness, -load[:, None]], [row[None, :-1], row[None, -1:]]]
         try:
-            return linalg.splu(sparse.bmat(parts, format="csc"))
-        except RuntimeError:
+            return general_factors(sparse.bmat(parts, format="csc"))
+        except np.linalg.LinAlgError:
             raise SingularityError("the path branches there") from None
 
     def direction(self, point: np.ndarray, plane: Plane) -> np.ndarray:
@@ -126,12 +127,10 @@ class PathEquations:
         """Negative eigenvalues of ``K_ff``: pivots of its symmetric elimination."""
         if not self.size:
             return 0
-        options = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
         try:
-            factor = linalg.splu(self.matrix(point)[0], diag_pivot_thresh=0.0, **options)
-        except RuntimeError:
+            return symmetric_factors(self.matrix(point)[0]).negative
+        except np.linalg.LinAlgError:
             return 0
-        return int((factor.U.diagonal() < 0).sum())
 
 
 class Crossing(Equations[np.ndarray]):

@@ -55,14 +55,15 @@ def solve_statics(
         of dicts for a batch
     nonlinear : for large displacements
     workers : of a batch; by default one for each core
-    **options : fields of ``NonlinearStatics``: steps, tolerance, max_iterations
+    **options : fields of ``Statics``: solver; of ``NonlinearStatics``: steps, tolerance,
+        max_iterations
 
     Raises
     ------
     AnalysisError
         Wrong options; ``SingularityError`` where the structure is a mechanism.
     """
-    need_structure(model, "solve_statics", "take solve_equilibrium")
     chosen = NonlinearStatics if nonlinear else Statics
     made = chosen.of("solve_statics", **options)
+    need_structure(model, "solve_statics", "take solve_equilibrium")
     return run_analysis(made, model, parameters, workers=workers)  # type: ignore[no-any-return]

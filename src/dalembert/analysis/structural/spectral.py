@@ -13,6 +13,7 @@ from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.eigenmodes import EigenModes
 from dalembert.structures.model import StructuralModel
+from dalembert.timing import Timing
 
 CONVERGED = 1e-6
 """Largest residual of eigenpairs that counts as none."""
@@ -46,8 +47,11 @@ class SpectralAnalysis(Analysis[StructuralModel, E]):
         raise NotImplementedError
 
     def run(self, model: StructuralModel, parameters: Given = None, progress: Any = False) -> E:
-        p = model.values(parameters)
-        return self._modes(p, self.spectrum(self.pencil(model, p)))
+        p, timing = model.values(parameters), Timing()
+        modes = self._modes(p, self.spectrum(self.pencil(model, p)))
+        timing.lap("computation")
+        modes.statistics.update({"build time [s]": round(model.build_time, 6)}, **timing.statistics)
+        return modes
 
     def replay(self, result: E, p: np.ndarray) -> E:
         """The same modes at other parameter values, by their order."""

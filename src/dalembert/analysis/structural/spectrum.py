@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg as dense
 import scipy.sparse as sparse
-import scipy.sparse.linalg as linalg
 
 from dalembert.analysis.structural.pencil import Pencil
+from dalembert.sparse.factorise import indefinite_factors
 from dalembert.structures.eigenpairs import Solve
 
 COINCIDE = 1e-7
@@ -91,7 +91,7 @@ class Spectrum:
         matrix = (a - self.values[group].mean() * b).tocsc()[kept][:, kept]
         if not kept.size:
             return kept, lambda rhs: rhs
-        return kept, linalg.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A").solve
+        return kept, indefinite_factors(matrix).solve
 
     def align(self, earlier: np.ndarray) -> None:
         """Turn shapes so that they point to the side where earlier ones (n, m) do."""

@@ -6,29 +6,55 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse.linalg as linalg
 
+from dalembert.errors import UnsupportedError
+from dalembert.options import options
 from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
+from dalembert.sparse.multigrid import Multigrid
+from dalembert.sparse.solver import Factors, SparseSolver
 from dalembert.structures.factors import factors_of
+from dalembert.structures.iterative import better_iterative, multigrid_of
 from dalembert.structures.model import StructuralModel
+from dalembert.timing import Timing
+
+AUTO, DIRECT, ITERATIVE = SOLVERS = ("auto", "direct", "iterative")
 
 
 @dataclass(frozen=True)
 class StaticsRecord:
-    """What a gradient needs: the stiffness, and the factors of its free part ``K_ff``."""
+    """What a gradient needs: the stiffness, and what solves with its free part ``K_ff``."""
 
-    factor: linalg.SuperLU | None
+    factor: SparseSolver | None
     stiffness: Any
 
 
-@dataclass(frozen=True)
+@options
 class Statics(Analysis[StructuralModel, StructuralResult]):
-    """Linear statics as a strategy object; all load cases share one factorisation."""
+    """Linear statics as a strategy object; all load cases share one factorisation.
+
+    Parameters
+    ----------
+    solver : ``"direct"`` factors the stiffness; ``"iterative"`` takes conjugate gradients with
+        algebraic multigrid, which needs less memory; ``"auto"`` that where factors would not fit
+
+    Raises
+    ------
+    UnsupportedError
+        Another solver.
+    """
 
     spoken = "linear statics"
     at_rest = True
+
+    solver: str = "auto"
+
+    def __post_init__(self) -> None:
+        if self.solver not in SOLVERS:
+            raise UnsupportedError(
+                f"Statics(solver={self.solver!r}): solver must be one of {', '.join(SOLVERS)}"
+            )
 
     def run(
         self, model: StructuralModel, parameters: Given = None, progress: Any = False
@@ -40,13 +66,16 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         SingularityError
             The structure can move without straining; names the nodes that do.
         """
+        timing = Timing()
         model = model.linearized
         p = model.values(parameters)
         assembly, size = model.assembly, len(model.degrees)
         free, held = assembly.free, assembly.prescribed
         rest = np.zeros(size)
         stiffness = assembly.stiffness(rest, p)
-        factor = factorised(model, assembly.inner(stiffness))
+        timing.lap("assembly")
+        factor = self._solver(model, assembly.inner(stiffness), p)
+        timing.lap("factorisation")
         start = assembly.internal_forces(rest, p)
         u = np.zeros((size, len(model.loads)))
         forces = np.zeros_like(u)
@@ -62,10 +91,37 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         residual = self._residual(model, p, u, forces)
         status = Status(Outcome.COMPLETED, "linear statics", 0.0, residual)
         record = StaticsRecord(factor, stiffness)
-        statistics = {"displacements": size, "free": int(free.size)}
+        timing.lap("solution")
+        statistics = self._statistics(model, factor, timing)
         return StructuralResult(
             model, self, p, list(model.loads), u, forces, status, statistics, [record] * u.shape[1]
         )
+
+    def _solver(self, model: StructuralModel, matrix: Any, p: np.ndarray) -> SparseSolver | None:
+        blocks, free = model.assembly.blocks, model.assembly.free
+        chosen = self.solver == ITERATIVE
+        if self.solver == AUTO:
+            chosen = better_iterative(free.size, blocks)
+        if chosen:
+            return multigrid_of(matrix, blocks, model.degrees, free, p)
+        return factorised(model, matrix)
+
+    @staticmethod
+    def _statistics(
+        model: StructuralModel, factor: SparseSolver | None, timing: Timing
+    ) -> dict[str, Any]:
+        found: dict[str, Any] = {
+            "displacements": len(model.degrees),
+            "free": int(model.assembly.free.size),
+            "load cases": len(model.loads),
+        }
+        if factor is not None:
+            found["solver"] = factor.name
+        if isinstance(factor, Multigrid):
+            found["iterations"] = factor.iterations
+            found["residual of the solver"] = factor.residual
+        found["build time [s]"] = round(model.build_time, 6)
+        return found | timing.statistics
 
     @staticmethod
     def _residual(model: StructuralModel, p, u: np.ndarray, forces: np.ndarray) -> float:
@@ -78,7 +134,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         return float(max(left, default=0.0) / max(np.abs(forces).max(initial=0.0), 1e-300))
 
 
-def factorised(model: StructuralModel, matrix) -> linalg.SuperLU | None:
+def factorised(model: StructuralModel, matrix) -> Factors | None:
     """Sparse factors of the stiffness of the free displacements.
 
     Raises

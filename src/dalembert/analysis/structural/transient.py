@@ -145,7 +145,6 @@ def solve_transient(
     AnalysisError
         Wrong options; ``SingularityError`` where the run cannot begin.
     """
+    made = Transient.of("solve_transient", duration=duration, **options)
     need_structure(model, "solve_transient", "take solve_dynamics")
-    return Transient.of("solve_transient", duration=duration, **options).run(
-        model, parameters, progress
-    )
+    return made.run(model, parameters, progress)

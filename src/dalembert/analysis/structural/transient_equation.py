@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sparse
-import scipy.sparse.linalg as linalg
 
 from dalembert.elements.base import Scalar
 from dalembert.errors import ModelError, SingularityError, UnsupportedError
+from dalembert.sparse.factorise import indefinite_factors, symmetric_factors
+from dalembert.sparse.solver import Factors
 from dalembert.structures.configuration_load import ConfigurationLoad, Expansion
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.pattern import combined
@@ -247,7 +248,7 @@ class EquationOfMotion:
         return motion.a + self.alpha * motion.v if self.alpha else motion.a
 
 
-def factors(matrix: sparse.csc_matrix, what: str, symmetric: bool = True) -> linalg.SuperLU | None:
+def factors(matrix: sparse.csc_matrix, what: str, symmetric: bool = True) -> Factors | None:
     """Sparse factors of a matrix, symmetric and positive as a rule.
 
     Raises
@@ -257,10 +258,7 @@ def factors(matrix: sparse.csc_matrix, what: str, symmetric: bool = True) -> lin
     """
     if not matrix.shape[0]:
         return None
-    options: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A"}
-    if symmetric:
-        options |= {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
     try:
-        return linalg.splu(matrix.tocsc(), **options)
-    except RuntimeError:
+        return symmetric_factors(matrix) if symmetric else indefinite_factors(matrix)
+    except np.linalg.LinAlgError:
         raise SingularityError(what) from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -28,6 +27,7 @@ from dalembert.integrators.steps import Steps
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel
+from dalembert.timing import Timing
 
 
 class March:
@@ -61,6 +61,11 @@ class March:
     def iterations(self) -> int:
         """Of Newton's method, in all steps."""
         return sum(step.iterations for step in self._steps.values())
+
+    @property
+    def factorisations(self) -> int:
+        """Of matrices of steps."""
+        return sum(step.factorisations for step in self._steps.values())
 
     def run(self, times: np.ndarray, report: Callable[[float], None]) -> tuple[Outcome, str]:
         """Take the steps between the times; how and why it ended."""
@@ -155,7 +160,7 @@ class TransientRun:
 
     def execute(self, progress: Any = False) -> StructuralMotion:
         """March, and take the outputs."""
-        a, begin = self.analysis, clock.perf_counter()
+        a, timing = self.analysis, Timing()
         start, end = checked_span(a.duration, None)
         step, n = checked_step(a.step, start, end), len(self.model.degrees)
         afford_states(step_count(start, end, step), 4 * n)
@@ -166,15 +171,20 @@ class TransientRun:
         march = March(a, model, self.p)
         with progress_reporter(progress, f"integrating {model.name}") as report:
             outcome, message = march.run(times, report)
+        timing.lap("integration")
         placed, branches = outputs_of(march.steps, requested)
         statistics = {
             "displacements": march.equation.assembly.size,
             "steps": march.steps.count,
             "iterations": march.iterations,
-            "seconds": clock.perf_counter() - begin,
+            "factorisations": march.factorisations,
+            "build time [s]": round(model.build_time, 6),
         }
         status = self._status(march, outcome, message, float(_lengths(times)[0]))
-        return motion_at(march, a, placed, branches, status, statistics)
+        motion = motion_at(march, a, placed, branches, status, statistics)
+        timing.lap("outputs")
+        motion.statistics |= timing.statistics
+        return motion
 
     @staticmethod
     def _status(march: March, outcome: Outcome, message: str, h: float) -> Status:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse.linalg as linalg
 
 from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
 from dalembert.analysis.structural.statics import factorised
@@ -15,6 +14,7 @@ from dalembert.analysis.structural.transient_equation import (
 )
 from dalembert.analysis.structural.transient_step import Moving
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.sparse.solver import Factors
 
 STARTS = ("rest", "statics")
 MASSLESS = (
@@ -51,7 +51,7 @@ class TransientStart:
                 equation.model.name,
             )
 
-    def mass_factor(self, slopes: Slopes) -> linalg.SuperLU | None:
+    def mass_factor(self, slopes: Slopes) -> Factors | None:
         """Factors of the mass matrix where there is mass."""
         massive = self.equation.massive
         return factors(slopes.a[massive][:, massive], MASSLESS)
@@ -97,7 +97,7 @@ class TransientStart:
             u[e.free] += factor.solve((e.loads(self.time) - e.internal_forces(u))[e.free])
         return u
 
-    def static_factor(self, u: np.ndarray) -> linalg.SuperLU | None:
+    def static_factor(self, u: np.ndarray) -> Factors | None:
         """Factors of the tangent stiffness in the free displacements."""
         e = self.equation
         return factorised(e.model, e.assembly.inner(e.tangent(u)))

@@ -19,7 +19,6 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sparse
-import scipy.sparse.linalg as linalg
 
 from dalembert.analysis.structural.balance import Balance, relative
 from dalembert.analysis.structural.transient_equation import (
@@ -29,6 +28,7 @@ from dalembert.analysis.structural.transient_equation import (
     factors,
 )
 from dalembert.integrators.newmark import NewmarkFamily
+from dalembert.sparse.solver import Factors
 from dalembert.structures.pattern import combined
 from dalembert.symbolic.newton import Equations, NewtonSettings, Residual, solve
 
@@ -144,18 +144,20 @@ class TransientStep:
         self.settings = NewtonSettings(
             tolerance=integrator.tolerance, max_iterations=integrator.max_iterations, halvings=0
         )
+        self.factorisations = 0
         self._steady = self._factors(equation.slopes(equation.rest)) if equation.linear else None
         self.kept: Linearised | None = None
         self.balance, self.iterations = Balance(equation.model, equation.p), 0
 
-    def factor(self, slopes: Slopes) -> linalg.SuperLU | None:
+    def factor(self, slopes: Slopes) -> Factors | None:
         """Factors of ``M + κ(h γ C + h² β K)`` in the free displacements."""
         return self._factors(slopes) if self._steady is None else self._steady
 
-    def _factors(self, slopes: Slopes) -> linalg.SuperLU | None:
+    def _factors(self, slopes: Slopes) -> Factors | None:
         e, rule = self.equation, self.rule
         by_u, by_v = (rule.kappa * late for late in rule.late)
         matrix = combined((1.0, slopes.a), (by_v, slopes.v), (by_u, slopes.u))
+        self.factorisations += 1
         return factors(e.assembly.inner(matrix), SINGULAR, symmetric=e.symmetric)
 
     def advance(self, x: Moving, time: float) -> Moving | None:
@@ -229,7 +231,7 @@ class Linearised:
         return abs(self.stiffness)
 
     @cached_property
-    def factor(self) -> linalg.SuperLU | None:
+    def factor(self) -> Factors | None:
         """Factors of the equations; None where nothing is free."""
         return self.step.factor(self.step.equation.slopes(self.motion, self.stiffness))
 

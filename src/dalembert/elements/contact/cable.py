@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import casadi as ca
 
@@ -44,7 +45,8 @@ class Cable(Compliant):
     def __post_init__(self) -> None:
         given = self.points
         if not isinstance(given, Sequence) or isinstance(given, str) or len(given) < 2:
-            raise ModelError(f"points must be a list of at least two, got {given!r}", self.name)
+            told = f"points must be a list of at least two, got {_told(given)}"
+            raise ModelError(told, self.name)
         space = max(getattr(point, "dimension", 2) for point in given)
         self.points = tuple(
             need_point(point, self.name, f"points[{k}]", space) for k, point in enumerate(given)
@@ -54,6 +56,13 @@ class Cable(Compliant):
                 raise ModelError(
                     f"the point of {point.body.name} lies in a plane and others in space; give all "
                     "as many coordinates",
+                    self.name,
+                )
+        for k, (i, j) in enumerate(pairwise(self.points)):
+            if i is j:
+                raise ModelError(
+                    f"points[{k}] and points[{k + 1}] are the same point of {i.body.name}; give it "
+                    "once",
                     self.name,
                 )
         if len(set(map(id, self.parts()))) < 2:
@@ -82,3 +91,9 @@ class Cable(Compliant):
 
     def look(self) -> list[Look]:
         return [Rod(i, j) for i, j in pairwise(self.points)]
+
+
+def _told(given: Any) -> str:
+    """How many there are, or what it is instead."""
+    listed = isinstance(given, Sequence) and not isinstance(given, str)
+    return f"{len(given)}" if listed else repr(given)

@@ -49,7 +49,9 @@ class DryFriction(Friction):
         return ca.SX(0) if self.static is None else self.static.sx - self.dynamic.sx
 
     def conditions(self) -> list[Condition]:
-        return [*super().conditions(), (self.excess, "static= is below dynamic=")]
+        wrong = "static= is below dynamic=: {:.6g} and {:.6g}; give at least that, or leave it out"
+        given = ca.vertcat(self.dynamic.sx + self.excess, self.dynamic.sx)
+        return [*super().conditions(), (self.excess, wrong, given)]
 
     def sliding(self) -> ca.SX:
         return self.dynamic.sx

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.contact.unilateral import at_most_one
 from dalembert.elements.ingredient import Ingredient
 from dalembert.errors import ModelError
 
@@ -110,7 +111,7 @@ class RestitutionLaw(PowerLaw):
     def conditions(self):
         if self.restitution is None:
             return super().conditions()
-        return [*super().conditions(), (1 - self.restitution.sx, "its restitution is above 1")]
+        return [*super().conditions(), at_most_one(self.restitution.sx, "restitution")]
 
     def factor(self) -> ca.SX:
         """``d(e)``."""
@@ -163,8 +164,9 @@ class Flores(RestitutionLaw):
         return 1.6 * (1 - self.restitution.sx) / self.restitution.sx
 
     def conditions(self):
-        positive = self.restitution.sx - 1e-12
-        return [*super().conditions(), (positive, "its restitution must be above zero")]
+        e = self.restitution.sx
+        wrong = "restitution is {:.3g}; it must be above zero in this law"
+        return [*super().conditions(), (e - 1e-12, wrong, e)]
 
 
 @dataclass(eq=False)
@@ -207,7 +209,6 @@ class Restitution(Ingredient):
     tangential: Scalar = quantity("", "of the slip", default=0.0, minimum=0.0)
 
     def conditions(self):
-        above = [
-            (1 - value.sx, "its restitution is above 1") for value in (self.e, self.tangential)
-        ]
+        shares = {"e": self.e.sx, "tangential": self.tangential.sx}
+        above = [at_most_one(share, name) for name, share in shares.items()]
         return [*super().conditions(), *above]

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from dalembert.elements.base import Element, Rate
+from dalembert.elements.base import Condition, Element, Rate
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,3 +82,12 @@ class Unilateral(Element):
                 if gap.slip.numel():
                     found[f"friction_force{end}"] = (tangential, "N")
         return found
+
+
+def at_most_one(share: ca.SX, name: str) -> Condition:
+    """That a coefficient of restitution gives no energy."""
+    return (
+        1 - share,
+        f"{name} is above 1: {{:.6g}}; give 0 to 1, for a bounce gives no energy",
+        share,
+    )

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Condition, ForceElement, Look, Powers, Rate, Scalar, quantity
-from dalembert.elements.contact.unilateral import Gap, Impact, Unilateral
+from dalembert.elements.contact.unilateral import Gap, Impact, Unilateral, at_most_one
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Limit
+from dalembert.errors import ModelError
 from dalembert.symbolic.expression import stack
 
 
@@ -38,11 +39,19 @@ class UnilateralConstraint(Unilateral, ForceElement):
     )
     friction: Scalar = quantity("", "coefficient of friction", default=0.0, minimum=0.0)
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        rough = self.friction.sx
+        if self.slip is None and not (rough.is_constant() and float(rough) <= 0):
+            raise ModelError(
+                f"friction is {rough} and nothing slips; give slip= too, a velocity "
+                "along the surface",
+                self.name,
+            )
+
     def conditions(self) -> list[Condition]:
-        return [
-            (1 - self.restitution.sx, "restitution is above 1; a bounce gives no energy"),
-            (1 - self.tangential_restitution.sx, "tangential_restitution is above 1"),
-        ]
+        names = "restitution", "tangential_restitution"
+        return [at_most_one(getattr(self, name).sx, name) for name in names]
 
     def gaps(self, rate: Rate) -> list[Gap]:
         slip = stack([] if self.slip is None else [self.slip.sx])

@@ -21,6 +21,7 @@ from typing import Any, ClassVar
 import casadi as ca
 import numpy as np
 
+from dalembert.budget import afford, numeral
 from dalembert.elements.base import (
     ForceElement,
     Look,
@@ -40,6 +41,9 @@ from dalembert.symbolic.expression import Expression, stack, t
 STATIONS = {"start": 0.0, "middle": 0.5, "end": 1.0}
 """Where forces inside are named, in shares of the length."""
 ORDERS = (1, 2, 3, 4)
+OF_ITS_START = ("position", "angle", "rotation", "velocity", "angular_velocity")
+NODE = 1e6
+"""Bytes of the graphs of a node, whose constraints and inertia take far longer than that."""
 
 
 @dataclass(eq=False)
@@ -81,9 +85,19 @@ class Beam(Noded, ForceElement):
     def __post_init__(self) -> None:
         super().__post_init__()
         if type(self.elements) is not int or self.elements < 1:
-            raise ModelError(f"elements is {self.elements!r}; give a whole number", self.name)
+            told = f"elements is {self.elements!r}; give a whole number from 1 on"
+            raise ModelError(told, self.name)
+        what = f"elements = {numeral(self.elements)} of {self.name}"
+        afford(what, memory=NODE * self.elements * self.order, cure="give fewer elements")
         if self.order not in ORDERS:
             raise ModelError(f"order is {self.order!r}; give 1, 2, 3 or 4", self.name)
+        idle = [name for name in OF_ITS_START if getattr(self, name, None) is not None]
+        if self.frame_i is not None and idle:
+            raise ModelError(
+                f"{idle[0]} is given, and its start is clamped at frame_i, which tells where it "
+                "is; leave one of them out",
+                self.name,
+            )
         self.nodes = self._made_nodes()
         self.sections = [self._section(k) for k in range(self.count)]
 

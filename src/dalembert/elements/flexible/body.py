@@ -57,7 +57,7 @@ class Flexible(FloatingFrame):
     up_to: float | None = option("only those up to this frequency [rad/s]", default=None)
     reference: str = option("interface that the frame is fixed in, or 'mean' axes", default="")
     stiffening: bool = option("with displacements of second order", default=False)
-    damping_ratio: Scalar = quantity("1", "of every shape", default=0.0, minimum=0.0)
+    damping_ratio: Scalar = quantity("", "of every shape", default=0.0, minimum=0.0)
     rayleigh: Vector = quantity("", "shares of mass and stiffness", default=(0.0, 0.0), size=2)
     parameters: Numbers | None = option("of the structure, values or formulas", default=None)
 
@@ -145,6 +145,13 @@ class Flexible(FloatingFrame):
             raise ModelError(
                 "reference is the name of an interface or 'mean', stiffening True or False; got "
                 f"{self.reference!r} and {self.stiffening!r}",
+                self.name,
+            )
+
+        if self.stiffening and self.reference in ("", MEAN):
+            raise ModelError(
+                "second-order displacements need a frame that is fixed in an interface; with "
+                "stiffening give reference= the name of one",
                 self.name,
             )
 

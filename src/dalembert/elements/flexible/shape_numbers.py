@@ -7,15 +7,18 @@ a run fills with the numbers that belong to its parameter values.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
 from dalembert.elements.computed import ComputedNumbers
-from dalembert.elements.flexible.shapes import FloatingShapes, FollowingStructure
+from dalembert.elements.flexible.shapes import FloatingShapes, FollowingStructure, SectionShapes
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.symbolic.once import once
+
+SYMMETRIC = 4
+"""Tables of shapes that are symmetric; those of sections stand behind them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +83,15 @@ class ShapeNumbers(ComputedNumbers):
     def values(self, arguments: np.ndarray) -> np.ndarray:
         return self._packed(self.shapes(arguments))
 
-    def slopes(self, arguments: np.ndarray) -> np.ndarray:
-        return self._slopes(tuple(map(float, arguments)))
+    def push(self, arguments: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        at = tuple(map(float, arguments))
+        columns = [self._pushed(at, tuple(map(float, d))) for d in directions.T]
+        return np.array(columns).T.reshape(self.symbols.numel(), len(columns))
+
+    def pull(self, arguments: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        values = self._parameters(tuple(map(float, arguments)))
+        found = [self.following.pull(values, self._unpacked(w), self.followed) for w in weights.T]
+        return np.array(found).T.reshape(len(self.followed), len(found))
 
     @once
     def _at(self, arguments: tuple[float, ...]) -> FloatingShapes:
@@ -93,9 +103,11 @@ class ShapeNumbers(ComputedNumbers):
             raise AnalysisError(f"{self.name}: {error}") from None
 
     @once
-    def _slopes(self, arguments: tuple[float, ...]) -> np.ndarray:
-        found = self.following.slopes(self._parameters(arguments), self.followed)
-        return np.stack([self._packed(change) for change in found], axis=1)
+    def _pushed(self, arguments: tuple[float, ...], direction: tuple[float, ...]) -> np.ndarray:
+        if not any(direction):
+            return np.zeros(self.symbols.numel())
+        changes = dict(zip(self.followed, direction, strict=True))
+        return self._packed(self.following.push(self._parameters(arguments), changes))
 
     def _parameters(self, arguments: tuple[float, ...]) -> dict[str, float]:
         return self.given | dict(zip(self.followed, arguments, strict=True))
@@ -107,6 +119,34 @@ class ShapeNumbers(ComputedNumbers):
             column[places[places >= 0]] = table[places >= 0]
             columns.append(column)
         return np.concatenate(columns)
+
+    def _unpacked(self, weights: np.ndarray) -> FloatingShapes:
+        """Weights at the entries that stand for the numbers, one where two are equal."""
+        tables, begin = [], 0
+        for k, places in enumerate(self._places):
+            size = int(places.max(initial=-1)) + 1
+            own = (np.tril(places + 1) if k < SYMMETRIC else places + 1) > 0
+            table = np.zeros(places.shape)
+            table[own] = weights[begin : begin + size][places[own]]
+            tables.append(table)
+            begin += size
+        inertia, stiffness, mass, critical = tables[:SYMMETRIC]
+        sections = {
+            name: SectionShapes(place.ravel(), shift, turn)
+            for name, place, shift, turn in zip(
+                self.following.chosen.sections,
+                *(tables[SYMMETRIC + k :: 3] for k in range(3)),
+                strict=True,
+            )
+        }
+        return replace(
+            self.following.chosen,
+            inertia=inertia,
+            stiffness=stiffness,
+            mass=mass,
+            critical=critical,
+            sections=sections,
+        )
 
 
 def _tables(shapes: FloatingShapes) -> list[np.ndarray]:
@@ -120,7 +160,7 @@ def _places(shapes: FloatingShapes) -> list[np.ndarray]:
     """Number of each entry of each table in its column; −1 where it is always zero."""
     found = []
     for k, table in enumerate(_tables(shapes)):
-        if k >= 4:
+        if k >= SYMMETRIC:
             found.append(np.arange(table.size).reshape(table.shape))
             continue
         i, j = np.indices(table.shape)
@@ -142,8 +182,8 @@ def _table(column: ca.SX, places: np.ndarray) -> ca.SX:
 
 def _filled(shapes: FloatingShapes, tables: list[ca.SX]) -> ShapeSymbols:
     sections = {
-        name: SectionSymbols(*tables[4 + 3 * k : 7 + 3 * k])
+        name: SectionSymbols(*tables[SYMMETRIC + 3 * k :][:3])
         for k, name in enumerate(shapes.sections)
     }
-    inertia, stiffness, mass, critical = tables[:4]
+    inertia, stiffness, mass, critical = tables[:SYMMETRIC]
     return ShapeSymbols(inertia, stiffness, mass, critical, sections)

@@ -94,8 +94,13 @@ class FollowingStructure(Protocol):
     def at(self, parameters: Mapping[str, float]) -> FloatingShapes:
         """The shapes at other values."""
 
-    def slopes(self, parameters: Mapping[str, float], names: Sequence[str]) -> list[FloatingShapes]:
-        """Their derivatives with respect to parameters of these names."""
+    def push(self, parameters: Mapping[str, float], changes: Mapping[str, float]) -> FloatingShapes:
+        """Changes of what they consist of with changes of some parameters."""
+
+    def pull(
+        self, parameters: Mapping[str, float], weights: FloatingShapes, names: Sequence[str]
+    ) -> np.ndarray:
+        """Weights of some parameters from weights of what they consist of."""
 
 
 class FlexibleStructure(Protocol):

@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.elements.base import Condition
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, as_sx
+from dalembert.symbolic.template import template
 
 ROUNDING = 1e-9
 """Of moments of inertia as people write them, relative to their sum."""
@@ -73,6 +74,26 @@ def physical(moments: ca.SX) -> list[Condition]:
     ``∫ s sᵀ dm = tr(J)/2 − J`` is positive semidefinite: all its principal minors are not negative.
     On the axes this is the triangle inequality of the moments.
     """
+    minors = ca.densify(_minors(moments))
+    return [
+        (
+            minors[:3],
+            "no body has the moments of inertia ({:g}, {:g}, {:g}): none may exceed the sum of the "
+            "other two, and none is negative; mind that they are about the mass centre",
+            moments[:3],
+        ),
+        (
+            minors[3:],
+            "no body has the moments of inertia ({:g}, {:g}, {:g}) with such products, Ixy, Iyz, "
+            "Ixz = ({:g}, {:g}, {:g}): tr(J)/2 − J must be positive semidefinite",
+            moments,
+        ),
+    ]
+
+
+@template(6)
+def _minors(moments: ca.SX) -> ca.SX:
+    """(7,) principal minors of ``tr(J)/2 − J``, and what rounding may take from them."""
     second = ca.trace(tensor(moments)) / 2 * ca.SX.eye(3) - tensor(moments)
     size = ca.sumsqr(moments) ** 0.5
     singles = ca.diag(second) + ROUNDING * size
@@ -80,18 +101,4 @@ def physical(moments: ca.SX) -> list[Condition]:
         second[i, i] * second[j, j] - second[i, j] ** 2 + ROUNDING * size**2
         for i, j in ((0, 1), (1, 2), (0, 2))
     ]
-    whole = ca.det(second) + ROUNDING * size**3
-    return [
-        (
-            ca.densify(singles),
-            "no body has the moments of inertia ({:g}, {:g}, {:g}): none may exceed the sum of the "
-            "other two, and none is negative; mind that they are about the mass centre",
-            moments[:3],
-        ),
-        (
-            ca.densify(ca.vertcat(*pairs, whole)),
-            "no body has the moments of inertia ({:g}, {:g}, {:g}) with such products, Ixy, Iyz, "
-            "Ixz = ({:g}, {:g}, {:g}): tr(J)/2 − J must be positive semidefinite",
-            moments,
-        ),
-    ]
+    return ca.vertcat(singles, *pairs, ca.det(second) + ROUNDING * size**3)

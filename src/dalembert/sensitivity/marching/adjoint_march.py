@@ -9,7 +9,8 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import DynamicsKernel, alike
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.step_outputs import alike
 from dalembert.integrators.march import CHUNK, branches, flagged
 from dalembert.integrators.step import Step
 from dalembert.integrators.steps import even_length, run_length

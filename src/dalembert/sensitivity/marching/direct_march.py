@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import DynamicsKernel, alike
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.step_outputs import alike
 from dalembert.integrators.march import CHUNK, branches, flagged
 from dalembert.integrators.step import Step
 from dalembert.integrators.steps import even_length, run_length
@@ -18,6 +19,7 @@ from dalembert.symbolic.kernel import Kernel
 from dalembert.symbolic.once import once
 from dalembert.symbolic.prelude import Prelude
 
+Take = Callable[[int, int, np.ndarray], None]
 MOST = 1 << 18
 """Numbers of ``∂x/∂p`` at the steps of a chunk that are held at once."""
 
@@ -39,8 +41,27 @@ class DirectMarch:
     def gradient(self) -> np.ndarray:
         """(responses, columns) by one march over the steps with all columns."""
         gradient = np.zeros((len(self.seen), self.count))
-        if not gradient.size:
-            return gradient
+
+        def add(row: int, k: int, rates: np.ndarray) -> None:
+            gradient[row] += self.seen[row].sample.weights[k] * rates
+
+        self._march(add)
+        return gradient
+
+    def samples(self) -> list[np.ndarray]:
+        """(K, columns) derivatives of the samples that have a weight, for each response."""
+        found = [np.zeros((sample.modes.size, self.count)) for sample in self.seen]
+
+        def keep(row: int, k: int, rates: np.ndarray) -> None:
+            found[row][k] = rates
+
+        self._march(keep)
+        return found
+
+    def _march(self, take: Take) -> None:
+        """One march over the steps; ``take`` is told row, sample and its derivatives."""
+        if not (self.seen and self.count):
+            return
         self.run = self.seen[0]
         steps, n, c = self.run.steps, self.run.size, self.count
         self.unit = self.run.model.tangents(self.run.p, self.columns)
@@ -54,13 +75,13 @@ class DirectMarch:
             given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
             out = self._forward(count, mode, dx, given)
             changes = np.hstack([dx, out]).T.reshape(count + 1, c, n)
-            self._look(gradient, begin, changes[:-1])
+            self._look(take, begin, changes[:-1])
             dx, begin = out[:, -c:], begin + count
-        self._look(gradient, steps.count, dx.T.reshape(1, c, n))
-        return gradient
+        self._look(take, steps.count, dx.T.reshape(1, c, n))
 
-    def _look(self, gradient: np.ndarray, first: int, changes: np.ndarray) -> None:
-        """Add what the responses see of ``∂x/∂p``, (states, columns, n), from a state on."""
+    def _look(self, take: Take, first: int, changes: np.ndarray) -> None:
+        """Take what the responses see of ``∂x/∂p``, (states, columns, n), from a state on."""
+        n, kernel = self.run.size, self.run.kernel
         for row, sample in enumerate(self.seen):
             chosen = sample.seen(first, first + len(changes) - 1)
             if not chosen.size:
@@ -70,22 +91,24 @@ class DirectMarch:
             k, length = sample.branches.index[chosen], sample.branches.length[chosen]
             inside = np.flatnonzero((length != 0) & ~sample.ends[chosen])
             for mode, part in alike(sample.steps.mode[k[inside]], inside):
-                tangent = _inside(sample.step_of(mode), self.count)
-                x = sample.steps.x[:, k[part]]
-                for j, begin in zip(part, x.T, strict=True):
-                    (dx,) = tangent(
-                        sample.steps.t[k[j]], length[j], begin, sample.p, moved[j].T, self.unit
-                    )
-                    moved[j] = dx.T
-            for mode in np.unique(sample.modes[chosen]):
-                function = sample.measured(self.run.kernel.variants[mode])
-                measured = _measured(function, self.count)
-                for j in np.flatnonzero(sample.modes[chosen] == mode):
-                    size, time = sample.step_of(mode).state_size, sample.motion.time[chosen[j]]
-                    (rates,) = measured(
-                        time, states[:size, j], sample.p, moved[j][:, :size].T, self.unit
-                    )
-                    gradient[row] += sample.sample.weights[chosen[j]] * rates.ravel()
+                tangents = kernel.over(_inside(sample.step_of(mode), self.count), part.size)
+                begin = sample.steps.t[k[part]], length[part], sample.steps.x[:, k[part]]
+                dx = tangents(*begin, *self._alike(part.size, _beside(moved[part])))[0]
+                moved[part] = dx.reshape(n, part.size, self.count).transpose(1, 2, 0)
+            for mode, part in alike(sample.modes[chosen], np.arange(chosen.size)):
+                size = sample.step_of(mode).state_size
+                measured = _measured(sample.measured(kernel.variants[mode]), self.count)
+                rates = kernel.over(measured, part.size)(
+                    sample.motion.time[chosen[part]],
+                    states[:size, part],
+                    *self._alike(part.size, _beside(moved[part][:, :, :size])),
+                )[0]
+                for j, row_rates in zip(part, rates.reshape(part.size, -1), strict=True):
+                    take(row, int(chosen[j]), row_rates)
+
+    def _alike(self, count: int, dx: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Parameters, changes of the states, and those of the parameters at so many instants."""
+        return np.tile(self.run.p[:, None], count), dx, np.tile(self.unit, count)
 
     def _at_start(self) -> np.ndarray:
         """(n, columns) ``∂x/∂p`` of the first state."""
@@ -118,15 +141,20 @@ class DirectMarch:
         return columns(count, dx, *given, values, rates)[0]
 
 
+def _beside(changes: np.ndarray) -> np.ndarray:
+    """(n, instants · columns) changes side by side, from (instants, columns, n)."""
+    return changes.transpose(2, 0, 1).reshape(changes.shape[2], -1)
+
+
 @once
-def _inside(step: Step, columns: int) -> Kernel:
+def _inside(step: Step, columns: int) -> ca.Function:
     """Tangents over part of a step."""
-    return Kernel(step.tangents(columns))
+    return step.tangents(columns)
 
 
 @once
-def _measured(function: ImplicitFunction, columns: int) -> Kernel:
-    return Kernel(function.tangents(columns))
+def _measured(function: ImplicitFunction, columns: int) -> ca.Function:
+    return function.tangents(columns)
 
 
 @once

@@ -19,11 +19,23 @@ class DynamicsEngine(Engine):
 
     def direct(self, columns: Sequence[int]) -> np.ndarray:
         found = np.zeros((len(self.samples), len(columns)))
-        steps = [sample.motion.record.steps for sample in self.samples]
-        for one in {id(s): s for s in steps}.values():  # integrals may look at shorter steps
-            rows = [k for k, s in enumerate(steps) if s is one]
+        for rows in self._of_same_steps():
             found[rows] = DirectMarch([self.samples[k] for k in rows], columns).gradient()
         return found
+
+    def of_samples(self, columns: Sequence[int]) -> list[np.ndarray]:
+        found = [np.zeros((0, 0))] * len(self.samples)
+        for rows in self._of_same_steps():
+            march = DirectMarch([self.samples[k] for k in rows], columns)
+            for row, derivatives in zip(rows, march.samples(), strict=True):
+                found[row] = derivatives
+        return found
+
+    def _of_same_steps(self) -> list[list[int]]:
+        """Numbers of the responses by the steps they look at; integrals may look at shorter."""
+        steps = [sample.motion.record.steps for sample in self.samples]
+        every = {id(s): s for s in steps}.values()
+        return [[k for k, s in enumerate(steps) if s is one] for one in every]
 
     def adjoint(self) -> np.ndarray:
         return self.gathered([AdjointMarch(sample).gradient() for sample in self.samples])

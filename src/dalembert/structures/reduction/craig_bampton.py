@@ -13,9 +13,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse.linalg as linalg
 
 from dalembert.errors import AnalysisError, ModelError, SingularityError
+from dalembert.sparse.solver import Factors
 from dalembert.structures.assembly import Assembly
 from dalembert.structures.eigenpairs import nearest
 from dalembert.structures.factors import factors_of
@@ -45,7 +45,7 @@ class CraigBampton:
     stiffness: np.ndarray
     mass: np.ndarray
     frequencies: np.ndarray
-    factor: linalg.SuperLU | None
+    factor: Factors | None
 
     @property
     def columns(self) -> dict[str, slice]:
@@ -113,7 +113,7 @@ def _constraint_modes(interfaces: list[Interface], size: int) -> np.ndarray:
 
 
 def _fixed_modes(
-    inner: Assembly, stiffness, mass, factor: linalg.SuperLU, modes: int, up_to: float | None
+    inner: Assembly, stiffness, mass, factor: Factors, modes: int, up_to: float | None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Modes with the interfaces at rest, and their frequencies."""
     a, b = inner.inner(stiffness), inner.inner(mass)

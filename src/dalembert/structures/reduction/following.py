@@ -12,6 +12,7 @@ from dalembert.structures.reduction.basis import modal_basis
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.floating import NO_PAIRS, floating_shapes
 from dalembert.structures.reduction.floating_slopes import FloatingSlopes
+from dalembert.structures.reduction.floating_weights import FloatingWeights
 from dalembert.structures.reduction.rigid import node_places
 
 
@@ -40,6 +41,7 @@ class FollowingShapes:
         parameters: Mapping[str, float] | None,
     ):
         self.model, self.interface = model, interface
+        self._kept: FloatingSlopes | None = None
         reduced = model.craig_bampton(interface, modes, up_to=up_to, parameters=parameters)
         self.modes = reduced.frequencies.size
         places = node_places(model.blocks, model.degrees, reduced.p)
@@ -67,14 +69,26 @@ class FollowingShapes:
         given = self.model.degrees, places, self.basis, self.pairs, self.model
         return floating_shapes(reduced, *given)
 
-    def slopes(self, parameters: Mapping[str, float], names: Sequence[str]) -> list[FloatingShapes]:
-        """Derivatives of what the shapes consist of with respect to parameters of these names."""
-        slopes = FloatingSlopes(
-            self._reduced(parameters), self.model.degrees, self.basis, self.pairs
-        )
+    def push(self, parameters: Mapping[str, float], changes: Mapping[str, float]) -> FloatingShapes:
+        """Changes of what they consist of with changes of some parameters."""
+        direction = np.array([changes.get(name, 0.0) for name in self.model.parameters])
+        return self._slopes(parameters).push(direction)
+
+    def pull(
+        self, parameters: Mapping[str, float], weights: FloatingShapes, names: Sequence[str]
+    ) -> np.ndarray:
+        """Weights of some parameters from weights of what they consist of."""
+        found = FloatingWeights(self._slopes(parameters), weights).found()
         listed = list(self.model.parameters)
-        units = np.eye(len(listed))
-        return [slopes.push(units[listed.index(name)]) for name in names]
+        return found[[listed.index(name) for name in names]]
+
+    def _slopes(self, parameters: Mapping[str, float]) -> FloatingSlopes:
+        """Of these values; the last ones are kept."""
+        values = self.model.values(parameters)
+        if self._kept is None or not np.array_equal(self._kept.reduced.p, values):
+            reduced = self._reduced(parameters)
+            self._kept = FloatingSlopes(reduced, self.model.degrees, self.basis, self.pairs)
+        return self._kept
 
     def _reduced(self, parameters: Mapping[str, float]) -> CraigBampton:
         return self.model.craig_bampton(self.interface, self.modes, parameters=parameters)

@@ -78,6 +78,16 @@ def rigid_motions(degrees: Numbering, places: np.ndarray) -> np.ndarray:
     return found
 
 
+def uncarried(degrees: Numbering, weights: np.ndarray) -> np.ndarray:
+    """(n, k) weights of shapes from weights (n, k · rotations) of what carries them round."""
+    d, turning = degrees.dimension, spins(degrees.dimension)
+    translations = degrees.table[:, :d]
+    found = np.zeros((len(weights), weights.shape[1] // len(turning)))
+    for part, spin in zip(np.split(weights, len(turning), axis=1), turning, strict=True):
+        found[translations] += np.einsum("ij,nik->njk", spin, part[translations])
+    return found
+
+
 def carried(degrees: Numbering, shapes: np.ndarray) -> np.ndarray:
     """(n, k · rotations) velocities ``e_j × φ_k`` of displaced nodes as the frame turns.
 

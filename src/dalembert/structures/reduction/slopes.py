@@ -13,8 +13,8 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sparse
-import scipy.sparse.linalg as linalg
 
+from dalembert.sparse.factorise import general_factors
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.rigid import pull_places, push_places, spins
@@ -69,9 +69,22 @@ class ReductionSlopes:
     def pull(self, stiffness_bar: np.ndarray, mass_bar: np.ndarray) -> np.ndarray:
         """Weights (np,) of the parameters from weights (r, r) of both matrices."""
         k_bar, m_bar = ((bar + bar.T) / 2 for bar in (stiffness_bar, mass_bar))
-        shapes, free = self.reduced.shapes, self.assembly.free
+        shapes = self.reduced.shapes
         v_bar = 2 * (self.stiffness @ shapes @ k_bar + self.mass @ shapes @ m_bar)
-        stiff, heavy = shapes @ k_bar, shapes @ m_bar  # what weighs K' and M' on each shape
+        none = np.zeros_like(shapes)
+        return self.pull_shapes(v_bar, shapes @ k_bar, shapes @ m_bar, none)
+
+    def pull_shapes(
+        self, v_bar: np.ndarray, stiff: np.ndarray, heavy: np.ndarray, motions_bar: np.ndarray
+    ) -> np.ndarray:
+        """Weights (np,) of the parameters from weights (n, r) of the shapes.
+
+        Parameters
+        ----------
+        stiff, heavy : what weighs ``K'`` and ``M'`` on each shape besides
+        motions_bar : what weighs the unit motions of the interfaces
+        """
+        shapes, free, v_bar = self.reduced.shapes, self.assembly.free, v_bar.copy()
         if self.reduced.factor is not None:
             first, held = slice(self.statics), self.assembly.prescribed
             eased = np.zeros((self.assembly.size, self.statics))
@@ -83,11 +96,8 @@ class ReductionSlopes:
                 eased_mode = self._outside(k, v_bar[free, column])
                 stiff[free, column] -= eased_mode
                 heavy[free, column] += frequency**2 * eased_mode
-        p_bar = self._pull_motions(v_bar)
-        for k, shape in enumerate(shapes.T):
-            p_bar += self.assembly.pull_stiffness(stiff[:, k], shape, self.rest, self.p)[1]
-            p_bar += self.assembly.pull_mass(heavy[:, k], shape, self.p)
-        return p_bar
+        p_bar = self._pull_motions(v_bar + motions_bar)
+        return p_bar + self.pull_stiffness(stiff, shapes) + self.pull_mass(heavy, shapes)
 
     # modes between the interfaces ---------------------------------------------------------
     def _outside(self, k: int, load: np.ndarray) -> np.ndarray:
@@ -108,7 +118,7 @@ class ReductionSlopes:
         k, m = (self.assembly.inner(matrix) for matrix in (self.stiffness, self.mass))
         border = sparse.csc_matrix(self._momenta)
         return [
-            linalg.splu(sparse.bmat([[k - w**2 * m, border], [border.T, None]]).tocsc()).solve
+            general_factors(sparse.bmat([[k - w**2 * m, border], [border.T, None]])).solve
             for w in self.reduced.frequencies
         ]
 
@@ -121,6 +131,24 @@ class ReductionSlopes:
     def push_mass(self, table: np.ndarray, dp: np.ndarray) -> np.ndarray:
         """Change of ``M`` times each column."""
         return self._columns(lambda b: self.assembly.push_mass(b, self.p, dp), table)
+
+    def pull_stiffness(self, bars: np.ndarray, table: np.ndarray) -> np.ndarray:
+        """Weights (np,) of the parameters from weights of ``K`` times each column."""
+        found = np.zeros(self.p.size)
+        for bar, column in zip(bars.T, table.T, strict=True):
+            if bar.any():
+                given = np.ascontiguousarray(bar), np.ascontiguousarray(column), self.rest, self.p
+                found += self.assembly.pull_stiffness(*given)[1]
+        return found
+
+    def pull_mass(self, bars: np.ndarray, table: np.ndarray) -> np.ndarray:
+        """Weights (np,) of the parameters from weights of ``M`` times each column."""
+        found = np.zeros(self.p.size)
+        for bar, column in zip(bars.T, table.T, strict=True):
+            if bar.any():
+                given = np.ascontiguousarray(bar), np.ascontiguousarray(column), self.p
+                found += self.assembly.pull_mass(*given)
+        return found
 
     @staticmethod
     def _columns(act: Callable[[np.ndarray], np.ndarray], table: np.ndarray) -> np.ndarray:

@@ -104,7 +104,7 @@ class Polygon(Cornered):
         turns = []
         for a, b, c in zip(found, found[1:] + found[:1], found[2:] + found[:2], strict=True):
             turns.append((b - a)[0] * (c - b)[1] - (b - a)[1] * (c - b)[0])
-        wrong = "its vertices are no convex polygon, anticlockwise"
+        wrong = "its vertices are no convex polygon; give them anticlockwise, without dents"
         return [*super().conditions(), (ca.vertcat(*turns), wrong)]
 
 

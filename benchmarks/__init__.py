@@ -1,0 +1,1 @@
+"""dalembert beside its peers on the same mechanisms: ``python -m benchmarks``."""

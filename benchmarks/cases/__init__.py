@@ -1,0 +1,1 @@
+"""What is compared: every case makes rows of the table, and some make a picture."""

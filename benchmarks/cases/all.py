@@ -1,0 +1,13 @@
+"""All cases, in the order of the table."""
+
+from benchmarks.cases import build, cold_start, gradients, memory, motions, plate, soft_pendulum
+
+CASES = [
+    *motions.CASES,
+    soft_pendulum.CASE,
+    plate.CASE,
+    gradients.CASE,
+    build.CASE,
+    cold_start.CASE,
+    memory.CASE,
+]

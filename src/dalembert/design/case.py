@@ -1,0 +1,68 @@
+"""One of the runs by which a design is judged: a model and an analysis of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from dalembert.design.quantity import CaseResponse, Quantity
+from dalembert.errors import AnalysisError
+from dalembert.responses.base import Response
+from dalembert.results.result import Analysis
+from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text import unknown
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A model and an analysis: ``case[response]`` is an objective or a limit of a design.
+
+    Parameters of the same name in several cases are one and the same variable.
+
+    Parameters
+    ----------
+    model : mechanism or structure
+    analysis : a strategy object, as ``Dynamics(...)`` or ``Statics()``
+    given : parameter of this model → quantity of another case that sets it, as the load of a
+        member by a joint's force; gradients follow the chain
+    """
+
+    model: ParametricModel
+    analysis: Analysis
+    given: Mapping[str, Quantity] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.analysis, Analysis):
+            raise AnalysisError(
+                f"analysis is {self.analysis!r}; give a strategy object such as da.Kinematics(1.0)"
+            )
+        for name, quantity in self.given.items():
+            if name not in self.model.parameters:
+                raise AnalysisError(
+                    f"{self.model.name}: {unknown('parameter', name, self.model.parameters)}"
+                )
+            if not isinstance(quantity, Quantity):
+                raise AnalysisError(f"{name}: give case[response], got {quantity!r:.60}")
+
+    def __getitem__(self, response: Any) -> CaseResponse:
+        if not isinstance(response, Response):
+            raise AnalysisError(
+                f"{response!r} is not a response; give one such as da.final(measure)"
+            )
+        return CaseResponse(self, response)
+
+    @property
+    def needs(self) -> list[Case]:
+        """The cases that set some of its parameters."""
+        return [term.case for quantity in self.given.values() for term in quantity.terms]
+
+
+def in_order(cases: list[Case]) -> list[Case]:
+    """These cases and those that they need, each once and after what it needs."""
+    listed: list[Case] = []
+    for case in cases:
+        for one in (*in_order(case.needs), case):
+            if one not in listed:
+                listed.append(one)
+    return listed

@@ -1,0 +1,1 @@
+"""Design problems as other packages want them."""

@@ -1,0 +1,118 @@
+"""A design as plain functions of a vector, for SciPy and whatever else optimises."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dalembert.design.limit import Limit
+from dalembert.design.optimization import design_problem
+from dalembert.design.problem import Evaluation
+from dalembert.errors import AnalysisError
+from dalembert.responses.base import Response
+from dalembert.results.result import Analysis
+from dalembert.sensitivity.methods import Method
+from dalembert.symbolic.parametric_model import ParametricModel
+
+if TYPE_CHECKING:
+    from scipy.optimize import NonlinearConstraint
+
+
+class DesignFunctions:
+    """``fun(x), jac(x)`` of the first response, ``values(x), jacobian(x)`` of all.
+
+    One run serves all that is asked of a design. ``fun`` is infinite, and ``values`` are, where a
+    run fails; slopes there raise.
+
+    Parameters
+    ----------
+    model, analysis : what is run
+    responses : one or several, the objective first
+    subject_to : limits, as ``constraints`` for SciPy
+    vary : names; default all with bounds
+    start : initial values
+    gradient : method of ``sensitivity``
+
+    Attributes
+    ----------
+    names, labels : of the variables and of the responses
+    x0 : (n,) start
+    bounds : (n, 2)
+    """
+
+    def __init__(
+        self,
+        model: ParametricModel | None,
+        responses: Any,
+        *,
+        analysis: Analysis | None = None,
+        subject_to: Sequence[Limit] = (),
+        vary: Sequence[Any] | None = None,
+        start: Mapping[str, float] | None = None,
+        gradient: Method = "auto",
+    ):
+        several = isinstance(responses, Sequence) and not isinstance(responses, (str, Response))
+        listed = list(responses) if several else [responses]
+        wanted = [*listed, *(limit.response for limit in subject_to)]
+        self.problem = design_problem(model, analysis, wanted, vary, start)
+        self.problem.gradient = gradient
+        self.limits, self.count = list(subject_to), len(listed)
+        self.names = self.problem.variables.names
+        self.labels = [q.label for q in self.problem.quantities[: self.count]]
+        self.x0 = self.problem.variables.start.copy()
+        self.bounds = np.stack([self.problem.variables.lower, self.problem.variables.upper], axis=1)
+
+    def fun(self, x: np.ndarray) -> float:
+        """The first response."""
+        return float(self.values(x)[0])
+
+    def jac(self, x: np.ndarray) -> np.ndarray:
+        """(n,) its gradient."""
+        return self.jacobian(x)[0]
+
+    def values(self, x: np.ndarray) -> np.ndarray:
+        """(m,) all responses."""
+        return self._all(x)[: self.count]
+
+    def jacobian(self, x: np.ndarray) -> np.ndarray:
+        """(m, n) their gradients."""
+        return self._slopes(x, range(self.count))
+
+    def limited(self, x: np.ndarray) -> np.ndarray:
+        """The responses of the limits."""
+        return self._all(x)[self.count :]
+
+    @property
+    def constraints(self) -> list[NonlinearConstraint]:
+        """The limits as SciPy takes them."""
+        from scipy.optimize import NonlinearConstraint
+
+        if not self.limits:
+            return []
+        lower = [-np.inf if limit.lower is None else limit.lower for limit in self.limits]
+        upper = [np.inf if limit.upper is None else limit.upper for limit in self.limits]
+        rows = range(self.count, self.count + len(self.limits))
+        return [NonlinearConstraint(self.limited, lower, upper, lambda x: self._slopes(x, rows))]
+
+    def _all(self, x: np.ndarray) -> np.ndarray:
+        found = self.problem.evaluate(x, gradient=False)
+        return np.full(len(self.problem.quantities), np.inf) if found is None else found.values
+
+    def _slopes(self, x: np.ndarray, rows: Sequence[int]) -> np.ndarray:
+        found = self.found(x)
+        return np.array([self.problem.slope(found, k) for k in rows])
+
+    def found(self, x: np.ndarray) -> Evaluation:
+        """The evaluation with gradient.
+
+        Raises
+        ------
+        AnalysisError
+            The run fails there.
+        """
+        made = self.problem.evaluate(np.asarray(x, dtype=float))
+        if made is None:
+            raise AnalysisError(f"no gradient of a design that fails: {self.problem.failures[-1]}")
+        return made

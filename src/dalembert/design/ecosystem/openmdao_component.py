@@ -1,0 +1,79 @@
+"""A design as an explicit component of OpenMDAO, an extra."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from dalembert.design.ecosystem.functions import DesignFunctions
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.results.result import Analysis
+from dalembert.sensitivity.methods import Method
+from dalembert.symbolic.parametric_model import ParametricModel
+
+
+def openmdao_component(
+    model: ParametricModel | None,
+    responses: Any,
+    *,
+    analysis: Analysis | None = None,
+    vary: Sequence[str] | None = None,
+    gradient: Method = "auto",
+) -> Any:
+    """An ``openmdao.api.ExplicitComponent``: parameters in, responses out, partials exact.
+
+    Inputs have the names of the parameters, outputs the labels of the responses, with ``_`` for
+    what OpenMDAO's names do not hold. A run that fails is its ``AnalysisError``, from which drivers
+    step back. ``pip install dalembert[mdo]``.
+
+    Parameters
+    ----------
+    model, analysis : what is run
+    responses : one or several
+    vary : names of the inputs; default all with bounds
+    gradient : ``"direct"``, ``"adjoint"`` or the cheaper of them
+
+    Raises
+    ------
+    UnsupportedError
+        OpenMDAO is not there.
+    """
+    try:
+        import openmdao.api as om
+    except ImportError:
+        raise UnsupportedError("OpenMDAO is missing: pip install dalembert[mdo]") from None
+    functions = DesignFunctions(model, responses, analysis=analysis, vary=vary, gradient=gradient)
+    outputs = [re.sub(r"\W", "_", label) for label in functions.labels]
+    if len(set(outputs)) < len(outputs):
+        raise AnalysisError(f"responses need names that differ in letters: {functions.labels}")
+
+    class Component(om.ExplicitComponent):
+        """Responses of a design for OpenMDAO."""
+
+        def setup(self) -> None:
+            for name, value in zip(functions.names, functions.x0, strict=True):
+                self.add_input(name, float(value))
+            for output in outputs:
+                self.add_output(output)
+            self.declare_partials("*", "*")
+
+        def compute(self, inputs: Any, outputs_: Any, *ignored: Any) -> None:
+            values = functions.values(_vector(inputs))
+            if not np.all(np.isfinite(values)):
+                raise om.AnalysisError(functions.problem.failures[-1])
+            for output, value in zip(outputs, values, strict=True):
+                outputs_[output] = value
+
+        def compute_partials(self, inputs: Any, partials: Any, *ignored: Any) -> None:
+            slopes = functions.jacobian(_vector(inputs))
+            for output, row in zip(outputs, slopes, strict=True):
+                for name, slope in zip(functions.names, row, strict=True):
+                    partials[output, name] = slope
+
+    def _vector(inputs: Any) -> np.ndarray:
+        return np.array([float(np.ravel(inputs[name])[0]) for name in functions.names])
+
+    return Component()

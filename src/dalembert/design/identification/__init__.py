@@ -1,0 +1,1 @@
+"""Parameters from measurements: data, misfit, estimate and what it is worth."""

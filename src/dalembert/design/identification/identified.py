@@ -1,0 +1,167 @@
+"""What an identification ends with: parameters, how sure they are, and what is left over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dalembert.design.identification.information import WEAK, Combination, Information
+from dalembert.design.identification.misfit import Misfit
+from dalembert.results.result import Result
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(eq=False)
+class Identification:
+    """Result of ``identify``.
+
+    Attributes
+    ----------
+    x : unknown → value
+    success, message : how least squares ended
+    deviation : unknown → standard deviation, infinite where the data cannot tell
+    noise : column → standard deviation of its noise, given or estimated
+    noise_given : whether all noise was given
+    motions : the runs with the parameters found, one per experiment
+    predicted : (K, columns) of each experiment, NaN where no sample is used
+    at_bounds : unknowns that ended at a bound; their intervals mean little
+    """
+
+    x: dict[str, float]
+    success: bool
+    message: str
+    cost: float
+    noise: dict[str, float]
+    noise_given: bool
+    factor: float
+    information: Information
+    motions: list[Result]
+    predicted: list[np.ndarray]
+    misfit: Misfit = field(repr=False)
+    at_bounds: list[str] = field(default_factory=list)
+    runs: int = 0
+    failed_runs: int = 0
+
+    @property
+    def samples(self) -> int:
+        """Number of samples used."""
+        return self.misfit.size
+
+    @property
+    def freedom(self) -> int:
+        """Samples beyond the unknowns."""
+        return self.samples - len(self.x)
+
+    @property
+    def covariance(self) -> xr.DataArray:
+        """Covariance of the unknowns, ``unknown × other``."""
+        return self._square(self.information.covariance(self.factor), "covariance")
+
+    @property
+    def correlation(self) -> xr.DataArray:
+        """Correlation of the unknowns; NaN where the data cannot tell."""
+        found = self.information.covariance(self.factor)
+        size = np.sqrt(np.diag(found))
+        with np.errstate(invalid="ignore"):
+            return self._square(found / np.outer(size, size), "correlation")
+
+    def _square(self, values: np.ndarray, name: str) -> xr.DataArray:
+        import xarray as xr
+
+        names = list(self.x)
+        return xr.DataArray(values, {"unknown": names, "other": names}, ("unknown", "other"), name)
+
+    @property
+    def deviation(self) -> dict[str, float]:
+        variance = np.diag(self.information.covariance(self.factor))
+        return dict(zip(self.x, map(float, np.sqrt(variance)), strict=True))
+
+    def interval(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
+        """Unknown → confidence interval; Student's where the noise was estimated."""
+        from scipy.special import ndtri, stdtrit
+
+        chance = (1 + level) / 2
+        known = self.noise_given or self.freedom < 1
+        reach = float(ndtri(chance) if known else stdtrit(self.freedom, chance))
+        return {n: (v - reach * s, v + reach * s) for (n, v), s in self._pairs()}
+
+    def _pairs(self) -> Any:
+        return zip(self.x.items(), self.deviation.values(), strict=True)
+
+    @property
+    def combinations(self) -> list[Combination]:
+        """Combinations of the unknowns, the worst known first."""
+        return self.information.combinations(self.factor)
+
+    @property
+    def poorly_known(self) -> list[Combination]:
+        """Combinations that the data cannot tell, or only roughly."""
+        return [c for c in self.combinations if c.deviation > WEAK]
+
+    @property
+    def residuals(self) -> list[np.ndarray]:
+        """(K, columns) of model less data of each experiment, NaN where no sample is used."""
+        pairs = zip(self.predicted, self.misfit.observations, strict=True)
+        return [found - o.values for found, o in pairs]
+
+    def advise(self, candidates: Mapping[str, Mapping[str, float]]) -> list[dict[str, Any]]:
+        """Which further experiment would tell most, by D-optimality.
+
+        Each candidate is a first experiment again with other parameters, of an excitation say. Its
+        Jacobian at the parameters found is joined to that of the data.
+
+        Parameters
+        ----------
+        candidates : name → parameters of the run
+
+        Returns
+        -------
+        name, ``gain`` of ``log det F`` and the ``deviation`` then expected, the best first
+        """
+        from dalembert.design.identification.excitation import advise
+
+        x = np.array(list(self.x.values()))
+        return advise(self.misfit, self.information, x, self.factor, candidates)
+
+    # for people ----------------------------------------------------------------------------
+    @property
+    def notes(self) -> list[str]:
+        """What is doubtful about it."""
+        told = [f"{name} ended at a bound; its interval means little" for name in self.at_bounds]
+        told += [f"the data hardly tell {c}" for c in self.poorly_known]
+        if not self.success:
+            told.insert(0, self.message)
+        return told
+
+    def plot(self) -> Any:
+        """Data, model and residuals of every column; returns the figure."""
+        from dalembert.design.identification.pictures import plot_fit
+
+        return plot_fit(self.misfit, self.predicted)
+
+    def _repr_html_(self) -> str:
+        from dalembert.design.identification.pictures import html
+
+        kind = "given" if self.noise_given else "estimated"
+        noise = ", ".join(f"{column}: {level:.3g}" for column, level in self.noise.items())
+        told = f"{self.samples} samples: {self.message}", f"noise ({kind}): {noise}"
+        return html(self._rows(), told, self.notes)
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        """Unknown, value, deviation, interval and unit of each, as text."""
+        parameters, interval = self.misfit.model.parameters, self.interval()
+        rows: list[tuple[str, ...]] = []
+        for (name, value), deviation in self._pairs():
+            low, high = interval[name]
+            unit = parameters[name].unit if name in parameters else ""
+            rows.append((name, f"{value:.6g}", f"{deviation:.2g}", f"{low:.6g} … {high:.6g}", unit))
+        return rows
+
+    def __repr__(self) -> str:
+        listed = ", ".join(f"{n} = {v:.6g} ± {s:.2g}" for (n, v), s in self._pairs())
+        return f"<Identification {listed}: {self.samples} samples, {self.message}>"

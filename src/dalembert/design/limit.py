@@ -1,0 +1,35 @@
+"""What a design may not leave."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dalembert.errors import AnalysisError
+from dalembert.options import options
+
+
+@options
+class Limit:
+    """``lower ≤ response ≤ upper``; equal limits make an equation.
+
+    Parameters
+    ----------
+    response : Response, a response of a case, or a combination of such
+    lower, upper : None leaves a side open
+    """
+
+    response: Any
+    lower: float | None = None
+    upper: float | None = None
+
+    def __post_init__(self) -> None:
+        label = getattr(self.response, "label", repr(self.response))
+        if self.lower is None and self.upper is None:
+            raise AnalysisError(f"limit on {label}: give lower or upper")
+        if self.lower is not None and self.upper is not None and self.lower > self.upper:
+            raise AnalysisError(f"limit on {label}: lower {self.lower} is above upper {self.upper}")
+
+    @property
+    def is_equation(self) -> bool:
+        """Both sides are the same number."""
+        return self.lower is not None and self.lower == self.upper

@@ -1,0 +1,65 @@
+"""Covariance matrix adaptation (Hansen & Ostermeier 2001) of the package cma, an extra."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.differential_evolution import polished
+from dalembert.design.methods.slsqp import Slsqp
+from dalembert.design.program import Program
+from dalembert.errors import UnsupportedError
+from dalembert.options import options
+
+
+@options
+class CmaEs(Optimizer):
+    """A global search that learns the shape of the valley; ``pip install dalembert[design]``.
+
+    Parameters
+    ----------
+    spread : of the first designs, in ranges
+    generations : at most
+    penalty : on violations of limits
+    rng : seed, above zero
+    polish : gradient method that ends it; None for none
+    """
+
+    spread: float = 0.25
+    generations: int = 200
+    penalty: float = 1e3
+    rng: int = 1
+    polish: Optimizer | None = Slsqp()
+
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+        try:
+            import cma
+        except ImportError:
+            raise UnsupportedError(
+                "CmaEs needs cma: pip install dalembert[design], or use DifferentialEvolution()"
+            ) from None
+        program.refuse_open("CMA-ES")
+        settings = {
+            "bounds": [program.z_lower, program.z_upper],
+            "maxiter": self.generations,
+            "seed": self.rng,
+            "verbose": -9,
+        }
+        search = cma.CMAEvolutionStrategy(z, self.spread, settings)
+        while not search.stop():
+            designs = search.ask()
+            search.tell(designs, [self._cost(program, d) for d in designs])
+            program.keep(np.asarray(search.result.xbest))
+        z, message = np.asarray(search.result.xbest), f"CMA-ES: {search.countiter} generations"
+        if self.polish is None:
+            return Ended(z, True, message)
+        return polished(program, z, self.polish, stop, message)
+
+    def _cost(self, program: Program, z: np.ndarray) -> float:
+        found = program.value(z)
+        if found is None:
+            return 1e12
+        f, c = found
+        return f + self.penalty * float(
+            np.sum(np.maximum(program.c_lower - c, 0)) + np.sum(np.maximum(c - program.c_upper, 0))
+        )

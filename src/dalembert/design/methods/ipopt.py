@@ -1,0 +1,129 @@
+"""Interior point with a filter line search (Wächter & Biegler 2006): Ipopt, in CasADi's wheel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.program import Program
+from dalembert.options import options
+
+
+@options
+class Ipopt(Optimizer):
+    """For many variables and many limits; Hessians by limited-memory BFGS."""
+
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+        values = _Values(program)
+        asked = ca.MX.sym("z", program.n)
+        found = values(asked)
+        settings: dict[str, Any] = {
+            "hessian_approximation": "limited-memory",
+            "max_iter": stop.max_iterations,
+            "tol": max(stop.tolerance, 1e-10),
+            "acceptable_iter": 0,
+            "bound_relax_factor": 0.0,
+            "print_level": 0,
+            "sb": "yes",
+        }
+        nlp: dict[str, Any] = {"x": asked, "f": found[0], "g": found[1:]}
+        solver = ca.nlpsol(
+            "design",
+            "ipopt",
+            nlp,
+            {
+                "ipopt": settings,
+                "print_time": False,
+                "error_on_fail": False,
+                "show_eval_warnings": False,
+            },
+        )
+        limits = {"lbg": program.c_lower, "ubg": program.c_upper} if program.m else {}
+        ended = solver(x0=z, lbx=program.z_lower, ubx=program.z_upper, **limits)
+        if values.stopped is not None:
+            raise values.stopped
+        told = solver.stats()
+        message = str(told["return_status"]).replace("_", " ").lower()
+        return Ended(np.array(ended["x"]).ravel(), bool(told["success"]), f"Ipopt: {message}")
+
+
+class _Values(ca.Callback):
+    """``z ↦ [f; c]`` for CasADi; not numbers where a run fails, from which Ipopt steps back."""
+
+    def __init__(self, program: Program):
+        ca.Callback.__init__(self)
+        self.program, self.rows = program, 1 + program.m
+        self.stopped: BaseException | None = None
+        self.slopes: Any = None
+        self.construct("values", {})
+
+    def get_n_in(self) -> int:
+        return 1
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self.program.n, 1)
+
+    def get_sparsity_out(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self.rows, 1)
+
+    def guarded(self, shape: tuple[int, ...], compute: Any) -> list[np.ndarray]:
+        """What is computed, or NaN; CasADi would lose an exception, so it is kept."""
+        if self.stopped is None:
+            try:
+                found = compute()
+                if found is not None:
+                    return [found]
+            except BaseException as error:
+                self.stopped = error
+        return [np.full(shape, np.nan)]
+
+    def eval(self, given: Sequence[Any]) -> list[np.ndarray]:
+        def compute() -> np.ndarray | None:
+            found = self.program.value(np.array(given[0]).ravel())
+            return None if found is None else np.concatenate([[found[0]], found[1]])
+
+        return self.guarded((self.rows,), compute)
+
+    def has_jacobian(self) -> bool:
+        return True
+
+    def get_jacobian(self, name: str, inputs: Any, outputs: Any, options: Any) -> ca.Function:
+        self.slopes = _Slopes(self, name)
+        return self.slopes
+
+
+class _Slopes(ca.Callback):
+    """``z, [f; c] ↦`` Jacobian."""
+
+    def __init__(self, values: _Values, name: str):
+        ca.Callback.__init__(self)
+        self.values = values
+        self.construct(name, {})
+
+    def get_n_in(self) -> int:
+        return 2
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self.values.program.n if i == 0 else self.values.rows, 1)
+
+    def get_sparsity_out(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self.values.rows, self.values.program.n)
+
+    def eval(self, given: Sequence[Any]) -> list[np.ndarray]:
+        program = self.values.program
+
+        def compute() -> np.ndarray | None:
+            point = program.point(np.array(given[0]).ravel())
+            return None if point is None else np.vstack([point.g, point.J])
+
+        return self.values.guarded((self.values.rows, program.n), compute)

@@ -1,0 +1,64 @@
+"""Conservative convex separable approximations (Svanberg 2002) of NLopt, an extra."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.program import Program
+from dalembert.errors import UnsupportedError
+from dalembert.options import options
+
+
+@options
+class Ccsaq(Optimizer):
+    """NLopt's CCSAQ, for many variables; ``pip install dalembert[nlopt]``."""
+
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+        try:
+            import nlopt
+        except ImportError:
+            raise UnsupportedError(
+                "Ccsaq needs NLopt: pip install dalembert[nlopt], or use method='mma'"
+            ) from None
+        if np.any(program.c_lower == program.c_upper):
+            raise UnsupportedError("Ccsaq knows no equations; use method='slsqp' or 'ipopt'")
+        solver = nlopt.opt(nlopt.LD_CCSAQ, program.n)
+        solver.set_lower_bounds(program.z_lower)
+        solver.set_upper_bounds(program.z_upper)
+        solver.set_min_objective(_objective(program))
+        for sign, bound in ((-1.0, program.c_lower), (1.0, program.c_upper)):
+            rows = np.flatnonzero(np.isfinite(bound))
+            if rows.size:
+                solver.add_inequality_mconstraint(
+                    _limits(program, sign, rows, bound[rows]), np.full(rows.size, 1e-9)
+                )
+        solver.set_ftol_rel(stop.tolerance)
+        solver.set_xtol_rel(np.sqrt(stop.tolerance) / 10)
+        solver.set_maxeval(10 * stop.max_iterations)
+        try:
+            ended = solver.optimize(np.clip(z, program.z_lower, program.z_upper))
+        except nlopt.RoundoffLimited:
+            return Ended(program.scaled(program.best[0]), True, "NLopt: limited by round-off")
+        code = solver.last_optimize_result()
+        return Ended(np.asarray(ended), 0 < code < 5, f"NLopt: ended with code {code}")
+
+
+def _objective(program: Program) -> Any:
+    def value(z: np.ndarray, gradient: np.ndarray) -> float:
+        if gradient.size:
+            gradient[:] = program.slope(z)
+        return program.objective(z)
+
+    return value
+
+
+def _limits(program: Program, sign: float, rows: np.ndarray, bound: np.ndarray) -> Any:
+    def value(result: np.ndarray, z: np.ndarray, gradient: np.ndarray) -> None:
+        if gradient.size:
+            gradient[:] = sign * program.jacobian(z)[rows]
+        result[:] = sign * (program.constraint(z)[rows] - bound)
+
+    return value

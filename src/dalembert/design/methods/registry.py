@@ -1,0 +1,53 @@
+"""Names of the methods of optimisation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dalembert.design.methods.base import Optimizer
+from dalembert.design.methods.cma_es import CmaEs
+from dalembert.design.methods.differential_evolution import DifferentialEvolution
+from dalembert.design.methods.discrete import BranchAndBound
+from dalembert.design.methods.ipopt import Ipopt
+from dalembert.design.methods.least_squares import LeastSquares
+from dalembert.design.methods.moving_asymptotes import Mma
+from dalembert.design.methods.multistart import Multistart
+from dalembert.design.methods.nlopt_ccsa import Ccsaq
+from dalembert.design.methods.slsqp import Slsqp
+from dalembert.design.methods.trust_constr import TrustConstr
+from dalembert.errors import AnalysisError
+from dalembert.text import unknown
+
+OPTIMIZERS: dict[str, type[Optimizer]] = {
+    "slsqp": Slsqp,
+    "trust-constr": TrustConstr,
+    "ipopt": Ipopt,
+    "least-squares": LeastSquares,
+    "mma": Mma,
+    "ccsaq": Ccsaq,
+    "differential-evolution": DifferentialEvolution,
+    "cma-es": CmaEs,
+    "multistart": Multistart,
+    "branch-and-bound": BranchAndBound,
+}
+
+
+def make_optimizer(method: Any, discrete: bool) -> Optimizer:
+    """An optimiser by its name; with sizes to choose, within branch and bound where it needs that.
+
+    Raises
+    ------
+    AnalysisError
+        There is none of this name.
+    """
+    if isinstance(method, str):
+        if method not in OPTIMIZERS:
+            raise AnalysisError(unknown("method", method, OPTIMIZERS))
+        method = OPTIMIZERS[method]()
+    if not isinstance(method, Optimizer):
+        raise AnalysisError(
+            f"method is {method!r:.60}; give a name or an object such as da.Ipopt()"
+        )
+    if discrete and not method.is_global and not isinstance(method, BranchAndBound):
+        return BranchAndBound(method)
+    return method

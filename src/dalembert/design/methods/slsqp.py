@@ -1,0 +1,58 @@
+"""Sequential least squares programming (Kraft 1988), SciPy's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.program import Program
+from dalembert.options import options
+
+
+@options
+class Slsqp(Optimizer):
+    """Quick for up to about a hundred variables, with limits and equations."""
+
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+        from scipy.optimize import minimize
+
+        found = minimize(
+            program.objective,
+            z,
+            jac=program.slope,
+            method="SLSQP",
+            bounds=list(zip(program.z_lower, program.z_upper, strict=True)),
+            constraints=_sides(program),
+            options={"maxiter": stop.max_iterations, "ftol": stop.tolerance},
+        )
+        return Ended(found.x, bool(found.success), str(found.message))
+
+
+def _sides(program: Program) -> list[dict[str, Any]]:
+    """SciPy's form ``c(z) ≥ 0`` of the sides of limits, all inequalities in one."""
+    equal = program.c_lower == program.c_upper
+    low = ~equal & np.isfinite(program.c_lower)
+    high = ~equal & np.isfinite(program.c_upper)
+    rows = np.concatenate([np.flatnonzero(low), np.flatnonzero(high)])
+    signs = np.concatenate([np.ones(low.sum()), -np.ones(high.sum())])
+    bounds = np.concatenate([program.c_lower[low], program.c_upper[high]])
+    made: list[dict[str, Any]] = []
+    if equal.any():
+        made.append(
+            {
+                "type": "eq",
+                "fun": lambda z: (program.constraint(z) - program.c_lower)[equal],
+                "jac": lambda z: program.jacobian(z)[equal],
+            }
+        )
+    if rows.size:
+        made.append(
+            {
+                "type": "ineq",
+                "fun": lambda z: signs * (program.constraint(z)[rows] - bounds),
+                "jac": lambda z: signs[:, None] * program.jacobian(z)[rows],
+            }
+        )
+    return made

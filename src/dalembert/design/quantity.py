@@ -1,0 +1,214 @@
+"""What a design is judged by: responses of one or several analyses, and formulas of them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.responses.base import Response
+from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.parser import parse_formula
+
+
+class Quantity(ABC):
+    """A number drawn from runs, ``q(r_1 … r_n)`` of responses of cases."""
+
+    label: str
+
+    @property
+    @abstractmethod
+    def terms(self) -> list[CaseResponse]:
+        """The responses it is made of."""
+
+    @abstractmethod
+    def value(self, values: np.ndarray) -> float:
+        """The number, from the values of its terms."""
+
+    @abstractmethod
+    def slope(self, values: np.ndarray) -> np.ndarray:
+        """(n,) its derivatives by the values of its terms."""
+
+    def unit(self, units: Sequence[str]) -> str:
+        """Its unit, from those of its terms."""
+        return ""
+
+    def of(self, case: Any) -> Quantity:
+        """The same, with responses that name no case taken of this one."""
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class CaseResponse(Quantity):
+    """A response of one case."""
+
+    case: Any
+    response: Response
+
+    @property
+    def label(self) -> str:  # type: ignore[override]
+        """That of the response."""
+        return self.response.label
+
+    @property
+    def terms(self) -> list[CaseResponse]:
+        return [self]
+
+    def value(self, values: np.ndarray) -> float:
+        return float(values[0])
+
+    def slope(self, values: np.ndarray) -> np.ndarray:
+        return np.ones(1)
+
+    def unit(self, units: Sequence[str]) -> str:
+        return units[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Combined(Quantity):
+    """A formula of responses, also of different analyses: ``"mass + 0.1*peak"``.
+
+    Parameters
+    ----------
+    formula : of the names that follow
+    name : label; the formula if empty
+    parts : name → response, response of a case, or another combination
+    """
+
+    formula: str
+    parts: Mapping[str, Any]
+    name: str = ""
+    given_unit: str = ""
+
+    @property
+    def label(self) -> str:  # type: ignore[override]
+        """The name, or the formula."""
+        return self.name or self.formula
+
+    @cached_property
+    def terms(self) -> list[CaseResponse]:  # type: ignore[override]
+        return [term for part in self.parts.values() for term in part.terms]
+
+    @cached_property
+    def _function(self) -> ca.Function:
+        """Value and derivatives of the formula by its names."""
+        symbols = {name: Expression(ca.SX.sym(name), name) for name in self.parts}
+        found = parse_formula(self.formula, symbols.get, lambda: list(symbols))
+        inputs = ca.vertcat(*(s.sx for s in symbols.values()))
+        return ca.Function("formula", [inputs], [found.sx, ca.gradient(found.sx, inputs)])
+
+    def _split(self, values: np.ndarray) -> list[np.ndarray]:
+        sizes = [len(part.terms) for part in self.parts.values()]
+        return np.split(values, np.cumsum(sizes)[:-1])
+
+    def _inner(self, values: np.ndarray) -> np.ndarray:
+        parts = zip(self.parts.values(), self._split(values), strict=True)
+        return np.array([part.value(v) for part, v in parts])
+
+    def value(self, values: np.ndarray) -> float:
+        return float(self._function(self._inner(values))[0])
+
+    def slope(self, values: np.ndarray) -> np.ndarray:
+        outer = np.array(self._function(self._inner(values))[1]).ravel()
+        split = zip(outer, self.parts.values(), self._split(values), strict=True)
+        return np.concatenate([o * part.slope(v) for o, part, v in split])
+
+    def unit(self, units: Sequence[str]) -> str:
+        return self.given_unit
+
+    def of(self, case: Any) -> Quantity:
+        parts = {name: bound(part, case) for name, part in self.parts.items()}
+        made = Combined(self.formula, parts, self.name, self.given_unit)
+        made._function  # noqa: B018 - tells of names that are unknown
+        return made
+
+
+def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Combined:
+    """A formula of responses as one objective or limit.
+
+    Parameters
+    ----------
+    formula : of the names of ``parts``
+    name, unit : shown in results
+    **parts : responses, responses of cases (``case[response]``), other combinations
+    """
+    return Combined(formula, parts, name, unit)
+
+
+@dataclass(frozen=True, eq=False)
+class SumOfSquares(Quantity):
+    """``Σ ((r_i − target_i) / scale_i)²``; ``method="least-squares"`` uses its residuals.
+
+    Parameters
+    ----------
+    responses : responses or responses of cases
+    targets : numbers, zero by default
+    scales : what a residual is measured in, one by default
+    name : label
+    """
+
+    responses: Sequence[Any]
+    targets: Sequence[float] | float = 0.0
+    scales: Sequence[float] | float = 1.0
+    name: str = "sum of squares"
+
+    def __post_init__(self) -> None:
+        size = len(self.responses)
+        for what in ("targets", "scales"):
+            value = np.asarray(getattr(self, what), dtype=float)
+            if value.ndim and value.size != size:
+                raise AnalysisError(
+                    f"{self.name}: {value.size} {what} for {size} responses; give one each"
+                )
+        if not np.all(np.asarray(self.scales, dtype=float) > 0):
+            raise AnalysisError(f"{self.name}: scales are above zero, got {self.scales}")
+
+    @property
+    def label(self) -> str:  # type: ignore[override]
+        """The name."""
+        return self.name
+
+    @property
+    def terms(self) -> list[CaseResponse]:
+        return [term for part in self.responses for term in part.terms]
+
+    def residuals(self, values: np.ndarray) -> np.ndarray:
+        """(n,) differences to the targets, scaled."""
+        return (values - np.asarray(self.targets)) / np.asarray(self.scales)
+
+    def value(self, values: np.ndarray) -> float:
+        return float(np.sum(self.residuals(values) ** 2))
+
+    def slope(self, values: np.ndarray) -> np.ndarray:
+        return 2 * self.residuals(values) / np.asarray(self.scales)
+
+    def of(self, case: Any) -> Quantity:
+        parts = [bound(part, case) for part in self.responses]
+        if any(not isinstance(part, CaseResponse) for part in parts):
+            raise AnalysisError(f"{self.name}: give responses, no formulas of them")
+        return SumOfSquares(parts, self.targets, self.scales, self.name)
+
+
+def bound(given: Any, case: Any) -> Quantity:
+    """A response or quantity with its case.
+
+    Raises
+    ------
+    AnalysisError
+        Neither, or a response that belongs to no case.
+    """
+    if isinstance(given, Quantity):
+        return given.of(case)
+    if not isinstance(given, Response):
+        raise AnalysisError(f"{given!r} is not a response; give one such as da.final(measure)")
+    if case is None:
+        raise AnalysisError(
+            f"response {given.label}: of which run? give model and analysis=, or case[response]"
+        )
+    return case[given]

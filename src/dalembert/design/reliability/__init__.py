@@ -1,0 +1,1 @@
+"""How often random parameters break a limit: design points, corrections, sampling."""

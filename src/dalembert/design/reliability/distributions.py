@@ -1,0 +1,301 @@
+"""Distributions, as functions ``x(u)`` of a standard normal variable, exact far into both tails."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from dalembert.errors import ModelError
+from dalembert.options import options
+
+
+class Distribution(ABC):
+    """A random variable ``x = F⁻¹(Φ(u))``, ``u`` standard normal."""
+
+    @abstractmethod
+    def from_normal(self, u: Any) -> Any:
+        """``x(u)``."""
+
+    @abstractmethod
+    def to_normal(self, x: Any) -> Any:
+        """``u(x)``."""
+
+    @abstractmethod
+    def slope(self, u: Any) -> Any:
+        """``dx/du``."""
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        """Mean and standard deviation."""
+        u, w = normal_points()
+        x = self.from_normal(u)
+        mean = float(w @ x)
+        return mean, math.sqrt(float(w @ (x - mean) ** 2))
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Name → number of what describes it."""
+        every = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+        return {n: v for n, v in every.items() if isinstance(v, (int, float))}
+
+    def changes(self, u: float) -> dict[str, float]:
+        """Number → derivative of ``x(u)`` by it, by central differences."""
+        made = {}
+        for name, value in self.numbers.items():
+            if math.isfinite(value):
+                step = 1e-5 * (abs(value) or self.moments[1])
+                ends = [replace(self, **{name: value + s}) for s in (-step, step)]  # type: ignore[type-var]
+                low, high = (float(end.from_normal(u)) for end in ends)
+                made[name] = (high - low) / (2 * step)
+        return made
+
+    def _need(self, right: bool, what: str) -> None:
+        if not right:
+            raise ModelError(f"{what}", repr(self))
+
+
+def normal_points(count: int = 64) -> tuple[np.ndarray, np.ndarray]:
+    """Points and weights of ``∫ φ(u) · du``, by Gauss and Hermite."""
+    points, weights = np.polynomial.hermite_e.hermegauss(count)
+    return points, weights / weights.sum()
+
+
+def density(u: Any) -> Any:
+    """``φ(u)``."""
+    return np.exp(-0.5 * np.square(u)) / math.sqrt(2 * math.pi)
+
+
+@options
+class Normal(Distribution):
+    """Normal distribution.
+
+    Parameters
+    ----------
+    mean, std : mean and standard deviation
+    """
+
+    mean: float
+    std: float
+
+    def __post_init__(self) -> None:
+        self._need(self.std > 0, "std must be above zero")
+
+    def from_normal(self, u: Any) -> Any:
+        return self.mean + self.std * u
+
+    def to_normal(self, x: Any) -> Any:
+        return (x - self.mean) / self.std
+
+    def slope(self, u: Any) -> Any:
+        return self.std + 0.0 * u
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        return self.mean, self.std
+
+
+@options
+class Lognormal(Distribution):
+    """Lognormal distribution, ``ln x`` is normal.
+
+    Parameters
+    ----------
+    mean, std : of ``x`` itself
+    """
+
+    mean: float
+    std: float
+
+    def __post_init__(self) -> None:
+        self._need(self.mean > 0 and self.std > 0, "mean and std must be above zero")
+
+    @property
+    def logarithm(self) -> tuple[float, float]:
+        """Mean and standard deviation of ``ln x``."""
+        spread = math.sqrt(math.log1p((self.std / self.mean) ** 2))
+        return math.log(self.mean) - spread**2 / 2, spread
+
+    def from_normal(self, u: Any) -> Any:
+        middle, spread = self.logarithm
+        return np.exp(middle + spread * u)
+
+    def to_normal(self, x: Any) -> Any:
+        middle, spread = self.logarithm
+        return (np.log(x) - middle) / spread
+
+    def slope(self, u: Any) -> Any:
+        return self.logarithm[1] * self.from_normal(u)
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        return self.mean, self.std
+
+
+@options
+class Uniform(Distribution):
+    """Every value between two numbers equally likely."""
+
+    lower: float
+    upper: float
+
+    def __post_init__(self) -> None:
+        self._need(self.lower < self.upper, "lower must be below upper")
+
+    def from_normal(self, u: Any) -> Any:
+        from scipy.special import ndtr
+
+        return self.lower + (self.upper - self.lower) * ndtr(u)
+
+    def to_normal(self, x: Any) -> Any:
+        from scipy.special import ndtri
+
+        low, high = x - self.lower, self.upper - x
+        width = self.upper - self.lower
+        return np.where(low < high, ndtri(low / width), -ndtri(high / width))
+
+    def slope(self, u: Any) -> Any:
+        return (self.upper - self.lower) * density(u)
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        return (self.lower + self.upper) / 2, (self.upper - self.lower) / math.sqrt(12)
+
+
+@options
+class Weibull(Distribution):
+    """Weibull distribution of least values, ``F = 1 − exp(−((x − location)/scale)^shape)``."""
+
+    scale: float
+    shape: float
+    location: float = 0.0
+
+    def __post_init__(self) -> None:
+        self._need(self.scale > 0 and self.shape > 0, "scale and shape must be above zero")
+
+    def from_normal(self, u: Any) -> Any:
+        from scipy.special import log_ndtr
+
+        return self.location + self.scale * (-log_ndtr(-np.asarray(u))) ** (1 / self.shape)
+
+    def to_normal(self, x: Any) -> Any:
+        from scipy.special import ndtri, ndtri_exp
+
+        power = ((x - self.location) / self.scale) ** self.shape
+        return np.where(power < 0.5, ndtri(-np.expm1(-power)), -ndtri_exp(-power))
+
+    def slope(self, u: Any) -> Any:
+        from scipy.special import log_ndtr
+
+        log = log_ndtr(-np.asarray(u))
+        rate = density(u) * np.exp(-log)  # of −ln Φ(−u)
+        return self.scale / self.shape * (-log) ** (1 / self.shape - 1) * rate
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        first, second = (math.gamma(1 + k / self.shape) for k in (1, 2))
+        return self.location + self.scale * first, self.scale * math.sqrt(second - first**2)
+
+
+@options
+class Gumbel(Distribution):
+    """Gumbel distribution of largest values, ``F = exp(−exp(−(x − mode)/scale))``.
+
+    Parameters
+    ----------
+    mean, std : mean and standard deviation
+    """
+
+    mean: float
+    std: float
+
+    def __post_init__(self) -> None:
+        self._need(self.std > 0, "std must be above zero")
+
+    @property
+    def _mode_scale(self) -> tuple[float, float]:
+        scale = self.std * math.sqrt(6) / math.pi
+        return self.mean - np.euler_gamma * scale, scale
+
+    def from_normal(self, u: Any) -> Any:
+        from scipy.special import log_ndtr
+
+        mode, scale = self._mode_scale
+        return mode - scale * np.log(-log_ndtr(np.asarray(u)))
+
+    def to_normal(self, x: Any) -> Any:
+        from scipy.special import ndtri, ndtri_exp
+
+        mode, scale = self._mode_scale
+        power = np.exp(-(x - mode) / scale)
+        return np.where(power < 0.5, -ndtri(-np.expm1(-power)), ndtri_exp(-power))
+
+    def slope(self, u: Any) -> Any:
+        from scipy.special import log_ndtr
+
+        log = log_ndtr(np.asarray(u))
+        return self._mode_scale[1] * density(u) * np.exp(-log) / -log
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        return self.mean, self.std
+
+
+@options
+class Truncated(Distribution):
+    """Another distribution, cut off below and above.
+
+    Parameters
+    ----------
+    of : what is cut
+    lower, upper : where; infinity leaves a side open
+    """
+
+    of: Distribution
+    lower: float | None = None
+    upper: float | None = None
+
+    def __post_init__(self) -> None:
+        low, high = self._ends
+        self._need(low < high, "lower must be below upper")
+        self._need(self._share > 1e-12, "nothing is left between lower and upper")
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        """Where the cuts are, as standard normal numbers."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            low = -np.inf if self.lower is None else float(self.of.to_normal(self.lower))
+            high = np.inf if self.upper is None else float(self.of.to_normal(self.upper))
+        return (-np.inf if np.isnan(low) else low), (np.inf if np.isnan(high) else high)
+
+    @property
+    def _share(self) -> float:
+        """Probability of what is left."""
+        from scipy.special import ndtr
+
+        low, high = self._ends
+        return float(ndtr(-low) - ndtr(-high) if low > 0 else ndtr(high) - ndtr(low))
+
+    def _inner(self, u: Any) -> Any:
+        from scipy.special import ndtr, ndtri
+
+        (low, high), share = self._ends, self._share
+        below, above = ndtr(low) + ndtr(u) * share, ndtr(-high) + ndtr(-np.asarray(u)) * share
+        return np.where(below < above, ndtri(below), -ndtri(above))
+
+    def from_normal(self, u: Any) -> Any:
+        return self.of.from_normal(self._inner(u))
+
+    def to_normal(self, x: Any) -> Any:
+        from scipy.special import ndtr, ndtri
+
+        (low, high), share, z = self._ends, self._share, self.of.to_normal(x)
+        below, above = (ndtr(z) - ndtr(low)) / share, (ndtr(-z) - ndtr(-high)) / share
+        return np.where(below < above, ndtri(below), -ndtri(above))
+
+    def slope(self, u: Any) -> Any:
+        z = self._inner(u)
+        return self.of.slope(z) * density(u) * self._share / density(z)

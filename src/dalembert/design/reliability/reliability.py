@@ -1,0 +1,75 @@
+"""Reliability: how probable it is that random parameters break a limit state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from dalembert.design.reliability.distributions import Distribution
+from dalembert.design.reliability.first_order import Search, design_points
+from dalembert.design.reliability.limit_state import limit_states
+from dalembert.design.reliability.nataf import Correlation, Nataf
+from dalembert.design.reliability.reliable import Reliability
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.results.result import Analysis
+from dalembert.symbolic.parametric_model import ParametricModel
+
+SYSTEMS = ("series", "parallel")
+
+
+def reliability(
+    model: ParametricModel | None,
+    limit_state: Any,
+    random: Mapping[str, Distribution],
+    *,
+    analysis: Analysis | None = None,
+    correlation: Correlation = None,
+    system: str = "series",
+    method: str = "improved-hlrf",
+    starts: int = 1,
+    tolerance: float = 1e-8,
+    max_iterations: int = 100,
+    rng: Any = 0,
+) -> Reliability:
+    """Probability of failure by the first-order method, and what else the result can compute.
+
+    Parameters
+    ----------
+    model : Model or StructuralModel; None where the limit states are formulas of what is random
+    limit_state : a response, safe above zero; a ``Limit``, safe inside; a formula; or a list
+    random : name of a parameter → distribution
+    analysis : how the responses are computed
+    correlation : pair of names → linear correlation, or the whole matrix
+    system : ``"series"``, one limit that breaks is failure; ``"parallel"``, all must break
+    method : ``"improved-hlrf"`` or ``"hlrf"``
+    starts : number of starts for each limit state, to find further design points
+    tolerance : on residual and distance of the design point
+    rng : seed or generator of the starts
+
+    Raises
+    ------
+    ModelError
+        Unknown parameters, or correlations that cannot be.
+    AnalysisError
+        A limit state that cannot be evaluated at the median, or does not change.
+    """
+    if system not in SYSTEMS:
+        raise UnsupportedError(f"unknown system {system!r}; known: {', '.join(SYSTEMS)}")
+    if not random:
+        raise AnalysisError("nothing is random; give random={'name': da.Normal(mean, std)}")
+    for name, distribution in random.items():
+        if not isinstance(distribution, Distribution):
+            raise AnalysisError(
+                f"random[{name!r}] is {distribution!r}; give a distribution as da.Normal(mean, std)"
+            )
+    nataf = Nataf(dict(random), correlation)
+    limits = limit_states(model, limit_state, list(random), analysis)
+    generator = np.random.default_rng(rng)
+    searches = [
+        Search(limits, nataf, row, method, tolerance, max_iterations)
+        for row in range(len(limits.labels))
+    ]
+    points = [one for search in searches for one in design_points(search, starts, generator)]
+    return Reliability(points, system, searches, nataf)

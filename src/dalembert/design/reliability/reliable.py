@@ -1,0 +1,175 @@
+"""What a reliability analysis ends with: design points, probabilities, and what they depend on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from dalembert.design.reliability.first_order import DesignPoint, Search
+from dalembert.design.reliability.nataf import Nataf
+from dalembert.design.reliability.sampling import (
+    Estimate,
+    importance_sampling,
+    monte_carlo,
+    subset_simulation,
+)
+from dalembert.design.reliability.second_order import SecondOrder, second_order
+
+
+@dataclass(eq=False)
+class Reliability:
+    """Result of ``reliability``.
+
+    Attributes
+    ----------
+    points : design points of all limit states, the nearest of each first
+    system : ``"series"``, one limit that breaks is failure; ``"parallel"``, all must break
+    """
+
+    points: list[DesignPoint]
+    system: str
+    searches: list[Search] = field(repr=False)
+    nataf: Nataf = field(repr=False)
+
+    @property
+    def point(self) -> DesignPoint:
+        """The governing design point: nearest of a series, farthest of a parallel system."""
+        nearest = self._nearest()
+        pick = min if self.system == "series" else max
+        return pick(nearest, key=lambda one: one.beta)
+
+    def _nearest(self) -> list[DesignPoint]:
+        """The nearest design point of each limit state."""
+        first: dict[int, DesignPoint] = {}
+        for one in self.points:
+            if one.row not in first or one.beta < first[one.row].beta:
+                first[one.row] = one
+        return list(first.values())
+
+    @property
+    def success(self) -> bool:
+        """Whether every search converged."""
+        return all(one.converged for one in self.points)
+
+    @property
+    def residual(self) -> float:
+        """Largest residual of the limit states at their design points."""
+        return max(one.residual for one in self.points)
+
+    @property
+    def beta(self) -> float:
+        """First-order reliability index; of a system ``−Φ⁻¹`` of its probability."""
+        from scipy.special import ndtri
+
+        return self.points[0].beta if len(self.points) == 1 else float(-ndtri(self.probability))
+
+    @cached_property
+    def probability(self) -> float:
+        """First-order probability of failure; of a system by planes through all design points."""
+        if len(self.points) == 1:
+            return self.points[0].probability
+        if self.system == "series":
+            return 1 - _all_within(self.points, 1.0)
+        return _all_within(self._nearest(), -1.0)
+
+    @property
+    def sorm(self) -> SecondOrder:
+        """Second-order probabilities of the governing limit state."""
+        return second_order(self.searches[self.point.row], self.point)
+
+    # what it depends on ---------------------------------------------------------------------
+    @property
+    def importance(self) -> dict[str, float]:
+        """Random parameter → its share of the variance at the design point; the shares sum to one.
+
+        With correlation they are those of the independent variables in the order given.
+        """
+        return dict(zip(self.nataf.random, map(float, self.point.alpha**2), strict=True))
+
+    @property
+    def sensitivity(self) -> dict[str, dict[str, float]]:
+        """Random parameter → number of its distribution → ``∂β`` by it, correlation held."""
+        point = self.point
+        z = self.nataf.factor @ point.u
+        made = {}
+        for k, (name, distribution) in enumerate(self.nataf.random.items()):
+            changes = distribution.changes(float(z[k]))
+            rate = point.gradient[k] / point.slope
+            made[name] = {number: float(rate * change) for number, change in changes.items()}
+        return made
+
+    @property
+    def parameter_sensitivity(self) -> dict[str, float]:
+        """Parameter that is not random → ``∂β`` by it."""
+        others = self.searches[0].limits.others
+        return dict(zip(others, map(float, self.point.others / self.point.slope), strict=True))
+
+    # by sampling ----------------------------------------------------------------------------
+    def monte_carlo(self, samples: int = 10_000, rng: Any = 0) -> Estimate:
+        """Probability of failure by samples of all random parameters."""
+        generator = np.random.default_rng(rng)
+        return monte_carlo(self._system, self.nataf.size, samples, generator)
+
+    def importance_sampling(self, samples: int = 1000, rng: Any = 0) -> Estimate:
+        """Probability of failure by samples about the design points."""
+        chosen = self.points if self.system == "series" else self._nearest()
+        centres = np.array([one.u for one in chosen])
+        return importance_sampling(self._system, centres, samples, np.random.default_rng(rng))
+
+    def subset_simulation(self, samples: int = 1000, rng: Any = 0) -> Estimate:
+        """Probability of failure by subsets, with so many samples on each level."""
+        generator = np.random.default_rng(rng)
+        return subset_simulation(self._system, self.nataf.size, samples, generator)
+
+    def _system(self, u: np.ndarray) -> np.ndarray:
+        """(N,) ``G`` of the system."""
+        found = self.searches[0].limits.many(self.nataf.values(u))
+        return found.min(axis=1) if self.system == "series" else found.max(axis=1)
+
+    # for people -----------------------------------------------------------------------------
+    def plot(self, ax: Any = None) -> Any:
+        """Importance of the random parameters; returns the axes."""
+        import matplotlib.pyplot as plt
+
+        if ax is None:
+            _, ax = plt.subplots(figsize=(5, 3), layout="constrained")
+        shares = sorted(self.importance.items(), key=lambda item: item[1])
+        ax.barh([n for n, _ in shares], [100 * s for _, s in shares], height=0.6)
+        ax.set(xlabel="share of the variance at the design point [%]")
+        ax.spines[["top", "right"]].set_visible(False)
+        return ax
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        head = "<th>limit</th><th>β</th><th>Φ(−β)</th><th>residual</th><th>at</th>"
+        rows = "".join(
+            f"<tr><td>{escape(p.limit)}</td><td>{p.beta:.6g}</td><td>{p.probability:.4g}</td>"
+            f"<td>{p.residual:.1e}</td><td>{escape(_told(p))}</td></tr>"
+            for p in self.points
+        )
+        return f"<p>{escape(repr(self))}</p><table><tr>{head}</tr>{rows}</table>"
+
+    def __repr__(self) -> str:
+        state = "converged" if self.success else "not converged"
+        return (
+            f"<Reliability β = {self.beta:.6g}, p = {self.probability:.4g}: {state}, residual "
+            f"{self.residual:.1e}, {_told(self.point)}>"
+        )
+
+
+def _told(point: DesignPoint) -> str:
+    return ", ".join(f"{n} = {v:.6g}" for n, v in point.x.items())
+
+
+def _all_within(points: list[DesignPoint], sign: float) -> float:
+    """Probability that all ``sign (β_i − α_iᵀu) > 0``."""
+    from scipy.stats import multivariate_normal
+
+    alphas = np.array([one.alpha for one in points])
+    betas = sign * np.array([one.beta for one in points])
+    together = multivariate_normal(cov=alphas @ alphas.T, allow_singular=True)
+    return float(together.cdf(betas, rng=np.random.default_rng(0)))

@@ -1,0 +1,137 @@
+"""Fronts of problems whose fronts are known, by gradients and by evolution; designs for others."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from design_problems import parametric
+
+import dalembert as da
+from dalembert.errors import AnalysisError, UnsupportedError
+
+BOX = {"x": (0.5, -1.0, 3.0), "y": (0.3, -1.0, 3.0)}
+NEAR, FAR = "x**2 + y**2", "(x - 1)**2 + (y - 1)**2"
+
+
+def aims():
+    return da.final(NEAR, name="near"), da.final(FAR, name="far")
+
+
+@pytest.mark.parametrize("method", ["normal-constraint", "epsilon-constraint"])
+def test_fronts_by_gradients(method):
+    """Two paraboloids: ``√f₁ + √f₂ = √2``; with one aim turned round, the same front."""
+    model, (near, far) = parametric(BOX), aims()
+    front = da.pareto(model, [near, far], analysis=da.Statics(), method=method, points=7)
+    assert len(front) == 7 and not front.failed
+    np.testing.assert_allclose(np.sqrt(front.values).sum(axis=1), np.sqrt(2), rtol=2e-4)
+    np.testing.assert_allclose(front.designs[:, 0], front.designs[:, 1], atol=2e-3)
+    away = da.final(f"-({FAR})", name="minus far")
+    turned = da.pareto(
+        model, [near], maximize=[away], analysis=da.Statics(), method=method, points=5
+    )
+    np.testing.assert_allclose(
+        np.sqrt(turned.values[:, 0]) + np.sqrt(-turned.values[:, 1]), 2**0.5, rtol=2e-4
+    )
+    assert 2.5 < front.hypervolume((2.0, 2.0)) < 10 / 3
+
+
+def test_three_aims_within_a_limit():
+    """Distances to three corners: best designs lie in their triangle, cut off by a limit."""
+    third = da.final("(x - 1)**2 + y**2", name="third")
+    limit = da.Limit(da.final("x", name="x"), upper=0.8)
+    front = da.pareto(
+        parametric(BOX), [*aims(), third], subject_to=[limit], analysis=da.Statics(), points=5
+    )
+    x, y = front.designs.T
+    assert len(front) >= 9
+    assert np.all(x <= 0.8 + 1e-6) and np.all((y <= x + 2e-3) | (x > 0.799)) and np.all(y >= -2e-3)
+
+
+@pytest.mark.parametrize("method", ["nsga2", "nsga3"])
+def test_evolution_comes_near_the_front(method):
+    pytest.importorskip("pymoo")
+    front = da.pareto(
+        parametric(BOX),
+        list(aims()),
+        analysis=da.Statics(),
+        method=method,
+        points=12,
+        generations=25,
+    )
+    assert np.median(np.sqrt(front.values).sum(axis=1)) == pytest.approx(np.sqrt(2), rel=0.05)
+
+
+def test_bad_fronts():
+    model, (near, far) = parametric(BOX), aims()
+    with pytest.raises(AnalysisError, match="two aims"):
+        da.pareto(model, [near], analysis=da.Statics())
+    with pytest.raises(AnalysisError, match="did you mean 'nsga"):
+        da.pareto(model, [near, far], analysis=da.Statics(), method="nsga4")
+    with pytest.raises(UnsupportedError, match="nsga2"):
+        da.pareto(model, [near, far], analysis=da.Statics(), vary=[da.Integer("x")])
+
+
+# for other packages -------------------------------------------------------------------------
+def test_plain_functions_for_scipy():
+    from scipy.optimize import check_grad, minimize
+
+    limit = da.Limit(da.final("x*y", name="area"), lower=0.5)
+    functions = da.DesignFunctions(
+        parametric(BOX), list(aims()), analysis=da.Statics(), subject_to=[limit]
+    )
+    assert check_grad(functions.fun, functions.jac, functions.x0) < 1e-6
+    assert functions.jacobian(functions.x0).shape == (2, 2)
+    found = minimize(
+        functions.fun,
+        functions.x0,
+        jac=functions.jac,
+        bounds=functions.bounds,
+        constraints=functions.constraints,
+        method="SLSQP",
+    )
+    assert found.fun == pytest.approx(1.0, rel=1e-6)
+
+
+def test_pymoo_problem():
+    pytest.importorskip("pymoo")
+    limit = da.Limit(da.final("x*y", name="area"), lower=0.5, upper=4.0)
+    problem = da.pymoo_problem(
+        parametric(BOX), list(aims()), analysis=da.Statics(), subject_to=[limit]
+    )
+    out = problem.evaluate(np.array([[1.0, 2.0]]), return_as_dictionary=True)
+    np.testing.assert_allclose(out["F"], [[5.0, 1.0]])
+    np.testing.assert_allclose(out["G"], [[-3.0, -0.5]])
+
+
+@pytest.mark.parametrize("gradient", ["direct", "adjoint"])
+def test_openmdao_component(gradient):
+    om = pytest.importorskip("openmdao.api")
+    component = da.openmdao_component(
+        parametric(BOX), list(aims()), analysis=da.Statics(), gradient=gradient
+    )
+    problem = om.Problem(reports=False)
+    problem.model.add_subsystem("design", component, promotes=["*"])
+    problem.setup()
+    problem.run_model()
+    assert problem.get_val("near")[0] == pytest.approx(0.34)
+    checked = problem.check_partials(out_stream=None)["design"]
+    for entry in checked.values():
+        np.testing.assert_allclose(entry["J_fwd"], entry["J_fd"], atol=1e-5)
+
+
+def test_extras_that_are_missing_are_named(monkeypatch):
+    import sys
+
+    for name, call in (
+        (
+            "pymoo.core.problem",
+            lambda: da.pymoo_problem(parametric(BOX), list(aims()), analysis=da.Statics()),
+        ),
+        (
+            "openmdao.api",
+            lambda: da.openmdao_component(parametric(BOX), list(aims()), analysis=da.Statics()),
+        ),
+    ):
+        monkeypatch.setitem(sys.modules, name, None)
+        with pytest.raises(UnsupportedError, match="pip install dalembert"):
+            call()

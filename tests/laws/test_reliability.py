@@ -1,0 +1,191 @@
+"""Reliability: closed forms, transformations, sensitivities, systems, and what cannot be."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.special import ndtr
+
+import dalembert as da
+from dalembert import structures
+from dalembert.design.reliability.distributions import normal_points
+from dalembert.design.reliability.nataf import Nataf
+
+DISTRIBUTIONS = {
+    "normal": (da.Normal(2.0, 0.5), stats.norm(2.0, 0.5)),
+    "lognormal": (
+        da.Lognormal(2.0, 0.5),
+        stats.lognorm(
+            math.sqrt(math.log(1 + 0.0625)), scale=2 * math.exp(-math.log(1 + 0.0625) / 2)
+        ),
+    ),
+    "uniform": (da.Uniform(-1.0, 3.0), stats.uniform(-1.0, 4.0)),
+    "weibull": (da.Weibull(2.0, 3.0, 0.5), stats.weibull_min(3.0, 0.5, 2.0)),
+    "gumbel": (
+        da.Gumbel(2.0, 0.7),
+        stats.gumbel_r(
+            2.0 - np.euler_gamma * 0.7 * math.sqrt(6) / math.pi, 0.7 * math.sqrt(6) / math.pi
+        ),
+    ),
+    "truncated": (da.Truncated(da.Normal(0, 1), -0.5, 3.0), stats.truncnorm(-0.5, 3.0)),
+}
+U = np.linspace(-4, 4, 33)
+N = da.Normal(0.0, 1.0)
+
+
+@pytest.mark.parametrize("name", DISTRIBUTIONS)
+def test_distributions_are_those_of_scipy(name):
+    own, other = DISTRIBUTIONS[name]
+    x = own.from_normal(U)
+    np.testing.assert_allclose(other.cdf(x), ndtr(U), rtol=1e-9)
+    np.testing.assert_allclose(own.to_normal(x), U, atol=1e-9)
+    np.testing.assert_allclose(own.slope(U) * other.pdf(x), stats.norm.pdf(U), rtol=1e-8)
+    np.testing.assert_allclose(own.moments, (other.mean(), other.std()), rtol=1e-6)
+
+
+def test_far_tails_are_kept():
+    for own in (da.Weibull(2.0, 3.0), da.Gumbel(2.0, 0.7), da.Lognormal(1.0, 0.3)):
+        u = np.array([-9.0, -7.0, 7.0, 9.0])
+        np.testing.assert_allclose(own.to_normal(own.from_normal(u)), u, rtol=1e-9)
+
+
+def test_nataf_of_two_uniform_variables():
+    """In closed form ``ρ₀ = 2 sin(πρ/6)``."""
+    pair = {"a": da.Uniform(0, 1), "b": da.Uniform(2, 5)}
+    for wanted in (-0.7, 0.2, 0.9):
+        factor = Nataf(pair, {("a", "b"): wanted}).factor
+        assert factor[1, 0] == pytest.approx(2 * math.sin(math.pi * wanted / 6), abs=1e-5)
+
+
+def test_nataf_keeps_the_correlation():
+    kinds = {"a": da.Gumbel(1, 0.2), "b": da.Weibull(2, 1.7), "c": da.Lognormal(3, 1)}
+    wanted = {("a", "b"): 0.4, ("b", "c"): -0.3, ("a", "c"): 0.1}
+    nataf = Nataf(kinds, wanted)
+    u, w = normal_points(24)
+    grid = np.stack(np.meshgrid(u, u, u, indexing="ij"), axis=-1).reshape(-1, 3)
+    weight = (w[:, None, None] * w[:, None] * w).ravel()
+    x = nataf.values(grid)
+    x = (x - weight @ x) / np.sqrt(weight @ (x - weight @ x) ** 2)
+    found = (x * weight[:, None]).T @ x
+    for (i, j), value in wanted.items():
+        assert found["abc".index(i), "abc".index(j)] == pytest.approx(value, abs=2e-3)
+
+
+def test_correlated_lognormal_ratio():
+    """``ln r − ln s`` is normal, so ``β`` is known."""
+    r, s, rho = da.Lognormal(5.0, 0.8), da.Lognormal(2.0, 0.6), 0.35
+    found = da.reliability(None, "r - s", {"r": r, "s": s}, correlation={("r", "s"): rho})
+    (mr, sr), (ms, ss) = r.logarithm, s.logarithm
+    both = math.log1p(rho * 0.8 / 5 * 0.6 / 2)
+    beta = (mr - ms) / math.sqrt(sr**2 + ss**2 - 2 * both)
+    assert found.success and found.beta == pytest.approx(beta, abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def bar():
+    structure = da.Structure("bar")
+    load, area = structure.parameter("load", 1e5, "N"), structure.parameter("area", 1e-3, "m^2")
+    length = structure.parameter("length", 2.0, "m")
+    start, end = structure.node("a", 0, 0), structure.node("b", length, 0)
+    structure.add(structures.Truss("rod", start, end, area=area, modulus=2e11))
+    structure.support(start)
+    structure.support(end, uy=0)
+    structure.load(end, fx=load)
+    return structure.build()
+
+
+def test_a_structure_and_its_sensitivities(bar):
+    """Elongation ``P l/(E A)`` of a bar with lognormal load and area."""
+    random = {"load": da.Lognormal(1e5, 2e4), "area": da.Lognormal(1e-3, 5e-5)}
+    limit = da.Limit(da.final("b.ux"), upper=2e-3)
+
+    def beta(random, length=2.0):
+        (ml, sl), (ma, sa) = (random[n].logarithm for n in ("load", "area"))
+        return (math.log(2e-3 * 2e11 / length) - ml + ma) / math.hypot(sl, sa)
+
+    found = da.reliability(bar, limit, random, analysis=da.Statics())
+    assert found.success and found.beta == pytest.approx(beta(random), abs=1e-6)
+    changed = [random | {"load": da.Lognormal(1e5 + d, 2e4)} for d in (-10, 10)]
+    slope = (beta(changed[1]) - beta(changed[0])) / 20
+    assert found.sensitivity["load"]["mean"] == pytest.approx(slope, rel=1e-5)
+    changed = [random | {"load": da.Lognormal(1e5, 2e4 + d)} for d in (-10, 10)]
+    slope = (beta(changed[1]) - beta(changed[0])) / 20
+    assert found.sensitivity["load"]["std"] == pytest.approx(slope, rel=1e-5)
+    slope = (beta(random, 2.001) - beta(random, 1.999)) / 0.002
+    assert found.parameter_sensitivity["length"] == pytest.approx(slope, rel=1e-5)
+    assert sum(found.importance.values()) == pytest.approx(1)
+    low, high = found.importance_sampling(300).interval
+    assert low < ndtr(-beta(random)) < high
+
+
+def test_systems():
+    """Two planes square to each other: the probabilities multiply."""
+    limits, p = ["1 - a", "1.5 - b"], ndtr([-1.0, -1.5])
+    series = da.reliability(None, limits, {"a": N, "b": N})
+    assert series.probability == pytest.approx(1 - (1 - p[0]) * (1 - p[1]), rel=1e-6)
+    parallel = da.reliability(None, limits, {"a": N, "b": N}, system="parallel")
+    assert parallel.probability == pytest.approx(p[0] * p[1], rel=1e-4)
+    low, high = parallel.monte_carlo(100_000, rng=1).interval
+    assert low < p[0] * p[1] < high
+
+
+def test_several_design_points():
+    found = da.reliability(None, "9 - a**2 + 0.1*b", {"a": N, "b": N}, starts=12)
+    assert sorted(round(one.x["a"], 3) for one in found.points) == [-2.999, 2.999]
+    low, high = found.importance_sampling(20_000).interval
+    u, w = normal_points()  # P(a² > 9 + b/10), integrated over b
+    exact = w @ (2 * ndtr(-np.sqrt(9 + 0.1 * u)))
+    assert low < exact < high
+
+
+def test_failure_at_the_means_has_a_negative_index():
+    found = da.reliability(None, "r - s", {"r": da.Normal(2, 1), "s": da.Normal(4, 1)})
+    assert found.beta == pytest.approx(-math.sqrt(2), abs=1e-9)
+
+
+def test_what_did_not_converge_says_so():
+    found = da.reliability(None, "2 - a + exp(b) - 1", {"a": N, "b": N}, max_iterations=1)
+    assert not found.success and found.residual > 1e-8 and "not converged" in repr(found)
+
+
+@pytest.mark.parametrize(
+    ("more", "tells"),
+    [
+        ({"correlation": np.array([[1, 0.9], [0.2, 1]])}, "symmetric"),
+        ({"correlation": {("a", "b"): 1.2}}, "not positive definite"),
+        ({"correlation": {("a", "c"): 0.2}}, "unknown random parameter 'c'"),
+        ({"random": {"a": da.Lognormal(1, 2), "b": da.Lognormal(1, 2)}}, "lies between"),
+        ({"limit_state": "2 - a*0"}, "does not change"),
+        ({"limit_state": "sqrt(a - 5)"}, "cannot be evaluated"),
+        ({"random": {}}, "nothing is random"),
+        ({"random": {"a": 1.0, "b": N}}, "give a distribution"),
+        ({"limit_state": da.final("x")}, "need analysis"),
+        ({"system": "circle"}, "unknown system"),
+        ({"method": "newton"}, "unknown method"),
+    ],
+)
+def test_what_cannot_be_is_told(more, tells):
+    asked = {"limit_state": "3 - a - b", "random": {"a": N, "b": N}}
+    if "lies between" in tells:
+        asked["correlation"] = {("a", "b"): -0.9}
+    with pytest.raises(da.DalembertError, match=tells):
+        da.reliability(None, **(asked | more))
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: da.Normal(0, 0),
+        lambda: da.Lognormal(-1, 1),
+        lambda: da.Uniform(2, 1),
+        lambda: da.Weibull(0, 1),
+        lambda: da.Gumbel(1, -1),
+        lambda: da.Truncated(N, 50.0, 60.0),
+    ],
+)
+def test_distributions_that_cannot_be(make):
+    with pytest.raises(da.ModelError):
+        make()

@@ -1,0 +1,57 @@
+"""The command of the benchmarks: everyone reaches the error, the table goes where it belongs."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks import __main__ as command
+from benchmarks.cases.base import Effort
+from benchmarks.mechanisms import slider_crank
+from benchmarks.sample import Row, Sample
+from benchmarks.solvers import ours
+from benchmarks.table import BEGIN, END, markdown, update
+
+
+def test_a_quick_run_makes_a_table_and_a_picture(tmp_path, capsys):
+    given = ["pendulum", "--quick", "--rounds", "1", "--output", str(tmp_path)]
+    assert command.main(given) == 0
+    table = (tmp_path / "table.md").read_text(encoding="utf-8")
+    assert "| pendulum | time to an error of 1e-04 m |" in table
+    assert "only" not in table  # everyone has reached the error
+    assert (tmp_path / "pendulum.svg").stat().st_size > 1000
+    assert table.strip() in capsys.readouterr().out
+
+
+def test_the_neutral_slider_crank_is_the_published_one():
+    mechanism, reference = slider_crank()
+    assert ours.runner(mechanism, 1.0, "vm")(400)[1] == pytest.approx(reference, abs=1e-6)
+
+
+def test_unknown_cases_are_refused(capsys):
+    with pytest.raises(SystemExit):
+        command.main(["pendulums"])
+    assert "no case pendulums" in capsys.readouterr().err
+
+
+def test_the_table_tells_losses_and_stands_between_its_markers(tmp_path):
+    row = Row("race", "one step")
+    row.samples["Peer"] = Sample(1e-6, 0.9e-6, 1.1e-6, "s")
+    row.samples["dalembert"] = Sample(4e-6, 4e-6, 4e-6, "s", "20 steps")
+    table = markdown([row], ["a machine"])
+    assert "| race | one step | 4 µs (20 steps) | 1 µs ± 10 % | 0.25 |" in table
+    readme = tmp_path / "README.md"
+    readme.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
+    update(readme, table)
+    text = readme.read_text(encoding="utf-8")
+    assert table in text and "old" not in text
+    assert text.startswith("before") and text.endswith("after\n")
+    readme.write_text("nothing", encoding="utf-8")
+    with pytest.raises(SystemExit, match="has no lines"):
+        update(readme, table)
+
+
+def test_every_case_is_named_once():
+    from benchmarks.cases.all import CASES
+
+    assert len({case.name for case in CASES}) == len(CASES)
+    assert Effort().backends == ("vm",)
