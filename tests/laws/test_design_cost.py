@@ -46,13 +46,17 @@ def task(model: da.Model) -> dict:
 def counted(monkeypatch) -> list[int]:
     """Number of analyses, whoever asks for them."""
     count = [0]
-    for name in ("run", "replay"):
+    honest = {name: getattr(da.Kinematics, name) for name in ("run", "replay")}
 
-        def called(self, *given, honest=getattr(da.Kinematics, name), **options):
+    def counting(name: str):
+        def called(self, *given, **options):
             count[0] += 1
-            return honest(self, *given, **options)
+            return honest[name](self, *given, **options)
 
-        monkeypatch.setattr(da.Kinematics, name, called)
+        return called
+
+    for name in honest:
+        monkeypatch.setattr(da.Kinematics, name, counting(name))
     return count
 
 
