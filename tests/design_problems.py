@@ -13,8 +13,8 @@ def parametric(variables: Mapping[str, tuple[float, float, float]], name: str = 
     structure = da.Structure(name)
     for symbol, (start, lower, upper) in variables.items():
         structure.parameter(symbol, start, bounds=(lower, upper))
-    nodes = [structure.node("a", 0, 0), structure.node("b", 1, 0)]
-    structure.add(da.structures.Truss("s", *nodes, area=1.0, modulus=1.0))
+    nodes = [structure.node("left_end", 0, 0), structure.node("right_end", 1, 0)]
+    structure.add(da.structures.Truss("only_bar", *nodes, area=1.0, modulus=1.0))
     structure.support(nodes[0])
     structure.support(nodes[1], uy=0.0)
     return structure.build()
@@ -35,6 +35,7 @@ def solve(
         parametric(variables),
         da.final(objective, name="objective"),
         subject_to=bounded,
+        vary=options.pop("vary", list(variables)),
         analysis=da.Statics(),
         **({"tolerance": 1e-12, "max_iterations": 300} | options),
     )

@@ -194,7 +194,9 @@ def test_optimize(model, tmp_path, capsys):
     made = told(capsys)
     assert made["fun"] < made["start_fun"]
     assert set(made["x"]) == {"l2", "l3"}
-    assert (out / "four_bar.optimum.report.html").exists()
+    page = (out / "four_bar.optimum.report.html").read_text(encoding="utf-8")
+    assert '"optimum":{"label":"peak","unit":"N"' in page and '"ghosts":[{' in page
+    assert made["objective"] == "peak" and made["stationarity"] < 1e-3
     assert main(["optimize", str(model), "--quiet"]) == 0
     assert "objective" in capsys.readouterr().out
 

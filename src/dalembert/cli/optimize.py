@@ -69,7 +69,9 @@ def optimize(
     files: list[Path] = []
     if folder is not None:
         base = folder / f"{file.path.stem}.optimum"
-        files = best.motion.write(base, True, False, **choices)
+        files = best.motion.write(base, False, False, **choices)
+        if best.motion.has_page:
+            files.append(best.report(base.with_name(f"{base.name}.report.html"), **choices))
     made = _document(best, files)
     if as_json:
         emit(made)

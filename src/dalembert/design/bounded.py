@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+STEPS = {"m": ("mm", 1e-3), "m^2": ("mm^2", 1e-6), "Pa": ("MPa", 1e6)}
+"""Unit → what a bound in it is let out by, and its size."""
+
 
 @dataclass(frozen=True)
 class Bounded:
@@ -31,8 +34,6 @@ class Bounded:
         """``this bound costs 3.1 N per mm`` for an objective in ``unit``."""
         if not self.active or self.price == 0:
             return ""
-        price, per = (self.price / 1e3, "mm") if self.unit == "m" else (self.price, self.unit)
-        one = per or "1"
-        return f"{self.name} at its {self.active} bound costs {price:.4g} {unit}".rstrip() + (
-            f" per {one}"
-        )
+        per, size = STEPS.get(self.unit, (self.unit or "unit", 1.0))
+        price = f"{self.price * size:.4g} {unit}".rstrip()
+        return f"{self.name} at its {self.active} bound costs {price} per {per}"

@@ -24,7 +24,7 @@ from dalembert.text import visible
 __all__ = ["as_json", "render_page", "write_page"]
 
 #: The scripts of each kind of page, in the order in which they are joined into one scope.
-_FRAME = ("player.js", "plots.js", "picker.js", "panels.js", "page.js")
+_FRAME = ("player.js", "plots.js", "picker.js", "panels.js", "optimum.js", "page.js")
 SCRIPTS = {
     "mechanism": (
         "util.js",
@@ -59,6 +59,7 @@ SCRIPTS = {
     "structure": (
         "util.js",
         "panels.js",
+        "optimum.js",
         "structure.js",
         "structure_scene.js",
         "structure_tables.js",

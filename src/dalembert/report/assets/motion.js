@@ -33,11 +33,10 @@ class Motion extends Timeline {
     this.points = list(scene.points).filter((p) => this.has(p.body)).map((p, index) => ({
       name: String(p.name ?? ""), body: this.find(p.body), point: xy(p.point), index, traced: false,
     }));
-    // Of a mechanism that does not close: where its parts were given, and what stays open.
-    this.ghosts = list(scene.ghosts).map((ghost) => {
-      const a = +ghost.angle || 0, [x, y] = xy([ghost.x, ghost.y]);
-      return { pose: { x, y, a, c: Math.cos(a), s: Math.sin(a) }, shapes: readShapes(ghost.shapes) };
-    });
+    // Another motion behind this one; of a mechanism that does not close, where its parts were given.
+    this.ghosts = list(scene.ghosts).map((ghost) => ({
+      x: steady(ghost.x, this.n), y: steady(ghost.y, this.n), a: steady(ghost.angle, this.n), shapes: readShapes(ghost.shapes),
+    }));
     this.gaps = list(scene.gaps).map((gap) => ({ from: xy(gap.from), to: xy(gap.to), text: String(gap.text ?? "") }));
     this.still = { x: 0, y: 0, c: 1, s: 0, a: 0 };
   }
@@ -80,7 +79,10 @@ class Motion extends Timeline {
         if (pose) for (const p of points) grow(toWorld(pose, p));
       }
     }
-    for (const { pose, shapes } of this.ghosts) for (const p of shapes.flatMap(outline)) grow(toWorld(pose, p));
+    for (const cursor of this.ghosts.length ? this.frames(60) : []) for (const ghost of this.ghosts) {
+      const pose = this.pose(ghost, cursor);
+      if (pose) for (const p of ghost.shapes.flatMap(outline)) grow(toWorld(pose, p));
+    }
     for (const gap of this.gaps) { grow(gap.from); grow(gap.to); }
     if (!(box.x0 <= box.x1)) return { x0: -0.5, x1: 0.5, y0: -0.5, y1: 0.5 };
     const size = Math.max(box.x1 - box.x0, box.y1 - box.y0) || 1;

@@ -23,6 +23,7 @@ function buildToolbar() {
     toggles.unshift(toggleButton("Reactions", false, show("forces"), { id: "reactions", title: "Reaction forces and moments at the joints" }));
     toggles[0].prepend(legend);
   }
+  if (payload.optimum && motion.ghosts.length) toggles.unshift(toggleButton("First design", true, show("ghosts"), { id: "ghosts" }));
   const chips = el("div", { class: "chips" }, toggles);
   byId("toolbar").append(chips);
   moreTools(scene, chips);
@@ -56,8 +57,8 @@ function buildFrame() {
 function buildPanels() {
   const statistics = list(payload.statistics);
   const columns = [
-    [diagnosisPanel(payload.diagnosis), valuePanel(motion), parameterPanel(payload.parameters)],
-    [statistics.length ? panel("Statistics", "statistics", pairs(statistics)) : null, eventPanel(motion, player)],
+    [optimumPanel(payload.optimum), diagnosisPanel(payload.diagnosis), valuePanel(motion), payload.optimum ? null : parameterPanel(payload.parameters)],
+    [convergencePanel(payload.optimum), statistics.length ? panel("Statistics", "statistics", pairs(statistics)) : null, eventPanel(motion, player)],
   ].map((column) => column.filter(Boolean)).filter((column) => column.length);
   byId("panels").append(...columns.map((column) => el("div", { class: "column" }, column)));
   verdict(byId("verdict"), payload.diagnosis);

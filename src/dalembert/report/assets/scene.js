@@ -7,7 +7,7 @@ class Scene {
     this.unit = this.symbolSize();
     this.view = { x: 0, y: 0, s: 1 };
     this.fitted = true;
-    this.show = { labels: motion.bodies.length <= 12, forces: false, grid: true };
+    this.show = { labels: motion.bodies.length <= 12, forces: false, grid: true, ghosts: true };
     this.pointer = null;
     this.pending = false;
     this.ratio = undefined;
@@ -393,11 +393,14 @@ class Scene {
     }
   }
 
-  // Bodies where they were given, behind those where they came to.
+  // Bodies of another design, or where they were given, behind those where they came to.
   drawGhosts() {
-    this.ctx.globalAlpha = 0.25;
+    this.ctx.globalAlpha = this.motion.n > 1 ? 0.5 : 0.25;
     const look = { edge: Theme.muted, fill: Theme.surface, width: 1.5 };
-    for (const { pose, shapes } of this.motion.ghosts) for (const shape of shapes) this.drawShape(shape, pose, look);
+    for (const ghost of this.show.ghosts ? this.motion.ghosts : []) {
+      const pose = this.motion.pose(ghost);
+      if (pose) for (const shape of ghost.shapes) this.drawShape(shape, pose, look);
+    }
     this.ctx.globalAlpha = 1;
   }
 

@@ -164,10 +164,8 @@ class Assembly {
   }
 
   // Where a body of a mechanism that does not close was given.
-  addGhost({ pose, shapes }) {
+  addGhost({ shapes }) {
     const group = new THREE.Group();
-    group.position.copy(pose.p);
-    group.quaternion.copy(pose.q);
     for (const shape of shapes) {
       const [geometry, lines] = (SOLIDS[shape.kind] || SOLIDS.particle)(shape, this.unit);
       if (geometry) { const mesh = this.add(group, geometry, "ghost", null); mesh.castShadow = false; }
@@ -210,6 +208,11 @@ class Assembly {
       group.position.copy(pose.p);
       group.quaternion.copy(pose.q);
     }
+    this.ghosts.forEach((group, k) => {
+      const pose = this.show.ghosts && motion.n ? motion.pose(motion.ghosts[k]) : null;
+      group.visible = Boolean(pose);
+      if (pose) { group.position.copy(pose.p); group.quaternion.copy(pose.q); }
+    });
     for (const { link, group, parts, rest } of this.links) {
       const [p, q] = [link.i, link.j].map((end) => motion.at(end.body, end.point));
       group.visible = Boolean(p && q);

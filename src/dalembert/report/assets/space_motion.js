@@ -27,7 +27,11 @@ class SpatialMotion extends Timeline {
       ...this.told(s), ...end(s), force: columns(s, "force"), moment: columns(s, "moment"),
     }));
     this.points = list(scene.points).filter(known).map((p, index) => ({ name: String(p.name ?? ""), ...end(p), index, traced: false }));
-    this.ghosts = list(scene.ghosts).map((g) => ({ shapes: list(g.shapes), pose: { p: vector(xyz([g.x, g.y, g.z])), q: quaternion([g.e0, g.e1, g.e2, g.e3]) } }));
+    this.ghosts = list(scene.ghosts).map((ghost) => ({
+      place: ["x", "y", "z"].map((key) => steady(ghost[key], this.n)),
+      turn: ["e0", "e1", "e2", "e3"].map((key) => steady(ghost[key], this.n)),
+      shapes: list(ghost.shapes),
+    }));
     this.gaps = list(scene.gaps).map((g) => ({ from: xyz(g.from), to: xyz(g.to), text: String(g.text ?? "") }));
     this.still = { p: new THREE.Vector3(), q: new THREE.Quaternion() };
   }
@@ -77,7 +81,10 @@ class SpatialMotion extends Timeline {
         if (pose) for (const p of marks.get(body)) places.push(toSpace(pose, p));
       }
     }
-    for (const { pose, shapes } of this.ghosts) for (const p of shapes.flatMap(reach)) places.push(toSpace(pose, p));
+    for (const cursor of this.ghosts.length ? this.frames(30) : []) for (const ghost of this.ghosts) {
+      const pose = this.pose(ghost, cursor);
+      if (pose) for (const p of ghost.shapes.flatMap(reach)) places.push(toSpace(pose, p));
+    }
     for (const gap of this.gaps) places.push(vector(gap.from), vector(gap.to));
     return places.length ? places : [new THREE.Vector3()];
   }

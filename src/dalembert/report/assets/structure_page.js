@@ -142,8 +142,8 @@ function buildFrame() {
 function buildPanels() {
   const statistics = list(payload.statistics);
   const columns = [
-    [diagnosisPanel(payload.diagnosis), parameterPanel(payload.parameters)],
-    [statistics.length ? panel("Statistics", "statistics", pairs(statistics)) : null],
+    [optimumPanel(payload.optimum), diagnosisPanel(payload.diagnosis), payload.optimum ? null : parameterPanel(payload.parameters)],
+    [convergencePanel(payload.optimum), statistics.length ? panel("Statistics", "statistics", pairs(statistics)) : null],
   ].map((column) => column.filter(Boolean)).filter((column) => column.length);
   byId("panels").append(...columns.map((column) => el("div", { class: "column" }, column)));
   byId("board").setAttribute("aria-label", "Tables");

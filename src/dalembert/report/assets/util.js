@@ -16,6 +16,9 @@ function floats(values, n) {
   return out;
 }
 
+// The same of one number that stays.
+const steady = (value, n) => floats(Array.isArray(value) ? value : Array(n).fill(isNum(value) ? value : 0), n);
+
 // The smallest and largest of some columns, or null when there is no number.
 function extent(columns) {
   let lo = Infinity, hi = -Infinity;
