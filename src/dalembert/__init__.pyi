@@ -57,6 +57,8 @@ from dalembert.design.reliability.distributions import (
 )
 from dalembert.design.reliability.reliability import reliability as reliability
 from dalembert.design.reliability.reliable import Reliability as Reliability
+from dalembert.design.tolerance import tolerance as tolerance
+from dalembert.design.toleranced import Toleranced as Toleranced
 from dalembert.elements import (
     laws as laws,
     planar as planar,
