@@ -56,3 +56,11 @@ def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:  # noqa: F8
     assert found["largest"] - found["stroke"] == pytest.approx(largest, rel=5e-3)
     assert found["allotted"] == pytest.approx(made.LIMIT, rel=1e-3)
     assert found["±link_length"] == 0.5e-3
+
+
+def test_torques_of_a_leg(pictures: Path) -> None:  # noqa: F811
+    """Against Lagrange's equations in closed form; differences of the noise give half of it."""
+    found = numbers("gait_torques", pictures)
+    for joint in ("hip", "knee"):
+        assert found[f"smooth {joint}"] < 0.15 < 0.5 < found[f"raw {joint}"]
+    assert found["misfit"] == pytest.approx(1, abs=0.2)

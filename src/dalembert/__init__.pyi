@@ -45,6 +45,9 @@ from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleig
 from dalembert.design.identification.experiment import Experiment as Experiment
 from dalembert.design.identification.identified import Identification as Identification
 from dalembert.design.identification.identify import identify as identify
+from dalembert.design.inverse.history import History as History, history as history
+from dalembert.design.inverse.invert import invert as invert
+from dalembert.design.inverse.inverted import Inversion as Inversion
 from dalembert.design.optimization import optimize as optimize
 from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
 from dalembert.design.reliability.distributions import (
