@@ -37,3 +37,30 @@ def test_truss_is_as_reliable_as_the_closed_form(pictures: Path) -> None:  # noq
     broken = [math.log(c) + logs @ np.array(powers) < 0 for c, powers in limits.values()]
     share = np.mean(broken[0] | broken[1])
     assert found["low"] < share < found["high"]
+
+
+def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:  # noqa: F811
+    """``S = 2 L r/d``, taken as an integral over 360 intervals."""
+    found, made = numbers("shaper_tolerances", pictures), script("shaper_tolerances")
+    r, d, lever = 0.1, 0.3, 0.55
+    half = np.array([made.HALF[n] for n in ("r", "d", "lever_length")])
+
+    def stroke(z):
+        return 2 * (lever + half[2] * z[2]) * (r + half[0] * z[0]) / (d + half[1] * z[1])
+
+    slopes = 2 * np.array([lever / d, -lever * r / d**2, r / d])
+    assert found["stroke"] == pytest.approx(stroke((0, 0, 0)), rel=2e-4)
+    assert found["std"] == pytest.approx(np.linalg.norm(slopes * half) / 3, rel=1e-3)
+    assert found["std of the samples"] == pytest.approx(found["std"], rel=0.2)
+    largest = stroke((1, -1, 1)) - stroke((0, 0, 0))
+    assert found["largest"] - found["stroke"] == pytest.approx(largest, rel=5e-3)
+    assert found["allotted"] == pytest.approx(made.LIMIT, rel=1e-3)
+    assert found["±link_length"] == 0.5e-3
+
+
+def test_torques_of_a_leg(pictures: Path) -> None:  # noqa: F811
+    """Against Lagrange's equations in closed form; differences of the noise give half of it."""
+    found = numbers("gait_torques", pictures)
+    for joint in ("hip", "knee"):
+        assert found[f"smooth {joint}"] < 0.15 < 0.5 < found[f"raw {joint}"]
+    assert found["misfit"] == pytest.approx(1, abs=0.2)

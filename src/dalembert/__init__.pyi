@@ -63,6 +63,9 @@ from dalembert.design.methods.multistart import Multistart as Multistart
 from dalembert.design.methods.nlopt_ccsa import Ccsaq as Ccsaq
 from dalembert.design.methods.slsqp import Slsqp as Slsqp
 from dalembert.design.methods.trust_constr import TrustConstr as TrustConstr
+from dalembert.design.inverse.history import History as History, history as history
+from dalembert.design.inverse.invert import invert as invert
+from dalembert.design.inverse.inverted import Inversion as Inversion
 from dalembert.design.optimization import optimize as optimize
 from dalembert.design.optimum import Optimum as Optimum
 from dalembert.design.pareto import pareto as pareto
@@ -78,6 +81,8 @@ from dalembert.design.reliability.distributions import (
 from dalembert.design.reliability.reliability import reliability as reliability
 from dalembert.design.reliability.reliable import Reliability as Reliability
 from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
+from dalembert.design.tolerance import tolerance as tolerance
+from dalembert.design.toleranced import Toleranced as Toleranced
 from dalembert.elements import (
     laws as laws,
     planar as planar,

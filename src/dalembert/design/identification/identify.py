@@ -78,8 +78,9 @@ def prepared(
     noise: Mapping[str, float | str] | None = None,
     delays: Delays | None = None,
     start: Mapping[str, float] | None = None,
+    regularised: bool = False,
 ) -> Misfit:
-    """The misfit of a model to data.
+    """The misfit of a model to data; with a regularisation there may be few of them.
 
     Raises
     ------
@@ -105,7 +106,7 @@ def prepared(
             raise AnalysisError(f"noise: the data has no column {column!r} that is used")
     unknowns = unknowns_of(model, observations, listed, start or {}, delays or {})
     misfit = Misfit(model, observations, unknowns)
-    if misfit.size < len(unknowns.labels):
+    if misfit.size < len(unknowns.labels) and not regularised:
         raise AnalysisError(
             f"{misfit.size} sample(s) for {len(unknowns.labels)} unknowns "
             f"({', '.join(unknowns.labels)}); measure more, or vary less"

@@ -36,7 +36,7 @@ class Reliability:
 
     @property
     def point(self) -> DesignPoint:
-        """The governing design point: nearest of a series, farthest of a parallel system."""
+        """The governing point: the nearest of a series, the farthest of a parallel system."""
         nearest = self._nearest()
         pick = min if self.system == "series" else max
         return pick(nearest, key=lambda one: one.beta)

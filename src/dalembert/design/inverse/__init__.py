@@ -1,0 +1,1 @@
+"""Unknown histories from what they cause: forces and drives from measured motion."""

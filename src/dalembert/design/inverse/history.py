@@ -1,0 +1,72 @@
+"""An unknown history: a cubic spline in time whose values are parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dalembert.elements.laws.table import Table
+from dalembert.errors import ModelError
+from dalembert.symbolic.expression import Expression, t
+from dalembert.symbolic.parameter import Parameter
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """A function of time through unknown values at knots.
+
+    Attributes
+    ----------
+    name : of the history
+    knots : (n,) times [s]
+    parameters : one for each knot
+    law : the spline, for drivers
+    """
+
+    name: str
+    knots: np.ndarray
+    parameters: tuple[Parameter, ...]
+    law: Table
+
+    @property
+    def names(self) -> list[str]:
+        """Of the parameters."""
+        return [p.name for p in self.parameters]
+
+    @property
+    def value(self) -> Expression:
+        """The history as a formula of time, for forces and moments."""
+        return Expression(self.law.value(t.sx), self.name)
+
+    def roughness(self, order: int = 2) -> np.ndarray:
+        """(n − order, n) rows whose squares sum to ``∫ (dᵏf/dtᵏ)² dt``, by divided differences."""
+        x, rows = self.knots, np.eye(self.knots.size)
+        for k in range(1, order + 1):
+            rows = k * np.diff(rows, axis=0) / (x[k:] - x[:-k])[:, None]
+        return rows * np.sqrt((x[order:] - x[:-order]) / order)[:, None]
+
+
+def history(
+    system: Any, name: str, knots: Sequence[float] | np.ndarray, value: float = 0.0, unit: str = ""
+) -> History:
+    """An unknown history for a system: parameters ``name_0``, ``name_1`` … at its knots.
+
+    Parameters
+    ----------
+    system : System or Structure that gets the parameters
+    knots : times, increasing; the spline is natural and C² between them [s]
+    value : of all knots at first
+
+    Raises
+    ------
+    ModelError
+        Fewer than four knots, or knots not increasing.
+    """
+    times = np.asarray(knots, dtype=float)
+    if times.ndim != 1 or times.size < 4 or not np.all(np.diff(times) > 0):
+        raise ModelError("give at least four knots, increasing in time", name)
+    made = tuple(system.parameter(f"{name}_{k}", value, unit) for k in range(times.size))
+    return History(name, times, made, Table(times.tolist(), list(made)))

@@ -1,0 +1,162 @@
+"""What a tolerance analysis ends with, and the cheapest tolerances that are enough."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+
+
+@dataclass(eq=False)
+class Toleranced:
+    """Result of ``tolerance``.
+
+    Attributes
+    ----------
+    nominal : the response without deviations
+    effects : parameter → change of the response when its tolerance is used up, to first order
+    hessian : (n, n) second derivatives by used-up tolerances, or None
+    worst : smallest and largest response within all tolerances, or None
+    sampled : responses of Monte Carlo, or None
+    """
+
+    label: str
+    nominal: float
+    tolerances: dict[str, float]
+    effects: dict[str, float]
+    sigmas: float
+    hessian: np.ndarray | None = field(default=None, repr=False)
+    worst: tuple[float, float] | None = None
+    sampled: np.ndarray | None = field(default=None, repr=False)
+
+    @property
+    def std(self) -> float:
+        """Standard deviation to first order."""
+        return float(np.linalg.norm(list(self.effects.values())) / self.sigmas)
+
+    @property
+    def first_order_worst(self) -> float:
+        """Largest deviation to first order, ``Σ|∂f/∂p_i t_i|``."""
+        return float(np.sum(np.abs(list(self.effects.values()))))
+
+    @property
+    def second_order(self) -> tuple[float, float]:
+        """Mean and standard deviation to second order.
+
+        Raises
+        ------
+        AnalysisError
+            It was not asked for.
+        """
+        if self.hessian is None:
+            raise AnalysisError("second order was not asked for; give second_order=True")
+        h = self.hessian / self.sigmas**2
+        mean = self.nominal + 0.5 * float(np.trace(h))
+        return mean, float(np.sqrt(self.std**2 + 0.5 * np.sum(h**2)))
+
+    @property
+    def contributions(self) -> dict[str, float]:
+        """Parameter → share of the variance to first order."""
+        squares = np.square(list(self.effects.values()))
+        whole = float(squares.sum()) or 1.0
+        return dict(zip(self.effects, map(float, squares / whole), strict=True))
+
+    def allot(
+        self,
+        limit: float,
+        costs: Mapping[str, float],
+        *,
+        exponent: float = 1.0,
+        bounds: tuple[float, float] | Mapping[str, tuple[float, float]] = (0.0, np.inf),
+        worst_case: bool = False,
+    ) -> dict[str, float]:
+        """The cheapest tolerances with which the response keeps within ``±limit``.
+
+        ``min Σ c_i/t_i^k`` under ``Σ (g_i t_i)² ≤ limit²``, or under ``Σ |g_i| t_i ≤ limit`` in the
+        worst case, to first order. Where no bound holds, ``t_i ∝ (c_i/|g_i|^m)^(1/(k + m))``,
+        m = 2 or 1 (Chase and Greenwood 1988).
+
+        Parameters
+        ----------
+        limit : of the deviation of the response, at as many standard deviations as the tolerances
+        costs : parameter → ``c``
+        exponent : ``k``
+        bounds : least and largest tolerance, of all or by parameter
+
+        Raises
+        ------
+        AnalysisError
+            Costs that are missing, or a limit that even the least tolerances break.
+        """
+        names = list(self.effects)
+        missing = [n for n in names if not costs.get(n, 0) > 0]
+        if missing:
+            raise AnalysisError(f"allot: give a cost above zero for {', '.join(missing)}")
+        if not (limit > 0 and exponent > 0):
+            raise AnalysisError("allot: limit and exponent must be above zero")
+        each = {n: bounds[n] if isinstance(bounds, Mapping) else bounds for n in names}
+        low, high = np.array(list(each.values()), dtype=float).T
+        g = np.abs([self.effects[n] / self.tolerances[n] for n in names])
+        c, power = np.array([costs[n] for n in names]), 1.0 if worst_case else 2.0
+        if not np.any(g > 0):
+            raise AnalysisError("allot: the response does not depend on any of the tolerances")
+
+        def size(t: np.ndarray) -> float:
+            return float(np.sum(np.where(g > 0, g * t, 0.0) ** power) ** (1 / power))
+
+        if size(low) > limit:
+            raise AnalysisError(
+                f"allot: the least tolerances already deviate by {size(low):.6g}, limit {limit:.6g}"
+            )
+
+        def allotted(logarithm: float) -> np.ndarray:
+            with np.errstate(divide="ignore", over="ignore"):
+                free = np.exp(logarithm) * np.where(g > 0, c / g**power, np.inf)
+            return np.clip(free ** (1 / (exponent + power)), low, high)
+
+        return dict(zip(names, map(float, allotted(_root(allotted, size, limit))), strict=True))
+
+    # for people ----------------------------------------------------------------------------
+    def plot(self, ax: Any = None) -> Any:
+        """What each tolerance does to the response; returns the axes."""
+        import matplotlib.pyplot as plt
+
+        if ax is None:
+            _, ax = plt.subplots(figsize=(5.5, 3.2), layout="constrained")
+        rows = sorted(self.effects.items(), key=lambda item: abs(item[1]))
+        ax.barh([n for n, _ in rows], [abs(v) for _, v in rows], height=0.6)
+        ax.set(xlabel=f"change of {self.label} when the tolerance is used up")
+        ax.grid(alpha=0.25)
+        ax.spines[["top", "right"]].set_visible(False)
+        return ax
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        head = "<th>parameter</th><th>±</th><th>effect</th><th>share</th>"
+        rows = "".join(
+            f"<tr><td>{escape(n)}</td><td>{self.tolerances[n]:.4g}</td><td>{v:.4g}</td>"
+            f"<td>{self.contributions[n]:.1%}</td></tr>"
+            for n, v in self.effects.items()
+        )
+        return f"<p>{escape(repr(self))}</p><table><tr>{head}</tr>{rows}</table>"
+
+    def __repr__(self) -> str:
+        worst = "" if self.worst is None else f", worst {self.worst[0]:.6g} … {self.worst[1]:.6g}"
+        spread = self.sigmas * self.std
+        return f"<Toleranced {self.label} {self.nominal:.6g} ± {spread:.3g}{worst}>"
+
+
+def _root(allotted: Any, size: Any, limit: float) -> float:
+    """The multiplier with which the limit is used up, or the largest that is of use."""
+    low, high = -700.0, 700.0
+    if size(allotted(high)) <= limit:
+        return high
+    for _ in range(200):
+        middle = (low + high) / 2
+        low, high = (middle, high) if size(allotted(middle)) <= limit else (low, middle)
+    return low
