@@ -292,6 +292,7 @@ FIXED = {
             "responses": "name → response",
             "sensitivity": "what `dalembert sensitivity` computes",
             "optimize": "what `dalembert optimize` computes",
+            "sweep": "which designs `dalembert sweep` runs",
             "report": "what the report shows first",
         },
     ),
@@ -337,6 +338,10 @@ FIXED = {
         {
             "method": '`"auto"`, `"adjoint"`, `"direct"` or `"finite-difference"`',
         },
+    ),
+    "sweep": (
+        schema.SweepTable,
+        {"type": '`"Grid"`, `"LatinHypercube"`, `"MonteCarlo"`, `"Sobol"` or `"Table"`'},
     ),
     "optimize": (
         schema.OptimizeTable,

@@ -44,6 +44,9 @@ from dalembert.analysis.structural.transient import (
 from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleigh
 from dalembert.design.optimization import optimize as optimize
 from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
+from dalembert.design.studies.design import Design as Design
+from dalembert.design.studies.study import Study as Study
+from dalembert.design.studies.sweep import sweep as sweep
 from dalembert.elements import (
     laws as laws,
     planar as planar,

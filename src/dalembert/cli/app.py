@@ -21,6 +21,7 @@ COMMANDS = {
     "sensitivity": "Derivatives of the responses of a model file by its parameters.",
     "compare": "Compare formulations and integrators on a model: cost, violations, errors.",
     "optimize": "Find the parameter values that make a response of a model file best.",
+    "sweep": "Run the analysis of a model file at many designs; goes on where it was ended.",
     "report": "Write the interactive report of a result file.",
     "cache": "Show the compiled functions that are kept on disk, or delete them.",
     "schema": "Print the JSON Schema of model files, for editors.",

@@ -35,6 +35,17 @@ def _method(value: Any) -> str:
     return value
 
 
+SAMPLINGS = ("Grid", "LatinHypercube", "MonteCarlo", "Sobol", "Table")
+"""How designs are chosen."""
+
+
+def _sampling(value: Any) -> str:
+    if not isinstance(value, str) or value not in SAMPLINGS:
+        known = ", ".join(SAMPLINGS)
+        raise ValueError(f"unknown type {shown(value)}{nearest(value, SAMPLINGS)}; known: {known}")
+    return value
+
+
 Method = Annotated[str, BeforeValidator(_method), WithJsonSchema({"enum": list(METHODS)})]
 Names = list[Text]
 Bounds = list_of(Bound, 2, "lower, upper")
@@ -94,6 +105,22 @@ class OptimizeTable(Record):
     tolerance: Number = 1e-8
 
 
+class SweepTable(Record):
+    """Which designs ``dalembert sweep`` runs."""
+
+    type: Annotated[str, BeforeValidator(_sampling), WithJsonSchema({"enum": list(SAMPLINGS)})] = (
+        "Sobol"
+    )
+    vary: dict[str, list[Number]] = Field(
+        default_factory=dict,
+        description="parameter → lower and upper end, of `Grid` and `Table` its values; "
+        "all with bounds by default",
+    )
+    samples: Integer = Field(default=64, description="how many designs, where they are drawn")
+    rng: Integer = Field(default=0, description="seed of what is drawn")
+    responses: Names = Field(default_factory=list, description="names of responses; all by default")
+
+
 _COORDINATES, _FORMULATION, _STABILIZATION, _INTEGRATOR = map(strategy_type, STRATEGIES_OF)
 
 
@@ -145,6 +172,7 @@ class ModelDocument(Record):
     parameters: dict[str, _PARAMETER] = Field(default_factory=dict)  # type: ignore[valid-type]
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
     optimize: OptimizeTable = None  # type: ignore[assignment]
+    sweep: SweepTable = None  # type: ignore[assignment]
 
 
 class Document(ModelDocument):
