@@ -45,7 +45,16 @@ from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleig
 from dalembert.design.optimization import optimize as optimize
 from dalembert.design.optimum import Limit as Limit, Optimum as Optimum
 from dalembert.design.studies.design import Design as Design
+from dalembert.design.studies.indices import (
+    morris_indices as morris_indices,
+    sobol_indices as sobol_indices,
+)
 from dalembert.design.studies.study import Study as Study
+from dalembert.design.studies.surfaces import (
+    Surface as Surface,
+    gaussian_process as gaussian_process,
+    response_surface as response_surface,
+)
 from dalembert.design.studies.sweep import sweep as sweep
 from dalembert.elements import (
     laws as laws,
