@@ -420,6 +420,15 @@ def test_geneva_wheel_goes_on_by_quarters(pictures: Path) -> None:
     assert found["off"] < 2 * play
 
 
+def test_study_against_closed_form(pictures):
+    """Every design's least transmission angle is that of the law of cosines."""
+    pytest.importorskip("SALib")
+    pytest.importorskip("sklearn")
+    found = numbers("four_bar_study", pictures)
+    assert found["failed"] == 0 and found["off"] < 1e-6
+    assert found["error"] < 0.1 and found["total_d"] > found["total_c"] > found["total_f"]
+
+
 def test_path_is_found(pictures: Path) -> None:
     found = numbers("path_optimization", pictures)
     assert found["success"]
