@@ -56,6 +56,16 @@ from dalembert.design.studies.surfaces import (
     response_surface as response_surface,
 )
 from dalembert.design.studies.sweep import sweep as sweep
+from dalembert.design.synthesis.cam import FlatFaceCam as FlatFaceCam, RollerCam as RollerCam
+from dalembert.design.synthesis.dead_centre import dead_centre_four_bar as dead_centre_four_bar
+from dalembert.design.synthesis.four_bar import FourBar as FourBar
+from dalembert.design.synthesis.slider_crank import SliderCrank as SliderCrank
+from dalembert.design.synthesis.synthesize import (
+    Solution as Solution,
+    Synthesis as Synthesis,
+    synthesize as synthesize,
+)
+from dalembert.design.synthesis.target import Target as Target
 from dalembert.elements import (
     laws as laws,
     planar as planar,
