@@ -119,7 +119,7 @@ class FlatFaceCam(Cam):
 class RollerCam(Cam):
     """A follower with a roller of radius ``r`` and an offset ``e``.
 
-    Its centre goes along the pitch curve ``e^{−iθ}(e + i h)`` with ``h = √((R + r)² − e²) + s``; the
+    Its centre goes along the pitch curve ``e^{−iθ}(e + i h)``, ``h = √((R + r)² − e²) + s``; the
     pressure angle is ``atan((s' − e)/h)``. With ``r = 0`` the follower has a knife edge.
     """
 
