@@ -293,6 +293,7 @@ FIXED = {
             "sensitivity": "what `dalembert sensitivity` computes",
             "optimize": "what `dalembert optimize` computes",
             "identify": "what `dalembert identify` finds",
+            "sweep": "which designs `dalembert sweep` runs",
             "report": "what the report shows first",
         },
     ),
@@ -338,6 +339,10 @@ FIXED = {
         {
             "method": '`"auto"`, `"adjoint"`, `"direct"` or `"finite-difference"`',
         },
+    ),
+    "sweep": (
+        schema.SweepTable,
+        {"type": '`"Grid"`, `"LatinHypercube"`, `"MonteCarlo"`, `"Sobol"` or `"Table"`'},
     ),
     "optimize": (
         schema.OptimizeTable,

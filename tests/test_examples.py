@@ -430,6 +430,34 @@ def test_geneva_wheel_goes_on_by_quarters(pictures: Path) -> None:
     assert found["off"] < 2 * play
 
 
+def test_synthesis_beats_the_literature(pictures):
+    """4.08e-5 is the least sum of squares printed for the six points; cognates draw one curve."""
+    found = numbers("straight_line_synthesis", pictures)
+    assert found["error"] < 4.08e-5 and found["off"] < 1e-10
+    assert found["transmission"] > math.radians(30) - 1e-6
+
+
+def test_smallest_cams_are_at_their_limits(pictures):
+    found = numbers("smallest_cam", pictures)
+    assert found["pressure"] == pytest.approx(30, abs=1e-6)
+    assert found["least radius"] == pytest.approx(0.003) and not found["undercut"]
+    # without an offset tan α = s'/(R + r + s): the base radius from the cycloidal law itself
+    x = np.linspace(0, 1, 100_001)
+    rise = 0.02 * (x - np.sin(2 * np.pi * x) / (2 * np.pi))
+    slope = 0.02 / (np.pi / 2) * (1 - np.cos(2 * np.pi * x))
+    needed = (slope / math.tan(math.radians(30)) - rise).max() - 0.006
+    assert found["base"] == pytest.approx(needed, rel=1e-4)
+
+
+def test_study_against_closed_form(pictures):
+    """Every design's least transmission angle is that of the law of cosines."""
+    pytest.importorskip("SALib")
+    pytest.importorskip("sklearn")
+    found = numbers("four_bar_study", pictures)
+    assert found["failed"] == 0 and found["off"] < 1e-6
+    assert found["error"] < 0.1 and found["total_d"] > found["total_c"] > found["total_f"]
+
+
 def test_path_is_found(pictures: Path) -> None:
     found = numbers("path_optimization", pictures)
     assert found["success"]

@@ -50,6 +50,9 @@ from dalembert.design.front import Front as Front
 from dalembert.design.identification.experiment import Experiment as Experiment
 from dalembert.design.identification.identified import Identification as Identification
 from dalembert.design.identification.identify import identify as identify
+from dalembert.design.inverse.history import History as History, history as history
+from dalembert.design.inverse.invert import invert as invert
+from dalembert.design.inverse.inverted import Inversion as Inversion
 from dalembert.design.limit import Limit as Limit
 from dalembert.design.methods.cma_es import CmaEs as CmaEs
 from dalembert.design.methods.differential_evolution import (
@@ -63,9 +66,6 @@ from dalembert.design.methods.multistart import Multistart as Multistart
 from dalembert.design.methods.nlopt_ccsa import Ccsaq as Ccsaq
 from dalembert.design.methods.slsqp import Slsqp as Slsqp
 from dalembert.design.methods.trust_constr import TrustConstr as TrustConstr
-from dalembert.design.inverse.history import History as History, history as history
-from dalembert.design.inverse.invert import invert as invert
-from dalembert.design.inverse.inverted import Inversion as Inversion
 from dalembert.design.optimization import optimize as optimize
 from dalembert.design.optimum import Optimum as Optimum
 from dalembert.design.pareto import pareto as pareto
@@ -80,9 +80,31 @@ from dalembert.design.reliability.distributions import (
 )
 from dalembert.design.reliability.reliability import reliability as reliability
 from dalembert.design.reliability.reliable import Reliability as Reliability
-from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
+from dalembert.design.studies.design import Design as Design
+from dalembert.design.studies.indices import (
+    morris_indices as morris_indices,
+    sobol_indices as sobol_indices,
+)
+from dalembert.design.studies.study import Study as Study
+from dalembert.design.studies.surfaces import (
+    Surface as Surface,
+    gaussian_process as gaussian_process,
+    response_surface as response_surface,
+)
+from dalembert.design.studies.sweep import sweep as sweep
+from dalembert.design.synthesis.cam import FlatFaceCam as FlatFaceCam, RollerCam as RollerCam
+from dalembert.design.synthesis.dead_centre import dead_centre_four_bar as dead_centre_four_bar
+from dalembert.design.synthesis.four_bar import FourBar as FourBar
+from dalembert.design.synthesis.slider_crank import SliderCrank as SliderCrank
+from dalembert.design.synthesis.synthesize import (
+    Solution as Solution,
+    Synthesis as Synthesis,
+    synthesize as synthesize,
+)
+from dalembert.design.synthesis.target import Target as Target
 from dalembert.design.tolerance import tolerance as tolerance
 from dalembert.design.toleranced import Toleranced as Toleranced
+from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
 from dalembert.elements import (
     laws as laws,
     planar as planar,

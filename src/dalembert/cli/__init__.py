@@ -1,4 +1,4 @@
-"""Command line: ``dalembert check | run | sensitivity | optimize | report | schema | examples``."""
+"""Command line: ``dalembert check | run | sensitivity | optimize | sweep | report``, and more."""
 
 from dalembert.cli.app import main
 

@@ -22,6 +22,7 @@ COMMANDS = {
     "compare": "Compare formulations and integrators on a model: cost, violations, errors.",
     "optimize": "Find the parameter values that make a response of a model file best.",
     "identify": "Find the parameter values that explain measured time series.",
+    "sweep": "Run the analysis of a model file at many designs; goes on where it was ended.",
     "report": "Write the interactive report of a result file.",
     "cache": "Show the compiled functions that are kept on disk, or delete them.",
     "schema": "Print the JSON Schema of model files, for editors.",

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.design.optimization import design_problem
 from dalembert.design.problem import DesignProblem
 from dalembert.design.toleranced import Toleranced
 from dalembert.errors import AnalysisError, ModelError
@@ -46,13 +47,15 @@ class Box:
 
     def slope(self, z: np.ndarray) -> np.ndarray:
         """(n,) change of the response with each tolerance used up."""
-        return self._found(z, True).slope(0) * self.half
+        return self.problem.slope(self._found(z, True), 0) * self.half
 
     def _found(self, z: np.ndarray, gradient: bool) -> Any:
         p = self.nominal + self.half * z
         found = self.problem.evaluate(p, gradient)
         if found is None:
-            told = ", ".join(f"{n} = {v:.6g}" for n, v in self.problem.parameters(p).items())
+            told = ", ".join(
+                f"{n} = {v:.6g}" for n, v in self.problem.variables.parameters(p).items()
+            )
             raise AnalysisError(f"a run fails at {told}: {self.problem.failures[-1]}")
         return found
 
@@ -130,7 +133,7 @@ def tolerance(
     names, listed = list(tolerances), list(model.parameters)
     nominal = np.array([model.nominal[listed.index(n)] for n in names])
     half = np.array([float(t) for t in tolerances.values()])
-    box = Box(DesignProblem(model, analysis, as_responses(response), names), nominal, half)
+    box = Box(design_problem(model, analysis, as_responses(response), names), nominal, half)
     still = np.zeros(half.size)
     return Toleranced(
         label=response.label,

@@ -45,6 +45,9 @@ def _one_name(known: Iterable[str]) -> Any:
 
 Method = _one_name(METHODS)
 Optimizing = _one_name(OPTIMIZERS)
+SAMPLINGS = ("Grid", "LatinHypercube", "MonteCarlo", "Sobol", "Table")
+"""How designs are chosen."""
+Sampling = _one_name(SAMPLINGS)
 Names = list[Text]
 Bounds = list_of(Bound, 2, "lower, upper")
 
@@ -148,6 +151,20 @@ class IdentifyTable(Record):
     max_iterations: Integer = 100
 
 
+class SweepTable(Record):
+    """Which designs ``dalembert sweep`` runs."""
+
+    type: Sampling = "Sobol"  # type: ignore[valid-type]
+    vary: dict[str, list[Number]] = Field(
+        default_factory=dict,
+        description="parameter → lower and upper end, of `Grid` and `Table` its values; "
+        "all with bounds by default",
+    )
+    samples: Integer = Field(default=64, description="how many designs, where they are drawn")
+    rng: Integer = Field(default=0, description="seed of what is drawn")
+    responses: Names = Field(default_factory=list, description="names of responses; all by default")
+
+
 _COORDINATES, _FORMULATION, _STABILIZATION, _INTEGRATOR = map(strategy_type, STRATEGIES_OF)
 
 
@@ -200,6 +217,7 @@ class ModelDocument(Record):
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
     optimize: OptimizeTable = None  # type: ignore[assignment]
     identify: IdentifyTable = None  # type: ignore[assignment]
+    sweep: SweepTable = None  # type: ignore[assignment]
 
 
 class Document(ModelDocument):

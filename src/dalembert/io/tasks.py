@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.analysis.comparison.compare import Comparing
 from dalembert.analysis.comparison.observation import observe
 from dalembert.design.limit import Limit
+from dalembert.design.studies.design import Design
 from dalembert.design.variables import Catalogue, Integer
 from dalembert.errors import ModelError
 from dalembert.io.analyses import given_options, make_analysis, make_strategy
@@ -164,6 +165,41 @@ def _with_sizes(file: ModelFile, vary: list[str]) -> list[Any]:
     return list(made.values())
 
 
+def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
+    """Designs and responses of ``[sweep]``.
+
+    Raises
+    ------
+    ModelError, AnalysisError
+        No ``[sweep]``, or names, ranges and counts that cannot work.
+    """
+    asked = file.document.sweep
+    if asked is None:
+        raise file.located.error(
+            "is missing; add [sweep] with vary = { parameter = [lower, upper] }", "sweep"
+        )
+    made = make_responses(file, model)
+    names = asked.responses or list(made) or [""]
+    where = ("sweep", "responses")
+    responses = [chosen_response(file, made, n, *where, k) for k, n in enumerate(names)]
+    chosen_parameters(file, list(asked.vary), "sweep", "vary")
+    given = asked.vary or {
+        name: list(q.bounds)
+        for name, q in model.parameters.items()
+        if np.all(np.isfinite(q.bounds))
+    }
+    listed = {"Grid": Design.grid, "Table": Design.table}
+    drawn = {
+        "LatinHypercube": Design.latin_hypercube,
+        "MonteCarlo": Design.monte_carlo,
+        "Sobol": Design.sobol,
+    }
+    with file.located("sweep", "vary"):
+        if asked.type in listed:
+            return listed[asked.type](asked.vary), responses
+        return drawn[asked.type](given, asked.samples, asked.rng), responses
+
+
 def make_comparison(file: ModelFile, model: Any, given: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of ``compare`` that ``[compare]`` and the times of ``[analysis]`` give.
 
@@ -239,3 +275,5 @@ def check_tasks(file: ModelFile, model: Any) -> None:
         make_gradient(file, model)
     if file.document.optimize is not None:
         make_design(file, model)
+    if file.document.sweep is not None:
+        make_sweep(file, model)

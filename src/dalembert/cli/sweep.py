@@ -1,0 +1,122 @@
+"""``dalembert sweep``: responses of a model file at many designs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from cyclopts import Parameter
+
+from dalembert.cli.console import DONE, FAILED, AsJson, Quiet, Settings, emit, tell, wrong_input
+from dalembert.cli.loading import loaded, output_folder
+
+if TYPE_CHECKING:
+    from dalembert.design.studies.study import Study
+    from dalembert.design.studies.task import StudyTask
+
+
+@dataclass(frozen=True)
+class FileTask:
+    """Makes the task of a model file, here or on a worker that sees the same file."""
+
+    path: Path
+    settings: tuple[str, ...]
+
+    def __call__(self) -> StudyTask:
+        from dalembert.design.studies.task import StudyTask
+        from dalembert.io.analyses import make_analysis
+        from dalembert.io.tasks import make_sweep
+
+        file, built = loaded(self.path, list(self.settings))
+        with wrong_input():
+            return StudyTask(built, make_analysis(file, built), make_sweep(file, built)[1])
+
+
+def sweep(
+    model: Path,
+    /,
+    *,
+    output: Path | None = None,
+    workers: int = 0,
+    scheduler: str | None = None,
+    chunk: int | None = None,
+    settings: Settings | None = None,
+    quiet: Annotated[Quiet, Parameter(help="Do not show progress.")] = False,
+    as_json: AsJson = False,
+) -> int:
+    """Run the analysis of a model file at many designs and keep its responses.
+
+    Parameters
+    ----------
+    model
+        Model file with [analysis], [responses] and [sweep].
+    output
+        Folder of the study: answers are written there as they come, and a study that was ended
+        goes on there. The whole is table.parquet. By default the name of the file and '.study'.
+    workers
+        Processes; 0 for all cores.
+    scheduler
+        Address of a Dask scheduler, such as tcp://host:8786, whose workers see the same file.
+    chunk
+        Designs that a worker is given at once.
+    """
+    from dalembert.design.studies.sweep import run_study
+    from dalembert.io.tasks import make_sweep
+
+    file, built = loaded(model, settings)
+    with wrong_input():
+        design, _ = make_sweep(file, built)
+    folder = output_folder(output or model.with_name(f"{model.stem}.study"))
+    make = FileTask(model.resolve(), tuple(settings or ()))
+    found = run_study(
+        make,
+        design,
+        folder,
+        workers=workers or None,
+        scheduler=scheduler,
+        chunk=chunk,
+        progress=not (quiet or as_json),
+    )
+    if as_json:
+        emit(_document(found))
+    else:
+        _print(found)
+    return DONE if found.success.any() else FAILED
+
+
+def _document(found: Study) -> dict[str, Any]:
+    return {
+        "ok": bool(found.success.any()),
+        "designs": len(found.design),
+        "reused": found.reused,
+        "failed": found.failures,
+        "responses": {
+            name: {
+                "minimum": column.min(),
+                "mean": column.mean(),
+                "maximum": column.max(),
+                "deviation": column.std(),
+            }
+            for name in found.responses
+            if (column := found.column(name)[found.success]).size
+        },
+        "folder": str(found.folder),
+        "table": str(found.folder / "table.parquet") if found.folder else None,
+    }
+
+
+def _print(found: Study) -> None:
+    made = _document(found)
+    done = len(found.design) - len(found.failures)
+    tell(f"{found.name}: {done} of {made['designs']} designs", "green" if made["ok"] else "red")
+    if found.reused:
+        tell(f"  {found.reused} were there already")
+    for name, numbers in made["responses"].items():
+        told = ", ".join(f"{key} {value:.6g}" for key, value in numbers.items())
+        tell(f"  {name}: {told}")
+    reasons, counts = np.unique(list(found.failures.values()), return_counts=True)
+    for k in np.argsort(-counts)[:3]:
+        tell(f"  {counts[k]} failed: {reasons[k]}", "red")
+    tell(f"  written {made['table']}")

@@ -1,0 +1,119 @@
+"""Tables of designs: grids, samples that fill space evenly, random ones, given ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Ranges = Mapping[str, Sequence[float]]
+"""Parameter → lower and upper end."""
+MOST = 10_000_000
+"""Designs in one table."""
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """Values of some parameters, one row per design.
+
+    Attributes
+    ----------
+    names : of the k parameters
+    values : (n, k)
+    """
+
+    names: tuple[str, ...]
+    values: np.ndarray
+
+    def __post_init__(self) -> None:
+        if not self.names:
+            raise AnalysisError("a design needs at least one parameter")
+        if len(set(self.names)) < len(self.names):
+            raise AnalysisError(f"a parameter is named twice: {', '.join(self.names)}")
+        values = np.asarray(self.values, dtype=float)
+        if values.ndim != 2 or values.shape[1] != len(self.names) or not len(values):
+            raise AnalysisError(
+                f"a table of designs has a row for each and a column for each of "
+                f"{', '.join(self.names)}; got the shape {values.shape}"
+            )
+        if not np.all(np.isfinite(values)):
+            row, column = np.argwhere(~np.isfinite(values))[0]
+            raise AnalysisError(f"design {row}: {self.names[column]} is {values[row, column]}")
+        object.__setattr__(self, "values", values)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @classmethod
+    def grid(cls, axes: Mapping[str, Sequence[float]]) -> Design:
+        """Every combination of the values given for each parameter; the last varies fastest."""
+        count = int(np.prod([float(np.size(v)) for v in axes.values()])) if axes else 0
+        if count > MOST:
+            raise AnalysisError(f"the grid has {count} designs, more than {MOST}; take fewer")
+        sides = [np.asarray(values, dtype=float).ravel() for values in axes.values()]
+        mesh = np.meshgrid(*sides, indexing="ij")
+        return cls(tuple(axes), np.stack([m.ravel() for m in mesh], axis=1) if axes else mesh)  # type: ignore
+
+    @classmethod
+    def latin_hypercube(cls, ranges: Ranges, count: int, rng: Any = None) -> Design:
+        """One design in each of ``count`` slices of every range (McKay, Beckman, Conover 1979)."""
+        from scipy.stats import qmc
+
+        sampler = qmc.LatinHypercube(len(ranges), rng=np.random.default_rng(rng))
+        return cls._stretched(ranges, sampler.random(_counted(count)))
+
+    @classmethod
+    def sobol(cls, ranges: Ranges, count: int, rng: Any = None) -> Design:
+        """Scrambled Sobol' points; best where ``count`` is a power of two."""
+        from scipy.stats import qmc
+
+        sampler = qmc.Sobol(len(ranges), rng=np.random.default_rng(rng))
+        whole = 2 ** int(np.ceil(np.log2(_counted(count))))
+        return cls._stretched(ranges, sampler.random(whole)[:count])
+
+    @classmethod
+    def monte_carlo(cls, distributions: Mapping[str, Any], count: int, rng: Any = None) -> Design:
+        """Independent random values; each a frozen distribution of ``scipy.stats``, or a range."""
+        generator = np.random.default_rng(rng)
+        columns = []
+        for name, given in distributions.items():
+            if hasattr(given, "rvs"):
+                columns.append(given.rvs(size=_counted(count), random_state=generator))
+            else:
+                lower, upper = _range(name, given)
+                columns.append(generator.uniform(lower, upper, _counted(count)))
+        return cls.table(dict(zip(distributions, columns, strict=True)))
+
+    @classmethod
+    def table(cls, columns: Mapping[str, Any] | pd.DataFrame) -> Design:
+        """Given designs: parameter → its values, or a DataFrame."""
+        made = {str(name): np.asarray(columns[name], dtype=float).ravel() for name in columns}
+        if len({column.size for column in made.values()}) > 1:
+            sizes = ", ".join(f"{name} {column.size}" for name, column in made.items())
+            raise AnalysisError(f"columns of a table are of one length, got {sizes}")
+        return cls(tuple(made), np.stack(list(made.values()), axis=1) if made else np.zeros((0, 0)))
+
+    @classmethod
+    def _stretched(cls, ranges: Ranges, unit: np.ndarray) -> Design:
+        ends = np.array([_range(name, given) for name, given in ranges.items()])
+        return cls(tuple(ranges), ends[:, 0] + unit * (ends[:, 1] - ends[:, 0]))
+
+
+def _range(name: str, given: Any) -> tuple[float, float]:
+    ends = np.asarray(given, dtype=float).ravel()
+    if ends.size != 2 or not ends[0] < ends[1]:
+        raise AnalysisError(f"{name}: a range is (lower, upper), got {given!r:.60}")
+    return float(ends[0]), float(ends[1])
+
+
+def _counted(count: int) -> int:
+    if not isinstance(count, (int, np.integer)) or not 0 < count <= MOST:
+        raise AnalysisError(f"the number of designs is 1 to {MOST}, got {count!r:.30}")
+    return int(count)

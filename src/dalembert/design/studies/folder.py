@@ -1,0 +1,160 @@
+"""The folder of a study: its answers in parts that are there whole or not at all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from dalembert.atomic import atomic_path
+from dalembert.design.studies.task import Answer
+from dalembert.errors import FileError, UnsupportedError
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+ABOUT, LOCK, TABLE = "study.json", ".lock", "table.parquet"
+
+
+class StudyFolder:
+    """Answers on disk, so that a study goes on where it was ended, however it was ended.
+
+    A part holds the answers of one chunk and becomes visible in one step, so no design is lost
+    or counted twice; the number of the first design, which is in no other part, names it.
+
+    Raises
+    ------
+    FileError
+        It belongs to another study, or one is at work in it.
+    UnsupportedError
+        There is no pyarrow.
+    """
+
+    def __init__(self, path: str | Path, identity: str, about: dict[str, Any]):
+        _arrow()
+        self.path = Path(path)
+        self.parts = self.path / "parts"
+        self.responses: Sequence[str] = about["responses"]
+        try:
+            self.parts.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            reason = error.strerror or error
+            raise FileError(f"{path}: cannot be written ({reason}); choose another") from None
+        self._lock = _locked(self.path / LOCK)
+        try:
+            self._claim(identity, about)
+        except FileError:
+            self.close()
+            raise
+        for left_over in self.parts.glob(".part-*"):
+            left_over.unlink(missing_ok=True)
+
+    def _claim(self, identity: str, about: dict[str, Any]) -> None:
+        claim = self.path / ABOUT
+        if not claim.exists():
+            if any(self.parts.iterdir()):
+                raise FileError(f"{self.path}: has parts but no {ABOUT}; choose another folder")
+            with atomic_path(claim) as path:
+                path.write_text(json.dumps({"identity": identity, **about}, indent=2), "utf-8")
+            return
+        try:
+            found = json.loads(claim.read_text("utf-8"))["identity"]
+        except (OSError, ValueError, KeyError, TypeError):
+            raise FileError(f"{claim}: is not of a study; choose another folder") from None
+        if found != identity:
+            raise FileError(
+                f"{self.path}: holds another study (other designs, responses, analysis or model); "
+                "choose another folder, or remove this one"
+            )
+
+    def close(self) -> None:
+        """Let others in."""
+        self._lock.close()
+
+    def answers(self) -> dict[int, Answer]:
+        """All that is there, by number of the design."""
+        found: dict[int, Answer] = {}
+        for path in sorted(self.parts.glob("part-*.parquet")):
+            for answer in self._read(path):
+                if answer.number in found:
+                    raise FileError(f"{path}: design {answer.number} is in two parts")
+                found[answer.number] = answer
+        return found
+
+    def _read(self, path: Path) -> list[Answer]:
+        import pyarrow.parquet as parquet
+
+        try:
+            table = parquet.read_table(path)
+            columns = [
+                table[f"r{k}"].to_numpy().tolist()  # null becomes not a number
+                for k in range(len(self.responses))
+            ]
+            numbers, reasons = table["design"].to_pylist(), table["reason"].to_pylist()
+        except Exception as error:
+            raise FileError(f"{path}: cannot be read ({error}); remove it to redo it") from None
+        rows = zip(*columns, strict=True)
+        return [Answer(*row) for row in zip(numbers, rows, reasons, strict=True)]
+
+    def add(self, answers: Sequence[Answer]) -> None:
+        """Write the answers of a chunk."""
+        arrow = _arrow()
+        columns: dict[str, Any] = {
+            "design": arrow.array([a.number for a in answers], arrow.int64()),
+            "reason": arrow.array([a.reason for a in answers], arrow.string()),
+        }
+        for k in range(len(self.responses)):
+            columns[f"r{k}"] = _numbers([a.values[k] for a in answers])
+        first = min(a.number for a in answers)
+        self._write(arrow.table(columns), self.parts / f"part-{first:09d}.parquet")
+
+    def finish(self, columns: dict[str, Any]) -> Path:
+        """Write the table of the whole study."""
+        target = self.path / TABLE
+        made = {
+            name: _numbers(values) if np.asarray(values).dtype.kind == "f" else values
+            for name, values in columns.items()
+        }
+        self._write(_arrow().table(made), target)
+        return target
+
+    @staticmethod
+    def _write(table: pa.Table, target: Path) -> None:
+        import pyarrow.parquet as parquet
+
+        with atomic_path(target) as path:
+            parquet.write_table(table, path)
+
+
+def _arrow() -> Any:
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise UnsupportedError(
+            "a study in a folder needs pyarrow: pip install 'dalembert[study]'"
+        ) from None
+    return pyarrow
+
+
+def _numbers(values: Any) -> Any:
+    """A column; null where there is no number, so that equal tables compare equal."""
+    return _arrow().array(np.asarray(values, dtype=float), from_pandas=True)
+
+
+def _locked(path: Path) -> IO[str]:
+    """An open file that no other study has; the system frees it when the process ends."""
+    opened = path.open("w")
+    try:
+        import fcntl
+
+        fcntl.lockf(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except ImportError:  # no such locks on this system
+        pass
+    except OSError:
+        opened.close()
+        raise FileError(f"{path.parent}: a study is at work in it; wait for its end") from None
+    return opened

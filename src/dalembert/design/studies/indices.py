@@ -1,0 +1,127 @@
+"""Which parameters matter over their whole ranges: Sobol' and Morris indices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dalembert.design.studies.design import Design, Ranges
+from dalembert.design.studies.study import Study
+from dalembert.errors import AnalysisError, UnsupportedError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Run = Callable[[Design], Study]
+"""Runs the designs, such as ``lambda design: da.sweep(model, design, ...)``."""
+
+
+def sobol_indices(
+    run: Run, ranges: Ranges, samples: int = 256, rng: int | None = None
+) -> xr.Dataset:
+    """Shares of the variance of each response that are due to each parameter.
+
+    ``first = Var(E[f|x])/Var(f)`` alone and ``total = 1 − Var(E[f|others])/Var(f)`` with all its
+    interactions, parameters uniform and independent; each with the half width of its 95 %
+    confidence interval, by bootstrap. It takes ``samples·(k + 2)`` designs.
+    Source: A. Saltelli et al. (2010), Computer Physics Communications 181, by SALib.
+
+    Parameters
+    ----------
+    run : computes the designs
+    ranges : parameter → lower and upper end
+    samples : a power of two
+
+    Raises
+    ------
+    AnalysisError
+        A design fails: the estimates need them all.
+    """
+    _salib()
+    from SALib.analyze import sobol as analysis
+    from SALib.sample import sobol as sampling
+
+    problem = _problem(ranges)
+    values = sampling.sample(problem, samples, calc_second_order=False, seed=rng)
+    study = _complete(run(Design(tuple(ranges), values)))
+
+    def indices(response: np.ndarray) -> Mapping[str, np.ndarray]:
+        found = analysis.analyze(problem, response, calc_second_order=False, seed=rng)
+        return {
+            "first": found["S1"],
+            "first_error": found["S1_conf"],
+            "total": found["ST"],
+            "total_error": found["ST_conf"],
+        }
+
+    return _labelled(study, ranges, indices)
+
+
+def morris_indices(
+    run: Run, ranges: Ranges, trajectories: int = 20, levels: int = 4, rng: int | None = None
+) -> xr.Dataset:
+    """Elementary effects: which parameters matter at all, with few runs.
+
+    ``mean_absolute`` and ``mean`` of the change of a response over the range of a parameter, and
+    the ``deviation``, which is large where the effect is not linear or depends on others. It takes
+    ``trajectories·(k + 1)`` designs.
+    Source: M. D. Morris (1991), Technometrics 33; F. Campolongo et al. (2007), by SALib.
+
+    Raises
+    ------
+    AnalysisError
+        A design fails: the effects need them all.
+    """
+    _salib()
+    from SALib.analyze import morris as analysis
+    from SALib.sample import morris as sampling
+
+    problem = _problem(ranges)
+    values = sampling.sample(problem, trajectories, num_levels=levels, seed=rng)
+    study = _complete(run(Design(tuple(ranges), values)))
+
+    def indices(response: np.ndarray) -> Mapping[str, np.ndarray]:
+        found = analysis.analyze(problem, values, response, num_levels=levels, seed=rng)
+        names = {"mean": "mu", "mean_absolute": "mu_star", "deviation": "sigma"}
+        return {name: np.asarray(found[key]) for name, key in names.items()}
+
+    return _labelled(study, ranges, indices)
+
+
+def _problem(ranges: Ranges) -> dict[str, Any]:
+    for name, (lower, upper) in ranges.items():
+        if not lower < upper:
+            raise AnalysisError(f"{name}: a range is (lower, upper), got ({lower}, {upper})")
+    bounds = [[float(lower), float(upper)] for lower, upper in ranges.values()]
+    return {"num_vars": len(ranges), "names": list(ranges), "bounds": bounds}
+
+
+def _complete(study: Study) -> Study:
+    if study.failures:
+        number, reason = next(iter(study.failures.items()))
+        raise AnalysisError(
+            f"{len(study.failures)} of {len(study.design)} designs fail, and the indices need "
+            f"them all; narrow the ranges (design {number}: {reason})"
+        )
+    return study
+
+
+def _labelled(
+    study: Study, ranges: Ranges, indices: Callable[[np.ndarray], Mapping[str, np.ndarray]]
+) -> xr.Dataset:
+    """Response × parameter."""
+    import xarray as xr
+
+    rows = [indices(study.column(name)) for name in study.responses]
+    coords = {"response": list(study.responses), "parameter": list(ranges)}
+    along = ("response", "parameter")
+    return xr.Dataset({key: (along, np.array([r[key] for r in rows])) for key in rows[0]}, coords)
+
+
+def _salib() -> None:
+    try:
+        import SALib  # noqa: F401
+    except ImportError:
+        raise UnsupportedError("indices need SALib: pip install 'dalembert[study]'") from None

@@ -1,0 +1,99 @@
+"""What a study found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dalembert.design.studies.design import Design
+from dalembert.errors import AnalysisError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """Designs and their responses.
+
+    Attributes
+    ----------
+    name : of the model
+    design : the n designs
+    responses : labels
+    values : (n, responses); not a number where a design failed
+    reasons : (n,) why it failed; empty where it did not
+    folder : where it is kept
+    reused : how many answers were in the folder already
+    """
+
+    name: str
+    design: Design
+    responses: tuple[str, ...]
+    values: np.ndarray
+    reasons: tuple[str, ...]
+    folder: Path | None = None
+    reused: int = 0
+
+    @property
+    def success(self) -> np.ndarray:
+        """(n,) whether the design has its responses."""
+        return np.array([not reason for reason in self.reasons], dtype=bool)
+
+    @property
+    def failures(self) -> dict[int, str]:
+        """Number of a design that failed → why."""
+        return {k: reason for k, reason in enumerate(self.reasons) if reason}
+
+    def column(self, response: str | None = None) -> np.ndarray:
+        """(n,) one response, the only one by default.
+
+        Raises
+        ------
+        AnalysisError
+            There is none of this name, or several and none is named.
+        """
+        if response is None and len(self.responses) == 1:
+            return self.values[:, 0]
+        if response not in self.responses:
+            listed = ", ".join(self.responses)
+            raise AnalysisError(f"name one response of the study: {listed}; got {response!r}")
+        return self.values[:, self.responses.index(response)]
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """Number, parameters, responses and reasons, by name."""
+        return {
+            "design": np.arange(len(self.design)),
+            **dict(zip(self.design.names, self.design.values.T, strict=True)),
+            **dict(zip(self.responses, self.values.T, strict=True)),
+            "reason": list(self.reasons),
+        }
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """A row for each design."""
+        import pandas as pd
+
+        return pd.DataFrame(self.columns).set_index("design")
+
+    def plot(self, x: str, response: str | None = None, ax: Any = None) -> Any:
+        """A response over a parameter, a point for each design; returns the axes."""
+        import matplotlib.pyplot as plt
+
+        if ax is None:
+            _, ax = plt.subplots(figsize=(5, 3.6), layout="constrained")
+        if x not in self.design.names:
+            raise AnalysisError(f"{x!r} does not vary; there is {', '.join(self.design.names)}")
+        ax.plot(self.design.values[:, self.design.names.index(x)], self.column(response), ".", ms=4)
+        ax.set(xlabel=x, ylabel=response or self.responses[0])
+        ax.grid(alpha=0.25)
+        ax.spines[["top", "right"]].set_visible(False)
+        return ax
+
+    def __repr__(self) -> str:
+        failed = f", {len(self.failures)} failed" if self.failures else ""
+        return f"<Study of {self.name}: {len(self.design)} designs{failed}>"

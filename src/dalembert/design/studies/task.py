@@ -1,0 +1,126 @@
+"""What is done for every design of a study, and what it is known by."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.design.optimization import design_problem
+from dalembert.design.studies.design import Design
+from dalembert.errors import AnalysisError, DalembertError
+from dalembert.model.model import Model
+from dalembert.responses.base import Response
+from dalembert.results.result import Analysis
+from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.parameter import parameter_vector
+from dalembert.symbolic.parametric_model import ParametricModel
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a design gave.
+
+    Attributes
+    ----------
+    number : of the design
+    values : of the responses; not a number where it failed
+    reason : why it failed; empty where it did not
+    """
+
+    number: int
+    values: tuple[float, ...]
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class StudyTask:
+    """A model, an analysis of it, and responses: all that a worker needs."""
+
+    model: ParametricModel
+    analysis: Analysis
+    responses: Sequence[Response]
+
+    def failed(self, number: int, reason: str) -> Answer:
+        """The answer of a design that has none."""
+        return Answer(number, (float("nan"),) * len(self.responses), reason)
+
+    def answer(self, number: int, names: Sequence[str], values: np.ndarray) -> Answer:
+        """Run one design; what fails is told, not raised."""
+        problem = design_problem(self.model, self.analysis, self.responses, names)
+        try:
+            found = problem.evaluate(values, gradient=False)
+        except DalembertError as error:  # values with which an element cannot be
+            return self.failed(number, str(error))
+        except Exception as error:  # one design must not end a study of thousands
+            return self.failed(number, f"{type(error).__name__}: {error}")
+        if found is None:
+            return self.failed(number, problem.failures[-1])
+        return Answer(number, tuple(float(v) for v in found.values))
+
+    def check(self, design: Design) -> None:
+        """Refuse names that the model does not have.
+
+        Raises
+        ------
+        ModelError
+            Names the nearest parameters.
+        AnalysisError
+            A response is called like a column of the table.
+        """
+        taken = {"design", "reason", *design.names}
+        for response in self.responses:
+            if response.label in taken:
+                raise AnalysisError(
+                    f"a response is called {response.label!r}, as a column of the table is; "
+                    "give it another name"
+                )
+        one = dict(zip(design.names, design.values[0], strict=True))
+        parameter_vector(self.model.parameters, one, self.model.name)
+
+    def identity(self, design: Design) -> str:
+        """Hash of everything that decides what the study finds."""
+        digest = hashlib.sha256()
+        model = [self.model.name, self.model.nominal, list(self.model.parameters)]
+        about = [model, self.analysis, list(self.responses), design.names, design.values]
+        for text in (*map(described, about), model_text(self.model)):
+            digest.update(text.encode() + b"\0")
+        return digest.hexdigest()
+
+
+def model_text(model: ParametricModel) -> str:
+    """The equations of a mechanism, or the description of a structure, as text."""
+    if isinstance(model, Model):
+        e = model.all_equations
+        stated = [e.pose_rate, e.inertia.matrix, e.bias, e.force, e.constraints, e.nonholonomic]
+        graphs = [ca.SX(g) for g in stated if isinstance(g, (ca.SX, ca.DM))]
+        free = ca.symvar(ca.vertcat(*(ca.vec(g) for g in graphs)))
+        start = described([model.guesses])
+        return ca.Function("equations", free, graphs).serialize() + start
+    return described(vars(getattr(model, "structure", model)))
+
+
+def described(thing: Any, depth: int = 6) -> str:
+    """Options, tables and formulas as text that is the same in every process."""
+    if isinstance(thing, np.ndarray):
+        return f"{thing.shape}{thing.dtype}{hashlib.sha256(thing.tobytes()).hexdigest()}"
+    if thing is None or isinstance(thing, (str, bytes, bool, int, float, complex, np.generic)):
+        return repr(thing)
+    if isinstance(thing, (Expression, ca.SX, ca.DM)):
+        return str(thing if not isinstance(thing, Expression) else (thing.sx, thing.unit))
+    kind = type(thing).__name__
+    if depth == 0:
+        return kind
+    if isinstance(thing, Mapping):
+        inner: Iterable[Any] = ((str(key), value) for key, value in thing.items())
+    elif isinstance(thing, (list, tuple)):
+        inner = thing
+    elif is_dataclass(thing):
+        inner = [(f.name, getattr(thing, f.name, None)) for f in fields(thing)]
+    else:
+        return getattr(thing, "__qualname__", kind)
+    return f"{kind}({','.join(described(part, depth - 1) for part in inner)})"

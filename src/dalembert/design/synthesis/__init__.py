@@ -1,0 +1,1 @@
+"""Synthesis: from what shall be done to the mechanism that does it."""

@@ -1,0 +1,221 @@
+"""Disc cams from a law of the follower.
+
+The cam turns by ``θ`` against the clock; the follower goes along y, at ``x = offset``, by ``s(θ)``.
+Source: R. L. Norton, *Cam Design and Manufacturing Handbook*, ch. 7.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.laws.base import as_law
+from dalembert.errors import AnalysisError
+
+SAMPLES = 1441
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cam(ABC):
+    """A cam that moves a follower.
+
+    Parameters
+    ----------
+    law : of the follower over the angle of the cam, which stands for time; a law, or a formula in t
+    base_radius : of the circle on which the cam touches where the law is zero [m]
+    """
+
+    law: Any
+    base_radius: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.base_radius) and self.base_radius > 0):
+            raise AnalysisError(f"base_radius must be positive, got {self.base_radius!r:.30}")
+
+    @cached_property
+    def _lift(self) -> ca.Function:
+        time = ca.SX.sym("t")
+        s = as_law(self.law, "law").value(time)
+        if ca.symvar(ca.substitute(s, time, 0)):
+            raise AnalysisError("the law of a cam has numbers, no parameters; put values in")
+        rate = ca.gradient(s, time)
+        return ca.Function("lift", [time], [s, rate, ca.gradient(rate, time)])
+
+    def lift(self, theta: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``s`` and its first two derivatives by the angle of the cam."""
+        angles = np.asarray(theta, dtype=float)
+        rows = self._lift.map(angles.size)(angles.reshape(1, -1))
+        s, rate, second = (np.array(row).reshape(angles.shape) for row in rows)
+        return s, rate, second
+
+    @property
+    def turn(self) -> np.ndarray:
+        """Angles of one turn."""
+        return np.linspace(0, 2 * np.pi, SAMPLES)
+
+    @abstractmethod
+    def profile(self, theta: Any = None) -> np.ndarray:
+        """(n, 2) points of the cam, touched at these angles, in its own axes."""
+
+    @abstractmethod
+    def radius(self, theta: Any = None) -> np.ndarray:
+        """(n,) radius of curvature of the profile, negative where it is hollow [m]."""
+
+    @abstractmethod
+    def undercut(self) -> bool:
+        """Whether the follower would need a profile that cuts into itself."""
+
+    def pressure_angle(self, theta: Any = None) -> np.ndarray:
+        """(n,) between the force on the follower and its way [rad]."""
+        return np.zeros(np.shape(self._angles(theta)))
+
+    def _angles(self, theta: Any) -> np.ndarray:
+        return self.turn if theta is None else np.asarray(theta, dtype=float)
+
+
+def _plane(z: np.ndarray) -> np.ndarray:
+    return np.stack([z.real, z.imag], axis=-1)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FlatFaceCam(Cam):
+    """A follower with a flat face square to its way: ``P = e^{−iθ}(s' + i (R + s))``."""
+
+    def profile(self, theta: Any = None) -> np.ndarray:
+        angles = self._angles(theta)
+        s, rate, _ = self.lift(angles)
+        return _plane(np.exp(-1j * angles) * (rate + 1j * (self.base_radius + s)))
+
+    def radius(self, theta: Any = None) -> np.ndarray:
+        """``ρ = R + s + s''``."""
+        s, _, second = self.lift(self._angles(theta))
+        return self.base_radius + s + second
+
+    def undercut(self) -> bool:
+        return bool(self.radius().min() <= 0)
+
+    @property
+    def face(self) -> tuple[float, float]:
+        """How far the contact goes to either side of the axis of the follower [m]."""
+        rate = self.lift(self.turn)[1]
+        return float(rate.min()), float(rate.max())
+
+    @classmethod
+    def smallest(cls, law: Any, least_radius: float) -> Self:
+        """The least base circle with a radius of curvature of at least this [m]."""
+        unit = cls(law=law, base_radius=1.0)
+        needed = 1.0 + least_radius - float(unit.radius().min())
+        lowest = -float(unit.lift(unit.turn)[0].min()) + least_radius
+        return cls(law=law, base_radius=max(needed, lowest, least_radius))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RollerCam(Cam):
+    """A follower with a roller of radius ``r`` and an offset ``e``.
+
+    Its centre goes along the pitch curve ``e^{−iθ}(e + i h)``, ``h = √((R + r)² − e²) + s``; the
+    pressure angle is ``atan((s' − e)/h)``. With ``r = 0`` the follower has a knife edge.
+    """
+
+    roller_radius: float = 0.0
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.roller_radius < 0 or abs(self.offset) >= self.base_radius + self.roller_radius:
+            raise AnalysisError(
+                f"the roller, of radius {self.roller_radius:g}, and its offset {self.offset:g} do "
+                f"not fit the base circle, {self.base_radius:g}"
+            )
+
+    @property
+    def _height(self) -> float:
+        return math.sqrt((self.base_radius + self.roller_radius) ** 2 - self.offset**2)
+
+    def pitch(self, theta: Any = None) -> np.ndarray:
+        """(n, 2) places of the centre of the roller in the axes of the cam."""
+        angles = self._angles(theta)
+        height = self._height + self.lift(angles)[0]
+        return _plane(np.exp(-1j * angles) * (self.offset + 1j * height))
+
+    def profile(self, theta: Any = None) -> np.ndarray:
+        angles = self._angles(theta)
+        s, rate, _ = self.lift(angles)
+        centre = self.offset + 1j * (self._height + s)
+        along = self._height + s + 1j * (rate - self.offset)
+        inward = -1j * along / abs(along)
+        return _plane(np.exp(-1j * angles) * (centre + self.roller_radius * inward))
+
+    def pressure_angle(self, theta: Any = None) -> np.ndarray:
+        s, rate, _ = self.lift(self._angles(theta))
+        return np.arctan2(rate - self.offset, self._height + s)
+
+    def pitch_radius(self, theta: Any = None) -> np.ndarray:
+        """(n,) radius of curvature of the pitch curve [m]."""
+        s, rate, second = self.lift(self._angles(theta))
+        height, across = self._height + s, rate - self.offset
+        # the pitch curve's first two derivatives are (h, s' − e) and (2s' − e, s'' − h), turned
+        area = height**2 + across * (rate + across) - height * second
+        with np.errstate(divide="ignore"):
+            return (height**2 + across**2) ** 1.5 / area
+
+    def radius(self, theta: Any = None) -> np.ndarray:
+        return self.pitch_radius(theta) - self.roller_radius
+
+    def undercut(self) -> bool:
+        pitch = self.pitch_radius()
+        return bool(np.any((pitch > 0) & (pitch <= self.roller_radius)))
+
+    @classmethod
+    def smallest(
+        cls, law: Any, pressure_angle: float, roller_radius: float = 0.0, least_radius: float = 0.0
+    ) -> Self:
+        """The least base circle, and the offset, that keep the pressure angle [rad] and leave a
+        radius of curvature of at least ``least_radius`` where the profile is convex [m].
+
+        Raises
+        ------
+        AnalysisError
+            The angle is not between 0 and π/2.
+        """
+        from scipy.optimize import minimize_scalar
+
+        if not 0 < pressure_angle < math.pi / 2:
+            raise AnalysisError(f"the pressure angle is between 0 and π/2, got {pressure_angle:g}")
+        unit = cls(law=law, base_radius=1.0)
+        s, rate, _ = unit.lift(unit.turn)
+        slope = math.tan(pressure_angle)
+
+        def made(offset: float) -> RollerCam:
+            height = max(float(np.max(abs(rate - offset) / slope - s)), 1e-9 - float(s.min()))
+            pitch = max(math.hypot(height, offset), roller_radius * (1 + 1e-9) + 1e-12)
+            cam = cls(
+                law=law,
+                base_radius=pitch - roller_radius or 1e-12,
+                roller_radius=roller_radius,
+                offset=offset,
+            )
+            for _ in range(200):
+                pitched = cam.pitch_radius()
+                convex = pitched[pitched > 0]
+                if not convex.size or convex.min() >= roller_radius + least_radius:
+                    break
+                cam = replace(
+                    cam, base_radius=(cam.base_radius + roller_radius) * 1.02 - roller_radius
+                )
+            return cam
+
+        best = minimize_scalar(
+            lambda offset: made(offset).base_radius,
+            bounds=(float(rate.min()), float(rate.max())),
+            method="bounded",
+            options={"xatol": 1e-6 * float(np.ptp(rate) or 1.0)},
+        )
+        found: Any = made(float(best.x))
+        return found

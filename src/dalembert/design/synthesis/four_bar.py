@@ -1,0 +1,157 @@
+"""Four-bars."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.design.synthesis.linkage import Linkage, Numbers
+from dalembert.elements import planar
+from dalembert.errors import AnalysisError
+from dalembert.model.system import System
+from dalembert.symbolic.expression import t
+from dalembert.symbolic.functions import cos, sin
+
+
+@dataclass(frozen=True, kw_only=True)
+class FourBar(Linkage):
+    """``d e^{iθ} + c e^{iφ} = g e^{iγ} + f e^{iψ}``: crank d, coupler c, ground g at ``angle`` γ,
+    follower f at the output ψ. The branch is the sign of ``sin(ψ − φ)``.
+    """
+
+    follower: float
+    ground: float
+
+    lengths = ("crank", "coupler", "follower", "ground")
+
+    @staticmethod
+    def closure(q: Numbers, theta: ca.SX, phi: ca.SX, output: ca.SX) -> list[ca.SX]:
+        d, c, f, g, gamma = (q[n] for n in ("crank", "coupler", "follower", "ground", "angle"))
+        return [
+            d * turn(theta) + c * turn(phi) - g * turn(gamma) - f * turn(output)
+            for turn in (ca.cos, ca.sin)
+        ]
+
+    @staticmethod
+    def transmission_sine(q: Numbers, phi: Any, output: Any) -> Any:
+        return ca.sin(output - phi)
+
+    @staticmethod
+    def turns(q: Numbers, least: float) -> list[ca.SX]:
+        """``c² + f² − 2cf cos μ`` is the square of the distance of crank pin and follower pivot,
+        which goes from ``|g − d|`` to ``g + d``: Grashof's rule where ``least`` is 0."""
+        d, c, f, g = (q[n] for n in ("crank", "coupler", "follower", "ground"))
+        edge = 2 * c * f * np.cos(least)
+        return [(g - d) ** 2 - (c**2 + f**2 - edge), c**2 + f**2 + edge - (g + d) ** 2]
+
+    @staticmethod
+    def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        ground = q["ground"] * np.exp(1j * q["angle"])
+        pin = q["crank"] * np.exp(1j * theta)
+        line = ground - pin
+        far = np.abs(line)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            inner = np.arccos(
+                (q["coupler"] ** 2 + far**2 - q["follower"] ** 2) / (2 * q["coupler"] * far)
+            )
+        phi = np.angle(line) + branch * inner
+        return phi, np.angle(pin + q["coupler"] * np.exp(1j * phi) - ground)
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
+        zero = np.zeros(count)
+        crank, coupler = rng.uniform(0.1, 0.9, count), rng.uniform(0.4, 2.5, count)
+        # what Grashof leaves to the follower: from |c − f| ≤ 1 − d and c + f ≥ 1 + d
+        low = np.maximum(coupler - (1 - crank), 1 + crank - coupler)
+        high = coupler + 1 - crank
+        follower = low + rng.uniform(0.05, 0.95, count) * (high - low)
+        reach = rng.uniform(0.1, 1.5, count) * np.exp(1j * rng.uniform(-np.pi, np.pi, count))
+        point = coupler * (0.5 + reach)
+        return {
+            **{"crank": crank, "coupler": coupler, "follower": follower, "ground": zero + 1},
+            **{"x": zero, "y": zero, "angle": zero, "u": point.real, "v": point.imag},
+        }
+
+    @property
+    def kind(self) -> str:
+        """What Grashof's rule says: the shortest link and its opposite."""
+        sizes = {n: getattr(self, n) for n in self.lengths}
+        short, long = min(sizes.values()), max(sizes.values())
+        gap = 2 * (short + long) - sum(sizes.values())
+        if abs(gap) < 1e-12 * long:
+            return "change point"
+        if gap > 0:
+            return "triple rocker"
+        shortest = min(sizes, key=lambda name: sizes[name])
+        kinds = {"crank": "crank-rocker", "follower": "rocker-crank", "ground": "double crank"}
+        return kinds.get(shortest, "double rocker")
+
+    def cognates(self) -> tuple[FourBar, FourBar]:
+        """The two other four-bars with the same coupler curve (Roberts–Chebyshev theorem).
+
+        With ``k = (P − A)/(B − A)`` the third pivot is ``O + k g``. One cognate has the pivots of
+        ``O`` and the third; its crank is parallel to our coupler, so its branch changes where ours
+        has crank and follower parallel. The other, whose crank turns with ours, has the third and
+        the follower's.
+        Source: R. S. Hartenberg, J. Denavit, *Kinematic Synthesis of Linkages* (1964), ch. 6.
+        """
+        k = complex(self.u, self.v) / self.coupler
+        origin, ground = complex(self.x, self.y), self.ground * np.exp(1j * self.angle)
+        if abs(k) < 1e-12 or abs(1 - k) < 1e-12:
+            raise AnalysisError("the coupler point is on a joint; its curve is an arc")
+
+        def made(
+            at: complex, frame: complex, sizes: tuple[float, ...], ratio: complex, branch: int
+        ) -> FourBar:
+            crank, coupler, follower = sizes
+            point = ratio * coupler
+            return FourBar(
+                **{"crank": crank, "coupler": coupler, "follower": follower},
+                **{"ground": abs(frame), "angle": float(np.angle(frame))},
+                **{"x": at.real, "y": at.imag, "u": point.real, "v": point.imag},
+                branch=branch,
+            )
+
+        left, right = abs(k), abs(1 - k)
+        third = origin + k * ground
+        return (
+            made(
+                origin,
+                k * ground,
+                (left * self.coupler, left * self.crank, left * self.follower),
+                1 / k,
+                self.branch,
+            ),
+            made(
+                third,
+                (1 - k) * ground,
+                (right * self.crank, right * self.follower, right * self.coupler),
+                k / (k - 1),
+                -self.branch,
+            ),
+        )
+
+    def system(self, name: str = "four-bar", speed: float = 1.0) -> System:
+        made = System(name)
+        q = self.parameters(made)
+        start = self.angle + 0.5
+        phi, psi = (float(a) for a in self.loop(self.numbers, self.branch, np.array(start)))
+        crank = made.add(planar.Bar("crank", length=q["crank"], mass=1.0, angle=start))
+        point = {"P": (q["u"] - q["coupler"] / 2, q["v"])}
+        coupler = made.add(
+            planar.Bar("coupler", length=q["coupler"], mass=1.0, angle=phi, points=point)
+        )
+        follower = made.add(planar.Bar("follower", length=q["follower"], mass=1.0, angle=psi))
+        ground = made.ground
+        far = ground.point(
+            q["x"] + q["ground"] * cos(q["angle"]), q["y"] + q["ground"] * sin(q["angle"])
+        )
+        made.add(planar.Revolute("O1", ground.point(q["x"], q["y"]), crank.start))
+        made.add(planar.Revolute("A", crank.end, coupler.start))
+        made.add(planar.Revolute("B", coupler.end, follower.end))
+        made.add(planar.Revolute("O2", far, follower.start))
+        made.add(planar.RotationalDriver("motor", ground, crank, start + speed * t))
+        return made

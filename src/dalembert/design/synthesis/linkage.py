@@ -1,0 +1,142 @@
+"""What synthesis needs of a linkage with one loop: crank, coupler with a point, and an output.
+
+The plane is that of complex numbers. ``θ`` is the angle of the crank, ``φ`` of the coupler; the
+output is the angle of a follower or the place of a slider. All angles count from the x axis.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Self
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.model.system import System
+from dalembert.symbolic.parameter import Parameter
+
+Numbers = Mapping[str, Any]
+"""Dimension → number, array or graph."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Linkage(ABC):
+    """One closed loop; ``u, v`` is the coupler point, from the crank pin along and square to the
+    coupler, ``x, y`` the pivot of the crank, ``angle`` the direction of the frame, ``branch`` ±1.
+    """
+
+    crank: float
+    coupler: float
+    x: float = 0.0
+    y: float = 0.0
+    angle: float = 0.0
+    u: float = 0.0
+    v: float = 0.0
+    branch: int = 1
+
+    lengths: ClassVar[tuple[str, ...]] = ()
+    """Dimensions that are not negative."""
+    output_is_angle: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        for name in self.names():
+            if not np.isfinite(getattr(self, name)):
+                raise AnalysisError(f"{type(self).__name__}.{name} is {getattr(self, name)}")
+        for name in self.lengths:
+            if getattr(self, name) <= 0:
+                raise AnalysisError(f"{name} must be positive, got {getattr(self, name):g}")
+        if self.branch not in (1, -1):
+            raise AnalysisError(f"branch is 1 or -1, got {self.branch!r}")
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """Dimensions, without the branch."""
+        return tuple(f.name for f in fields(cls) if f.name != "branch")
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Dimension → value."""
+        return {name: float(getattr(self, name)) for name in self.names()}
+
+    # what a kind of linkage states ---------------------------------------------------------
+    @staticmethod
+    @abstractmethod
+    def closure(q: Numbers, theta: ca.SX, phi: ca.SX, output: ca.SX) -> list[ca.SX]:
+        """Two equations of the loop, zero where it is closed."""
+
+    @staticmethod
+    @abstractmethod
+    def transmission_sine(q: Numbers, phi: Any, output: Any) -> Any:
+        """Sine of the transmission angle, with the sign of the branch."""
+
+    @staticmethod
+    @abstractmethod
+    def turns(q: Numbers, least: float) -> list[ca.SX]:
+        """Not negative where the crank turns all the way with no transmission angle below
+        ``least`` [rad]."""
+
+    @staticmethod
+    @abstractmethod
+    def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Angle of the coupler and output at crank angles; not a number where it is open."""
+
+    @classmethod
+    @abstractmethod
+    def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
+        """Random linkages of unit size whose crank turns."""
+
+    @abstractmethod
+    def system(self, name: str = "linkage", speed: float = 1.0) -> System:
+        """The mechanism, its crank turned at constant speed [rad/s]; parameters are the
+        dimensions, ``coupler.P`` is the coupler point."""
+
+    def parameters(self, system: System) -> dict[str, Parameter]:
+        """The dimensions as parameters of a system, under names of their own."""
+        given = {"x": "pivot_x", "y": "pivot_y", "u": "point_u", "v": "point_v"}
+        made = {}
+        for name, value in self.numbers.items():
+            full = given.get(name) or ("frame_angle" if name == "angle" else f"{name}_length")
+            made[name] = system.parameter(full, value, "rad" if name == "angle" else "m")
+        return made
+
+    # what follows --------------------------------------------------------------------------
+    @classmethod
+    def points(cls, q: Numbers, branch: Any, theta: np.ndarray) -> np.ndarray:
+        """Coupler points as complex numbers."""
+        phi, _ = cls.loop(q, branch, theta)
+        pin = q["x"] + 1j * q["y"] + q["crank"] * np.exp(1j * theta)
+        return pin + (q["u"] + 1j * q["v"]) * np.exp(1j * phi)
+
+    def path(self, theta: Any) -> np.ndarray:
+        """(n, 2) places of the coupler point at crank angles."""
+        z = self.points(self.numbers, self.branch, np.asarray(theta, dtype=float))
+        return np.stack([z.real, z.imag], axis=-1)
+
+    def coupler_angle(self, theta: Any) -> np.ndarray:
+        """``φ`` at crank angles."""
+        return self.loop(self.numbers, self.branch, np.asarray(theta, dtype=float))[0]
+
+    def output(self, theta: Any) -> np.ndarray:
+        """Follower angle or slider place at crank angles."""
+        return self.loop(self.numbers, self.branch, np.asarray(theta, dtype=float))[1]
+
+    @property
+    def crank_turns(self) -> bool:
+        """Whether the crank turns all the way."""
+        return all(float(ca.DM(g)) >= -1e-12 for g in self.turns(self.numbers, 0.0))
+
+    def transmission(self, theta: Any = None) -> float:
+        """Least transmission angle [rad] at crank angles, by default of a whole turn."""
+        turn = np.linspace(0, 2 * np.pi, 721) + self.angle if theta is None else theta
+        phi, output = self.loop(self.numbers, self.branch, np.asarray(turn, dtype=float))
+        sine = np.array(self.transmission_sine(self.numbers, ca.DM(phi), ca.DM(output)))
+        return float(np.arcsin(np.clip(np.min(sine * self.branch), -1, 1)))
+
+    def scaled(self, size: float, at: complex = 0.0) -> Self:
+        """All lengths times ``size``, then moved."""
+        free = {n: v * size for n, v in self.numbers.items() if n != "angle"}
+        free["x"], free["y"] = free["x"] + at.real, free["y"] + at.imag
+        return type(self)(**{**self.numbers, **free}, branch=self.branch)

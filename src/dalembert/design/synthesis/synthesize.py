@@ -1,0 +1,214 @@
+"""From what shall be done to the linkages that do it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from dalembert.design.synthesis.atlas import Start, atlas_of
+from dalembert.design.synthesis.four_bar import FourBar
+from dalembert.design.synthesis.linkage import Linkage
+from dalembert.design.synthesis.problem import Polish
+from dalembert.design.synthesis.target import Target
+from dalembert.errors import AnalysisError
+from dalembert.text import unknown
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """A linkage and how it meets the target.
+
+    Attributes
+    ----------
+    linkage : FourBar or SliderCrank
+    crank_angles : (n,) of the crank at the entries of the target
+    error : sum of squares of the distances; for functions and motions of the angles, too [rad]
+    distances : (n,) of the points, or of the outputs
+    """
+
+    linkage: Linkage
+    crank_angles: np.ndarray
+    error: float
+    distances: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Synthesis:
+    """What was found, best first; each differs from the others."""
+
+    target: Target
+    solutions: list[Solution]
+    starts: int
+
+    @property
+    def best(self) -> Solution:
+        return self.solutions[0]
+
+    def __repr__(self) -> str:
+        return f"<Synthesis: {len(self.solutions)} linkages, least error {self.best.error:.3g}>"
+
+
+def synthesize(
+    target: Target,
+    linkage: type[Linkage] = FourBar,
+    *,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    crank_turns: bool = True,
+    transmission: float = 0.0,
+    order: bool = True,
+    starts: int = 24,
+    rng: int | None = 0,
+    progress: Callable[[float], None] | None = None,
+) -> Synthesis:
+    """Linkages for a path, a motion or a function: least squares from many starts.
+
+    Starts come from an atlas of curves where there are points, else at random; they are polished
+    with exact derivatives by IPOPT. Every solution is checked by solving its loop anew.
+
+    Parameters
+    ----------
+    target : ``Target.path``, ``Target.motion`` or ``Target.function``
+    linkage : ``FourBar`` or ``SliderCrank``
+    bounds : dimension → (lower, upper) in the unit of the target
+    crank_turns : the crank turns all the way (Grashof), so that branch and circuit stay
+    transmission : least transmission angle [rad], over the turn or, without, at the entries
+    order : free timing passes the entries in their order
+    starts : how many linkages are polished
+
+    Raises
+    ------
+    AnalysisError
+        Bounds of no dimension, or no start leads to a linkage within the limits.
+    """
+    if not isinstance(target, Target):
+        raise AnalysisError(f"give a target such as da.Target.path(points); got {target!r:.60}")
+    size, at = _frame(target)
+    scaled = _scaled(target, size, at)
+    polish = Polish(
+        linkage,
+        scaled,
+        _bounds(linkage, target, bounds, size, at),
+        crank_turns,
+        transmission,
+        order,
+    )
+    found: list[Solution] = []
+    chosen = _starts(linkage, scaled, starts, np.random.default_rng(rng))
+    for k, start in enumerate(chosen):
+        made = polish(start)
+        if made is not None:
+            _keep(found, _solution(target, made[0].scaled(size, at), made[1], crank_turns))
+        if progress:
+            progress((k + 1) / len(chosen))
+    if not found:
+        raise AnalysisError(
+            f"none of {len(chosen)} starts leads to a {linkage.__name__} within the limits; "
+            "give more starts, wider bounds, a smaller transmission angle, or crank_turns=False"
+        )
+    found.sort(key=lambda solution: solution.error)
+    return Synthesis(target, found, len(chosen))
+
+
+def _frame(target: Target) -> tuple[float, complex]:
+    """Size and middle of the target, in which the problem is near one."""
+    if target.points is not None:
+        z = target.complex_points
+        size = float(np.sqrt(np.mean(abs(z - z.mean()) ** 2))) * 2
+        if size == 0:
+            raise AnalysisError("all points of the target are one; give points apart")
+        return size, complex(z.mean())
+    return 1.0, 0j
+
+
+def _scaled(target: Target, size: float, at: complex) -> Target:
+    if target.points is None:
+        return target
+    return replace(target, points=(target.points - [at.real, at.imag]) / size)
+
+
+def _bounds(
+    kind: type[Linkage],
+    target: Target,
+    given: Mapping[str, tuple[float, float]] | None,
+    size: float,
+    at: complex,
+) -> dict[str, tuple[float, float]]:
+    """In the frame of the target; what a function does not depend on is held."""
+    usual = dict.fromkeys(kind.names(), (-20.0, 20.0))
+    usual |= dict.fromkeys(kind.lengths, (0.02, 20.0))
+    usual["angle"] = (-4 * np.pi, 4 * np.pi)
+    if target.points is None:
+        held = {"x": 0.0, "y": 0.0, "u": 0.0, "v": 0.0, "angle": 0.0}
+        held |= {"ground": 1.0} if "ground" in kind.lengths else {}
+        usual |= {name: (value, value) for name, value in held.items()}
+    moved = {"x": at.real, "y": at.imag}
+    for name, (lower, upper) in (given or {}).items():
+        if name not in usual:
+            raise AnalysisError(unknown("dimension", name, list(usual)))
+        if not lower <= upper:
+            raise AnalysisError(f"bounds of {name}: {lower} is above {upper}")
+        by = 1.0 if name == "angle" else size
+        shift = moved.get(name, 0.0)
+        usual[name] = ((lower - shift) / by, (upper - shift) / by)
+    return usual
+
+
+def _starts(
+    kind: type[Linkage], target: Target, count: int, rng: np.random.Generator
+) -> list[Start]:
+    if target.points is not None:
+        return atlas_of(kind).nearest(target, count)
+    q, branch = kind.drawn(rng, count), rng.choice([-1, 1], count)
+    given = np.zeros(len(target)) if target.crank_angles is None else target.crank_angles
+    begins = rng.uniform(0, 2 * np.pi, count)
+    return [
+        Start(
+            kind(**{n: float(v[k]) for n, v in q.items()}, branch=int(branch[k])),
+            given + begins[k],
+            1,
+            np.inf,
+        )
+        for k in range(count)
+    ]
+
+
+def _solution(
+    target: Target, linkage: Linkage, theta: np.ndarray, crank_turns: bool
+) -> Solution | None:
+    """The errors of a linkage, its loop solved anew; None where it does not do what it claims."""
+    phi, output = linkage.loop(linkage.numbers, linkage.branch, theta)
+    if not np.all(np.isfinite(phi)) or (crank_turns and not linkage.crank_turns):
+        return None
+    error, distances = 0.0, np.zeros(len(target))
+    if target.points is not None:
+        distances = np.linalg.norm(linkage.path(theta) - target.points, axis=1)
+        error += float(distances @ distances)
+    if target.coupler_angles is not None:
+        off = _from_mean(phi - target.coupler_angles, True)
+        error += float(off @ off)
+    if target.outputs is not None:
+        off = _from_mean(output - target.outputs, linkage.output_is_angle)
+        distances = abs(off)
+        error += float(off @ off)
+    return Solution(linkage, theta, error, distances)
+
+
+def _from_mean(values: np.ndarray, angles: bool) -> np.ndarray:
+    values = np.unwrap(values) if angles else values
+    return values - values.mean()
+
+
+def _keep(found: list[Solution], made: Solution | None) -> None:
+    """Take a solution unless it is there already."""
+    if made is None:
+        return
+    mine: Any = np.array([*made.linkage.numbers.values(), made.linkage.branch])
+    for k, other in enumerate(found):
+        theirs = np.array([*other.linkage.numbers.values(), other.linkage.branch])
+        if np.allclose(mine, theirs, rtol=1e-4, atol=1e-6):
+            found[k] = min(made, other, key=lambda solution: solution.error)
+            return
+    found.append(made)

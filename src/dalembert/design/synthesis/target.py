@@ -1,0 +1,76 @@
+"""What a linkage shall do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """Points to pass, poses to take, or outputs to reach, in their order.
+
+    Attributes
+    ----------
+    points : (n, 2) of the coupler point; None where it is free
+    coupler_angles : (n,) how far the coupler turns [rad], counted from any line on it
+    outputs : (n,) how far the follower turns [rad], or the slider goes, from any start
+    crank_angles : (n,) how far the crank turns [rad], from any start; None leaves the timing free
+    closed : the path leads from the last point to the first
+    """
+
+    points: np.ndarray | None = None
+    coupler_angles: np.ndarray | None = None
+    outputs: np.ndarray | None = None
+    crank_angles: np.ndarray | None = None
+    closed: bool = False
+
+    def __post_init__(self) -> None:
+        count = 0
+        for name in ("points", "coupler_angles", "outputs", "crank_angles"):
+            given = getattr(self, name)
+            if given is None:
+                continue
+            array = np.asarray(given, dtype=float)
+            shape = (array.shape[0], 2) if name == "points" and array.ndim else (array.size,)
+            if array.shape != shape or array.size == 0 or not np.all(np.isfinite(array)):
+                entries = "pairs" if name == "points" else "numbers"
+                raise AnalysisError(f"{name}: a list of finite {entries} is needed")
+            if count and len(array) != count:
+                raise AnalysisError(f"{name} has {len(array)} entries, others have {count}")
+            count = len(array)
+            object.__setattr__(self, name, array)
+        if self.points is None and self.outputs is None:
+            raise AnalysisError("a target needs points or outputs")
+        if count < 2:
+            raise AnalysisError(f"a target needs at least two entries, got {count}")
+
+    @classmethod
+    def path(cls, points: Any, crank_angles: Any = None, closed: bool = False) -> Target:
+        """Path generation, with free or prescribed timing."""
+        return cls(points=points, crank_angles=crank_angles, closed=closed)
+
+    @classmethod
+    def motion(cls, points: Any, coupler_angles: Any, crank_angles: Any = None) -> Target:
+        """Motion generation: the coupler is guided through poses."""
+        return cls(points=points, coupler_angles=coupler_angles, crank_angles=crank_angles)
+
+    @classmethod
+    def function(cls, crank_angles: Any, outputs: Any) -> Target:
+        """Function generation: outputs at angles of the crank."""
+        return cls(outputs=outputs, crank_angles=crank_angles)
+
+    def __len__(self) -> int:
+        given = self.points if self.points is not None else self.outputs
+        assert given is not None
+        return len(given)
+
+    @property
+    def complex_points(self) -> np.ndarray:
+        """Points as complex numbers."""
+        assert self.points is not None
+        return self.points[:, 0] + 1j * self.points[:, 1]

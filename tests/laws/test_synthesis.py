@@ -1,0 +1,102 @@
+"""Laws of synthesis: what a linkage does is found again, within the limits that were set."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import dalembert as da
+
+BAR = da.FourBar(
+    **{"crank": 0.4, "coupler": 1.1, "follower": 0.9, "ground": 1.2},
+    **{"u": 0.5, "v": 0.6, "x": 3.0, "y": 1.0, "angle": 0.4},
+    branch=-1,
+)
+SLIDER = da.SliderCrank(crank=0.4, coupler=1.3, offset=0.2, u=0.5, v=0.3, x=1.0, angle=0.3)
+TURN = np.linspace(0, 2 * math.pi, 25)[:-1]
+PIECE = np.array([0.2, 0.6, 1.1, 1.7])
+
+
+@pytest.mark.parametrize("linkage", [BAR, SLIDER], ids=["four-bar", "slider-crank"])
+def test_path_of_a_linkage_is_found(linkage):
+    kind = type(linkage)
+    timed = da.synthesize(da.Target.path(linkage.path(TURN), TURN), kind, starts=12)
+    closed = da.synthesize(da.Target.path(linkage.path(TURN), closed=True), kind, starts=12)
+    for found in (timed, closed):
+        assert found.best.error < 1e-12
+        assert found.best.linkage.crank_turns
+
+
+def test_cognates_are_found_too():
+    """A path with timing has two crank-driven four-bars, by the theorem of Roberts."""
+    found = da.synthesize(da.Target.path(BAR.path(TURN), TURN), starts=24)
+    exact = [s.linkage for s in found.solutions if s.error < 1e-12]
+    for wanted in (BAR, BAR.cognates()[1]):
+        sizes = [wanted.numbers[n] for n in ("crank", "coupler", "follower", "ground", "u", "v")]
+        there = [[e.numbers[n] for n in ("crank", "coupler", "follower", "ground", "u", "v")]
+                 for e in exact]  # fmt: skip
+        assert any(np.allclose(sizes, other, atol=1e-3) for other in there)
+
+
+@pytest.mark.parametrize("linkage", [BAR, SLIDER], ids=["four-bar", "slider-crank"])
+def test_poses_and_functions_are_found(linkage):
+    kind = type(linkage)
+    poses = da.Target.motion(linkage.path(PIECE), linkage.coupler_angle(PIECE) - 0.3)
+    outputs = linkage.output(PIECE) + 0.7
+    for target in (poses, da.Target.function(PIECE - 0.2, outputs)):
+        found = da.synthesize(target, kind, starts=16)
+        assert found.best.error < 1e-12
+
+
+def test_freudenstein():
+    """Three exact pairs satisfy K₁ cos ψ − K₂ cos θ + K₃ = cos(θ − ψ).
+
+    Source: F. Freudenstein (1955), Transactions of the ASME 77, 853-861.
+    """
+    given, outputs = np.radians([0.0, 30.0, 60.0]), np.radians([0.0, 25.0, 60.0])
+    found = da.synthesize(da.Target.function(given, outputs), starts=12)
+    assert found.best.error < 1e-14
+    bar, theta = found.best.linkage, found.best.crank_angles
+    psi = bar.output(theta)
+    np.testing.assert_allclose(psi - psi[0], outputs, atol=1e-7)
+    rows = np.stack([np.cos(psi), -np.cos(theta), np.ones(3)], axis=1)
+    k1, k2, k3 = np.linalg.solve(rows, np.cos(theta - psi))
+    d, c, f, g = bar.crank, bar.coupler, bar.follower, bar.ground
+    assert [k1, k2] == pytest.approx([g / d, g / f], rel=1e-4)
+    assert k3 == pytest.approx((d**2 - c**2 + f**2 + g**2) / (2 * d * f), rel=1e-4)
+
+
+def test_limits_are_kept():
+    least = math.radians(40)
+    ends = {"x": (2.5, 3.5), "crank": (0.2, 0.5)}
+    path = da.Target.path(BAR.path(PIECE))
+    found = da.synthesize(path, bounds=ends, transmission=least, starts=12)
+    for solution in found.solutions:
+        linkage = solution.linkage
+        assert linkage.crank_turns and linkage.transmission() > least - 1e-6
+        assert all(a - 1e-7 <= getattr(linkage, n) <= b + 1e-7 for n, (a, b) in ends.items())
+        steps = np.diff(solution.crank_angles)
+        assert np.all(steps > 0) or np.all(steps < 0)
+    free = da.synthesize(path, crank_turns=False, starts=8)
+    for solution in free.solutions:  # one branch, even where the crank only rocks
+        assert solution.linkage.transmission(solution.crank_angles) > 0
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda: da.Target(), "points or outputs"),
+        (lambda: da.Target.path([(0, 0)]), "at least two"),
+        (lambda: da.Target.path([(0, 0), (1, math.nan)]), "finite"),
+        (lambda: da.Target.path([(0, 0), (1, 1)], [0]), "1 entries"),
+        (lambda: da.synthesize(da.Target.path([(1, 1), (1, 1)])), "points apart"),
+        (lambda: da.synthesize(da.Target.path([(0, 0), (1, 1)]), bounds={"rod": (0, 1)}), "rod"),
+        (lambda: da.FourBar(crank=-1, coupler=1, follower=1, ground=1), "positive"),
+        (lambda: da.FourBar(crank=1, coupler=1, follower=1, ground=1).cognates(), "on a joint"),
+    ],
+)
+def test_what_cannot_be(ask, words):
+    with pytest.raises(da.AnalysisError, match=words):
+        ask()

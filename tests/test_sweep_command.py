@@ -1,0 +1,153 @@
+"""Studies from the command line, in processes and on a cluster of this machine."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import dalembert as da
+from dalembert.cli import main
+
+pytest.importorskip("pyarrow")
+FILE = """
+format = 1
+gravity = [0, -9.81]
+[parameters]
+length = { value = 1.0, bounds = [0.5, 2.0] }
+mass = 2.0
+[bodies.bar]
+type = "Bar"
+length = "length"
+mass = "mass"
+angle = -0.3
+[joints.O]
+type = "Revolute"
+connect = ["ground", "bar.start"]
+[analysis]
+type = "Dynamics"
+duration = 0.2
+step = 0.02
+backend = "vm"
+[responses]
+angle = { type = "Final", measure = "bar.angle" }
+[sweep]
+type = "Grid"
+vary = { length = [0.6, 0.8, -1.0, 1.0, 1.5], mass = [1, 2] }
+"""
+
+
+@pytest.fixture
+def model(tmp_path) -> Path:
+    path = tmp_path / "bar.toml"
+    path.write_text(FILE, encoding="utf-8")
+    return path
+
+
+def told(capsys) -> dict:
+    return json.loads(capsys.readouterr().out)
+
+
+def test_sweep(model, capsys):
+    assert main(["sweep", str(model), "--workers", "1", "--json"]) == 0
+    first = told(capsys)
+    assert first["designs"] == 10 and sorted(first["failed"]) == ["4", "5"]
+    assert "length" in first["failed"]["4"]
+    assert main(["sweep", str(model), "--workers", "2", "--json"]) == 0
+    again = told(capsys)
+    assert again["reused"] == 10 and again["responses"] == first["responses"]
+    assert main(["sweep", str(model), "--workers", "1"]) == 0
+    assert "8 of 10 designs" in capsys.readouterr().out
+    assert main(["sweep", str(model), "--set", "mass=3", "--json"]) == 2
+    assert "another study" in told(capsys)["error"]["message"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('type = "Grid"', 'type = "Gird"', "Grid"),
+        ("mass = [1, 2] }", "mess = [1, 2] }", "mass"),
+        ('type = "Grid"', 'type = "Sobol"', "(lower, upper)"),
+        ("[sweep]", '[sweep]\nresponses = ["angel"]', "angle"),
+        (FILE[FILE.index("[sweep]") :], "", "[sweep]"),
+    ],
+)
+def test_wrong_tables(model, old, new, words, capsys):
+    model.write_text(FILE.replace(old, new), encoding="utf-8")
+    assert main(["sweep", str(model), "--json"]) == 2
+    assert words in told(capsys)["error"]["message"]
+
+
+def start(*arguments: str) -> subprocess.Popen:
+    where = os.pathsep.join([str(Path(da.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
+    return subprocess.Popen(
+        [sys.executable, "-m", "dask", *arguments],
+        env={**os.environ, "PYTHONPATH": where},
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+    )
+
+
+@pytest.fixture
+def cluster():
+    """Address of a scheduler with two workers, and the processes of the workers."""
+    pytest.importorskip("distributed")
+    quiet = ("--no-dashboard",)
+    scheduler = start("scheduler", "--host", "127.0.0.1", "--port", "0", *quiet)
+    started = [scheduler]
+    try:
+        address = ""
+        while not address:
+            line = scheduler.stderr.readline()
+            assert line, "the scheduler ended"
+            found = re.search(r"Scheduler at:\s*(tcp://\S+)", line)
+            address = found[1] if found else ""
+        for _ in range(2):
+            options = ("--nthreads", "1", "--no-nanny", "--host", "127.0.0.1", *quiet)
+            started.append(start("worker", address, *options))
+        yield address, started[1:]
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+            process.stderr.close()
+
+
+def test_cluster(model, tmp_path, cluster, capsys):
+    """The same table as here, although a worker is killed on the way."""
+    import pyarrow.parquet as parquet
+
+    address, workers = cluster
+    there, here = tmp_path / "there", tmp_path / "here"
+    model.write_text(FILE.replace("[1, 2] }", "[1, 2, 3, 4, 5, 6, 7, 8] }"), encoding="utf-8")
+    sweep = [sys.executable, "-m", "dalembert.cli", "sweep", str(model), "--json"]
+    running = subprocess.Popen(
+        [*sweep, "--scheduler", address, "--chunk", "1", "--output", str(there)],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    deadline = time.monotonic() + 60
+    while not list(there.glob("parts/part-*")) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    workers[0].send_signal(signal.SIGKILL)
+    out, _ = running.communicate(timeout=60)
+    assert running.returncode == 0, out
+    assert json.loads(out)["designs"] == 40
+    assert main(["sweep", str(model), "--workers", "1", "--output", str(here), "--json"]) == 0
+    one, two = (parquet.read_table(folder / "table.parquet") for folder in (there, here))
+    assert one.equals(two)
+
+
+def test_no_scheduler(model, capsys):
+    pytest.importorskip("distributed")
+    address = "tcp://127.0.0.1:9"
+    assert main(["sweep", str(model), "--scheduler", address, "--json"]) == 1
+    assert "dask scheduler" in told(capsys)["error"]["message"]
