@@ -242,3 +242,32 @@ def test_the_command_line(tmp_path, capsys):
     assert main([*again, "--quiet"]) == 0
     assert "19.62" in capsys.readouterr().out
     assert main(["check", str(tmp_path / "fall.toml")]) == 0
+
+
+@pytest.mark.parametrize(
+    ("table", "tells"),
+    [
+        ('data = "a.csv"\nvary = ["gg"]', ["identify.vary[0]", "did you mean 'g'"]),
+        ('data = "a.csv"\nvary = ["g"]\nloss = "hubert"', ["identify.loss", "huber"]),
+        ('data = "a.csv"\nvary = ["g"]\nmeasures = { h = "bal.y" }', ["identify.measures.h"]),
+        ('vary = ["g"]', ["identify.data", "give data, or a list of experiments"]),
+        (
+            'vary = ["g"]\nexperiments = [{ data = "a.csv", own = ["q"] }]',
+            ["identify.experiments[0].own", "unknown parameter 'q'"],
+        ),
+        ('data = "a.csv"\nvary = ["g"]\ndelays = { h = [2, 1] }', ["delays"]),
+        ('data = "a.csv"\nvary = ["g"]\nwary = 1', ["wary", "did you mean 'vary'"]),
+        ('data = "empty.csv"\nvary = ["g"]', ["empty.csv", "cannot be read"]),
+    ],
+)
+def test_a_file_that_asks_wrongly(tmp_path, capsys, table, tells):
+    (tmp_path / "empty.csv").write_text("")
+    (tmp_path / "fall.toml").write_text(
+        'format = 1\ngravity = [0, "-g"]\n[parameters]\ng = { value = 9.0, bounds = [1, 20] }\n'
+        '[bodies]\nball = { type = "Particle", mass = 1.0, position = [0, 0] }\n'
+        f'[analysis]\ntype = "Dynamics"\nduration = 1.0\nstep = 0.1\n[identify]\n{table}\n'
+    )
+    assert main(["identify", str(tmp_path / "fall.toml")]) in (1, 2)
+    told = capsys.readouterr().err
+    for text in tells:
+        assert text in told
