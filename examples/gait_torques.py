@@ -1,9 +1,9 @@
 """Torques of hip and knee from where knee and ankle were seen: inverse dynamics of a leg.
 
-A leg swings in the sagittal plane. Cameras see its knee and ankle 60 times a second, with an error of
-2 mm. Differences of that taken twice are half noise; splines of the joint angles, as stiff as cross
-validation finds right, are not, but at the very ends. The angles are those of the true motion, so that the true
-torques are known.
+A leg swings in the sagittal plane. Cameras see its knee and ankle 60 times a second, with an error
+of 2 mm. Differences of that taken twice are half noise; splines of the joint angles, as stiff as
+cross validation finds right, are not, but at the very ends. The angles are those of a motion that
+is known, and so are the true torques.
 """
 
 import sys

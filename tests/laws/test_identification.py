@@ -114,6 +114,31 @@ def test_noise_is_found_column_by_column(crank):
     assert 0.6 < ratio < 1.6
 
 
+def test_noise_may_stand_in_a_column(crank):
+    """Half of the samples are said to be useless, and are."""
+    data = measured(crank, x="slider.x")
+    data["x"][::2] += 0.3
+    data["spread"] = np.where(np.arange(data["x"].size) % 2, 1e-5, 1e3)
+    found = da.identify(
+        *(crank, data, {"x": "slider.x"}, TRUE), analysis=KINEMATICS, noise={"x": "spread"}
+    )
+    for name, value in TRUE.items():
+        assert found.x[name] == pytest.approx(value, abs=1e-6)
+
+
+def test_a_step_to_where_nothing_can_be_is_shortened(oscillator):
+    """Gravity far off: the first step would make the mass negative, which no bound forbids."""
+    system = da.System("hung")
+    m = system.parameter("m", 0.2, "kg")
+    mass = system.add(planar.Particle("mass", mass=m, position=(0.0, 0)))
+    system.add(planar.CoordinateDriver("guide", mass.center, 0.0, direction=(0, 1)))
+    system.add(planar.Force("force", mass.center, (3.0, 0.0)))
+    model, analysis = system.build(), da.Dynamics(1.0, step=0.05)
+    data = measured(model, analysis, {"m": 5.0}, x="mass.x")
+    found = da.identify(model, data, {"x": "mass.x"}, ["m"], analysis=analysis)
+    assert found.x["m"] == pytest.approx(5.0, rel=1e-8)
+
+
 def test_robust_losses_forgive_outliers(crank):
     off = {}
     data = measured(crank, true={"r": 0.11}, noise=1e-3, x="slider.x")
@@ -217,3 +242,32 @@ def test_the_command_line(tmp_path, capsys):
     assert main([*again, "--quiet"]) == 0
     assert "19.62" in capsys.readouterr().out
     assert main(["check", str(tmp_path / "fall.toml")]) == 0
+
+
+@pytest.mark.parametrize(
+    ("table", "tells"),
+    [
+        ('data = "a.csv"\nvary = ["gg"]', ["identify.vary[0]", "did you mean 'g'"]),
+        ('data = "a.csv"\nvary = ["g"]\nloss = "hubert"', ["identify.loss", "huber"]),
+        ('data = "a.csv"\nvary = ["g"]\nmeasures = { h = "bal.y" }', ["identify.measures.h"]),
+        ('vary = ["g"]', ["identify.data", "give data, or a list of experiments"]),
+        (
+            'vary = ["g"]\nexperiments = [{ data = "a.csv", own = ["q"] }]',
+            ["identify.experiments[0].own", "unknown parameter 'q'"],
+        ),
+        ('data = "a.csv"\nvary = ["g"]\ndelays = { h = [2, 1] }', ["delays"]),
+        ('data = "a.csv"\nvary = ["g"]\nwary = 1', ["wary", "did you mean 'vary'"]),
+        ('data = "empty.csv"\nvary = ["g"]', ["empty.csv", "cannot be read"]),
+    ],
+)
+def test_a_file_that_asks_wrongly(tmp_path, capsys, table, tells):
+    (tmp_path / "empty.csv").write_text("")
+    (tmp_path / "fall.toml").write_text(
+        'format = 1\ngravity = [0, "-g"]\n[parameters]\ng = { value = 9.0, bounds = [1, 20] }\n'
+        '[bodies]\nball = { type = "Particle", mass = 1.0, position = [0, 0] }\n'
+        f'[analysis]\ntype = "Dynamics"\nduration = 1.0\nstep = 0.1\n[identify]\n{table}\n'
+    )
+    assert main(["identify", str(tmp_path / "fall.toml")]) in (1, 2)
+    told = capsys.readouterr().err
+    for text in tells:
+        assert text in told

@@ -10,7 +10,7 @@ from scipy import stats
 from scipy.special import ndtr
 
 import dalembert as da
-from dalembert import structures
+from dalembert import planar, structures
 from dalembert.design.reliability.distributions import normal_points
 from dalembert.design.reliability.nataf import Nataf
 
@@ -119,6 +119,34 @@ def test_a_structure_and_its_sensitivities(bar):
     assert sum(found.importance.values()) == pytest.approx(1)
     low, high = found.importance_sampling(300).interval
     assert low < ndtr(-beta(random)) < high
+
+
+def test_a_mechanism():
+    """The slider of a crank goes too far: ``r cos q + √(l² − r² sin² q) > x``."""
+    system = da.System("slider-crank")
+    r, length = system.parameter("r", 0.1, "m"), system.parameter("l", 0.3, "m")
+    crank = system.add(planar.Bar("crank", length=r, mass=1.0))
+    rod = system.add(planar.Bar("rod", length=length, mass=1.0))
+    slider = system.add(planar.Body("slider", mass=1.0, inertia=1.0, position=(0.4, 0)))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
+    system.add(planar.Revolute("A", crank.end, rod.start))
+    system.add(planar.Revolute("B", rod.end, slider.center))
+    system.add(planar.Translational("rail", system.ground.point(0, 0), slider.center))
+    system.add(planar.RotationalDriver("motor", system.ground, crank, 2 * da.t))
+    random = {"r": da.Normal(0.1, 2e-3), "l": da.Normal(0.3, 1e-3)}
+    limit = da.Limit(da.final("slider.x"), upper=0.367)
+    found = da.reliability(
+        *(system.build(), limit, random),
+        analysis=da.Kinematics(0.4, outputs=2),
+        correlation={("r", "l"): 0.5},
+    )
+    assert found.success and found.residual < 1e-8
+    rng = np.random.default_rng(0)
+    cov = np.array([[4, 1], [1, 1]]) * 1e-6
+    radius, rod_length = rng.multivariate_normal([0.1, 0.3], cov, 1_000_000).T
+    place = radius * np.cos(0.8) + np.sqrt(rod_length**2 - (radius * np.sin(0.8)) ** 2)
+    share = np.mean(place > 0.367)
+    assert found.probability == pytest.approx(share, rel=0.03)
 
 
 def test_systems():

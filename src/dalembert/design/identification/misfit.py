@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.design.identification.experiment import Observation
 from dalembert.design.identification.unknowns import Unknowns
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, ModelError
 from dalembert.results.result import Result
 from dalembert.results.status import Outcome
 from dalembert.sensitivity.histories import history_gradients, history_rates
@@ -70,7 +70,7 @@ class Misfit:
             self.runs += 1
             try:
                 motion = o.analysis.run(self.model, given)
-            except AnalysisError as error:
+            except (AnalysisError, ModelError) as error:  # such as a mass below zero
                 self.failures.append(f"{o.name}: {error}")
                 return None
             if motion.status.outcome is Outcome.INTERRUPTED:
