@@ -23,14 +23,11 @@ def main(folder=None) -> dict[str, float]:
     roller = da.RollerCam.smallest(law, limit, roller_radius=0.006, least_radius=0.003)
     flat = da.FlatFaceCam.smallest(law, least_radius=0.003)
     pressure = math.degrees(abs(roller.pressure_angle()).max())
-    print(
-        f"roller: base radius {1e3 * roller.base_radius:.2f} mm, offset {1e3 * roller.offset:.2f} mm"
-    )
+    print(f"roller: base radius {1e3 * roller.base_radius:.2f} mm")
     print(f"        pressure angle at most {pressure:.2f} deg")
     low, high = flat.face
-    print(
-        f"flat face: base radius {1e3 * flat.base_radius:.2f} mm, face {1e3 * (high - low):.1f} mm"
-    )
+    width = 1e3 * (high - low)
+    print(f"flat face: base radius {1e3 * flat.base_radius:.2f} mm, {width:.1f} mm wide")
     if folder:
         figure, axes = plt.subplots(1, 3, figsize=(11, 3.6), width_ratios=(1, 1, 1.1))
         around = np.linspace(0, 2 * math.pi, 200)

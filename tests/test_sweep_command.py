@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -85,6 +86,18 @@ def test_wrong_tables(model, old, new, words, capsys):
     assert words in told(capsys)["error"]["message"]
 
 
+def test_structures(tmp_path, capsys):
+    """A study of a truss knows its loads."""
+    text = (Path(__file__).parents[1] / "examples" / "truss.toml").read_text(encoding="utf-8")
+    path = tmp_path / "truss.toml"
+    path.write_text(text + "\n[sweep]\nsamples = 4\n", encoding="utf-8")
+    sweep = ["sweep", str(path), "--workers", "1", "--json"]
+    assert main(sweep) == 0 and told(capsys)["designs"] == 4
+    changed = path.read_text(encoding="utf-8").replace("-30e3", "-31e3")
+    path.write_text(changed, encoding="utf-8")
+    assert main(sweep) == 2 and "another study" in told(capsys)["error"]["message"]
+
+
 def start(*arguments: str) -> subprocess.Popen:
     where = os.pathsep.join([str(Path(da.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
     return subprocess.Popen(
@@ -127,27 +140,26 @@ def test_cluster(model, tmp_path, cluster, capsys):
 
     address, workers = cluster
     there, here = tmp_path / "there", tmp_path / "here"
-    model.write_text(FILE.replace("[1, 2] }", "[1, 2, 3, 4, 5, 6, 7, 8] }"), encoding="utf-8")
-    sweep = [sys.executable, "-m", "dalembert.cli", "sweep", str(model), "--json"]
-    running = subprocess.Popen(
-        [*sweep, "--scheduler", address, "--chunk", "1", "--output", str(there)],
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    deadline = time.monotonic() + 60
-    while not list(there.glob("parts/part-*")) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    workers[0].send_signal(signal.SIGKILL)
-    out, _ = running.communicate(timeout=60)
-    assert running.returncode == 0, out
-    assert json.loads(out)["designs"] == 40
+    model.write_text(FILE.replace("[1, 2] }", "[1, 2, 3, 4] }"), encoding="utf-8")
+    sweep = ["sweep", str(model), "--json"]
+    with ThreadPoolExecutor(1) as aside:
+        running = aside.submit(
+            main, [*sweep, "--scheduler", address, "--chunk", "1", "--output", str(there)]
+        )
+        deadline = time.monotonic() + 60
+        while not list(there.glob("parts/part-*")) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        workers[0].send_signal(signal.SIGKILL)
+        assert running.result(timeout=60) == 0
+    assert told(capsys)["designs"] == 20
     assert main(["sweep", str(model), "--workers", "1", "--output", str(here), "--json"]) == 0
     one, two = (parquet.read_table(folder / "table.parquet") for folder in (there, here))
     assert one.equals(two)
 
 
-def test_no_scheduler(model, capsys):
+def test_no_scheduler(model, capsys, monkeypatch):
     pytest.importorskip("distributed")
+    monkeypatch.setattr("dalembert.design.studies.cluster.WAIT", 0.5)
     address = "tcp://127.0.0.1:9"
     assert main(["sweep", str(model), "--scheduler", address, "--json"]) == 1
     assert "dask scheduler" in told(capsys)["error"]["message"]

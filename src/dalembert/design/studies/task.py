@@ -104,7 +104,7 @@ def model_text(model: ParametricModel) -> str:
     return described(vars(getattr(model, "structure", model)))
 
 
-def described(thing: Any, depth: int = 6) -> str:
+def described(thing: Any, depth: int = 14) -> str:
     """Options, tables and formulas as text that is the same in every process."""
     if isinstance(thing, np.ndarray):
         return f"{thing.shape}{thing.dtype}{hashlib.sha256(thing.tobytes()).hexdigest()}"

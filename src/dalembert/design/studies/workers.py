@@ -22,6 +22,8 @@ import numpy as np
 from dalembert.design.studies.task import Answer, StudyTask
 
 DIED = "the process that computed it died"
+TRIES = 2
+"""Deaths of a design on its own before it is to blame: the first may be chance."""
 AHEAD = 2
 """Chunks given out per worker, so that none waits for the next."""
 
@@ -135,15 +137,17 @@ class Processes:
                 pool.shutdown(wait=True, cancel_futures=True)
 
     def _alone(self, chunk: Chunk) -> list[Answer]:
-        """Designs one by one, each death counted against the design."""
-        found = []
-        for one in chunk.parted():
+        """Designs one by one; one that dies even so, and again, has failed."""
+        return [a for one in chunk.parted() for a in self._tried(one)]
+
+    def _tried(self, one: Chunk) -> list[Answer]:
+        for _ in range(TRIES):
             with self._pool(1) as pool:
                 try:
-                    found += pool.submit(_answer, one).result()
+                    return pool.submit(_answer, one).result()
                 except BrokenProcessPool:
-                    found.append(self.task.failed(int(one.numbers[0]), DIED))
-        return found
+                    continue
+        return [self.task.failed(int(one.numbers[0]), DIED)]
 
     def _pool(self, count: int) -> ProcessPoolExecutor:
         forks = "fork" in multiprocessing.get_all_start_methods()
