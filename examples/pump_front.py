@@ -8,7 +8,6 @@ its torque. The slope of the front is the price of torque in bearing load.
 import sys
 
 import matplotlib.pyplot as plt
-import numpy as np
 import smooth_torque
 import style
 
@@ -43,17 +42,12 @@ def main(folder=None) -> dict[str, float]:
         figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8))
         found.plot(left)
         left.set_title("springs of which none is better in both")
-        share = np.linspace(0, 1, len(found))
-        for k, name in ((0, "stiffness"), (1, "free length")):
-            lower, upper = model.parameters[found.names[k]].bounds
-            along = (found.designs[:, k] - lower) / (upper - lower)
-            right.plot(share, along, marker=".", label=name)
+        right.plot(*found.designs.T, marker="o", ms=4, color=style.ORANGE)
         right.set(
-            title="where they lie between their bounds",
-            xlabel="from smooth torque to small bearing load",
-            ylim=(-0.03, 1.03),
+            title="from the smoothest torque to the least load, upwards",
+            xlabel="stiffness [N/m]",
+            ylabel="free length [m]",
         )
-        right.legend()
         style.save(figure, folder, "pump_front")
     return {
         "points": len(found),
