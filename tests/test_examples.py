@@ -504,6 +504,22 @@ def test_spring_smooths_the_torque_as_well_as_any(pictures: Path) -> None:
     assert found["after"] == pytest.approx(best.fun, rel=1e-6)
 
 
+def test_front_of_pump_springs(pictures: Path) -> None:
+    """Its end in torque is the best for torque alone; every spring on it beats the first."""
+    found = numbers("pump_front", pictures)
+    r, l, speed = 0.06, 0.22, 6 * math.pi
+    q = speed * np.linspace(0, 1 / 3, 121) + math.pi / 2
+    x, dx = slider_crank(q, r, l)
+    inertia = slope(lambda q: slider_crank_inertia(q, r, l, 1.5, 1.2, 9.0), q) * speed**2 / 2
+    alone = inertia + G * ((1.5 + 1.2) / 2 * r * np.sin(q) - (1.2 / 2 + 9.0) * dx)
+    # torque is linear in k and k(free + foot): least squares
+    columns = np.stack([(0.6 - x) * dx, -dx], axis=1)[:-1]
+    left = np.linalg.lstsq(columns, alone[:-1], rcond=None)[1][0]
+    assert found["least torque"] == pytest.approx(math.sqrt(left / 120), rel=1e-4)
+    assert found["points"] == 7 and found["least load"] < 0.3 * found["first load"]
+    assert found["least torque"] < 0.2 * found["first torque"]
+
+
 @pytest.mark.parametrize("name", [n for n in FILES if file(n).document.optimize is not None])
 def test_files_optimise(name: str) -> None:
     design = make_design(file(name), model(name))

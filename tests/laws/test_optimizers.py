@@ -101,7 +101,7 @@ def test_designs_beyond_which_others_fail_are_told():
         four_bar(),
         maximize=da.final("l1 + 0*crank.x", name="length"),
         analysis=da.Kinematics(duration=1.0, outputs=21),
-        max_iterations=6,
+        max_iterations=30,
     )
     assert 0.55 < best.x["l1"] <= 0.6 and best.failed_runs > 0
     assert not best.success and "beyond fail" in best.message, best.message

@@ -79,7 +79,7 @@ def test_straight_line():
         analysis=da.Kinematics(duration=5.0, outputs=6),
         vary=list(model.parameters),
         tolerance=1e-6,
-        max_iterations=30,
+        max_iterations=100,
     )
     assert best.fun <= 4.1e-5, best
     assert best.violation <= 1e-6

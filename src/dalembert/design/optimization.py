@@ -16,15 +16,13 @@ from dalembert.design.outcome import judged
 from dalembert.design.problem import DesignProblem, common_parameters
 from dalembert.design.program import Program
 from dalembert.design.quantity import Quantity, bound
+from dalembert.design.settling import settled
 from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text import unknown
-
-ROUNDS = 4
-"""How often a search goes on with the objective measured anew, where it fell far."""
 
 
 def optimize(
@@ -142,29 +140,9 @@ def solve(program: Program, method: Optimizer, stop: Stop) -> Optimum:
     """The optimum of a program; the best design so far where it is interrupted."""
     z = program.scaled(program.origin)
     try:
-        ended = method.solve(program, z, stop)
-        ended = _refined(program, method, stop, ended)
-        return judged(program, ended)
+        return judged(program, settled(program, method, stop, z))
     except KeyboardInterrupt:
         number = len(program.history) - 1
         best = program.scaled(program.best[0])
         message = f"interrupted after {number} iteration(s)"
         return judged(program, Ended(best, False, message), interrupted=True)
-
-
-def _refined(program: Program, method: Optimizer, stop: Stop, ended: Ended) -> Ended:
-    """Go on where the objective fell so far that its tolerance was loose, or a search got stuck."""
-    if method.is_global or ended.optima:
-        return ended
-    for _ in range(ROUNDS):
-        before, scale = program.objective(ended.z), program.scale
-        if (ended.success and abs(before) > 1e-2) or not program.begin(ended.z):
-            break
-        found = method.solve(program, ended.z, stop)
-        value = program.objective(found.z) * program.scale / scale
-        gained = value < before - 1e-3 * abs(before)
-        if gained or found.success or value < before:
-            ended = found
-        if not gained:
-            break
-    return ended

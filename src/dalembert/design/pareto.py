@@ -16,6 +16,7 @@ from dalembert.design.methods.registry import make_optimizer
 from dalembert.design.optimality import OPTIMAL, multipliers
 from dalembert.design.program import FEASIBLE, Program
 from dalembert.design.quantity import Quantity
+from dalembert.design.settling import settled
 from dalembert.design.weighted import Weighted
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
@@ -112,15 +113,16 @@ class _Search:
         quantities = [goal, *self.others, *(limit.response for limit in limits)]
         problem = self.functions.problem.judged_by(quantities)
         program = Program(problem, [*self.functions.limits, *limits], 1.0, x)
-        ended = self.local.solve(program, program.scaled(x), self.stop)
+        ended = settled(program, self.local, self.stop, program.scaled(x))
         x = program.unscale(ended.z)
-        point = program.point(program.scaled(x), record=False)
-        found = problem.evaluate(x)
+        z = program.scaled(x)
+        program.measure_by_start()
+        point, found = program.point(z, record=False), problem.evaluate(x)
         if point is None or found is None:
             self.failed.append("ended at a design that fails")
             return None
         violation = program.violation(found.values)
-        left = multipliers(program, program.scaled(x), point).stationarity
+        left = multipliers(program, z, point).stationarity
         if violation > FEASIBLE or left > OPTIMAL:
             self.failed.append(f"{ended.message} (violation {violation:.2g}, residual {left:.2g})")
             return None
