@@ -45,7 +45,7 @@ from dalembert.elements.springs import ForceLaw
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
-from dalembert.io import fields, orientations, schema, tables
+from dalembert.io import fields, orientations, schema, tables, task_tables
 from dalembert.io.fields import FROM_FILE, connected, written
 from dalembert.io.strategies import (
     ANALYSES,
@@ -325,7 +325,7 @@ FIXED = {
         },
     ),
     "compare": (
-        schema.CompareTable,
+        task_tables.CompareTable,
         {
             "formulations": "names, or tables with `type` and keys; by default "
             "[a few](formulations.md#see-it-on-your-mechanism)",
@@ -335,17 +335,17 @@ FIXED = {
         },
     ),
     "sensitivity": (
-        schema.SensitivityTable,
+        task_tables.SensitivityTable,
         {
             "method": '`"auto"`, `"adjoint"`, `"direct"` or `"finite-difference"`',
         },
     ),
     "sweep": (
-        schema.SweepTable,
+        task_tables.SweepTable,
         {"type": '`"Grid"`, `"LatinHypercube"`, `"MonteCarlo"`, `"Sobol"` or `"Table"`'},
     ),
     "optimize": (
-        schema.OptimizeTable,
+        task_tables.OptimizeTable,
         {
             "minimize": "name of the response to make small; this or `maximize`",
             "maximize": "name of the response to make large",
@@ -357,7 +357,7 @@ FIXED = {
         },
     ),
     "limit": (
-        schema.LimitTable,
+        task_tables.LimitTable,
         {
             "response": "name of a response",
             "lower": "it must not be below",
@@ -365,7 +365,7 @@ FIXED = {
         },
     ),
     "identify": (
-        schema.IdentifyTable,
+        task_tables.IdentifyTable,
         {
             "data": "file of measurements beside this one, .csv or .parquet",
             "time": "column of the times; `time` or `t` by default",
@@ -375,13 +375,13 @@ FIXED = {
         },
     ),
     "experiment": (
-        schema.ExperimentTable,
+        task_tables.ExperimentTable,
         {
             "data": "file of measurements",
             "name": "in results; its number by default",
         },
     ),
-    "report": (schema.ReportTable, {}),
+    "report": (task_tables.ReportTable, {}),
 }
 
 

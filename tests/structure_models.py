@@ -9,6 +9,7 @@ import numpy as np
 import dalembert as da
 from dalembert import structures
 from dalembert.elements.fem.continuum import Continuum
+from dalembert.elements.fem.registry import SHAPES
 from dalembert.structures.model import StructuralModel
 
 
@@ -116,11 +117,7 @@ def attached() -> StructuralModel:
 
 BAR = {"area": 0.5, "modulus": 3.0, "density": 2.0}
 SHEAR = {"shear_modulus": 1.3, "shear_area": 0.3}
-CELLS = {
-    cls.__name__: functools.partial(cell, cls)
-    for cls in structures.registry.SHAPES
-    if issubclass(cls, Continuum)
-}
+CELLS = {cls.__name__: functools.partial(cell, cls) for cls in SHAPES if issubclass(cls, Continuum)}
 LINES = {
     f"{cls.__name__} {dimension}-D": functools.partial(triangle, cls, dimension, numbers)
     for cls, dimensions, numbers in (

@@ -14,8 +14,9 @@ from dalembert import spatial
 from dalembert.elements import registry
 
 CONSERVATIVE = [n for n, c in SPATIAL_CASES.items() if c.conservative]
-NOT_HERE = {"Mesh", "FlexibleBody", "UnilateralConstraint"}
-"""Bodies from files and of structures, and what is no force: they have laws of their own."""
+NOT_HERE = {"Mesh", "FlexibleBody", "Node", "PointNode", "UnilateralConstraint"}
+"""Bodies from files, of structures and of finite elements, and what is no force: they have laws of
+their own."""
 
 
 @pytest.mark.parametrize("section", ["bodies", "forces"])

@@ -193,7 +193,7 @@ def test_what_is_not_built_says_so():
         (da.solve_statics, da.Structure("s")),
         (da.solve_kinematics, da.System("m")),
     ):
-        with pytest.raises(AttributeError, match="take the model that its build"):
+        with pytest.raises(da.AnalysisError, match=r"takes a model; .* build\(\) it first"):
             verb(given)
 
 
