@@ -13,6 +13,8 @@ from dalembert import planar, spatial
 from dalembert.symbolic.backends import BACKENDS
 from dalembert.symbolic.native.c_compiler import find_compiler
 
+COMPILABLE = 100
+"""Bodies up to which a C compiler is done in a minute."""
 NAMES = {"vm": "dalembert", "jit": "dalembert, jit", "c": "dalembert, C"}
 
 
@@ -134,9 +136,8 @@ def contestants(
 ) -> list[Contestant]:
     """RK4 with projection in absolute coordinates; of trees in joint coordinates."""
     options = {"coordinates": da.JointCoordinates()} if mechanism.tree else {}
-    return [
-        Contestant(NAMES[b], runner(mechanism, duration, b, **options), first) for b in backends
-    ]
+    chosen = [b for b in backends if b != "c" or len(mechanism.bodies) <= COMPILABLE]
+    return [Contestant(NAMES[b], runner(mechanism, duration, b, **options), first) for b in chosen]
 
 
 def reference(mechanism: Mechanism, duration: float) -> np.ndarray:
