@@ -28,6 +28,13 @@ def possible() -> bool:
     return bool(sys.executable) and not getattr(sys, "frozen", False)
 
 
+class _Left(subprocess.Popen):
+    """A process that may outlive who asked for it: what it makes serves the next one."""
+
+    def __del__(self) -> None:
+        super().__del__(_warn=lambda *_, **__: None)  # type: ignore[call-arg]
+
+
 class Compilation:
     """A text that is being compiled.
 
@@ -44,7 +51,7 @@ class Compilation:
         with tempfile.TemporaryFile("w+", encoding="utf-8") as given:
             given.write(text)
             given.seek(0)
-            self._process = subprocess.Popen(
+            self._process = _Left(
                 [sys.executable, "-c", script],
                 stdin=given,
                 stdout=subprocess.DEVNULL,
