@@ -37,7 +37,10 @@ def run(mechanism: Mechanism, duration: float, steps: int) -> tuple[float, np.nd
     if mechanism.redundant:
         settings.linearSolver.solverType = exu.LinearSolverType.EigenDense
     begin = time.perf_counter()
-    system.SolveDynamic(settings)
+    try:
+        system.SolveDynamic(settings)
+    except exu.SolverError:  # steps too long for its Newton iteration: nowhere near the place
+        return time.perf_counter() - begin, np.full(3, np.nan)
     elapsed = time.perf_counter() - begin
     number, place = mechanism.observed
     found = system.GetObjectOutputBody(
