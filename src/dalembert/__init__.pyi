@@ -242,7 +242,7 @@ from dalembert.symbolic.functions import (
     tanh as tanh,
     where as where,
 )
-from dalembert.symbolic.native.library import clear_cache as clear_cache
+from dalembert.symbolic.native.code_cache import clear_cache as clear_cache
 from dalembert.symbolic.parameter import Parameter as Parameter
 
 __version__: str

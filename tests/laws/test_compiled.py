@@ -18,7 +18,7 @@ from dalembert import planar
 from dalembert.errors import SolverFailure
 from dalembert.symbolic import backends, switching
 from dalembert.symbolic.columns import NativeColumns, VirtualColumns
-from dalembert.symbolic.native import c_compiler, library, llvm, source
+from dalembert.symbolic.native import c_compiler, code_cache, llvm, source
 from dalembert.symbolic.native.c_compiler import Compiler
 from dalembert.symbolic.native.llvm import Llvm
 
@@ -106,7 +106,7 @@ def assert_same(found, expected) -> None:
 
 
 def files(folder) -> list:
-    return sorted(path for path in folder.glob("*") if path.suffix in library.SUFFIXES)
+    return sorted(path for path in folder.glob("*") if path.suffix in code_cache.SUFFIXES)
 
 
 # same results -----------------------------------------------------------------------
@@ -180,7 +180,7 @@ def test_every_operation_gives_the_same_number(kind):
 
 def assert_columns_agree(function: ca.Function, *given, toolchain=None) -> None:
     text, count = source.c_source(function), given[0].shape[-1]
-    native = NativeColumns(function, library.made(text, toolchain or Llvm()), "LLVM")
+    native = NativeColumns(function, code_cache.made(text, toolchain or Llvm()), "LLVM")
     for found, expected in zip(
         native(count, *given), VirtualColumns(function)(count, *given), strict=True
     ):
@@ -207,7 +207,7 @@ def test_graphs_of_matrices_give_the_same_numbers():
     rng = np.random.default_rng(6)
     given = rng.normal(size=(4, 20)), rng.normal(size=(4, 15)), rng.normal(size=(1, 5))
     text = source.c_source(function)
-    native = NativeColumns(function, library.made(text, Llvm()), "LLVM")
+    native = NativeColumns(function, code_cache.made(text, Llvm()), "LLVM")
     for found, expected in zip(native(5, *given), VirtualColumns(function)(5, *given), strict=True):
         np.testing.assert_array_equal(found, expected)
 
@@ -349,28 +349,28 @@ def test_a_broken_file_is_made_again(backend, cache, compilations, damage):
 @needs_compiler
 def test_another_text_or_compiler_makes_another_library(cache):
     compiler = c_compiler.needed_compiler()
-    first = library.kept_path("int f;", compiler)
+    first = code_cache.kept_path("int f;", compiler)
     assert first.parent == cache
-    assert library.kept_path("int f;", compiler) == first
-    assert library.kept_path("int g;", compiler) != first
+    assert code_cache.kept_path("int f;", compiler) == first
+    assert code_cache.kept_path("int g;", compiler) != first
     for change in ({"version": "another 1.0"}, {"command": (*compiler.command, "-m64")}):
-        assert library.kept_path("int f;", dataclasses.replace(compiler, **change)) != first
+        assert code_cache.kept_path("int f;", dataclasses.replace(compiler, **change)) != first
 
 
 def test_machine_code_is_filed_under_processor_version_and_lanes(monkeypatch):
     import llvmlite.binding
 
-    first = library.kept_path("int f;", Llvm())
-    assert library.kept_path("int f;", Llvm()) == first
-    assert library.kept_path("int f;", Llvm(lanes=4)) != first
+    first = code_cache.kept_path("int f;", Llvm())
+    assert code_cache.kept_path("int f;", Llvm()) == first
+    assert code_cache.kept_path("int f;", Llvm(lanes=4)) != first
     monkeypatch.setattr(llvmlite.binding, "get_host_cpu_name", lambda: "another")
-    assert library.kept_path("int f;", Llvm()) != first
+    assert code_cache.kept_path("int f;", Llvm()) != first
 
 
 def test_clearing_the_cache_deletes_what_was_compiled(cache):
     run(four_bar(), "jit")
     count = len(files(cache))
-    assert library.cache_size() == (count, sum(path.stat().st_size for path in files(cache)))
+    assert code_cache.cache_size() == (count, sum(path.stat().st_size for path in files(cache)))
     assert da.clear_cache() == count > 0
     assert not list(cache.iterdir())
     assert da.clear_cache() == 0
@@ -380,12 +380,12 @@ def test_what_was_unused_for_longest_goes_first(cache, monkeypatch):
     x = ca.SX.sym("x")
     texts = [source.c_source(ca.Function("f", [x], [x + k])) for k in range(3)]
     for text in texts:
-        library.build(text, Llvm())
+        code_cache.build(text, Llvm())
         time.sleep(0.02)
-    monkeypatch.setattr(library, "KEPT", 2.5 * files(cache)[0].stat().st_size)
-    assert library.kept(texts[0], Llvm()) is not None
-    library.build(source.c_source(ca.Function("f", [x], [x + 9])), Llvm())
-    assert [library.is_whole(library.kept_path(text, Llvm())) for text in texts] == [1, 0, 0]
+    monkeypatch.setattr(code_cache, "KEPT", 2.5 * files(cache)[0].stat().st_size)
+    assert code_cache.kept(texts[0], Llvm()) is not None
+    code_cache.build(source.c_source(ca.Function("f", [x], [x + 9])), Llvm())
+    assert [code_cache.is_whole(code_cache.kept_path(text, Llvm())) for text in texts] == [1, 0, 0]
 
 
 def _final_angle(backend: str) -> float:
@@ -397,7 +397,7 @@ def test_processes_that_compile_the_same_at_once_do_no_harm(cache):
         angles = pool.map(_final_angle, ["jit", "jit"])
     expected = float(run(four_bar(), "vm").values("crank.angle")[-1])
     assert_same(angles, [expected, expected])
-    assert all(library.is_whole(path) for path in files(cache))
+    assert all(code_cache.is_whole(path) for path in files(cache))
     assert not [path for path in cache.iterdir() if path.name.startswith(".")]
 
 

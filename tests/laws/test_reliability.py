@@ -11,7 +11,7 @@ from scipy.special import ndtr
 
 import dalembert as da
 from dalembert import planar, structures
-from dalembert.design.reliability.distributions import normal_points
+from dalembert.design.reliability.distribution import normal_points
 from dalembert.design.reliability.nataf import Nataf
 
 DISTRIBUTIONS = {

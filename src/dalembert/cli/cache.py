@@ -21,7 +21,7 @@ def cache(
     clear
         Delete them; they are made again when needed.
     """
-    from dalembert.symbolic.native.library import cache_folder, cache_size, clear_cache
+    from dalembert.symbolic.native.code_cache import cache_folder, cache_size, clear_cache
 
     folder, (count, size) = cache_folder(), cache_size()
     if clear:

@@ -16,7 +16,7 @@ import numpy as np
 
 from dalembert.symbolic.columns import Columns, NativeColumns, VirtualColumns, compiled_form
 from dalembert.symbolic.native.c_compiler import needed_compiler
-from dalembert.symbolic.native.library import made
+from dalembert.symbolic.native.code_cache import made
 from dalembert.symbolic.native.llvm import find_llvm, needed_llvm
 from dalembert.symbolic.native.source import c_source, hindrance
 from dalembert.symbolic.native.toolchain import NotTranslated, Toolchain

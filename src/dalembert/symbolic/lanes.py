@@ -19,7 +19,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.symbolic.backends import Automatic
 from dalembert.symbolic.columns import Columns, NativeColumns, dense
 from dalembert.symbolic.kernel import flattened
-from dalembert.symbolic.native.library import made
+from dalembert.symbolic.native.code_cache import made
 from dalembert.symbolic.native.llvm import find_llvm
 from dalembert.symbolic.native.source import c_source, hindrance
 

@@ -26,7 +26,7 @@ from dalembert.symbolic.columns import (
 )
 from dalembert.symbolic.native.background import Compilation, possible
 from dalembert.symbolic.native.c_compiler import find_compiler
-from dalembert.symbolic.native.library import kept, made
+from dalembert.symbolic.native.code_cache import kept, made
 from dalembert.symbolic.native.llvm import find_llvm
 from dalembert.symbolic.native.source import c_source, hindrance
 from dalembert.symbolic.native.toolchain import Call, Toolchain

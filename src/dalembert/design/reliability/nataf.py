@@ -11,12 +11,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dalembert.design.reliability.distributions import (
-    Distribution,
-    Lognormal,
-    Normal,
-    normal_points,
-)
+from dalembert.design.reliability.distribution import Distribution, normal_points
+from dalembert.design.reliability.distributions import Lognormal, Normal
 from dalembert.errors import ModelError
 from dalembert.text import unknown
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.reliability.distributions import Distribution
+from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.first_order import Search, design_points
 from dalembert.design.reliability.limit_state import limit_states
 from dalembert.design.reliability.nataf import Correlation, Nataf

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.design.reliability.distributions import density
+from dalembert.design.reliability.distribution import density
 from dalembert.design.reliability.first_order import DesignPoint, Search
 
 STEP = 1e-4

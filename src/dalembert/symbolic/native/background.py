@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.native.library import build, kept_path
+from dalembert.symbolic.native.code_cache import build, kept_path
 from dalembert.symbolic.native.toolchain import Toolchain
 
 SCRIPT = """
