@@ -2,30 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
 import dalembert as da
-from dalembert import planar
-
-N = 10
-
-
-def arm() -> da.Model:
-    """Ten links in a row, each with a length and an angle to find."""
-    system = da.System("arm")
-    before = system.ground.point(0, 0)
-    for k in range(N):
-        length = system.parameter(f"l{k}", 0.2, "m", bounds=(0.05, 0.5))
-        angle = system.parameter(f"a{k}", 0.1 * k, "rad", bounds=(-1.5, 1.5))
-        place = (0.2 * sum(math.cos(0.1 * j) for j in range(k)) + 0.1, 0.3)
-        link = system.add(planar.Bar(f"link{k}", length=length, position=place, angle=angle))
-        system.add(planar.Revolute(f"J{k}", before, link.start))
-        system.add(planar.RotationalDriver(f"motor{k}", system.ground, link, angle))
-        before = link.end
-    return system.build()
+from benchmarks.design_methods import N, arm
 
 
 def task(model: da.Model) -> dict:
