@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.newmark import NewmarkFamily
-from dalembert.integrators.newmark_step import NewmarkCoefficients
+from dalembert.integrators.newmark_rule import NewmarkCoefficients
 from dalembert.options import options
 
 

@@ -7,7 +7,8 @@ from abc import ABC, abstractmethod
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Problem
 from dalembert.integrators.implicit import ImplicitIntegrator
-from dalembert.integrators.newmark_step import NewmarkCoefficients, NewmarkStep, check
+from dalembert.integrators.newmark_rule import NewmarkCoefficients
+from dalembert.integrators.newmark_step import NewmarkStep, check
 from dalembert.options import options
 
 

@@ -1,46 +1,20 @@
-"""One step of Newmark's method or a relative with algorithmic damping, for constrained systems.
+"""One step of Newmark's method or a relative, for constrained systems on a manifold.
 
-In the form of Arnold and Brüls (2007), with algorithmic accelerations ``α`` beside the true ``v̇``:
-
-    ẏ ≈ A(ȳ) w,    w = v + h ((1/2 − β) α + β α⁺),    v⁺ = v + h ((1 − γ) α + γ α⁺),
-    (1 − α_m) α⁺ + α_m α = (1 − α_f) v̇⁺ + α_f v̇,    0 = G(t⁺, x⁺, z⁺),
-
-where ȳ is the mean of old and new positions. ``α ≈ v̇(t + δ h)`` with ``δ = α_m − α_f`` is kept as
-``s = (α − v̇) / h``, so that it starts and changes step lengths without loss of order.
+The rule of ``newmark_rule`` with ``ẏ ≈ A(ȳ) w`` and the algebraic equations at the end of the step,
+``0 = G(t⁺, x⁺, z⁺)``, where ȳ is the mean of old and new positions.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import casadi as ca
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Problem
 from dalembert.integrators.implicit import ImplicitIntegrator
+from dalembert.integrators.newmark_rule import NewmarkCoefficients, StepRule
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep
 from dalembert.symbolic.newton_node import NewtonNode, constant
-
-
-@dataclass(frozen=True)
-class NewmarkCoefficients:
-    """``β``, ``γ``, ``α_m`` and ``α_f`` as above."""
-
-    beta: float
-    gamma: float
-    alpha_m: float = 0.0
-    alpha_f: float = 0.0
-
-    @property
-    def shift(self) -> float:
-        """``δ``: where within a step algorithmic accelerations belong."""
-        return self.alpha_m - self.alpha_f
-
-    @property
-    def undamped(self) -> bool:
-        """Oscillations of any frequency keep their amplitude."""
-        return self.gamma == 0.5 and self.shift == 0
 
 
 class NewmarkStep(GraphStep):
@@ -94,13 +68,10 @@ class NewmarkStep(GraphStep):
 
         old = rate(t, x, ca.vertcat(z, ca.SX.zeros(len(e.coupled))))[self.speeds]
         true = rate(t, x, self.u)[self.speeds]
-        algorithmic = old + h * s
-        following = (1 - c.alpha_f) * true + c.alpha_f * old - c.alpha_m * algorithmic
-        following = following / (1 - c.alpha_m)
-        speed = x[self.speeds]
+        rule = StepRule.of(c, h)
+        course = rule.corrected(rule.predicted(x[self.speeds], old, s), true)
         new, middle = ca.SX(x), ca.SX(x)
-        middle[self.speeds] = speed + h * ((0.5 - c.beta) * algorithmic + c.beta * following)
-        new[self.speeds] = speed + h * ((1 - c.gamma) * algorithmic + c.gamma * following)
+        middle[self.speeds], new[self.speeds] = course.mean, course.end
         if e.coupled:
             new[e.coupled] = x[e.coupled] + h * self.u[e.algebraic :, :]
         middle[self.positions] = (x[self.positions] + new[self.positions]) / 2
@@ -114,7 +85,7 @@ class NewmarkStep(GraphStep):
         used = rate(t + h, new, self.u)[self.rest]
         new[self.rest] = x[self.rest] + h / 2 * (powers + used)
         found = self.u[: e.algebraic, :]
-        memory = ca.vertcat(found, (following - true) / h, used, (found - z) / h)
+        memory = ca.vertcat(found, rule.memory(course, true), used, (found - z) / h)
         return new, memory, rows
 
     def _extrapolated(self) -> ca.SX:

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.structural.transient_equation import EquationOfMotion
-from dalembert.analysis.structural.transient_step import Moving
+from dalembert.integrators.newmark_rule import Moving
 
 
 class RotationCharts:
@@ -58,7 +58,7 @@ class RotationCharts:
 
 
 def _columns(x: Moving, where: np.ndarray) -> np.ndarray:
-    """(12, k · columns) rotations of some nodes with rates and accelerations."""
+    """(12, k · columns) rotations of some nodes with rates, accelerations and memory."""
     return np.concatenate([part[where.T].reshape(3, -1) for part in x])
 
 
@@ -70,13 +70,13 @@ def _placed(x: Moving, where: np.ndarray, columns: ca.DM) -> Moving:
 
 
 def _functions() -> tuple[ca.Function, ca.Function, ca.Function]:
-    """Rotation vector, rate, acceleration and its memory of the shorter vector; both tangents."""
+    """Rotation vector, rate, acceleration and memory of the shorter vector; both tangents."""
     x, w = ca.SX.sym("x", 12), ca.SX.sym("w", 12)
-    r, v, a, algorithmic = ca.vertsplit(x, 3)
+    r, v, a, s = ca.vertsplit(x, 3)
     shorter = r * (1 - 2 * ca.pi / ca.norm_2(r))
     rate = ca.jtimes(shorter, r, v)
     acceleration = ca.jtimes(rate, r, v) + ca.jtimes(shorter, r, a)
-    memory = acceleration + ca.jtimes(shorter, r, algorithmic - a)
+    memory = ca.jtimes(shorter, r, s)
     value = ca.vertcat(shorter, rate, acceleration, memory)
     return (
         ca.Function("shorter", [x], [value]),

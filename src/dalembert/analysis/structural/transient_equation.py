@@ -14,6 +14,7 @@ import scipy.sparse as sparse
 
 from dalembert.elements.base import Scalar
 from dalembert.errors import ModelError, SingularityError, UnsupportedError
+from dalembert.integrators.newmark_rule import Moving
 from dalembert.sparse.factorise import indefinite_factors, symmetric_factors
 from dalembert.sparse.solver import Factors
 from dalembert.structures.configuration_load import ConfigurationLoad, Expansion
@@ -65,6 +66,11 @@ class Motions(NamedTuple):
     u: np.ndarray
     v: np.ndarray
     a: np.ndarray
+
+
+def moved(x: Moving) -> Motions:
+    """The motion without the memory of the method."""
+    return Motions(x.u, x.v, x.a)
 
 
 class Slopes(NamedTuple):

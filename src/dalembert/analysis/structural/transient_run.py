@@ -12,9 +12,9 @@ from dalembert.analysis.branches import Branches, outputs_of
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.structural.balance import relative
 from dalembert.analysis.structural.rotation_charts import RotationCharts
-from dalembert.analysis.structural.transient_equation import EquationOfMotion
+from dalembert.analysis.structural.transient_equation import EquationOfMotion, moved
 from dalembert.analysis.structural.transient_start import TransientStart
-from dalembert.analysis.structural.transient_step import Moving, TransientStep
+from dalembert.analysis.structural.transient_step import TransientStep
 from dalembert.analysis.timeline import (
     afford_states,
     checked_span,
@@ -23,6 +23,7 @@ from dalembert.analysis.timeline import (
     step_count,
     uniform_grid,
 )
+from dalembert.integrators.newmark_rule import Moving
 from dalembert.integrators.steps import Steps
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.motion import StructuralMotion
@@ -123,17 +124,11 @@ class March:
         ]
 
     def _inside(self, k: int, length: float) -> Moving:
-        time, h = float(self.steps.t[k]) + length, float(self.steps.h[k])
         step = TransientStep(self.equation, self.analysis.integrator, length)
-        found = step.advance(shortened(self.node(k), length / h), time)
+        found = step.advance(self.node(k), float(self.steps.t[k]) + length)
         if found is None:
             return Moving(*np.full((4, self.equation.assembly.size), np.nan))
         return found
-
-
-def shortened(x: Moving, share: float) -> Moving:
-    """What a step of a ``share`` of the length begins with: ``α − a`` grows with the length."""
-    return x._replace(algorithmic=x.a + share * (x.algorithmic - x.a))
 
 
 def _lengths(times: np.ndarray) -> np.ndarray:
@@ -189,7 +184,7 @@ class TransientRun:
     @staticmethod
     def _status(march: March, outcome: Outcome, message: str, h: float) -> Status:
         e, end = march.equation, march.steps.end
-        last = march.node(march.steps.count).motion
+        last = moved(march.node(march.steps.count))
         where = e.free if march.steps.count else e.massive
         step = march.step(h)
         sizes = abs(e.tangent(last.u))
@@ -207,8 +202,8 @@ def motion_at(
 ) -> StructuralMotion:
     """The motion at outputs."""
     e, found = march.equation, march.states(branches)
-    forces = [e.external_forces(x.motion, float(t)) for x, t in zip(found, times, strict=True)]
-    u, v, a = (np.stack(column, axis=1) for column in zip(*(x.motion for x in found), strict=True))
+    forces = [e.external_forces(moved(x), float(t)) for x, t in zip(found, times, strict=True)]
+    u, v, a = (np.stack(column, axis=1) for column in zip(*(moved(x) for x in found), strict=True))
     return StructuralMotion(
         model=e.model,
         analysis=analysis,

@@ -12,8 +12,8 @@ from dalembert.analysis.structural.transient_equation import (
     Slopes,
     factors,
 )
-from dalembert.analysis.structural.transient_step import Moving
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.integrators.newmark_rule import Moving
 from dalembert.sparse.solver import Factors
 
 STARTS = ("rest", "statics")
@@ -57,7 +57,7 @@ class TransientStart:
         return factors(slopes.a[massive][:, massive], MASSLESS)
 
     def state(self) -> Moving:
-        """Displacements, velocities and accelerations.
+        """Displacements, velocities and accelerations; the method remembers nothing yet.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class TransientStart:
         rest, factor = e.loads(self.time) - e.forces(begin), self.mass_factor(e.slopes(begin))
         if factor is not None:
             a[e.massive] = factor.solve(rest[e.massive])
-        return Moving(u, v, a, a)
+        return Moving(u, v, a, np.zeros_like(a))
 
     def _equilibrium(self, held: np.ndarray) -> np.ndarray:
         e = self.equation

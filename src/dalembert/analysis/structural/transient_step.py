@@ -1,19 +1,12 @@
-"""One step of Newmark's method or a relative with algorithmic damping, for structures.
+"""One step of Newmark's method or a relative, for structures.
 
-In the form of Arnold and Brüls (2007), as for mechanisms: the equations of motion hold at the end
-of the step with the true acceleration ``a⁺``, and the algorithmic one follows by
-
-    α⁺ = κ a⁺ + w,    w = μ a − ν α,    κ = (1−α_f)/(1−α_m), μ = α_f/(1−α_m), ν = α_m/(1−α_m),
-    u⁺ = u + h v + h²((1/2 − β) α + β α⁺),    v⁺ = v + h((1 − γ) α + γ α⁺).
-
-All are linear in ``a⁺``, the one unknown. Newton's method begins with the factors that the step
-before ended with, and takes new ones only where they do not lead fast to the root; what it finds is
-corrected once more with those at the end.
+The rule of ``integrators/newmark_rule.py``; the equations of motion hold at the end of the step.
+Newton's method begins with the factors that the step before ended with, and takes new ones only
+where they do not lead fast to the root; what it finds is corrected once more with those at the end.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -26,8 +19,10 @@ from dalembert.analysis.structural.transient_equation import (
     Motions,
     Slopes,
     factors,
+    moved,
 )
 from dalembert.integrators.newmark import NewmarkFamily
+from dalembert.integrators.newmark_rule import Course, Moving, StepRule
 from dalembert.sparse.solver import Factors
 from dalembert.structures.pattern import combined
 from dalembert.symbolic.newton import Equations, NewtonSettings, Residual, solve
@@ -42,91 +37,11 @@ FAST = 0.1
 """Share of the residual that a step with factors from elsewhere may leave."""
 
 
-class Moving(NamedTuple):
-    """What a step begins with and ends with, (n,) or (n, columns).
-
-    Attributes
-    ----------
-    u, v, a : motion that fulfils the equations of motion
-    algorithmic : ``α``
-    """
+class Ahead(NamedTuple):
+    """A step without acceleration at its end: where it begins, and its course."""
 
     u: np.ndarray
-    v: np.ndarray
-    a: np.ndarray
-    algorithmic: np.ndarray
-
-    @property
-    def motion(self) -> Motions:
-        """Without the memory of the method."""
-        return Motions(self.u, self.v, self.a)
-
-
-@dataclass(frozen=True)
-class StepRule:
-    """The step as a linear map of what it begins with and the acceleration it ends with.
-
-    Attributes
-    ----------
-    h : length [s]
-    kappa, mu, nu : as above
-    early : parts of ``α`` in displacement and speed, ``h²(1/2 − β)`` and ``h (1 − γ)``
-    late : parts of ``α⁺``, ``h² β`` and ``h γ``
-    """
-
-    h: float
-    kappa: float
-    mu: float
-    nu: float
-    early: tuple[float, float]
-    late: tuple[float, float]
-
-    @classmethod
-    def of(cls, integrator: NewmarkFamily, h: float) -> StepRule:
-        """The rule of a method for steps of length ``h``."""
-        c = integrator.coefficients
-        left = 1 - c.alpha_m
-        return cls(
-            h,
-            (1 - c.alpha_f) / left,
-            c.alpha_f / left,
-            c.alpha_m / left,
-            (h**2 * (0.5 - c.beta), h * (1 - c.gamma)),
-            (h**2 * c.beta, h * c.gamma),
-        )
-
-    def predicted(self, x: Moving) -> Moving:
-        """The end of the step for ``a⁺ = 0``."""
-        w = self.mu * x.a - self.nu * x.algorithmic
-        u = x.u + self.h * x.v + self.early[0] * x.algorithmic + self.late[0] * w
-        v = x.v + self.early[1] * x.algorithmic + self.late[1] * w
-        return Moving(u, v, np.zeros_like(u), w)
-
-    def ended(self, predicted: Moving, a: np.ndarray) -> Moving:
-        """The end of the step."""
-        part = self.kappa * a
-        return Moving(
-            predicted.u + self.late[0] * part,
-            predicted.v + self.late[1] * part,
-            a,
-            predicted.algorithmic + part,
-        )
-
-    def weigh_acceleration(self, weights: Moving) -> np.ndarray:
-        """Weight of ``a⁺``: the transpose of ``ended``."""
-        late = self.late[0] * weights.u + self.late[1] * weights.v
-        return weights.a + self.kappa * (weights.algorithmic + late)
-
-    def weigh_start(self, weights: Moving) -> Moving:
-        """Weights of what the step begins with: the transpose of ``predicted``."""
-        late = self.late[0] * weights.u + self.late[1] * weights.v
-        w = weights.algorithmic + late
-        return Moving(
-            weights.u,
-            weights.v + self.h * weights.u,
-            self.mu * w,
-            self.early[0] * weights.u + self.early[1] * weights.v - self.nu * w,
-        )
+    course: Course
 
 
 class TransientStep:
@@ -140,7 +55,7 @@ class TransientStep:
     """
 
     def __init__(self, equation: EquationOfMotion, integrator: NewmarkFamily, h: float):
-        self.equation, self.rule = equation, StepRule.of(integrator, h)
+        self.equation, self.rule = equation, StepRule.of(integrator.coefficients, h)
         self.settings = NewtonSettings(
             tolerance=integrator.tolerance, max_iterations=integrator.max_iterations, halvings=0
         )
@@ -155,7 +70,7 @@ class TransientStep:
 
     def _factors(self, slopes: Slopes) -> Factors | None:
         e, rule = self.equation, self.rule
-        by_u, by_v = (rule.kappa * late for late in rule.late)
+        by_u, by_v = rule.slopes
         matrix = combined((1.0, slopes.a), (by_v, slopes.v), (by_u, slopes.u))
         self.factorisations += 1
         return factors(e.assembly.inner(matrix), SINGULAR, symmetric=e.symmetric)
@@ -169,7 +84,7 @@ class TransientStep:
             The equations of the step are singular.
         """
         e = self.equation
-        ahead, held, loads = self.rule.predicted(x), e.support_motion(time), e.loads(time)
+        ahead, held, loads = self.predicted(x), e.support_motion(time), e.loads(time)
         a = np.zeros_like(x.a)
         if not e.linear:
             a[e.free] = x.a[e.free]
@@ -179,14 +94,14 @@ class TransientStep:
             if found is None:
                 return None
             a = found
-        motion = self.placed(ahead, held, a).motion
+        motion = moved(self.placed(ahead, held, a))
         self.kept = Linearised(self, motion)
         rest = (loads - e.forces(motion))[e.free]
         a[e.free] += self.kept.solve(rest)  # once more after convergence: round-off only is left
         return self.placed(ahead, held, a)
 
     def _solved(
-        self, ahead: Moving, held: Motions, loads: np.ndarray, a: np.ndarray, fast: float
+        self, ahead: Ahead, held: Motions, loads: np.ndarray, a: np.ndarray, fast: float
     ) -> np.ndarray | None:
         """Accelerations at the end, None where Newton's method fails."""
         solution = solve(EndOfStep(self, ahead, held, loads, fast), a, self.settings)
@@ -209,12 +124,17 @@ class TransientStep:
         terms = [loads, *(-part for part in e.parts(motion))]
         return self.balance.residual(terms, made_of, where)
 
-    def placed(self, ahead: Moving, held: Motions, a: np.ndarray) -> Moving:
+    def predicted(self, x: Moving) -> Ahead:
+        """The step as it is without acceleration at its end."""
+        return Ahead(x.u, self.rule.predicted(x.v, x.a, x.s))
+
+    def placed(self, ahead: Ahead, held: Motions, a: np.ndarray) -> Moving:
         """The end of the step for accelerations of the free displacements."""
-        new, where = self.rule.ended(ahead, a.copy()), self.equation.held
-        for column, prescribed in zip(new.motion, held, strict=True):
+        course, where = self.rule.corrected(ahead.course, a), self.equation.held
+        u = ahead.u + self.rule.h * course.mean
+        new = Moving(u, course.end, a.copy(), self.rule.memory(course, a))
+        for column, prescribed in zip(new, (*held, 0.0), strict=True):
             column[where] = prescribed
-        new.algorithmic[where] = held.a
         return new
 
 
@@ -253,14 +173,14 @@ class EndOfStep(Equations[np.ndarray]):
     """
 
     def __init__(
-        self, by: TransientStep, ahead: Moving, held: Motions, loads: np.ndarray, fast: float
+        self, by: TransientStep, ahead: Ahead, held: Motions, loads: np.ndarray, fast: float
     ):
         self.by, self.ahead, self.held, self.loads, self.fast = by, ahead, held, loads, fast
         self._near, self._left = by.kept if fast else None, np.inf
 
     def motion(self, a: np.ndarray) -> Motions:
         """The motion at the end."""
-        return self.by.placed(self.ahead, self.held, a).motion
+        return moved(self.by.placed(self.ahead, self.held, a))
 
     def residual(self, x: np.ndarray) -> Residual:
         motion, e = self.motion(x), self.by.equation

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dalembert.analysis.structural.transient_equation import Motions, Slopes
-from dalembert.analysis.structural.transient_run import shortened
-from dalembert.analysis.structural.transient_step import Moving, TransientStep
+from dalembert.analysis.structural.transient_equation import Motions, Slopes, moved
+from dalembert.analysis.structural.transient_step import TransientStep
+from dalembert.integrators.newmark_rule import Moving
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.samples import Sample
 from dalembert.sensitivity.structural.transient_outputs import Look, Looks, Seen
@@ -81,12 +81,12 @@ class TransientAdjoint(TransientPass):
         bar = self._none()
         for node in range(self.steps.count, -1, -1):
             bar = self._inside(node, bar)
-            seen, motion = self.seen(self.looks.ends.get(node, [])), self.march.node(node).motion
+            seen, motion = self.seen(self.looks.ends.get(node, [])), moved(self.march.node(node))
             if node == 0:
                 break
             if node in self.march.shortened:
                 bar, seen = self._lengthened(node, motion, bar, seen), self.seen([])
-                motion = self.march.arrived(node).motion
+                motion = moved(self.march.arrived(node))
             bar = self._through(self.arriving(node), motion, self.time(node), bar, seen)
         self._begin(motion, bar, seen)
         return self.parameters.total.T
@@ -97,11 +97,9 @@ class TransientAdjoint(TransientPass):
     def _inside(self, node: int, bar: Moving) -> Moving:
         """Add what outputs inside the following step weigh."""
         for length, looks in self.looks.inside.get(node, {}).items():
-            step, share = self.inner_step(length), length / float(self.steps.h[node])
             motion, time = self.motion_at(looks[0]), self.time(node) + length
-            back = self._through(step, motion, time, self._none(), self.seen(looks))
-            memory = back.algorithmic
-            back = back._replace(a=back.a + (1 - share) * memory, algorithmic=share * memory)
+            step, nothing = self.inner_step(length), self._none()
+            back = self._through(step, motion, time, nothing, self.seen(looks))
             bar = Moving(*(a + b for a, b in zip(bar, back, strict=True)))
         return bar
 
@@ -132,7 +130,7 @@ class TransientAdjoint(TransientPass):
         if reactions.any():
             more = slopes.weigh(reactions)
             u, v, a = u + more.u, v + more.v, a + more.a
-        return Moving(u, v, a, bar.algorithmic), reactions
+        return Moving(u, v, a, bar.s), reactions
 
     def _weigh(self, motion: Motions, time: float, multiplier, reactions, seen: Seen) -> None:
         """Take multipliers of the equations of motion, and what is seen, to the parameters."""
@@ -151,7 +149,7 @@ class TransientAdjoint(TransientPass):
         held, back = self.equation.held, slopes.weigh(multiplier)
         left = Motions(bar.u - back.u, bar.v - back.v, bar.a - back.a)
         self.parameters.supports(Motions(*(weight[held] for weight in left)), time)
-        found = Moving(*left, bar.algorithmic.copy())
+        found = Moving(*left, bar.s.copy())
         for weight in found:
             weight[held] = 0.0
         return found
@@ -161,8 +159,7 @@ class TransientAdjoint(TransientPass):
         e, start = self.equation, self.start
         slopes = e.slopes(motion)
         bar, reactions = self._with_reactions(slopes, bar, seen)
-        weight = bar.a + bar.algorithmic
-        multiplier = self.solved(start.mass_factor(slopes), e.massive, weight)
+        multiplier = self.solved(start.mass_factor(slopes), e.massive, bar.a)
         self._weigh(motion, self.time(0), multiplier, reactions, seen)
         bar = self._balanced(slopes, self.time(0), bar, multiplier)
         self.parameters.own(self._pulled(start.initial.velocities, bar.v))
@@ -204,9 +201,8 @@ class TransientDirect(TransientPass):
             if node:
                 change = self._at_end(node, change)
             for length, looks in self.looks.inside.get(node, {}).items():
-                share = length / float(self.steps.h[node])
-                begin, time = shortened(change, share), self.time(node) + length
-                self._after(self.inner_step(length), self.motion_at(looks[0]), time, begin, looks)
+                motion, time = self.motion_at(looks[0]), self.time(node) + length
+                self._after(self.inner_step(length), motion, time, change, looks)
         return self.found
 
     def _at_end(self, node: int, change: Moving) -> Moving:
@@ -214,11 +210,11 @@ class TransientDirect(TransientPass):
         march, looks, time = self.march, self.looks.ends.get(node, []), self.time(node)
         left, where = march.arrived(node), march.shortened.get(node)
         if where is None:
-            return self._after(self.arriving(node), left.motion, time, change, looks)
-        change = self._after(self.arriving(node), left.motion, time, change, [])
+            return self._after(self.arriving(node), moved(left), time, change, looks)
+        change = self._after(self.arriving(node), moved(left), time, change, [])
         change = march.charts.push(left, where, change)
-        motion, loads = march.node(node).motion, self.changes.loads(time)
-        inner = self.changes.equations(motion) + self.equation.slopes(motion).along(change.motion)
+        motion, loads = moved(march.node(node)), self.changes.loads(time)
+        inner = self.changes.equations(motion) + self.equation.slopes(motion).along(moved(change))
         self._look(looks, change, loads, inner)
         return change
 
@@ -227,21 +223,21 @@ class TransientDirect(TransientPass):
     ) -> Moving:
         """Changes at the end of a step; the responses there take their part."""
         e = self.equation
-        ahead, held = step.rule.predicted(change), self.changes.supports(time)
+        ahead, held = step.predicted(change), self.changes.supports(time)
         slopes, own = e.slopes(motion), self.changes.equations(motion)
         own = own - self.changes.expansion(time)
         loads = self.changes.loads(time)
-        a = np.zeros_like(ahead.u)
-        rest = loads - own - slopes.along(step.placed(ahead, held, a.copy()).motion)
+        rest = np.zeros_like(ahead.u)
+        rest = loads - own - slopes.along(moved(step.placed(ahead, held, rest)))
         a = self.solved(step.factor(slopes), e.free, rest, "N")
         after = step.placed(ahead, held, a)
-        self._look(looks, after, loads, own + slopes.along(after.motion) if looks else own)
+        self._look(looks, after, loads, own + slopes.along(moved(after)) if looks else own)
         return after
 
     def _begin(self) -> Moving:
         """Changes at the beginning."""
         e, start, time = self.equation, self.start, self.time(0)
-        motion, held = self.march.node(0).motion, self.changes.supports(time)
+        motion, held = moved(self.march.node(0)), self.changes.supports(time)
         loads, slopes = self.changes.loads(time), e.slopes(motion)
         u = np.zeros((self.size, len(self.columns)))
         if not start.static:
@@ -256,8 +252,8 @@ class TransientDirect(TransientPass):
         own = self.changes.equations(motion) - self.changes.expansion(time)
         rest = loads - own - slopes.along(Motions(u, v, a))
         a += self.solved(start.mass_factor(slopes), e.massive, rest, "N")
-        begin = Moving(u, v, a, a)
-        self._look(self.looks.ends.get(0, []), begin, loads, own + slopes.along(begin.motion))
+        begin = Moving(u, v, a, np.zeros_like(a))
+        self._look(self.looks.ends.get(0, []), begin, loads, own + slopes.along(moved(begin)))
         return begin
 
     def _look(self, looks: list[Look], x: Moving, loads: np.ndarray, inner: np.ndarray) -> None:
