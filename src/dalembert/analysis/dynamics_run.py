@@ -128,6 +128,7 @@ class DynamicsRun:
         found = doubts(a.formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
         fed_back = a.stabilization.feedback or a.formulation.feedback
         found += self.forewarned
+        found += self.contacts.doubts if self.contacts else []
         if motion.status.success:
             found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
         whole = motion.status.success or motion.status.outcome in REFUSED

@@ -19,6 +19,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.formulations.levels import Level
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
+from dalembert.model.rigid_gaps import headings
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
 from dalembert.symbolic.semi_explicit import SemiExplicit, Sizes
 
@@ -198,11 +199,17 @@ def dynamic_equations(e: Equations) -> ca.SX:
 
 
 def state_symbols(e: Equations) -> ca.SX:
-    """State ``x = [y; v; w; σ]``; ``w`` accumulates dissipated energy and energy input.
+    """State ``x = [y; v; w; r; σ]``; ``w`` accumulates dissipated energy and energy input.
 
-    The sides ``σ`` of switches that are held change between steps only.
+    The directions ``r`` of slip over surfaces and the sides ``σ`` of switches that are held change
+    between steps only.
     """
-    return ca.vertcat(e.y, e.v, WORK, e.switches.sides)
+    return ca.vertcat(e.y, e.v, memory_symbols(e))
+
+
+def memory_symbols(e: Equations) -> ca.SX:
+    """What the state holds behind coordinates and speeds."""
+    return ca.vertcat(WORK, headings(e.contacts), e.switches.sides)
 
 
 WORK = ca.SX.sym("work", 2)
@@ -211,8 +218,8 @@ WORK = ca.SX.sym("work", 2)
 def state_sizes(e: Equations) -> np.ndarray:
     """Natural sizes of the state."""
     s = e.scales
-    work, sides = np.full(WORK.numel(), s.energy), np.ones(e.switches.count)
-    return np.concatenate([s.coordinates, s.speeds, work, sides])
+    work, held = np.full(WORK.numel(), s.energy), np.ones(memory_symbols(e).numel() - WORK.numel())
+    return np.concatenate([s.coordinates, s.speeds, work, held])
 
 
 def sizes_of(e: Equations, forces: list[np.ndarray], levels: tuple[int, ...]) -> Sizes:
@@ -235,4 +242,5 @@ def sizes_of(e: Equations, forces: list[np.ndarray], levels: tuple[int, ...]) ->
 
 def state_rate(e: Equations) -> ca.SX:
     """``ẋ`` in terms of accelerations and multipliers."""
-    return ca.vertcat(e.pose_rate, e.a, e.powers, ca.SX.zeros(e.switches.count))
+    held = memory_symbols(e).numel() - WORK.numel()
+    return ca.vertcat(e.pose_rate, e.a, e.powers, ca.SX.zeros(held))
