@@ -244,7 +244,12 @@ class DynamicsKernel(StepOutputs):
             sides = slice(x.size - self.equations.switches.count, x.size)
             x[sides] = like[sides]
         mode = self.choose(t, x, p)
-        begin = self.variants[mode].step.begin
-        if begin is not None:
-            x = np.concatenate([x, begin(t, x, p).full().ravel()])
-        return x, mode
+        return self.remembered(t, x, p, mode), mode
+
+    def remembered(self, t: float, x: np.ndarray, p: np.ndarray, mode: int) -> np.ndarray:
+        """A state with what the steps of a mode remember at their start."""
+        step = self.variants[mode].step
+        if step.begin is None:
+            return x
+        x = x[: step.state_size]
+        return np.concatenate([x, step.begin(t, x, p).full().ravel()])

@@ -116,7 +116,10 @@ class DynamicsRun:
                 )
             )
         x0, mode = self.kernel.initial(state, self.start, self.p)
-        return x0, self.contacts.begin(x0, mode) if self.contacts else mode
+        if self.contacts is None:
+            return x0, mode
+        mode = self.contacts.begin(x0, mode)
+        return self.kernel.remembered(self.start, x0, self.p, mode), mode
 
     def doubts(self, motion: Motion, truth: DynamicsTruth) -> list[str]:
         """Warnings about the choices made; an exchange of energy below round-off counts as none."""

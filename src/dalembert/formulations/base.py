@@ -77,6 +77,11 @@ class Formulation:
         """Can be integrated as ``ẋ = F(t, x, p)``, so by explicit methods."""
         return True
 
+    @property
+    def variables_per_row(self) -> int:
+        """Algebraic variables of implicit integrators for every constraint equation."""
+        return 1
+
     def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> SaddleSolver:
         """Factors of the saddle matrix."""
         raise NotImplementedError
@@ -165,8 +170,12 @@ class Formulation:
         stages.append(Stage(unknown, residual, value, *both))
         return ImplicitFunction(name, [e.t, state_symbols(e), e.p], stages, outputs)
 
-    def semi_explicit(self, e: Equations, xi: ca.SX) -> SemiExplicit:
+    def semi_explicit(
+        self, e: Equations, xi: ca.SX, saddle: SaddleSolver | None = None
+    ) -> SemiExplicit:
         """Index-1 form (5.2): ``v̇`` and ``λ`` are algebraic, the elimination is left to Newton.
+
+        ``saddle`` gives them where a step begins, as in ``acceleration``.
 
         Raises
         ------
@@ -186,7 +195,8 @@ class Formulation:
         )
         z = ca.vertcat(e.a, e.multiplier)
         level = (0,) * z.numel()
-        start = self.acceleration(e, e.constraint_acceleration, [z], "algebraic_start")
+        own = e.constraint_acceleration
+        start = self.acceleration(e, own, [z], "algebraic_start", saddle)
         sizes = sizes_of(e, [e.scales.multipliers], (0,))
         return SemiExplicit(
             e.t, state_symbols(e), z, e.p, state_rate(e), algebraic, level, level, 1, start, sizes
@@ -194,8 +204,10 @@ class Formulation:
 
 
 def dynamic_equations(e: Equations) -> ca.SX:
-    """``M v̇ + d − f + Cᵀ λ`` (4.22)."""
-    return e.inertia.times(e.a) + e.bias - e.force + ca.mtimes(e.jacobian.T, e.multiplier)
+    """``M v̇ + d − f + Cᵀ λ`` (4.22), less the friction that follows from ``λ``."""
+    return (
+        e.inertia.times(e.a) + e.bias - e.force - e.rubbing + ca.mtimes(e.jacobian.T, e.multiplier)
+    )
 
 
 def state_symbols(e: Equations) -> ca.SX:

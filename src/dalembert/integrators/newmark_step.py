@@ -44,7 +44,10 @@ class NewmarkCoefficients:
 
 
 class NewmarkStep(GraphStep):
-    """One step; its memory is ``[ẑ; s; powers; dẑ/dt]``, the last for first guesses."""
+    """One step; its memory is ``[ẑ; s; powers; 0; dẑ/dt]``, the last for first guesses.
+
+    The zeros stand for variables of other steps of the run, so that all memories have one length.
+    """
 
     def __init__(self, chosen: NewmarkCoefficients, problem: Problem, settings: ImplicitIntegrator):
         self.chosen, self.problem = chosen, problem
@@ -56,7 +59,9 @@ class NewmarkStep(GraphStep):
         self.rest = list(range(controlled, n))
         self.t, self.h, self.x, self.p = s.t, ca.SX.sym("h"), s.x, s.p
         self.u = ca.SX.sym("u", e.count)
-        self.memory = ca.SX.sym("memory", 2 * e.algebraic + len(self.speeds) + len(self.rest))
+        self.spare = ca.SX.zeros(2 * problem.spare)
+        length = 2 * e.algebraic + len(self.speeds) + len(self.rest) + self.spare.numel()
+        self.memory = ca.SX.sym("memory", length)
         self.given = ca.vertcat(self.t, self.h, self.x, self.memory, self.p)
         new, memory, rows = self._equations()
         scale = e.residual_scale(settings.tolerance)(self.t + self.h, self.h, new, self.u, self.p)
@@ -114,7 +119,7 @@ class NewmarkStep(GraphStep):
         used = rate(t + h, new, self.u)[self.rest]
         new[self.rest] = x[self.rest] + h / 2 * (powers + used)
         found = self.u[: e.algebraic, :]
-        memory = ca.vertcat(found, (following - true) / h, used, (found - z) / h)
+        memory = ca.vertcat(found, (following - true) / h, used, self.spare, (found - z) / h)
         return new, memory, rows
 
     def _extrapolated(self) -> ca.SX:
@@ -138,7 +143,7 @@ class NewmarkStep(GraphStep):
             ca.vertcat(1, rate, drift),
         )
         jerk = ca.substitute(along, system.z, z)
-        memory = ca.vertcat(z, self.chosen.shift * jerk, rate[self.rest], drift)
+        memory = ca.vertcat(z, self.chosen.shift * jerk, rate[self.rest], self.spare, drift)
         return ca.Function("begin", [self.t, self.x, self.p], [memory], {"cse": True})
 
     def _solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX]:

@@ -62,9 +62,16 @@ class ContactChange(Variant):
 
     @cached_property
     def step(self) -> GraphStep:
-        size, count = self.before.step.state_size, self.before.step.parameter_count
+        step, begin = self.before.step, self.after.step.begin
         t, h = ca.MX.sym("t"), ca.MX.sym("h")
-        x, p = ca.MX.sym("x", size), ca.MX.sym("p", count)
+        x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
+        there = self._passed(t, x[: step.state_size], p)
+        memory = x[step.state_size :] if begin is None else begin(t, there, p)
+        function = ca.Function("contact_change", [t, h, x, p], [ca.vertcat(there, memory)])
+        return GraphStep(function, step.state_size, begin=begin)
+
+    def _passed(self, t: ca.MX, x: ca.MX, p: ca.MX) -> ca.MX:
+        """The state after it, without memory of steps."""
         there, delay = x, ca.MX(0)
         if self.guard is not None:
             for _ in range(CORRECTIONS):
@@ -77,7 +84,7 @@ class ContactChange(Variant):
             there = each.function.call([t + delay, there, p])[0]
         if self.guard is not None:
             there = flow(self.after, t + delay, there, p, -delay)
-        return GraphStep(ca.Function("contact_change", [t, h, x, p], [there]), size)
+        return there
 
     @property
     def _guards(self) -> ca.Function:

@@ -128,13 +128,15 @@ def check_contacts(e: Equations, formulation: Formulation, integrator: Integrato
         Names what works.
     """
     name = e.contacts[0].name
-    if integrator.implicit:
-        raise UnsupportedError(
-            f"{integrator.name} does not stop at the impacts of {name}; use RK4(), DormandPrince() "
-            "or another explicit integrator, or a compliant contact"
-        )
-    if formulation.every_equation or not formulation.gives_accelerations:
+    if formulation.every_equation:
         raise UnsupportedError(
             f"{type(formulation).__name__} does not hold the rigid contact {name} exactly; use "
             "formulation=RangeSpace()"
+        )
+    by_poisson = [gap.name for gap in e.contacts if gap.impact.poisson]
+    others = [gap.name for gap in e.contacts if not gap.impact.poisson]
+    if by_poisson and others:
+        raise UnsupportedError(
+            f"{by_poisson[0]} has restitution by Poisson's law and {others[0]} by Newton's, and both "
+            "may act in one impact; give poisson=True to all rigid contacts or to none"
         )

@@ -19,6 +19,7 @@ from dalembert.analysis.contact.zeros import HALVINGS, cubic, first_zero, lowest
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.events import locate
 from dalembert.analysis.passage import NOW, Passage
+from dalembert.formulations.base import state_symbols
 from dalembert.integrators.steps import Crossing
 from dalembert.model.contacts import Phase, Phases
 from dalembert.results.recording import ImpactRecord
@@ -61,10 +62,11 @@ class ContactSearch:
         self.trouble, self.inconsistent = "", False
         self._changes: list[float] = []
         self._kernels: dict[object, Kernel] = {}
+        self.size = state_symbols(kernel.equations).numel()
 
     def begin(self, x0: np.ndarray, mode: int) -> int:
         """The mode at the start, with gaps that touch and rest there closed."""
-        ruling = self.choice.at_start(self.start, x0, mode)
+        ruling = self.choice.at_start(self.start, x0[: self.size], mode)
         self._told(ruling, self.start)
         return self.modes.phased(mode, begun(ruling))
 
@@ -114,7 +116,7 @@ class ContactSearch:
         count = 1 << (times.size - 1).bit_length()  # few sizes, for few functions
         whole = np.minimum(np.arange(count), times.size - 1)
         looked = self.kernel.over(guards.function, count)
-        found = looked(times[whole], states[:, whole], np.tile(self.p[:, None], count))
+        found = looked(times[whole], states[: self.size, whole], np.tile(self.p[:, None], count))
         values, rates = (column[:, : times.size] for column in found)
         near, h = guards.near[:, None], np.diff(times)
         beyond = ~(values[:, 1:] >= -near)
@@ -160,7 +162,9 @@ class ContactSearch:
     def _value(self, mode: int, number: int, t: float, length: float, x: np.ndarray) -> float:
         state = self._state(mode, t, length, x) if length else x
         function = self._guards(mode).function
-        return float(self._call(function, t + length, state, self.p)[0].ravel()[number])
+        return float(
+            self._call(function, t + length, state[: self.size], self.p)[0].ravel()[number]
+        )
 
     def _state(self, mode: int, t: float, h: float, x: np.ndarray) -> np.ndarray:
         return self._call(self.kernel.variants[mode].step.function, t, h, x, self.p)[0].ravel()
@@ -179,7 +183,7 @@ class ContactSearch:
     def _change(self, passage: Passage, mode: int, number: int, moving: bool) -> int:
         """Let gaps go over to other phases, here and now; the mode after it."""
         guard: Guard = self._guards(mode).watched[number]
-        ruling = self.choice.ruled(passage.time, passage.x, mode, guard)
+        ruling = self.choice.ruled(passage.time, passage.x[: self.size], mode, guard)
         self._told(ruling, passage.time)
         self._changes.append(passage.time)
         if self.trouble:
