@@ -10,6 +10,16 @@ import dalembert as da
 from dalembert import planar
 from dalembert.results.status import Outcome
 
+OPTIONS = [
+    {"step": 0.01},
+    {"integrator": da.DormandPrince()},
+    {"integrator": da.Radau()},
+    {"integrator": da.Bdf(rtol=1e-10, atol=1e-15)},
+    {"integrator": da.Newmark(), "step": 0.01},
+    {"integrator": da.GeneralizedAlpha(), "step": 0.01, "formulation": da.Dae(2, stabilized=True)},
+]
+"""Integrators with and without memory; that of the last but one grows with the constraints."""
+
 
 def test_joints_transmit_what_lasting_contacts_give():
     """Reactions found along the tree of joints are those of the equations of all bodies."""
@@ -37,7 +47,7 @@ def test_contact_is_lasting_when_bounces_have_ended():
     assert np.abs(forces * gaps).max() < 1e-10  # either apart or pressing
 
 
-@pytest.mark.parametrize("options", [{"step": 0.01}, {"integrator": da.DormandPrince()}])
+@pytest.mark.parametrize("options", OPTIONS)
 @pytest.mark.parametrize("speed", [-1.0, 0.0, 1.0])
 def test_starts_on_the_surface(options, speed):
     """Closing it bounces at once, at rest it begins closed, opening it flies."""

@@ -189,7 +189,9 @@ class Dynamics(OverTime[Motion]):
         record: DynamicsRecord = motion.record
         kernel, old = record.kernel, record.steps
         state = motion.model.assemble(p, float(old.t[0]))
-        x0, _ = kernel.initial(state, float(old.t[0]), p, old.x[:, 0])
+        start = float(old.t[0])
+        x0, mode = kernel.initial(state, start, p, old.x[:, 0])
+        x0 = kernel.remembered(start, x0, p, int(old.mode[0]) if old.count else mode)
         steps = kernel.fixed.repeat(old, x0, p)
         if steps.interrupted:
             raise KeyboardInterrupt

@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.analysis.branches import Branches
 from dalembert.analysis.contact.change import ContactChange
+from dalembert.analysis.contact.headings import first_headings
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.quantities import check_contacts
 from dalembert.analysis.step_outputs import StepOutputs
@@ -181,7 +182,7 @@ class DynamicsKernel(StepOutputs):
     def jumps(self, steps: Steps) -> np.ndarray:
         """Steps in which speeds jump."""
         changes = [(k, v) for k, v in self.crossings(steps) if isinstance(v, ContactChange)]
-        return np.array([k for k, change in changes if change.jump is not None], dtype=int)
+        return np.array([k for k, change in changes if change.struck], dtype=int)
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray) -> Switch:
         """How many of these steps to keep, and the variant after them."""
@@ -230,7 +231,7 @@ class DynamicsKernel(StepOutputs):
         energy = self.stabilization.reference_energy(e)
         sides = e.switches.actual
         energy = ca.substitute(energy, e.switches.sides, sides)
-        seen = [ca.vertcat(ca.SX(0), ca.densify(energy), sides)]
+        seen = [ca.vertcat(ca.SX(0), ca.densify(energy), first_headings(e), sides)]
         (more,) = ca.substitute(seen, [ca.vertcat(e.t, e.y, e.v, e.p)], [ca.vertcat(t, q, u, p)])
         return ImplicitFunction("start", reduce.inputs, [], [ca.vertcat(q, u, more)])
 
@@ -243,7 +244,12 @@ class DynamicsKernel(StepOutputs):
             sides = slice(x.size - self.equations.switches.count, x.size)
             x[sides] = like[sides]
         mode = self.choose(t, x, p)
-        begin = self.variants[mode].step.begin
-        if begin is not None:
-            x = np.concatenate([x, begin(t, x, p).full().ravel()])
-        return x, mode
+        return self.remembered(t, x, p, mode), mode
+
+    def remembered(self, t: float, x: np.ndarray, p: np.ndarray, mode: int) -> np.ndarray:
+        """A state with what the steps of a mode remember at their start."""
+        step = self.variants[mode].step
+        if step.begin is None:
+            return x
+        x = x[: step.state_size]
+        return np.concatenate([x, step.begin(t, x, p).full().ravel()])

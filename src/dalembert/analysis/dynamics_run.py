@@ -116,7 +116,10 @@ class DynamicsRun:
                 )
             )
         x0, mode = self.kernel.initial(state, self.start, self.p)
-        return x0, self.contacts.begin(x0, mode) if self.contacts else mode
+        if self.contacts is None:
+            return x0, mode
+        mode = self.contacts.begin(x0, mode)
+        return self.kernel.remembered(self.start, x0, self.p, mode), mode
 
     def doubts(self, motion: Motion, truth: DynamicsTruth) -> list[str]:
         """Warnings about the choices made; an exchange of energy below round-off counts as none."""
@@ -128,6 +131,7 @@ class DynamicsRun:
         found = doubts(a.formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
         fed_back = a.stabilization.feedback or a.formulation.feedback
         found += self.forewarned
+        found += self.contacts.doubts if self.contacts else []
         if motion.status.success:
             found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
         whole = motion.status.success or motion.status.outcome in REFUSED

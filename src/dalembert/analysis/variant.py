@@ -7,7 +7,13 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.analysis.contact.guards import Guards, guards_of
-from dalembert.formulations.base import Formulation, state_rate, state_sizes, state_symbols
+from dalembert.formulations.base import (
+    Formulation,
+    SaddleSolver,
+    state_rate,
+    state_sizes,
+    state_symbols,
+)
 from dalembert.formulations.consistency import with_consistent_speeds
 from dalembert.formulations.redundancy import TRUSTED, largest_share
 from dalembert.formulations.sliding import SlidingSolver
@@ -62,7 +68,7 @@ class Variant:
             tangential = stabilization.tangential(e, formulation)
         return Problem(
             rate=rate,
-            make_system=lambda: formulation.semi_explicit(e, self.xi),
+            make_system=lambda: formulation.semi_explicit(e, self.xi, self._saddle(e)),
             correction=correction,
             controlled=e.coordinate_count + e.speed_count,
             positions=e.coordinate_count,
@@ -71,7 +77,15 @@ class Variant:
             translates=stabilization.translates,
             sizes=state_sizes(e),
             time=e.scales.time,
+            spare=self._open_rows * formulation.variables_per_row,
         )
+
+    @property
+    def _open_rows(self) -> int:
+        """Equations that rigid gaps would add if all of them stuck."""
+        e = self.equations
+        most = sum(gap.forces().numel() for gap in e.contacts) + len(self.rows)
+        return most - e.constraint_count
 
     @cached_property
     def rate(self) -> ImplicitFunction:
@@ -110,10 +124,12 @@ class Variant:
 
     def _accelerated(self, e: Equations, outputs: list[ca.SX], name: str) -> ImplicitFunction:
         """Outputs of accelerations and multipliers, by a solver that knows of sliding friction."""
-        bare = self.formulation.saddle(e)
-        saddle = SlidingSolver(bare, e) if e.rubbing.nnz() else bare
         xi = self.stabilization.constraint_acceleration(e)
-        return self.formulation.acceleration(e, xi, outputs, name, saddle)
+        return self.formulation.acceleration(e, xi, outputs, name, self._saddle(e))
+
+    def _saddle(self, e: Equations) -> SaddleSolver:
+        bare = self.formulation.saddle(e)
+        return SlidingSolver(bare, e) if e.rubbing.nnz() else bare
 
     @cached_property
     def guards(self) -> Guards | None:

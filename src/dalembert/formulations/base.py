@@ -19,6 +19,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.formulations.levels import Level
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
+from dalembert.model.rigid_gaps import headings
 from dalembert.symbolic.implicit import ImplicitFunction, Stage
 from dalembert.symbolic.semi_explicit import SemiExplicit, Sizes
 
@@ -75,6 +76,11 @@ class Formulation:
     def gives_accelerations(self) -> bool:
         """Can be integrated as ``ẋ = F(t, x, p)``, so by explicit methods."""
         return True
+
+    @property
+    def variables_per_row(self) -> int:
+        """Algebraic variables of implicit integrators for every constraint equation."""
+        return 1
 
     def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> SaddleSolver:
         """Factors of the saddle matrix."""
@@ -164,8 +170,12 @@ class Formulation:
         stages.append(Stage(unknown, residual, value, *both))
         return ImplicitFunction(name, [e.t, state_symbols(e), e.p], stages, outputs)
 
-    def semi_explicit(self, e: Equations, xi: ca.SX) -> SemiExplicit:
+    def semi_explicit(
+        self, e: Equations, xi: ca.SX, saddle: SaddleSolver | None = None
+    ) -> SemiExplicit:
         """Index-1 form (5.2): ``v̇`` and ``λ`` are algebraic, the elimination is left to Newton.
+
+        ``saddle`` gives them where a step begins, as in ``acceleration``.
 
         Raises
         ------
@@ -185,7 +195,8 @@ class Formulation:
         )
         z = ca.vertcat(e.a, e.multiplier)
         level = (0,) * z.numel()
-        start = self.acceleration(e, e.constraint_acceleration, [z], "algebraic_start")
+        own = e.constraint_acceleration
+        start = self.acceleration(e, own, [z], "algebraic_start", saddle)
         sizes = sizes_of(e, [e.scales.multipliers], (0,))
         return SemiExplicit(
             e.t, state_symbols(e), z, e.p, state_rate(e), algebraic, level, level, 1, start, sizes
@@ -193,16 +204,24 @@ class Formulation:
 
 
 def dynamic_equations(e: Equations) -> ca.SX:
-    """``M v̇ + d − f + Cᵀ λ`` (4.22)."""
-    return e.inertia.times(e.a) + e.bias - e.force + ca.mtimes(e.jacobian.T, e.multiplier)
+    """``M v̇ + d − f + Cᵀ λ`` (4.22), less the friction that follows from ``λ``."""
+    return (
+        e.inertia.times(e.a) + e.bias - e.force - e.rubbing + ca.mtimes(e.jacobian.T, e.multiplier)
+    )
 
 
 def state_symbols(e: Equations) -> ca.SX:
-    """State ``x = [y; v; w; σ]``; ``w`` accumulates dissipated energy and energy input.
+    """State ``x = [y; v; w; r; σ]``; ``w`` accumulates dissipated energy and energy input.
 
-    The sides ``σ`` of switches that are held change between steps only.
+    The directions ``r`` of slip over surfaces and the sides ``σ`` of switches that are held change
+    between steps only.
     """
-    return ca.vertcat(e.y, e.v, WORK, e.switches.sides)
+    return ca.vertcat(e.y, e.v, memory_symbols(e))
+
+
+def memory_symbols(e: Equations) -> ca.SX:
+    """What the state holds behind coordinates and speeds."""
+    return ca.vertcat(WORK, headings(e.contacts), e.switches.sides)
 
 
 WORK = ca.SX.sym("work", 2)
@@ -211,8 +230,8 @@ WORK = ca.SX.sym("work", 2)
 def state_sizes(e: Equations) -> np.ndarray:
     """Natural sizes of the state."""
     s = e.scales
-    work, sides = np.full(WORK.numel(), s.energy), np.ones(e.switches.count)
-    return np.concatenate([s.coordinates, s.speeds, work, sides])
+    work, held = np.full(WORK.numel(), s.energy), np.ones(memory_symbols(e).numel() - WORK.numel())
+    return np.concatenate([s.coordinates, s.speeds, work, held])
 
 
 def sizes_of(e: Equations, forces: list[np.ndarray], levels: tuple[int, ...]) -> Sizes:
@@ -235,4 +254,5 @@ def sizes_of(e: Equations, forces: list[np.ndarray], levels: tuple[int, ...]) ->
 
 def state_rate(e: Equations) -> ca.SX:
     """``ẋ`` in terms of accelerations and multipliers."""
-    return ca.vertcat(e.pose_rate, e.a, e.powers, ca.SX.zeros(e.switches.count))
+    held = memory_symbols(e).numel() - WORK.numel()
+    return ca.vertcat(e.pose_rate, e.a, e.powers, ca.SX.zeros(held))

@@ -7,6 +7,7 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import (
+    SaddleSolver,
     Formulation,
     dynamic_equations,
     sizes_of,
@@ -87,12 +88,18 @@ class Dae(Formulation):
     def gives_accelerations(self) -> bool:
         return False
 
+    @property
+    def variables_per_row(self) -> int:
+        return 2 if self.stabilized else 1
+
     def solver(
         self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]
     ) -> RangeSpaceSolver:
         return RangeSpaceSolver(inertia, jacobian, massless)
 
-    def semi_explicit(self, e: Equations, xi: ca.SX) -> SemiExplicit:
+    def semi_explicit(
+        self, e: Equations, xi: ca.SX, saddle: SaddleSolver | None = None
+    ) -> SemiExplicit:
         """The system of the chosen index; ``z = [v̇; λ]``, and ``μ`` where stabilised."""
         n, m = e.speed_count, e.constraint_count
         rate, rows = state_rate(e), [dynamic_equations(e)]
@@ -127,7 +134,9 @@ class Dae(Formulation):
             tuple(depth),
             tuple(lag),
             self.index,
-            self.acceleration(e, e.constraint_acceleration, [ca.vertcat(*start)], "dae_start"),
+            self.acceleration(
+                e, e.constraint_acceleration, [ca.vertcat(*start)], "dae_start", saddle
+            ),
             sizes,
         )
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.errors import UnsupportedError
-from dalembert.formulations.base import WORK, Formulation, state_symbols
+from dalembert.formulations.base import WORK, Formulation, memory_symbols, state_symbols
 from dalembert.formulations.stabilization import Projection
 from dalembert.model.equations import Equations
 from dalembert.symbolic.implicit import ImplicitFunction
@@ -62,7 +62,7 @@ class EnergyProjection(Projection):
         excess = kinetic + potential - (WORK[1] - WORK[0])
         applies = ca.fabs(excess) < APPLICABLE * kinetic
         share = ca.if_else(applies, excess / ca.if_else(applies, kinetic, 1), 0)
-        outputs = [ca.vertcat(y, ca.sqrt(1 - share) * v, WORK, e.switches.sides)]
+        outputs = [ca.vertcat(y, ca.sqrt(1 - share) * v, memory_symbols(e))]
         if found is None:
             return ImplicitFunction("energy", [e.t, state_symbols(e), e.p], [], outputs)
         return ImplicitFunction("energy", found.inputs, found.stages, outputs)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.errors import UnsupportedError
-from dalembert.formulations.base import WORK, Formulation, state_symbols
+from dalembert.formulations.base import Formulation, memory_symbols, state_symbols
 from dalembert.formulations.levels import NONE, Level
 from dalembert.model.equations import Equations
 from dalembert.options import options
@@ -178,7 +178,7 @@ class Projection(Stabilization):
             "projection",
             [e.t, state_symbols(e), e.p],
             [position, velocity],
-            [ca.vertcat(moved, v, WORK, e.switches.sides)],
+            [ca.vertcat(moved, v, memory_symbols(e))],
         )
 
     def tangential(self, e: Equations, formulation: Formulation) -> ca.Function | None:

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.formulations.base import Formulation
+from dalembert.formulations.base import Formulation, SaddleSolver
 from dalembert.formulations.levels import Level
 from dalembert.formulations.named_speeds import check_independent, indices_of
 from dalembert.formulations.null_space import NullSpaceSolver
@@ -134,12 +134,13 @@ class IndependentSpeeds(Formulation):
             transposed,
         )
 
-    def semi_explicit(self, e: Equations, xi: ca.SX) -> SemiExplicit:
+    def semi_explicit(
+        self, e: Equations, xi: ca.SX, saddle: SaddleSolver | None = None
+    ) -> SemiExplicit:
         """Index-1 form with the consistent speeds as further algebraic variables."""
-        plain, speeds = super().semi_explicit(e, xi), self.consistent_speeds(e)
-        start = self.acceleration(
-            e, e.constraint_acceleration, [ca.vertcat(plain.z, e.v)], "algebraic_start"
-        )
+        plain, speeds = super().semi_explicit(e, xi, saddle), self.consistent_speeds(e)
+        own, both = e.constraint_acceleration, [ca.vertcat(plain.z, e.v)]
+        start = self.acceleration(e, own, both, "algebraic_start", saddle)
         rate, algebraic = ca.substitute([plain.rate, plain.algebraic], [e.v], [speeds.unknown])
         more, natural = (0,) * e.speed_count, e.scales
         added = np.concatenate([natural.rows / natural.time, natural.speeds[list(self.indices)]])

@@ -35,6 +35,7 @@ class Problem:
     tangential : ``(t, x, p, error) → error`` along the constraints, or None
     sizes : (n,) natural sizes of the entries of x, units by default
     time : natural time [s]
+    spare : algebraic variables that this problem lacks and others of the same run have
     """
 
     rate: ImplicitFunction | None
@@ -47,6 +48,7 @@ class Problem:
     translates: bool = False
     sizes: np.ndarray | None = None
     time: float = 1.0
+    spare: int = 0
 
     @cached_property
     def system(self) -> SemiExplicit:

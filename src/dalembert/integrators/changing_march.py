@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.integrators.march import SHORT_CHUNK, FixedMarch
+from dalembert.integrators.march import SHORT_CHUNK, FixedMarch, even_length
 from dalembert.integrators.steps import Steps, Watch
 
 CLOSE = 1e-9
@@ -32,9 +32,12 @@ class ChangingMarch:
         try:
             while time < end and not message:
                 t, h, flags = self._ahead(grid, time, CLOSE * usual)
+                if self.fixed.at_once(mode):
+                    t, h, flags = (column[: even_length(h)] for column in (t, h, flags))
                 out, reason, explained = self.fixed.advance(mode, recorder.last, (t, h, flags), p)
-                good = np.isfinite(out).all(axis=0)
-                count = int(np.sum(h > 0)) if good.all() else int(np.argmin(good))
+                wanted = int(np.sum(h > 0))  # the others are no steps
+                good = np.isfinite(out[:, :wanted]).all(axis=0)
+                count = wanted if good.all() else int(np.argmin(good))
                 message = "" if good.all() else reason or "the state is no longer finite"
                 columns, last, following = out[:, :count], recorder.last, mode
                 times = np.append(t[:count], t[count - 1 : count] + h[count - 1 : count])

@@ -18,7 +18,10 @@ from dalembert.symbolic.newton_node import NewtonNode, constant
 
 
 class NewmarkStep(GraphStep):
-    """One step; its memory is ``[ẑ; s; powers; dẑ/dt]``, the last for first guesses."""
+    """One step; its memory is ``[ẑ; s; powers; 0; dẑ/dt]``, the last for first guesses.
+
+    The zeros stand for variables of other steps of the run, so that all memories have one length.
+    """
 
     def __init__(self, chosen: NewmarkCoefficients, problem: Problem, settings: ImplicitIntegrator):
         self.chosen, self.problem = chosen, problem
@@ -30,7 +33,9 @@ class NewmarkStep(GraphStep):
         self.rest = list(range(controlled, n))
         self.t, self.h, self.x, self.p = s.t, ca.SX.sym("h"), s.x, s.p
         self.u = ca.SX.sym("u", e.count)
-        self.memory = ca.SX.sym("memory", 2 * e.algebraic + len(self.speeds) + len(self.rest))
+        self.spare = ca.SX.zeros(2 * problem.spare)
+        length = 2 * e.algebraic + len(self.speeds) + len(self.rest) + self.spare.numel()
+        self.memory = ca.SX.sym("memory", length)
         self.given = ca.vertcat(self.t, self.h, self.x, self.memory, self.p)
         new, memory, rows = self._equations()
         scale = e.residual_scale(settings.tolerance)(self.t + self.h, self.h, new, self.u, self.p)
@@ -85,7 +90,7 @@ class NewmarkStep(GraphStep):
         used = rate(t + h, new, self.u)[self.rest]
         new[self.rest] = x[self.rest] + h / 2 * (powers + used)
         found = self.u[: e.algebraic, :]
-        memory = ca.vertcat(found, rule.memory(course, true), used, (found - z) / h)
+        memory = ca.vertcat(found, rule.memory(course, true), used, self.spare, (found - z) / h)
         return new, memory, rows
 
     def _extrapolated(self) -> ca.SX:
@@ -109,7 +114,7 @@ class NewmarkStep(GraphStep):
             ca.vertcat(1, rate, drift),
         )
         jerk = ca.substitute(along, system.z, z)
-        memory = ca.vertcat(z, self.chosen.shift * jerk, rate[self.rest], drift)
+        memory = ca.vertcat(z, self.chosen.shift * jerk, rate[self.rest], self.spare, drift)
         return ca.Function("begin", [self.t, self.x, self.p], [memory], {"cse": True})
 
     def _solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX]:

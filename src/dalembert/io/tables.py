@@ -138,6 +138,12 @@ VALUES: dict[Any, Any] = {
 """What a field holds → what stands for it in a file."""
 
 
+def _quantities(field: FileField) -> Any:
+    """A list; a single entry where one is enough."""
+    listed = list_of(Entry, field.size, least=field.least)
+    return Entry | listed if field.least == 1 else listed
+
+
 def value_type(field: FileField, dimension: int = 2) -> Any:
     """The pydantic type of what a file gives for a field.
 
@@ -148,7 +154,7 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
     if field.holds in VALUES:
         return VALUES[field.holds]
     made: dict[Any, Callable[[], Any]] = {
-        Quantities: lambda: list_of(Entry, field.size, least=field.least),
+        Quantities: lambda: _quantities(field),
         Points: lambda: dict[str, point_type(dimension)],  # type: ignore[misc]
         **dict.fromkeys((Point, Frame), lambda: reference(dimension)),
         Places: lambda: list[reference(dimension)],  # type: ignore[misc]

@@ -17,7 +17,8 @@ import casadi as ca
 import numpy as np
 
 from dalembert.model.equations import ConstraintKinematics, Equations
-from dalembert.model.rigid_gaps import contact_forces
+from dalembert.model.rigid_gaps import RigidGap, contact_forces
+from dalembert.model.scales import Scales
 from dalembert.symbolic.expression import stack
 
 
@@ -29,14 +30,45 @@ class Phase(Enum):
     STICKING = "sticking"
     FORWARD = "sliding forwards"
     BACKWARD = "sliding backwards"
+    SLIDING = "sliding along a surface"
 
     @property
     def sense(self) -> int:
-        """Of the slip; 0 where none is known."""
+        """Of the slip along one direction; 0 where there is none, or two directions."""
         return {Phase.FORWARD: 1, Phase.BACKWARD: -1}.get(self, 0)
 
 
 Phases = tuple[Phase, ...]
+
+SLOW = 1e-4
+"""Natural speeds below which a slip over a surface hardly has a direction."""
+NOTHING = 1e-30
+"""Keeps the length of nothing differentiable."""
+LEAST = 0.25
+"""Share of the slip remembered that its component along it is not let below."""
+
+
+def heading(gap: RigidGap, phase: Phase, scales: Scales) -> ca.SX:
+    """Unit vector along which a gap slides.
+
+    Over a surface it is ``s/|s|``. Where the slip goes to zero, or begins there, this is no
+    function of ``s`` to integrate over; so its component along the slip ``r`` remembered is not let
+    below a share of ``|r|``, and friction goes on smoothly across the stop. On the way to it ``r``
+    is remembered anew whenever the slip has halved, so that this share acts in the end only.
+    """
+    if phase is not Phase.SLIDING:
+        return ca.SX(phase.sense)
+    size = ca.sqrt(ca.sumsqr(gap.heading) + (NOTHING * slow(scales)) ** 2)
+    way = gap.heading / size
+    along = ca.dot(gap.slip, way)
+    least = ca.fmax(LEAST * size, slow(scales))
+    seen = gap.slip + (ca.fmax(along, least) - along) * way
+    return seen / ca.sqrt(ca.sumsqr(seen) + (NOTHING * slow(scales)) ** 2)
+
+
+def slow(scales: Scales) -> float:
+    """Speed of a slip that hardly has a direction."""
+    return float(SLOW * scales.length / scales.time)
 
 
 def touching(e: Equations, phases: Sequence[Phase]) -> Equations:
@@ -46,10 +78,11 @@ def touching(e: Equations, phases: Sequence[Phase]) -> Equations:
     pairs = list(zip(e.contacts, phases, strict=True))
     closed = [gap for gap, phase in pairs if phase is not Phase.APART]
     stuck = [gap for gap, phase in pairs if phase is Phase.STICKING]
-    sliding = [(gap, phase.sense) for gap, phase in pairs if phase.sense]
+    slides = [(gap, phase) for gap, phase in pairs if phase.sense or phase is Phase.SLIDING]
+    sliding = [(gap, heading(gap, phase, e.scales)) for gap, phase in slides]
     held, slips = stack(-gap.distance for gap in closed), stack(-gap.slip for gap in stuck)
     added = ca.vertcat(stack(g.normal for g in closed), stack(g.tangential for g in stuck))
-    follows = stack(-g.impact.friction * sense * g.normal for g, sense in sliding)
+    follows = stack(-g.impact.friction * g.normal * along for g, along in sliding)
     rubbing = stack(g.tangential for g, _ in sliding)
     slip = stack(g.slip for g, _ in sliding)
     known = {s.element_hash() for s in ca.vertsplit(ca.vertcat(added, rubbing))}
@@ -74,7 +107,7 @@ def touching(e: Equations, phases: Sequence[Phase]) -> Equations:
             constraints=ca.vertcat(held, ca.SX.zeros(slips.numel())),
             nonholonomic=ca.vertcat(ca.SX(held.numel(), 1), slips),
         )
-        rows = alone.jacobian, alone.velocity_constraints, alone.constraint_acceleration
+        rows = alone.position_jacobian, alone.velocity_constraints, alone.constraint_acceleration
         whole = (e.known.jacobian, e.known.velocity, e.known.acceleration)
         joined = (ca.vertcat(*pair) for pair in zip(whole, rows, strict=True))
         made = replace(made, known=ConstraintKinematics(*joined))

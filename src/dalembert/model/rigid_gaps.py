@@ -9,7 +9,7 @@ from functools import partial
 import casadi as ca
 
 from dalembert.elements.base import Element
-from dalembert.elements.contact.unilateral import Impact, Unilateral
+from dalembert.elements.contact.unilateral import Gap, Impact, Unilateral
 from dalembert.elements.coordinates import Coordinates, rate_of
 from dalembert.symbolic.expression import stack, t
 
@@ -24,6 +24,8 @@ class RigidGap:
     distance, slip : as of ``Gap``
     impact : Impact
     normal, tangential : symbols of ``N`` and ``T``
+    heading : (2,) symbols of the slip over a surface as it was last remembered, part of the
+        state; empty where there is one direction of slip, or no friction
     """
 
     name: str
@@ -32,6 +34,7 @@ class RigidGap:
     impact: Impact
     normal: ca.SX
     tangential: ca.SX
+    heading: ca.SX
 
     def forces(self) -> ca.SX:
         return ca.vertcat(self.normal, self.tangential)
@@ -46,7 +49,7 @@ def rigid_gaps(elements: Sequence[Element], everything: list[Coordinates]) -> tu
             continue
         gaps = element.gaps(partial(_rate, element.parts() or everything))
         found += [
-            RigidGap(element.name, gap.distance, gap.slip, law, *forces)
+            RigidGap(element.name, gap.distance, gap.slip, law, *forces, _heading(gap, law))
             for gap, forces in zip(gaps, element.pressing, strict=True)
         ]
     return tuple(found)
@@ -54,6 +57,16 @@ def rigid_gaps(elements: Sequence[Element], everything: list[Coordinates]) -> tu
 
 def _rate(owners: list[Coordinates], expression: ca.SX) -> ca.SX:
     return rate_of(expression, owners, t.sx)
+
+
+def _heading(gap: Gap, law: Impact) -> ca.SX:
+    wide = gap.slip.numel() > 1 and not law.friction.is_zero()
+    return ca.SX.sym("heading", gap.slip.numel() if wide else 0)
+
+
+def headings(gaps: Sequence[RigidGap]) -> ca.SX:
+    """Symbols of all directions of slip that belong to the state, gap by gap."""
+    return stack(gap.heading for gap in gaps)
 
 
 def contact_forces(gaps: Sequence[RigidGap]) -> ca.SX:

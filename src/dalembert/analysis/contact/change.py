@@ -12,10 +12,12 @@ and Gantmacher 1958).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import casadi as ca
 
+from dalembert.analysis.contact.headings import Headings
 from dalembert.analysis.contact.jump import Jump
 from dalembert.analysis.variant import Variant
 from dalembert.integrators.base import Attempt
@@ -34,7 +36,8 @@ class ContactChange(Variant):
     ----------
     before, after : the variants
     guard : number of the guard of ``before`` that reaches zero; None where no instant moves
-    jump : of the speeds, or None
+    sudden : what is done to the state there: the jump of an impact, directions that are renewed
+    struck : there is an impact
     closes : gaps that bounce no more, after bounces that accumulate
     together : gaps that reach zero at the same time
     """
@@ -46,20 +49,29 @@ class ContactChange(Variant):
         before: Variant,
         after: Variant,
         guard: int | None,
-        jump: Jump | None,
+        sudden: Sequence[Jump | Headings] = (),
+        struck: bool = False,
         closes: frozenset[int] = frozenset(),
         together: tuple[int, ...] = (),
     ):
         strategies = before.formulation, before.stabilization, before.integrator
         super().__init__(before.view, before.rows, *strategies, before.phases)
-        self.before, self.after, self.guard, self.jump = before, after, guard, jump
+        self.before, self.after, self.guard = before, after, guard
+        self.sudden, self.struck = sudden, struck
         self.closes, self.together = closes, together
 
     @cached_property
     def step(self) -> GraphStep:
-        size, count = self.before.step.state_size, self.before.step.parameter_count
+        step, begin = self.before.step, self.after.step.begin
         t, h = ca.MX.sym("t"), ca.MX.sym("h")
-        x, p = ca.MX.sym("x", size), ca.MX.sym("p", count)
+        x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
+        there = self._passed(t, x[: step.state_size], p)
+        memory = x[step.state_size :] if begin is None else begin(t, there, p)
+        function = ca.Function("contact_change", [t, h, x, p], [ca.vertcat(there, memory)])
+        return GraphStep(function, step.state_size, begin=begin)
+
+    def _passed(self, t: ca.MX, x: ca.MX, p: ca.MX) -> ca.MX:
+        """The state after it, without memory of steps."""
         there, delay = x, ca.MX(0)
         if self.guard is not None:
             for _ in range(CORRECTIONS):
@@ -68,11 +80,11 @@ class ContactChange(Variant):
                 grazed = rate == 0
                 delay += ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
                 there = flow(self.before, t, x, p, delay)
-        if self.jump is not None:
-            there = self.jump.function(t + delay, there, p)[0]
+        for each in self.sudden:
+            there = each.function.call([t + delay, there, p])[0]
         if self.guard is not None:
             there = flow(self.after, t + delay, there, p, -delay)
-        return GraphStep(ca.Function("contact_change", [t, h, x, p], [there]), size)
+        return there
 
     @property
     def _guards(self) -> ca.Function:

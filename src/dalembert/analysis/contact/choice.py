@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from dalembert.analysis.contact.complementarity import Solution, Touch, solutions, too_many
 from dalembert.analysis.contact.guards import Change, Guard
 from dalembert.analysis.contact.modes import ContactModes
+from dalembert.analysis.contact.pattern import Pattern, Place
 from dalembert.analysis.contact.quantities import ContactState, slip_rows
 from dalembert.analysis.contact.ruling import Ruling
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
@@ -38,6 +41,7 @@ class ContactChoice:
     def __init__(self, kernel: DynamicsKernel, modes: ContactModes, p: np.ndarray, span: float):
         self.kernel, self.modes, self.p, self.span = kernel, modes, p, span
         self.gaps, self.slips = kernel.equations.contacts, slip_rows(kernel.equations)
+        self.poisson = any(gap.impact.poisson for gap in self.gaps)
         self.crowded = False
         self.near = TOUCHING * kernel.equations.scales.length
 
@@ -57,6 +61,8 @@ class ContactChoice:
     def ruled(self, t: float, x: np.ndarray, mode: int, guard: Guard) -> Ruling:
         """What happens where a guard has reached zero."""
         before, state = self.kernel.variants[mode].phases, self._state(t, x, mode)
+        if guard.change is Change.TURNS:
+            return self._turned(before)
         touching = [
             k
             for k, phase in enumerate(before)
@@ -71,6 +77,14 @@ class ContactChoice:
             ruling, _ = self._impact(t, x, mode, touching, closing, dead)
         return ruling
 
+    @staticmethod
+    def _turned(phases: Phases) -> Ruling:
+        """All goes on; directions of slip are remembered anew."""
+        closed = tuple(k for k, phase in enumerate(phases) if phase is not Phase.APART)
+        kept = tuple(phases[k] for k in closed)
+        none = (None,) * len(closed)
+        return Ruling(phases, resting=closed, rest=Pattern(kept, (False,) * len(closed), none))
+
     def _impact(
         self,
         t: float,
@@ -83,14 +97,18 @@ class ContactChoice:
         """An impact and the phases after it; the time every gap would fly until it closes again."""
         before, state = self.kernel.variants[mode].phases, self._state(t, x, mode)
         endless = np.full(len(self.gaps), np.inf)
-        found = self._struck(state, touching, dead)
-        if len(found) != 1:
+        parts = self._struck(state, touching, dead)
+        if len(parts[-1]) != 1:
             return Ruling(
-                before, trouble=self._undecided(t, state, touching, found, "impact")
+                before, trouble=self._undecided(t, state, touching, parts[-1], "impact")
             ), endless
-        pattern = found[0].phases
-        jump = self.modes.jump(mode, tuple(touching), pattern, dead)
-        x_after = jump.function(t, x, self.p)[0].full().ravel()
+        patterns = tuple(found[0].pattern for found in parts)
+        impulse = sum((found[0].impulse for found in parts), np.zeros(state.speed.size))
+        jump = self.modes.jump(mode, tuple(touching), patterns, dead)
+        x_after, taken = (out.full().ravel() for out in jump.function(t, x, self.p))
+        if not np.allclose(taken, impulse, 0, 1e-6 * np.max(np.abs(impulse), initial=0.0)):
+            text = self._undecided(t, state, touching, [], "impact")
+            return Ruling(before, trouble=text), endless
         after = self._state(t, x_after, mode)
         terms = np.maximum(state.size, after.size)
         resting = [k for k in touching if abs(after.speed[k]) <= RESTING * terms[k]]
@@ -99,12 +117,14 @@ class ContactChoice:
         ruling = Ruling(
             rested.phases,
             tuple(touching),
-            pattern,
+            patterns,
             dead,
-            found[0].impulse,
+            impulse,
             together,
             rested.trouble,
             rested.acceleration,
+            rested.resting,
+            rested.rest,
         )
         if rested.acceleration is None:
             return ruling, endless
@@ -119,14 +139,25 @@ class ContactChoice:
         return ContactState.at(function, self.kernel.equations, t, x, self.p)
 
     # impacts ------------------------------------------------------------------------------
-    def _struck(self, state: ContactState, gaps: list[int], dead: frozenset[int]) -> list[Solution]:
-        c, touches = state.speed.copy(), []
-        for k in gaps:
-            if k not in dead:
-                c[k] *= 1 + state.restitution[k]
-            c[state.slips[k]] *= 1 + state.tangential[k]
-            touches.append(self._touch(state, k, (Phase.APART, *self._closed(state, k))))
-        return self._solutions(state, c, touches)
+    def _struck(
+        self, state: ContactState, gaps: list[int], dead: frozenset[int]
+    ) -> list[list[Solution]]:
+        """What is possible: one list, by Poisson's law of compression and then of restitution."""
+        touches = [self._touch(state, k, (Phase.APART, *self._closed(state, k))) for k in gaps]
+        if not self.poisson:
+            c = state.speed.copy()
+            for k in gaps:
+                if k not in dead:
+                    c[k] *= 1 + state.restitution[k]
+                c[state.slips[k]] *= 1 + state.tangential[k]
+            return [self._solutions(state, c, touches)]
+        pressed = self._solutions(state, state.speed, touches)
+        if len(pressed) != 1:
+            return [pressed]
+        given = [0.0 if k in dead else state.restitution[k] * pressed[0].impulse[k] for k in gaps]
+        touches = [replace(t, given=float(g)) for t, g in zip(touches, given, strict=True)]
+        size = float(np.max(np.abs(state.speed), initial=0.0))
+        return [pressed, self._solutions(state, pressed[0].result, touches, size)]
 
     def _solutions(
         self, state: ContactState, c: np.ndarray, touches: list[Touch], least: float = 0.0
@@ -134,9 +165,11 @@ class ContactChoice:
         self.crowded = too_many(touches)
         return solutions(state.delassus, c, touches, least)
 
-    def _touch(self, state: ContactState, k: int, allowed: Phases, moving: bool = False) -> Touch:
-        slip = state.slips[k][0] if state.rubs(k) else None
-        return Touch(k, slip, float(state.friction[k]), allowed, moving)
+    def _touch(
+        self, state: ContactState, k: int, allowed: Phases, along: np.ndarray | None = None
+    ) -> Touch:
+        slips = tuple(state.slips[k]) if state.rubs(k) else ()
+        return Touch(Place(k, slips), float(state.friction[k]), allowed, along)
 
     @staticmethod
     def _closed(state: ContactState, k: int, slips: bool = False) -> Phases:
@@ -146,7 +179,9 @@ class ContactChoice:
         """
         if not state.rubs(k):
             return (Phase.SMOOTH,)
-        resting, sliding = (Phase.STICKING, Phase.SMOOTH), (Phase.FORWARD, Phase.BACKWARD)
+        wide = len(state.slips[k]) > 1
+        resting = Phase.STICKING, Phase.SMOOTH
+        sliding = (Phase.SLIDING,) if wide else (Phase.FORWARD, Phase.BACKWARD)
         return sliding + resting if slips else resting + sliding
 
     # lasting contact ------------------------------------------------------------------------
@@ -171,23 +206,29 @@ class ContactChoice:
         phases = [Phase.APART] * len(self.gaps)
         for k, phase in zip(gaps, found[0].phases, strict=True):
             phases[k] = phase
-        return Ruling(tuple(phases), acceleration=found[0].result)
+        touched, rest = tuple(gaps), found[0].pattern
+        return Ruling(tuple(phases), acceleration=found[0].result, resting=touched, rest=rest)
 
     def _resting(self, state: ContactState, k: int, before: Phase, guard, terms) -> Touch:
         slips = guard is not None and guard.change is Change.SLIPS
         allowed: tuple[Phase, ...] = (Phase.APART, *self._closed(state, k, slips))
-        moving = False
+        along = None
         if state.rubs(k):
-            row = state.slips[k][0]
-            slip = state.speed[row]
+            slip, size = state.speed[state.slips[k]], np.max(terms[state.slips[k]])
             stops = guard is not None and guard.gap == k and guard.change is Change.STOPS
-            if abs(slip) > RESTING * terms[row] and not stops:
-                allowed = (Phase.APART, Phase.FORWARD if slip > 0 else Phase.BACKWARD)
-                moving = True
+            if np.linalg.norm(slip) > RESTING * size and not stops:
+                along = slip / np.linalg.norm(slip)
+                allowed = (Phase.APART, self._sliding(along))
         if guard is not None and guard.gap == k and before is not Phase.APART:
             left = CLOSED if guard.change is Change.LIFTS else (before,)
             allowed = tuple(phase for phase in allowed if phase not in left)
-        return self._touch(state, k, allowed, moving)
+        return self._touch(state, k, allowed, along)
+
+    @staticmethod
+    def _sliding(along: np.ndarray) -> Phase:
+        if along.size > 1:
+            return Phase.SLIDING
+        return Phase.FORWARD if along[0] > 0 else Phase.BACKWARD
 
     def _undecided(
         self, t: float, state: ContactState, gaps, found: list[Solution], what: str

@@ -3,7 +3,9 @@
     M (v⁺ − v⁻) = Wᵀ P_N + Uᵀ P_T − Cᵀ Λ,      C v⁺ = −Φ_t
 
 with ``ξ = u⁺ + e u⁻`` zero where a gap presses, and where it sticks (Newton's law of restitution in
-all touching gaps at once; Moreau 1988). The energy lost is ``−Pᵀ (u⁺ + u⁻)/2`` (Thomson and Tait).
+all touching gaps at once; Moreau 1988). By Poisson's law there are two such impulses: that of
+compression with ``ξ = u``, after which ``P̄ = e P_N`` is given for that of restitution (Pfeiffer
+and Glocker 1996, ch. 8). The energy lost is ``−Pᵀ (u⁺ + u⁻)/2`` (Thomson and Tait).
 """
 
 from __future__ import annotations
@@ -13,10 +15,10 @@ from functools import cached_property
 
 import casadi as ca
 
-from dalembert.analysis.contact.complementarity import Touch, pattern_matrix
-from dalembert.analysis.contact.quantities import ContactDynamics, slip_rows
+from dalembert.analysis.contact.pattern import Pattern, PatternImpulse
+from dalembert.analysis.contact.quantities import ContactDynamics, places_of, slip_rows
 from dalembert.formulations.base import WORK, state_symbols
-from dalembert.model.contacts import Phase
+from dalembert.model.rigid_gaps import headings
 
 
 class Jump:
@@ -26,7 +28,7 @@ class Jump:
     ----------
     dynamics : ContactDynamics
     gaps : numbers of those that take part
-    phases : of each
+    patterns : what they do; of compression and of restitution where these are apart
     dead : those among them that do not bounce this time
     """
 
@@ -34,32 +36,43 @@ class Jump:
         self,
         dynamics: ContactDynamics,
         gaps: Sequence[int],
-        phases: Sequence[Phase],
+        patterns: Sequence[Pattern],
         dead: frozenset[int],
     ):
-        self.dynamics, self.gaps, self.phases, self.dead = dynamics, gaps, phases, dead
+        self.dynamics, self.gaps, self.patterns, self.dead = dynamics, gaps, patterns, dead
 
     @cached_property
     def impulse(self) -> ca.SX:
         """``P`` of all gaps."""
-        d, e = self.dynamics, self.dynamics.equations
-        slips, size = slip_rows(e), d.speed.numel()
-        touches = [Touch(k, slips[k][0] if slips[k] else None, 0.0, ()) for k in self.gaps]
-        friction = [e.contacts[k].impact.friction for k in self.gaps]
-        zero, entries = pattern_matrix(touches, self.phases, friction)
-        if not zero:
-            return ca.SX.zeros(size)
-        c, spread = ca.SX(d.speed), ca.SX.zeros(size, len(zero))
+        if len(self.patterns) == 1:
+            return self._part(self.patterns[0], self._returning, [ca.SX(0)] * len(self.gaps))
+        d, contacts = self.dynamics, self.dynamics.equations.contacts
+        pressed = self._part(self.patterns[0], d.speed, [ca.SX(0)] * len(self.gaps))
+        given = [
+            ca.SX(0) if k in self.dead else contacts[k].impact.restitution * pressed[k]
+            for k in self.gaps
+        ]
+        after = d.speed + ca.mtimes(d.delassus, pressed)
+        return pressed + self._part(self.patterns[1], after, given)
+
+    @property
+    def _returning(self) -> ca.SX:
+        """``u⁻ + e u⁻``, the tangential ones too."""
+        c, e = ca.SX(self.dynamics.speed), self.dynamics.equations
         for k in self.gaps:
-            law = e.contacts[k].impact
             if k not in self.dead:
-                c[k] *= 1 + law.restitution
-            for row in slips[k]:
-                c[row] *= 1 + law.tangential
-        for row, column, factor in entries:
-            spread[row, column] = factor
-        matrix = ca.mtimes(d.delassus, spread)[zero, :]
-        return ca.mtimes(spread, ca.solve(ca.densify(matrix), -c[zero]))
+                c[k] *= 1 + e.contacts[k].impact.restitution
+            for row in slip_rows(e)[k]:
+                c[row] *= 1 + e.contacts[k].impact.tangential
+        return c
+
+    def _part(self, pattern: Pattern, c: ca.SX, given: Sequence[ca.SX]) -> ca.SX:
+        e = self.dynamics.equations
+        friction = [e.contacts[k].impact.friction for k in self.gaps]
+        along = [ca.SX(phase.sense) for phase in pattern.phases]
+        places = places_of(e, self.gaps)
+        found = PatternImpulse(self.dynamics.delassus, c, places, pattern, friction, given, along)
+        return found.solved[0]
 
     @cached_property
     def function(self) -> ca.Function:
@@ -70,7 +83,7 @@ class Jump:
         gained = ca.dot(v, e.inertia.times(v)) / 2 - e.kinetic_energy
         lost = -ca.dot(impulse, d.speed + ca.mtimes(d.delassus, impulse) / 2)
         work = WORK + ca.vertcat(lost, gained + lost)
-        after = ca.vertcat(e.y, v, work, self._sides(v))
+        after = ca.vertcat(e.y, v, work, headings(e.contacts), self._sides(v))
         found = [ca.densify(after), ca.densify(impulse)]
         return ca.Function("jump", [e.t, x, e.p], found, {"cse": True})
 

@@ -9,12 +9,14 @@ the Delassus matrix. Normal directions of all gaps come first, then those of the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.contact.pattern import Place
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import Formulation, state_symbols
 from dalembert.integrators.base import Integrator
@@ -111,6 +113,12 @@ def slip_rows(e: Equations) -> list[list[int]]:
     return [list(range(a, b)) for a, b in pairwise(ends)]
 
 
+def places_of(e: Equations, gaps: Sequence[int]) -> list[Place]:
+    """Rows of some gaps."""
+    slips = slip_rows(e)
+    return [Place(k, tuple(slips[k])) for k in gaps]
+
+
 def check_contacts(e: Equations, formulation: Formulation, integrator: Integrator) -> None:
     """Refuse what cannot be stopped at impacts.
 
@@ -120,20 +128,15 @@ def check_contacts(e: Equations, formulation: Formulation, integrator: Integrato
         Names what works.
     """
     name = e.contacts[0].name
-    if integrator.implicit:
-        raise UnsupportedError(
-            f"{integrator.name} does not stop at the impacts of {name}; use RK4(), DormandPrince() "
-            "or another explicit integrator, or a compliant contact"
-        )
-    if formulation.every_equation or not formulation.gives_accelerations:
+    if formulation.every_equation:
         raise UnsupportedError(
             f"{type(formulation).__name__} does not hold the rigid contact {name} exactly; use "
             "formulation=RangeSpace()"
         )
-    rough = [gap for gap in e.contacts if not gap.impact.friction.is_zero()]
-    wide = [gap.name for gap in rough if gap.slip.numel() > 1]
-    if wide:
+    by_poisson = [gap.name for gap in e.contacts if gap.impact.poisson]
+    others = [gap.name for gap in e.contacts if not gap.impact.poisson]
+    if by_poisson and others:
         raise UnsupportedError(
-            f"{wide[0]}: rigid friction along a surface, in two directions, is not supported; give "
-            "one direction of slip, no friction, or a compliant contact"
+            f"{by_poisson[0]} has restitution by Poisson's law and {others[0]} by Newton's, and both "
+            "may act in one impact; give poisson=True to all rigid contacts or to none"
         )

@@ -15,17 +15,18 @@ from dalembert.analysis.contact.choice import ContactChoice
 from dalembert.analysis.contact.guards import Guard, Guards
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.ruling import Ruling
+from dalembert.analysis.contact.zeros import HALVINGS, cubic, first_zero, lowest
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.events import locate
 from dalembert.analysis.passage import NOW, Passage
+from dalembert.formulations.base import state_symbols
 from dalembert.integrators.steps import Crossing
+from dalembert.model.contacts import Phase, Phases
 from dalembert.results.recording import ImpactRecord
 from dalembert.symbolic.kernel import Kernel
 
 PARTS = np.arange(1, 8)[:, None, None] / 8
 """Of a step, where it is looked for a guard that becomes negative and positive again."""
-HALVINGS = 50
-"""Of a step that begins at a zero, in search of its positive part."""
 MANY = 25
 """Changes at one time that are recognised as chattering."""
 
@@ -45,6 +46,7 @@ class ContactSearch:
     impacts : ImpactRecord of every jump
     closed : (time, element) of contacts that closed after bounces
     together : (time, elements) of gaps that closed at one time
+    begun : (time, element) of slides over a surface that began at rest
     trouble : why no motion goes on, or nothing
     """
 
@@ -56,15 +58,17 @@ class ContactSearch:
         self.impacts: list[ImpactRecord] = []
         self.closed: list[tuple[float, str]] = []
         self.together: list[tuple[float, str]] = []
+        self.begun: list[tuple[float, str]] = []
         self.trouble, self.inconsistent = "", False
         self._changes: list[float] = []
         self._kernels: dict[object, Kernel] = {}
+        self.size = state_symbols(kernel.equations).numel()
 
     def begin(self, x0: np.ndarray, mode: int) -> int:
         """The mode at the start, with gaps that touch and rest there closed."""
-        ruling = self.choice.at_start(self.start, x0, mode)
-        self._told(ruling)
-        return self.modes.phased(mode, ruling.phases)
+        ruling = self.choice.at_start(self.start, x0[: self.size], mode)
+        self._told(ruling, self.start)
+        return self.modes.phased(mode, begun(ruling))
 
     def statistics(self, end: float) -> dict[str, Any]:
         """What happened up to a time, for people."""
@@ -74,6 +78,18 @@ class ContactSearch:
         if closed := [f"{name} at t = {t:.9g} s" for t, name in self.closed if t <= end]:
             found["closed after ever shorter bounces"] = ", ".join(closed)
         return found
+
+    @property
+    def doubts(self) -> list[str]:
+        """Slides over surfaces that begin at rest, where directions are stiff at first."""
+        if self.kernel.adaptive is not None or not self.begun:
+            return []
+        time, name = self.begun[0]
+        return [
+            f"{name} begins to slide over a surface at t = {time:.6g} s: while the slip is small "
+            "its direction follows the forces so fast that steps of given length miss it; use "
+            "integrator=DormandPrince()"
+        ]
 
     # looking ------------------------------------------------------------------------------
     def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
@@ -100,12 +116,14 @@ class ContactSearch:
         count = 1 << (times.size - 1).bit_length()  # few sizes, for few functions
         whole = np.minimum(np.arange(count), times.size - 1)
         looked = self.kernel.over(guards.function, count)
-        found = looked(times[whole], states[:, whole], np.tile(self.p[:, None], count))
+        found = looked(times[whole], states[: self.size, whole], np.tile(self.p[:, None], count))
         values, rates = (column[:, : times.size] for column in found)
         near, h = guards.near[:, None], np.diff(times)
         beyond = ~(values[:, 1:] >= -near)
         ends_of = values[:, :-1], values[:, 1:], h * rates[:, :-1], h * rates[:, 1:]
         parts = np.concatenate([np.broadcast_to(PARTS, (7, *beyond.shape)), [lowest(*ends_of)]])
+        led = values[:, :-1] + h * rates[:, :-1] < -near
+        beyond |= led & guards.stiff[:, None]
         dips = cubic(parts, *ends_of) < -near
         for k in np.flatnonzero(beyond.any(axis=0) | dips.any(axis=(0, 1))):
             ends: dict[int, float] = {int(i): float(h[k]) for i in np.flatnonzero(beyond[:, k])}
@@ -113,17 +131,20 @@ class ContactSearch:
                 part = h[k] * parts[dips[:, i, k], i, k].min()
                 if not self._value(mode, int(i), times[k], part, states[:, k]) >= -guards.near[i]:
                     ends[int(i)] = float(part)
-            roots = {
+            found_at = {
                 i: self._locate(mode, i, float(times[k]), states[:, k], end)
                 for i, end in ends.items()
             }
+            roots = {i: root for i, root in found_at.items() if root is not None}
             if roots:
                 number = min(roots, key=lambda i: roots[i])
                 return int(k), roots[number], number
         return None
 
-    def _locate(self, mode: int, number: int, t: float, x: np.ndarray, longest: float) -> float:
-        """Time from the beginning of a step to the zero of a guard."""
+    def _locate(
+        self, mode: int, number: int, t: float, x: np.ndarray, longest: float
+    ) -> float | None:
+        """Time from the beginning of a step to the zero of a guard, if it has one."""
 
         def value(length: float) -> float:
             return self._value(mode, number, t, length, x)
@@ -134,12 +155,16 @@ class ContactSearch:
             inside = next((length for length in tried if value(length) > 0), 0.0)
             if not inside:
                 return 0.0
+        if guards.stiff[number]:
+            return first_zero(value, inside, longest)
         return locate(value, inside, longest)
 
     def _value(self, mode: int, number: int, t: float, length: float, x: np.ndarray) -> float:
         state = self._state(mode, t, length, x) if length else x
         function = self._guards(mode).function
-        return float(self._call(function, t + length, state, self.p)[0].ravel()[number])
+        return float(
+            self._call(function, t + length, state[: self.size], self.p)[0].ravel()[number]
+        )
 
     def _state(self, mode: int, t: float, h: float, x: np.ndarray) -> np.ndarray:
         return self._call(self.kernel.variants[mode].step.function, t, h, x, self.p)[0].ravel()
@@ -158,8 +183,8 @@ class ContactSearch:
     def _change(self, passage: Passage, mode: int, number: int, moving: bool) -> int:
         """Let gaps go over to other phases, here and now; the mode after it."""
         guard: Guard = self._guards(mode).watched[number]
-        ruling = self.choice.ruled(passage.time, passage.x, mode, guard)
-        self._told(ruling)
+        ruling = self.choice.ruled(passage.time, passage.x[: self.size], mode, guard)
+        self._told(ruling, passage.time)
         self._changes.append(passage.time)
         if self.trouble:
             return mode
@@ -188,22 +213,20 @@ class ContactSearch:
             self.together.append((time, " and ".join(gaps[k].name for k in ruling.together)))
         self.closed += [(time, gaps[k].name) for k in sorted(ruling.dead)]
 
-    def _told(self, ruling: Ruling) -> None:
+    def _told(self, ruling: Ruling, time: float) -> None:
+        if ruling.rest is not None:
+            pairs = zip(ruling.resting, ruling.rest.sectors, strict=True)
+            names = (self.kernel.equations.contacts[k].name for k, n in pairs if n is not None)
+            self.begun += [(time, name) for name in names]
         if ruling.trouble:
             self.trouble, self.inconsistent = ruling.trouble, True
 
 
-def cubic(c, begin, end, slope, slope_end) -> np.ndarray:
-    """Values at parts ``c`` of steps by values and slopes at their ends (Hermite)."""
-    values = (1 + 2 * c) * (1 - c) ** 2 * begin + c**2 * (3 - 2 * c) * end
-    return values + c * (1 - c) ** 2 * slope - c**2 * (1 - c) * slope_end
-
-
-def lowest(begin, end, slope, slope_end) -> np.ndarray:
-    """Part of every step at which the cubic is least inside; the middle where it is not."""
-    a = 6 * (begin - end) + 3 * (slope + slope_end)
-    b = -6 * (begin - end) - 4 * slope - 2 * slope_end
-    with np.errstate(all="ignore"):
-        root = np.sqrt(b**2 - 4 * a * slope)
-        found = np.where(b > 0, -2 * slope / (b + root), (root - b) / (2 * a))
-    return np.where((found > 0) & (found < 1), found, 0.5)
+def begun(ruling: Ruling) -> Phases:
+    """Phases at the start; what begins to slide over a surface sticks until the first step, in
+    which its direction is found."""
+    phases = list(ruling.phases)
+    if ruling.rest is not None:
+        for k, sector in zip(ruling.resting, ruling.rest.sectors, strict=True):
+            phases[k] = phases[k] if sector is None else Phase.STICKING
+    return tuple(phases)

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.elements.base import Element, Rate
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
-from dalembert.errors import ModelError
+from dalembert.errors import ModelError, UnsupportedError
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.model import Model
 from dalembert.symbolic.expression import t
@@ -51,6 +51,7 @@ class FormulaGaps(GapSource):
 
     def __init__(self, model: Model, elements: list[Unilateral]):
         self.elements = list(elements)
+        _refuse_poisson(elements)
         e = model.all_equations
         gaps = [
             (k, gap)
@@ -98,6 +99,16 @@ class FormulaGaps(GapSource):
             self.owner,
         )
         return every.some(distance <= reach)
+
+
+def _refuse_poisson(elements: list[Unilateral]) -> None:
+    for element in elements:
+        law = element.impact()
+        if law is not None and law.poisson:
+            raise UnsupportedError(
+                f"{element.name}: steps in which many impacts are one know no end of compression, "
+                "which Poisson's law asks for; leave out poisson=True, or use solve_dynamics"
+            )
 
 
 def _rate(model: Model, element: Unilateral) -> Rate:

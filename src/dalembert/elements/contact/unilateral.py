@@ -37,11 +37,13 @@ class Impact:
     restitution : ``e`` along the gap, 0 to 1
     tangential : of the slip, 0 to 1
     friction : ``μ``
+    poisson : ``e`` is the share of the impulse of compression that follows in restitution
     """
 
     restitution: ca.SX
     tangential: ca.SX
     friction: ca.SX
+    poisson: bool = False
 
 
 @dataclass(eq=False)

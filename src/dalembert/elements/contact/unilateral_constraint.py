@@ -6,7 +6,16 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Condition, ForceElement, Look, Powers, Rate, Scalar, quantity
+from dalembert.elements.base import (
+    Condition,
+    ForceElement,
+    Look,
+    Powers,
+    Rate,
+    Scalar,
+    option,
+    quantity,
+)
 from dalembert.elements.contact.unilateral import Gap, Impact, Unilateral, at_most_one
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Limit
@@ -29,6 +38,8 @@ class UnilateralConstraint(Unilateral, ForceElement):
     restitution : ``e``
     tangential_restitution : of the slip
     friction : ``μ``
+    poisson : ``e`` is the share of the impulse of compression that follows in restitution, instead
+        of the share of the speed that returns; nothing then returns of the slip
     """
 
     distance: Scalar = quantity("m", "formula that must not become negative")
@@ -38,6 +49,7 @@ class UnilateralConstraint(Unilateral, ForceElement):
         "", "share of the slip that returns", default=0.0, minimum=0.0
     )
     friction: Scalar = quantity("", "coefficient of friction", default=0.0, minimum=0.0)
+    poisson: bool = option("restitution is a share of the impulse (Poisson)", default=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -46,6 +58,13 @@ class UnilateralConstraint(Unilateral, ForceElement):
             raise ModelError(
                 f"friction is {rough} and nothing slips; give slip= too, a velocity "
                 "along the surface",
+                self.name,
+            )
+        returned = self.tangential_restitution.sx
+        if self.poisson and not (returned.is_constant() and float(returned) == 0):
+            raise ModelError(
+                f"tangential_restitution is {returned} and Poisson's law has none; leave it out, "
+                "or leave out poisson=True",
                 self.name,
             )
 
@@ -58,8 +77,8 @@ class UnilateralConstraint(Unilateral, ForceElement):
         return [Gap(self.distance.sx, slip)]
 
     def impact(self) -> Impact:
-        given = self.restitution, self.tangential_restitution, self.friction
-        return Impact(*(each.sx for each in given))
+        returned, along = self.restitution.sx, self.tangential_restitution.sx
+        return Impact(returned, along, self.friction.sx, self.poisson)
 
     def powers(self, rate: Rate) -> Powers:
         return []

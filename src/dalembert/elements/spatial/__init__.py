@@ -3,7 +3,6 @@
 from dalembert.elements.contact.cable import Cable
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact import Contact
-from dalembert.elements.contact.unilateral_constraint import UnilateralConstraint
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.frame import Frame
 from dalembert.elements.joint_actuator import JointActuator
@@ -40,6 +39,7 @@ from dalembert.elements.spatial.screw import Screw
 from dalembert.elements.spatial.shapes import Bar, Box, Capsule, Cylinder, Sphere
 from dalembert.elements.spatial.spherical import Spherical
 from dalembert.elements.spatial.springs import Bushing, TorsionSpring
+from dalembert.elements.spatial.unilateral_constraint import UnilateralConstraint
 from dalembert.elements.spatial.universal import Universal
 from dalembert.elements.spatial.weld import Weld
 from dalembert.elements.springs import Actuator, Spring

@@ -45,7 +45,7 @@ def _grazed(motion: Recording, changes: list[tuple[int, ContactChange]]) -> dict
     steps, slow = motion.record.steps, dict[int, float]()
     for k, change in changes:
         gap, size = change.gap, change.step.state_size
-        if change.jump is not None and gap is not None:
+        if change.struck and gap is not None:
             pace = float(change.pace(steps.t[k], steps.x[:size, k], motion.parameters))
             if not abs(pace) > GRAZING:
                 slow.setdefault(gap, float(steps.t[k]))

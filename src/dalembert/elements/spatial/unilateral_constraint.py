@@ -1,0 +1,35 @@
+"""One-sided constraint in space written by the user, with friction along a surface."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from dalembert.elements.base import Vector, quantity
+from dalembert.elements.contact import unilateral_constraint
+from dalembert.symbolic.expression import as_sx
+
+
+@dataclass(eq=False)
+class UnilateralConstraint(unilateral_constraint.UnilateralConstraint):
+    """Any formula of poses, ``t`` and parameters that must not become negative.
+
+    The slip is one formula of speeds or two, along two directions of the surface at right angles;
+    then friction is in the plane of both, ``T = −μ N slip/|slip|``, and the contact sticks as long
+    as ``|T| ≤ μ N``.
+
+    Parameters
+    ----------
+    slip : one or two formulas of speeds along the surface, linear in them
+    distance, restitution, tangential_restitution, friction, poisson : as in the plane
+    """
+
+    slip: Vector = quantity(
+        "m/s", "formulas of speeds along the surface", default=None, size=2, least=1
+    )
+
+    def quantities(self) -> Iterator[tuple[str, Mapping]]:
+        """One formula of slip is enough."""
+        for field, meta in super().quantities():
+            alone = field == "slip" and self.slip is not None and as_sx(self.slip).numel() == 1
+            yield field, {**meta, "size": 1} if alone else meta
