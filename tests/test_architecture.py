@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import grimp
 import pytest
@@ -74,7 +75,10 @@ def test_heavy_libraries_are_imported_lazily():
         "pandas",
         "matplotlib",
         "pydantic",
+        "scipy.linalg",
         "scipy.optimize",
+        "scipy.sparse",
+        "scipy.spatial",
         "llvmlite",
         "pycparser",
     )
@@ -84,6 +88,28 @@ def test_heavy_libraries_are_imported_lazily():
     names = "(name for name in dalembert.__all__ if not name.startswith('load_'))"
     touch = f"[getattr(dalembert, name) for name in {names}]"
     assert run(f"import sys, dalembert; {touch}; {loaded.format(then)}") == "[]"
+
+
+def test_commands_import_what_they_need():
+    """Help shows without any mathematics; a run is written and drawn without tables and plots."""
+    called = (
+        "from dalembert.cli.app import main; main({}); "
+        "import sys; print([m for m in {} if m in sys.modules])"
+    )
+    assert run(called.format(["--version"], ("casadi", "numpy"))).splitlines()[-1] == "[]"
+    heavy = (
+        "xarray",
+        "pandas",
+        "matplotlib",
+        "scipy.optimize",
+        "scipy.spatial",
+        "dalembert.design.problem",
+    )
+    with TemporaryDirectory() as folder:
+        example = str(Path(__file__).parents[1] / "examples" / "four_bar.toml")
+        arguments = ["run", example, "--output", folder, "--quiet"]
+        assert run(called.format(arguments, heavy)) == "[]"
+        assert (Path(folder) / "four_bar.nc").stat().st_size > 0
 
 
 def test_public_names():

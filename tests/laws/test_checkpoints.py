@@ -1,5 +1,7 @@
 """Gradients through marches that keep few of their states equal those through all of them."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -92,3 +94,17 @@ def test_events_are_found_among_states_that_were_not_kept(model):
     )
     assert few.events and few.events[0].time == whole.events[0].time
     assert np.array_equal(few.trajectory.y, whole.trajectory.y)
+
+
+@pytest.mark.parametrize(("memory", "each"), [(2.0**27, 1.4), (1e4, 0.5)], ids=["all", "few"])
+def test_memory_of_a_long_run(model, memory, each):
+    """States are kept once, and nothing else as large is made of them on the way."""
+    steps = 20_000
+    options = {"step": 1 / steps, "outputs": 11, "memory": memory, "backend": "vm"}
+    da.solve_dynamics(model, 1.0, **options)
+    tracemalloc.start()
+    motion = da.solve_dynamics(model, 1.0, **options)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    states = 8 * motion.record.steps.x.shape[0] * steps
+    assert peak < each * states + 2e6

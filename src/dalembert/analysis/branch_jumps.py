@@ -16,6 +16,8 @@ FARTHER = 2.0
 """Way, over that of the faster end of the step, from which on it is a jump."""
 LEAST = 1e-2
 """Of a jump, in natural sizes."""
+AT_ONCE = 2000
+"""Steps looked at in one go."""
 
 
 class BranchJumps:
@@ -33,15 +35,22 @@ class BranchJumps:
     @property
     def doubts(self) -> list[str]:
         """Where the first jump is, and between which positions; mostly nothing."""
-        x, k = self.steps.x, self.steps.lasting
-        e = self.kernel.equations
-        if isinstance(x, Checkpoints) or not k.size or not e.speed_count:
+        x, lasting = self.steps.x, self.steps.lasting
+        if isinstance(x, Checkpoints) or not self.kernel.equations.speed_count:
             return []
+        parts = (lasting[i : i + AT_ONCE] for i in range(0, lasting.size, AT_ONCE))
+        return next((found for part in parts if (found := self._first(x, part))), [])
+
+    def _first(self, x: np.ndarray, k: np.ndarray) -> list[str]:
+        """The first jump in some of the steps."""
+        e = self.kernel.equations
         n, sizes = e.coordinate_count, e.scales.displacements[:, None]
         with np.errstate(all="ignore"):
-            y, v = x[:n], np.abs(x[n : n + e.speed_count])
-            way = np.abs(e.manifold.lead(y[:, k], y[:, k + 1])) / sizes
-            led = np.maximum(v[:, k], v[:, k + 1]) * self.steps.h[k] / sizes
+            before, after = x[:, k], x[:, k + 1]
+            speeds = slice(n, n + e.speed_count)
+            way = np.abs(e.manifold.lead(before[:n], after[:n])) / sizes
+            fastest = np.maximum(np.abs(before[speeds]), np.abs(after[speeds]))
+            led = fastest * self.steps.h[k] / sizes
             jumps = way > FARTHER * led.max(axis=0) + LEAST
         found = np.flatnonzero(jumps.any(axis=0))
         if not found.size:

@@ -91,7 +91,7 @@ class Dynamics(OverTime[Motion]):
     strict: bool = False
     backend: str = "auto"
     balance: float = 0.25
-    memory: float = 2.0**28
+    memory: float = 2.0**27
 
     def __post_init__(self) -> None:
         for name, (kind, usual) in STRATEGIES.items():

@@ -14,6 +14,8 @@ from dalembert.model.model import Model
 
 NEAR = 0.02
 """Smallest singular value of ``C``, relative to that at the start, that counts as near zero."""
+AT_ONCE = 2000
+"""States looked at in one go."""
 LOST = 1e-6
 """Violation of a constraint, by its natural size, from which on a state tells nothing and a
 corrected run has failed."""
@@ -117,7 +119,11 @@ def near_singular_position(
 
 def _last_good(function: ca.Function, steps: Steps, times, n: int, k: int, p) -> int:
     """Number of the last state whose constraints hold."""
-    x = steps.x[: n + k]
-    violation = function.map(times.size)(times, x[:n], x[n:], np.tile(p[:, None], times.size))[0]
-    lost = ~(np.abs(violation.full()).max(axis=0) < LOST)
-    return max(int(np.argmax(lost)) - 1, 0) if lost.any() else times.size - 1
+    for begin in range(0, times.size, AT_ONCE):
+        t = times[begin : begin + AT_ONCE]
+        x = steps.x[: n + k, begin : begin + t.size]
+        violation = function.map(t.size)(t, x[:n], x[n:], np.tile(p[:, None], t.size))[0]
+        lost = ~(np.abs(violation.full()).max(axis=0) < LOST)
+        if lost.any():
+            return max(begin + int(np.argmax(lost)) - 1, 0)
+    return int(times.size) - 1

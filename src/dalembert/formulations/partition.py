@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-import scipy.linalg
+import scipy
 
 from dalembert.errors import SingularityError
 from dalembert.model.equations import Equations

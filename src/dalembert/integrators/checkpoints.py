@@ -100,29 +100,46 @@ class Recorder:
     x0 : (n,) first state
     memory : bytes of states to be kept at most before few of them are
     outputs : (K,) times around which states are kept in any case [s]
+    steps : how many there are going to be, where that is known: memory is taken once
     """
 
-    def __init__(self, x0: np.ndarray, memory: float = np.inf, outputs: np.ndarray | None = None):
+    def __init__(
+        self,
+        x0: np.ndarray,
+        memory: float = np.inf,
+        outputs: np.ndarray | None = None,
+        steps: int = 0,
+    ):
         self.memory = memory
         self.outputs = np.zeros(0) if outputs is None else outputs
         self.count, self.last = 0, x0.ravel()
-        self.thin = False
+        self.thin = self._too_many(steps)
+        room = steps + 1 if steps and not self.thin else 0
+        self._whole = np.empty((self.last.size, room), order="F")
+        self._whole[:, :1] = x0.reshape(-1, 1)
         self._numbers = [np.zeros(1, dtype=int)]
         self._columns = [x0.reshape(-1, 1)]
         self._needed: list[np.ndarray] = []
+
+    def _too_many(self, steps: int) -> bool:
+        return 8 * self.last.size * (steps + 1) > self.memory
 
     def add(self, ends: np.ndarray, columns: np.ndarray) -> None:
         """States at the ends of further steps; ``ends`` has the time of the last state first."""
         if not columns.shape[1]:
             return
         number = self.count + 1 + np.arange(columns.shape[1])
+        if self._whole.shape[1] > number[-1]:
+            self._whole[:, number] = columns
+            self.count, self.last = int(number[-1]), columns[:, -1].copy()
+            return
         self._needed.append(self._around_outputs(ends) + self.count)
         self.count, self.last = int(number[-1]), columns[:, -1].copy()
         if self.thin:
             number, columns = self._thinned(number, columns, self._needed[-1])
         self._numbers.append(number)
         self._columns.append(columns)
-        if not self.thin and 8 * self.last.size * (self.count + 1) > self.memory:
+        if not self.thin and self._too_many(self.count):
             needed = np.concatenate(self._needed)
             pairs = [
                 self._thinned(n, c, needed)
@@ -144,6 +161,8 @@ class Recorder:
 
     def states(self, repeat: Repeat | None) -> States:
         """All states, or what stands for them."""
+        if self._whole.size:
+            return self._whole[:, : self.count + 1]
         number, kept = np.concatenate(self._numbers), np.hstack(self._columns)
         if not self.thin or repeat is None:
             return kept

@@ -63,7 +63,7 @@ class FixedMarch:
         number = np.arange(1, h.size + 1)
         corrected = (number % self.period == 0) | (number == h.size)
         modes = np.full(h.size, mode)
-        return self._march(times, h, corrected, modes, x0, p, watch.recorder(x0), watch)
+        return self._march(times, h, corrected, modes, x0, p, watch.recorder(x0, h.size), watch)
 
     def repeat(self, steps: Steps, x0: np.ndarray, p: np.ndarray) -> Steps:
         """The steps of an earlier march from another state with other parameters."""

@@ -6,8 +6,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from dalembert.symbolic.semi_explicit import SemiExplicit
 
@@ -113,7 +112,8 @@ class StageEquations:
 def _order(system: SemiExplicit) -> tuple[list[int], list[list[int]]]:
     """States whose rates depend on each other, and the levels of the others."""
     pattern = ca.DM(ca.jacobian_sparsity(system.rate, system.x), 1.0).full() != 0
-    _, label = connected_components(csr_matrix(pattern), directed=True, connection="strong")
+    graph = scipy.sparse.csr_matrix(pattern)
+    _, label = scipy.sparse.csgraph.connected_components(graph, directed=True, connection="strong")
     crowd = np.bincount(label)[label] > 1
     cyclic = crowd | np.diag(pattern)
     done, levels = cyclic.copy(), []

@@ -153,6 +153,6 @@ class Watch:
     memory: float = np.inf
     outputs: np.ndarray | None = None
 
-    def recorder(self, x0: np.ndarray) -> Recorder:
+    def recorder(self, x0: np.ndarray, steps: int = 0) -> Recorder:
         """Takes the states of a march that begins here."""
-        return Recorder(x0, self.memory, self.outputs)
+        return Recorder(x0, self.memory, self.outputs, steps)

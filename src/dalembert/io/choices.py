@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from functools import cached_property
 from typing import Annotated, Any, Union
 
 from pydantic import (
@@ -12,6 +14,7 @@ from pydantic import (
     Tag,
     model_validator,
 )
+from pydantic_core import CoreSchema, core_schema
 
 from dalembert.io.messages import UnknownKey
 from dalembert.io.values import shown
@@ -37,13 +40,48 @@ class Record(BaseModel):
         return value
 
 
+Table = type[BaseModel]
+
+
+class Later:
+    """A table that is described when the first one of it is read: most files hold few of many."""
+
+    def __init__(self, make: Callable[[], Table]):
+        self.make = make
+
+    @cached_property
+    def _table(self) -> Table:
+        return self.make()
+
+    def _read(self, value: Any) -> Any:
+        return self._table.model_validate(value)
+
+    def __get_pydantic_core_schema__(self, *_: Any) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: Any) -> Any:
+        table = self._table
+        known: Any = table.__pydantic_core_schema__
+        name = f"{table.__module__}.{table.__qualname__}:{id(table)}"
+        if known["type"] == "definitions":
+            known = known | {"schema": known["schema"] | {"ref": name}}
+        else:
+            known = known | {"ref": name}
+        return handler.generate_json_schema.generate_inner(known)
+
+
 def one_of(
-    tables: dict[str, Any], *, plain: Any = None, default: str | None = None, prefix: str = ""
+    tables: Mapping[str, Table | Callable[[], Table]],
+    *,
+    plain: Any = None,
+    default: str | None = None,
+    prefix: str = "",
 ) -> Any:
     """A table chosen by its ``type``, or a plain value where one is allowed.
 
     Parameters
     ----------
+    tables : type → its table, or what makes it
     default : the type where none is given
     prefix : what may stand before a type and says nothing new
     """
@@ -66,7 +104,10 @@ def one_of(
             raise ValueError(f"unknown type {shown(name)}{nearest(name, tables)}; known: {known}")
         return value
 
-    members = [Annotated[table, Tag(name)] for name, table in tables.items()]
+    members = [
+        Annotated[table if isinstance(table, type) else Annotated[Any, Later(table)], Tag(name)]
+        for name, table in tables.items()
+    ]
     if plain is not None:
         members.append(Annotated[plain, Tag(PLAIN)])
     return Annotated[Union[tuple(members)], Discriminator(choose), BeforeValidator(check)]  # noqa: UP007

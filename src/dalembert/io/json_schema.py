@@ -7,7 +7,8 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from dalembert.io.schema import MECHANISMS, Document
+from dalembert.elements.registry import SPACES
+from dalembert.io.schema import Document, document_of
 from dalembert.io.structure_schema import StructureDocument
 
 
@@ -20,7 +21,7 @@ def json_schema(kind: str | None = None) -> dict[str, Any]:
     """
     models: list[type[BaseModel]] = []
     if kind != "structure":
-        models += MECHANISMS.values()
+        models += map(document_of, SPACES)
     if kind != "mechanism":
         models.append(StructureDocument)
     made = models[0].model_json_schema() if len(models) == 1 else _one_of(models)

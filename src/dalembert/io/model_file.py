@@ -9,12 +9,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from dalembert.elements.registry import SPACES
 from dalembert.errors import ModelError
 from dalembert.io.builder import Builder
 from dalembert.io.location import Located
 from dalembert.io.messages import explain, place
 from dalembert.io.reading import read_document
-from dalembert.io.schema import MECHANISMS, Document, ParameterTable
+from dalembert.io.schema import Document, ParameterTable, document_of
 from dalembert.io.structure_builder import StructureBuilder
 from dalembert.io.structure_schema import StructureDocument
 from dalembert.io.values import constant, shown
@@ -128,9 +129,9 @@ def _other_dimension(data: dict[str, Any], schema: type) -> str:
     """The cure for a file that does not say its dimension and fits another one."""
     if "dimension" in data or not issubclass(schema, Document):
         return ""
-    for dimension, other in MECHANISMS.items():
+    for dimension in SPACES:
         try:
-            other.model_validate(data)
+            document_of(dimension).model_validate(data)
         except ValidationError:
             continue
         return f"\n  as dimension = {dimension} it can be read; write that if it is meant"
@@ -149,13 +150,13 @@ def _schema(data: dict[str, Any], path: Path) -> type[Document] | type[Structure
     if kind == "structure":
         return StructureDocument
     gravity = data.get("gravity")
-    spoken = len(gravity) if isinstance(gravity, list) and len(gravity) in MECHANISMS else 2
+    spoken = len(gravity) if isinstance(gravity, list) and len(gravity) in SPACES else 2
     dimension = data.get("dimension", spoken)
-    if isinstance(dimension, bool) or dimension not in MECHANISMS:
-        known = ", ".join(map(str, MECHANISMS))
+    if isinstance(dimension, bool) or dimension not in SPACES:
+        known = ", ".join(map(str, SPACES))
         told = f"unknown dimension {shown(dimension)}; known: {known}"
         raise ModelError(told, f"{path}: dimension")
-    return MECHANISMS[dimension]
+    return document_of(dimension)
 
 
 def load_model(path: str | Path) -> System | Structure:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache, partial
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, PlainValidator, WithJsonSchema, create_model
@@ -140,7 +141,8 @@ def element_of(space: Space, section: str) -> Any:
     """
     usual = {"bodies": "Body", "beams": "Beam"}.get(section)
     tables = {
-        name: table_of(
+        name: partial(
+            table_of,
             name,
             cls,
             optional_type=name == usual,
@@ -155,12 +157,14 @@ def element_of(space: Space, section: str) -> Any:
             for name, cls in other.sections[section].items():
                 full = f"{other.name}.{name}"
                 title = f"{other.name.title()}{name}In{space.name.title()}Document"
-                tables[full] = table_of(full, cls, dimension=other.dimension, title=title)
+                tables[full] = partial(table_of, full, cls, dimension=other.dimension, title=title)
     return one_of(tables, default=usual, prefix=f"{space.name}.")
 
 
-def document_of(space: Space) -> type[Document]:
+@cache
+def document_of(dimension: int) -> type[Document]:
     """The file of a mechanism whose elements are in one space, unless they say otherwise."""
+    space = SPACES[dimension]
     point = point_type(space.dimension)
     points: Any = (dict[str, point], Field(default_factory=dict))  # type: ignore[valid-type]
     ground = create_model(
@@ -180,7 +184,3 @@ def document_of(space: Space) -> type[Document]:
     made = create_model(name, __base__=Document, __doc__=Document.__doc__, **fields)
     made.space = space
     return made
-
-
-MECHANISMS = {dimension: document_of(space) for dimension, space in SPACES.items()}
-"""Dimension → the file of a mechanism."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Literal
 
 from pydantic import Field
@@ -24,9 +25,10 @@ from dalembert.io.structure_tables import (
 from dalembert.io.tables import table_of
 
 _ANALYSIS = any_of(STRUCTURAL_ANALYSES)
-_FINAL = table_of("Final", RESPONSES["Final"], optional_type=True, title="StructuralFinal")
+_FINAL = partial(table_of, "Final", RESPONSES["Final"], optional_type=True, title="StructuralFinal")
 _RESPONSE = one_of(
-    {n: _FINAL if n == "Final" else table_of(n, c) for n, c in RESPONSES.items()}, default="Final"
+    {n: _FINAL if n == "Final" else partial(table_of, n, c) for n, c in RESPONSES.items()},
+    default="Final",
 )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, create_model
@@ -221,7 +222,7 @@ def _table(
     return create_model(title, __base__=base, __doc__=summary_of(cls), **keys)
 
 
-ELEMENT = one_of({name: element_table(name, cls) for name, cls in ELEMENTS.items()})
+ELEMENT = one_of({name: partial(element_table, name, cls) for name, cls in ELEMENTS.items()})
 """Any finite element between nodes."""
-MESH = one_of({name: mesh_table(name, cls) for name, cls in ELEMENTS.items()})
+MESH = one_of({name: partial(mesh_table, name, cls) for name, cls in ELEMENTS.items()})
 """Any mesh."""

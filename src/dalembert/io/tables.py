@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -102,7 +102,7 @@ def named(known: dict[str, type]) -> Any:
         return value
 
     plain: Any = Annotated[Literal[tuple(known)], Field(title="name")]
-    tables = {name: table_of(name, cls) for name, cls in known.items()}
+    tables = {name: partial(table_of, name, cls) for name, cls in known.items()}
     return Annotated[one_of(tables, plain=plain), BeforeValidator(check)]
 
 
@@ -175,7 +175,7 @@ COMBINED: tuple[type, ...] = (Product, Sum)
 @cache
 def law_type(*without: type) -> Any:
     """A law but these, or a number or formula in t."""
-    tables = {n: table_of(n, c) for n, c in LAWS.items() if c not in without}
+    tables = {n: partial(table_of, n, c) for n, c in LAWS.items() if c not in without}
     return one_of(tables, plain=Entry)
 
 
@@ -190,7 +190,7 @@ def shape_type(dimension: int) -> Any:
     """Any shape of the plane or of space, or the name of a point that touches."""
     space = SPACES[dimension].name.title()
     tables = {
-        name: table_of(name, cls, dimension=dimension, title=f"{space}{name}Shape")
+        name: partial(table_of, name, cls, dimension=dimension, title=f"{space}{name}Shape")
         for name, cls in SHAPES[dimension].items()
     }
     return one_of(tables, plain=Text)
@@ -210,7 +210,7 @@ def friction_type() -> Any:
 
 def any_of(registry: dict[str, type]) -> Any:
     """A table for an object of one of the registered classes."""
-    return one_of({name: table_of(name, cls) for name, cls in registry.items()})
+    return one_of({name: partial(table_of, name, cls) for name, cls in registry.items()})
 
 
 @cache

@@ -2,38 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import BeforeValidator, Field
 
-from dalembert.design.methods.registry import OPTIMIZERS
 from dalembert.io.choices import Record
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.tables import strategy_type
 from dalembert.io.values import Bound, Integer, Number, Text, list_of, shown
-from dalembert.sensitivity.methods import METHODS
 from dalembert.text import nearest
 
 
-def _one_name(known: Iterable[str]) -> Any:
-    """One of these names."""
-    names = list(known)
+def _gradients() -> Iterable[str]:
+    from dalembert.sensitivity.methods import METHODS
+
+    return METHODS
+
+
+def _optimizers() -> Iterable[str]:
+    from dalembert.design.methods.registry import OPTIMIZERS
+
+    return OPTIMIZERS
+
+
+@dataclass(frozen=True)
+class JsonSchema:
+    """What a type is in the JSON Schema, made when that is asked for."""
+
+    made: Callable[[Any, Any], dict[str, Any]]
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return self.made(schema, handler)
+
+
+def _one_name(known: Callable[[], Iterable[str]]) -> Any:
+    """One of these names, asked for when one is given."""
 
     def check(value: Any) -> str:
+        names = list(known())
         if not isinstance(value, str) or value not in names:
             near = nearest(value, names)
             raise ValueError(f"unknown method {shown(value)}{near}; known: {', '.join(names)}")
         return value
 
-    return Annotated[str, BeforeValidator(check), WithJsonSchema({"enum": names})]
+    def described(_: Any, __: Any) -> dict[str, Any]:
+        return {"enum": list(known())}
+
+    return Annotated[str, BeforeValidator(check), JsonSchema(described)]
 
 
-Method = _one_name(METHODS)
-Optimizing = _one_name(OPTIMIZERS)
+Method = _one_name(_gradients)
+Optimizing = _one_name(_optimizers)
 SAMPLINGS = ("Grid", "LatinHypercube", "MonteCarlo", "Sobol", "Table")
 """How designs are chosen."""
-Sampling = _one_name(SAMPLINGS)
+Sampling = _one_name(lambda: SAMPLINGS)
 Names = list[Text]
 Bounds = list_of(Bound, 2, "lower, upper")
 

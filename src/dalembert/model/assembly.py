@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 import numpy as np
-from scipy import sparse
+import scipy
 
 from dalembert.model.equations import Equations
 from dalembert.model.guesses import Guesses
@@ -45,7 +45,7 @@ class Closeness(newton.Residual):
 
     scale: np.ndarray
     rounding: np.ndarray
-    jacobian: sparse.csr_array = field(kw_only=True)
+    jacobian: scipy.sparse.csr_array = field(kw_only=True)
 
     def some(self, rows: list[int]) -> Closeness:
         """Of some equations only."""
@@ -122,12 +122,12 @@ class Assembler:
         """Violations at a position, of the constraints first, then of initial conditions."""
         value, scale, rounding, entries = self.violations(t, y, p)
         shape = self.row_count, self.longest.size
-        jacobian = sparse.csr_array((entries, self.entry_columns, self._ends), shape)
+        jacobian = scipy.sparse.csr_array((entries, self.entry_columns, self._ends), shape)
         return Closeness(value, scale, rounding, jacobian=jacobian)
 
-    def scaled_jacobian(self, t: float, y: np.ndarray, p: np.ndarray) -> sparse.csr_array:
+    def scaled_jacobian(self, t: float, y: np.ndarray, p: np.ndarray) -> scipy.sparse.csr_array:
         """``C`` and the Jacobian of initial conditions, by displacements in natural units."""
-        jacobian = sparse.csr_array(self._whole(t, y, p).sparse())
+        jacobian = scipy.sparse.csr_array(self._whole(t, y, p).sparse())
         return scaled(jacobian, np.ones(jacobian.shape[0]), self.scales.displacements)
 
     def project(self, t: float, p: np.ndarray, attempts: int = 12) -> newton.Solution[np.ndarray]:
@@ -201,7 +201,7 @@ class _Nearest(newton.Equations[np.ndarray]):
         value = residual.value / residual.scale
         made = scaled(residual.jacobian, 1 / residual.scale, 1 / self.weight)
         normal = made @ made.T
-        unit = sparse.eye_array(value.size, format="csr")
+        unit = scipy.sparse.eye_array(value.size, format="csr")
         level = normal.trace() / max(value.size, 1)
         violation = float(np.linalg.norm(value))
         self.violations.append(violation)
@@ -217,13 +217,15 @@ class _Nearest(newton.Equations[np.ndarray]):
             self.damping *= 4
 
 
-def scaled(matrix: sparse.csr_array, rows: np.ndarray, columns: np.ndarray) -> sparse.csr_array:
+def scaled(
+    matrix: scipy.sparse.csr_array, rows: np.ndarray, columns: np.ndarray
+) -> scipy.sparse.csr_array:
     """A matrix with its rows and columns multiplied by numbers."""
     entries = matrix.data * np.repeat(rows, np.diff(matrix.indptr)) * columns[matrix.indices]
-    return sparse.csr_array((entries, matrix.indices, matrix.indptr), matrix.shape)
+    return scipy.sparse.csr_array((entries, matrix.indices, matrix.indptr), matrix.shape)
 
 
-def factorised(matrix: sparse.sparray) -> Callable[[np.ndarray], np.ndarray]:
+def factorised(matrix: scipy.sparse.sparray) -> Callable[[np.ndarray], np.ndarray]:
     """Right-hand side → solution, by sparse factors of a square matrix.
 
     Raises

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from dalembert.elements.driver import Driver
 from dalembert.model.checks import doubts_of
@@ -126,7 +126,7 @@ class Diagnosis:
         }
 
 
-def diagnose(d: Description, closure: Closure, mass: sparse.csc_array) -> Diagnosis:
+def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> Diagnosis:
     """Examine a closed mechanism; ``mass`` is its mass matrix."""
     is_driver = np.array([isinstance(c, Driver) for c, _ in closure.owners], dtype=bool)
     kept = np.zeros(len(closure.owners), dtype=bool)
@@ -180,13 +180,13 @@ def _redundancy(closure: Closure, row: int) -> Redundancy:
     return Redundancy(constraint.name, component, tuple(dict.fromkeys(shared)))
 
 
-def _massless(closure: Closure, mass: sparse.csc_array) -> tuple[str, ...]:
+def _massless(closure: Closure, mass: scipy.sparse.csc_array) -> tuple[str, ...]:
     """Bodies that take part in a free motion without kinetic energy, ``C δ = M δ = 0``."""
-    scale = sparse.diags_array(closure.scales.displacements)
-    weighed = sparse.csr_array(scale @ mass @ scale)
+    scale = scipy.sparse.diags_array(closure.scales.displacements)
+    weighed = scipy.sparse.csr_array(scale @ mass @ scale)
     largest = abs(weighed).max(axis=1).toarray().ravel()
     heavy = np.flatnonzero(largest > NO_MASS * largest.max(initial=0.0))
-    motions = columns_of(sparse.vstack([closure.jacobian[closure.rows], weighed[heavy]]))
+    motions = columns_of(scipy.sparse.vstack([closure.jacobian[closure.rows], weighed[heavy]]))
     if not motions.free:
         return ()
     motion = np.abs(motions.any_kernel(np.random.default_rng(0)))

@@ -15,7 +15,7 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-from scipy import sparse
+import scipy
 
 from dalembert.model.inertia import Inertia
 from dalembert.model.manifold import Manifold
@@ -164,10 +164,10 @@ class Equations:
         """``M`` as a matrix."""
         return self.inertia.matrix
 
-    def mass_at(self, y: np.ndarray, p: np.ndarray) -> sparse.csc_array:
+    def mass_at(self, y: np.ndarray, p: np.ndarray) -> scipy.sparse.csc_array:
         """``M`` at a position for parameter values ``p``."""
         function = ca.Function("mass", [self.y, self.p], [self.mass])
-        return sparse.csc_array(function(y, p).sparse())
+        return scipy.sparse.csc_array(function(y, p).sparse())
 
     @property
     def metric(self) -> ca.SX:

@@ -17,8 +17,7 @@ from functools import cached_property
 from itertools import count, pairwise
 
 import numpy as np
-from scipy import sparse
-from scipy.linalg import lapack
+import scipy
 
 CLEARLY, BARELY = 0.05, 1e-6
 """Share of a column that is across the others, for it to be taken at first, and then."""
@@ -48,7 +47,7 @@ class Echelon:
         order: Iterable[int] | None = None,
         thresholds: Sequence[float] = (DEPENDENT,),
     ):
-        by_row = sparse.csr_array(matrix)
+        by_row = scipy.sparse.csr_array(matrix)
         self.size = by_row.shape[1]
         waiting = list(range(self.size) if order is None else order)
         self._turn = np.zeros(self.size, dtype=int)
@@ -182,12 +181,12 @@ def rows_of(matrix, tolerance: float = DEPENDENT) -> Echelon:
     They are the columns of its transpose, each made of length one; one that has no length or is
     not finite is left out.
     """
-    by_row = sparse.csr_array(matrix, dtype=float, copy=True)
+    by_row = scipy.sparse.csr_array(matrix, dtype=float, copy=True)
     norms = np.sqrt(np.bincount(_row_of_entry(by_row), by_row.data**2, by_row.shape[0]))
     usable = np.isfinite(norms) & (norms > 0)
     factor = np.where(usable, 1.0 / np.where(usable, norms, 1.0), 0.0)
     by_row.data = np.where(usable[_row_of_entry(by_row)], by_row.data, 0.0)
-    return Echelon((sparse.diags_array(factor) @ by_row).T, thresholds=(tolerance,))
+    return Echelon((scipy.sparse.diags_array(factor) @ by_row).T, thresholds=(tolerance,))
 
 
 def independent_rows(matrix, tolerance: float = DEPENDENT) -> list[int]:
@@ -204,9 +203,9 @@ def columns_of(matrix, order: Iterable[int] | None = None, least: float = DEPEND
     order : of the columns; their own by default
     least : share of a column across the others that is enough at last
     """
-    by_row = sparse.csr_array(matrix)
+    by_row = scipy.sparse.csr_array(matrix)
     norms = np.sqrt(np.bincount(_row_of_entry(by_row), by_row.data**2, by_row.shape[0]))
-    unit = sparse.diags_array(1.0 / np.where(norms > 0, norms, 1.0)) @ by_row
+    unit = scipy.sparse.diags_array(1.0 / np.where(norms > 0, norms, 1.0)) @ by_row
     return Echelon(unit, order, (CLEARLY, BARELY, least))
 
 
@@ -221,11 +220,11 @@ def free_columns(matrix, order: Sequence[int]) -> list[int]:
 
 def _triangular(block: np.ndarray) -> np.ndarray:
     """The factor R of ``Q R``."""
-    packed = lapack.dgeqrf(block, overwrite_a=True)[0]
+    packed = scipy.linalg.lapack.dgeqrf(block, overwrite_a=True)[0]
     for row in range(1, min(block.shape)):
         packed[row, :row] = 0.0
     return packed[: min(block.shape)]
 
 
-def _row_of_entry(matrix: sparse.csr_array) -> np.ndarray:
+def _row_of_entry(matrix: scipy.sparse.csr_array) -> np.ndarray:
     return np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))

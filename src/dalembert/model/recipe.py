@@ -14,7 +14,7 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-from scipy import sparse
+import scipy
 
 from dalembert.model.assembly import ROUNDING, Assembler, factorised
 from dalembert.model.equations import Equations
@@ -191,13 +191,15 @@ class Recipe:
         outputs = [stack([ca.vec(matrix.nz[:])]), -at_zero]
         return pattern, ca.Function("linear_speeds", [e.t, e.y, e.p], outputs)
 
-    def scaled_speed_jacobian(self, t: float, y: np.ndarray, p: np.ndarray) -> sparse.csr_array:
+    def scaled_speed_jacobian(
+        self, t: float, y: np.ndarray, p: np.ndarray
+    ) -> scipy.sparse.csr_array:
         """``∂Ψ/∂v`` of the demanded speeds, by speeds in natural units."""
         e = self.equations
         jacobian = ca.jacobian(self.demanded_speeds, e.v)
         function = ca.Function("speed_jacobian", [e.t, e.y, e.v, e.p], [jacobian])
         found = function(t, y, np.zeros(e.speed_count), p).sparse()
-        return sparse.csr_array(found) @ sparse.diags_array(self.scales.speeds)
+        return scipy.sparse.csr_array(found) @ scipy.sparse.diags_array(self.scales.speeds)
 
 
 class Pattern:
@@ -216,10 +218,10 @@ class Pattern:
         self._ends = np.concatenate([[0], ends]).astype(np.int32)
         self._shape = int(self.rows.max(initial=-1)) + 1, size
 
-    def matrix(self, entries: np.ndarray) -> sparse.csc_array:
+    def matrix(self, entries: np.ndarray) -> scipy.sparse.csc_array:
         """The matrix with these entries."""
         ordered = entries[self._order], self.rows[self._order], self._ends
-        return sparse.csc_array(ordered, self._shape)
+        return scipy.sparse.csc_array(ordered, self._shape)
 
 
 @dataclass(frozen=True)

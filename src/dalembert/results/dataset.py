@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-import xarray as xr
 
 from dalembert.elements.base import ForceElement
 from dalembert.elements.driver import Driver
@@ -15,6 +14,7 @@ from dalembert.elements.pair import Pair
 from dalembert.model.measures import element_measures
 from dalembert.model.model import Model
 from dalembert.results.components import COMPONENTS
+from dalembert.results.contents import Contents
 from dalembert.results.recording import Recording
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.once import once
@@ -176,7 +176,7 @@ def _columns(graphs: Iterable[ca.SX]) -> tuple[Expression, ...]:
     return tuple(Expression(graph) for graph in graphs)
 
 
-def motion_dataset(motion: Recording) -> xr.Dataset:
+def motion_contents(motion: Recording) -> Contents:
     """Evaluate all variables along the motion."""
     layout, s = variables(motion.model), motion.trajectory
     table = motion.table([column for variable in layout for column in variable.columns])
@@ -206,7 +206,7 @@ def motion_dataset(motion: Recording) -> xr.Dataset:
     _add_events(data, coords, motion)
     if motion.impacts:
         _add_impacts(data, coords, motion)
-    return xr.Dataset(data, coords, attrs=_attributes(motion))
+    return Contents.given(data, coords, _attributes(motion))
 
 
 def _add_states(data: dict, coords: dict, motion: Recording) -> None:

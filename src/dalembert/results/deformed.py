@@ -10,7 +10,6 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from dalembert.elements.fem.registry import cell_of
 from dalembert.elements.flexible.floating import FloatingFrame
@@ -66,6 +65,8 @@ def _along(direction: np.ndarray) -> np.ndarray:
     half = np.column_stack([1 + unit[:, 0], 0 * unit[:, 0], -unit[:, 2], unit[:, 1]])
     backwards = half[:, 0] < 1e-12
     half[backwards] = (0.0, 0.0, 0.0, 1.0)
+    from scipy.spatial.transform import Rotation
+
     return Rotation.from_quat(half, scalar_first=True).as_quat(scalar_first=True)
 
 

@@ -26,7 +26,7 @@ class Drawing:
     kind: type[Sketch]
 
     def __init__(self, motion: LabelledRecording, keep: np.ndarray, loads: bool):
-        self.model, self.keep, self.data = motion.model, keep, motion.data
+        self.model, self.keep, self.data = motion.model, keep, motion.contents
         self.sketch = self.kind(motion, keep, loads)
         self.points: dict[str, list[tuple[float, ...]]] = {n: [] for n in self.sketch.shapes}
 
@@ -105,7 +105,7 @@ class Drawing:
     def extent(self) -> float:
         """Size of the mechanism, for symbols without a size of their own."""
         local = [np.linalg.norm(p) for points in self.points.values() for p in points]
-        position = self.data["position"].values[self.keep[:1]]
+        position = self.data["position"][self.keep[:1]]
         position = position.reshape(-1, position.shape[-1])
         spread = np.ptp(position, axis=0).max() if position.size else 0.0
         return float(max([spread, *local])) or 1.0

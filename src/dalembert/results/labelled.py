@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from dalembert.results.components import COMPONENTS
+from dalembert.results.contents import Contents
 from dalembert.results.recording import Recording
 from dalembert.symbolic.expression import Expression
 
@@ -45,8 +46,13 @@ class LabelledRecording(Recording):
         return self.labelled(measure, coords)
 
     @cached_property
-    def data(self) -> xr.Dataset:
-        """Everything, labelled: poses, speeds, reactions, efforts, energies, violations."""
-        from dalembert.results.dataset import motion_dataset
+    def contents(self) -> Contents:  # type: ignore[override]
+        """Everything: poses, speeds, reactions, efforts, energies, violations."""
+        from dalembert.results.dataset import motion_contents
 
-        return motion_dataset(self)
+        return motion_contents(self)
+
+    @cached_property
+    def data(self) -> xr.Dataset:  # type: ignore[override]
+        """``contents``, labelled."""
+        return self.contents.dataset()

@@ -29,7 +29,7 @@ class Motion(LabelledRecording):
 
     def summary(self) -> dict[str, Any]:
         """Status, statistics, events, final energies and largest violations."""
-        data, some = self.data, bool(self.time.size)
+        data, some = self.contents, bool(self.time.size)
         told: dict[str, Any] = {
             "status": str(self.status),
             "time": self.status.time,

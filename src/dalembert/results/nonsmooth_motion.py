@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.results.contact_record import ContactRecord
+from dalembert.results.contents import Contents
 from dalembert.results.motion import Motion
 
 if TYPE_CHECKING:
@@ -25,23 +26,20 @@ class NonsmoothMotion(Motion):
     """
 
     @cached_property
-    def data(self) -> xr.Dataset:  # type: ignore[override]
-        """Everything, labelled."""
-        from dalembert.results.dataset import motion_dataset
+    def contents(self) -> Contents:  # type: ignore[override]
+        from dalembert.results.dataset import motion_contents
 
         record: ContactRecord = self.record
         normal = record.summed(self.time, record.impulse[:, 0])
         friction = record.summed(self.time, np.linalg.norm(record.impulse[:, 1:], axis=1))
         depth = np.interp(self.time, record.t, record.penetration)
-        return (
-            motion_dataset(self)
-            .assign_coords(contact=list(record.names))
-            .assign(
-                normal_impulse=(("time", "contact"), normal, _told("normal impulses", "N s")),
-                friction_impulse=(("time", "contact"), friction, _told("friction impulses", "N s")),
-                penetration=("time", depth, _told("depth of the deepest gap", "m")),
-            )
-        )
+        along = ("time", "contact")
+        more = {
+            "normal_impulse": (along, normal, _told("normal impulses", "N s")),
+            "friction_impulse": (along, friction, _told("friction impulses", "N s")),
+            "penetration": ("time", depth, _told("depth of the deepest gap", "m")),
+        }
+        return motion_contents(self).plus(more, {"contact": list(record.names)})
 
     def impulse(self, name: str) -> xr.DataArray:
         """(K,) sum of the normal impulses of an element since the output before [N s].

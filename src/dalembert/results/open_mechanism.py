@@ -13,6 +13,7 @@ from dalembert.errors import AssemblyError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly_failure import OpenPosition
 from dalembert.report.page import write_page
+from dalembert.results.contents import Contents
 from dalembert.results.page_parts import diagnosis, parameter_rows
 from dalembert.results.scene import is_spatial, motion_scene
 from dalembert.symbolic.expression import Expression, stack, t
@@ -71,8 +72,6 @@ class _Drawn:
     """Two instants, the guess and the best position, as the drawing of a motion sees them."""
 
     def __init__(self, found: OpenPosition):
-        import xarray as xr
-
         self.found, d = found, found.parts
         self.parameters = found.parameters
         self._p = d.space.symbols
@@ -90,11 +89,12 @@ class _Drawn:
             "euler_parameters": (4, "component"),
             "angle": (1, ""),
         }
-        self.data = xr.Dataset(coords={"body": [body.name for body in d.bodies]})
+        known: dict[str, Any] = {}
         for name, (size, along) in sizes.items():
             rows = [self.column(getattr(body, name, None), size) for body in d.bodies]
             dims = ("time", "body", along) if along else ("time", "body")
-            self.data[name] = (dims, np.stack(rows, axis=1))
+            known[name] = (dims, np.stack(rows, axis=1))
+        self.contents = Contents.given(known, {"body": [body.name for body in d.bodies]}, {})
 
     def column(self, measure: Expression | None, size: int) -> np.ndarray:
         """(2,) or (2, size), zero where a body of the plane has less, else not a number."""

@@ -6,8 +6,6 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from scipy.spatial import ConvexHull
-from scipy.spatial.transform import Rotation
 
 TURN = np.linspace(0, 2 * np.pi, 49)
 CIRCLE = np.column_stack([np.cos(TURN), np.sin(TURN)])
@@ -102,11 +100,15 @@ def _box(shape: Shape) -> np.ndarray:
 
 
 def _placed(points: np.ndarray, shape: Shape) -> np.ndarray:
+    from scipy.spatial.transform import Rotation
+
     turn = Rotation.from_quat(shape.get("turn", (1, 0, 0, 0)), scalar_first=True)
     return points @ turn.as_matrix().T + shape["center"]
 
 
 def _plate(shape: Shape) -> np.ndarray:
+    from scipy.spatial import ConvexHull
+
     points = np.array(shape["points"])
     flat = points @ np.linalg.svd(points - points.mean(axis=0))[2][:2].T
     return closed(points[ConvexHull(flat).vertices])

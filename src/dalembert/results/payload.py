@@ -64,14 +64,13 @@ def _subtitle(motion: LabelledRecording) -> str:
 
 def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]:
     """All scalar quantities by their measure names, grouped for the picker."""
-    data = motion.data
+    data = motion.contents
     found: list[dict[str, Any]] = []
 
     def put(name: str, variable: str, group: str, **where: Any) -> None:
         if variable in data:
-            column = data[variable].sel(**where)
-            unit = _unit(motion, str(column.attrs.get("units", "")), name)
-            add(name, unit, group, column.values[keep])
+            unit = _unit(motion, str(data.about(variable).get("units", "")), name)
+            add(name, unit, group, data.at(variable, **where)[keep])
 
     def add(name: str, unit: str, group: str, values: np.ndarray) -> None:
         if not np.all(np.isnan(values)):
@@ -79,31 +78,32 @@ def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]
 
     def put_all(owner: str, quantity: str, variable: str, group: str, **where: Any) -> None:
         """One of a scalar, one for each axis of a vector."""
-        axes = data[variable].coords.get("axis", [None]) if variable in data else ()
-        for axis in np.asarray(axes):
+        if variable not in data:
+            return
+        for axis in data.labels("axis") if "axis" in data.dimensions(variable) else [None]:
             along = where | ({} if axis is None else {"axis": axis})
             put(f"{owner}.{quantity.format(axis or '')}".rstrip("."), variable, group, **along)
 
-    for body in data["body"].values:
+    for body in data.labels("body"):
         for quantity, variable, group in BODY_SERIES:
             put_all(body, quantity, variable, group, body=body)
-    for point in data["point"].values if "point" in data.coords else ():
+    for point in data.labels("point"):
         for quantity, variable in POINT_SERIES:
             put_all(point, quantity, variable, "points", point=point)
-    for joint in data["joint"].values if "joint" in data.coords else ():
+    for joint in data.labels("joint"):
         put_all(joint, "force.{}", "reaction_force", "reactions", joint=joint)
-        force = data["reaction_force"].sel(joint=joint).values[keep]
+        force = data.at("reaction_force", joint=joint)[keep]
         add(f"{joint}.force_norm", "N", "reactions", np.linalg.norm(force, axis=1))
         put_all(joint, "moment.{}", "reaction_moment", "reactions", joint=joint)
-    for driver in data["driver"].values if "driver" in data.coords else ():
+    for driver in data.labels("driver"):
         put(f"{driver}.effort", "driver_effort", "drivers", driver=driver)
         put(f"{driver}.power", "driver_power", "drivers", driver=driver)
-    for variable in map(str, data.data_vars):
+    for variable in data.variables:
         if variable.startswith("element_"):
-            dimension = data[variable].dims[1]
+            dimension = data.dimensions(variable)[1]
             quantity = variable.removeprefix("element_").split("_of")[0]
-            for element in data[dimension].values:
-                put(f"{element}.{quantity}", str(variable), "forces", **{str(dimension): element})
+            for element in data.labels(dimension):
+                put(f"{element}.{quantity}", variable, "forces", **{dimension: element})
     for variable in ENERGIES:
         put(variable, variable, "energy")
     for variable in ("position_violation", "velocity_violation"):
@@ -195,14 +195,14 @@ def _diagnosis(motion: LabelledRecording) -> dict[str, Any]:
 
 def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:
     rows = [("status", motion.status.outcome.value), *motion.statistics.items()]
-    data = motion.data
+    data = motion.contents
     for name, label in (
         ("position_violation", "largest position violation"),
         ("velocity_violation", "largest velocity violation"),
     ):
         if data[name].size:
             rows.append((label, f"{float(data[name].max()):.3g}"))
-    error = np.abs(data["balance_error"].values)
+    error = np.abs(data["balance_error"])
     if error.size and np.isfinite(error).all():
         rows.append(("largest energy balance error [J]", f"{error.max():.3g}"))
     return statistics(rows)

@@ -6,7 +6,6 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from dalembert.elements.point import AXES
 from dalembert.results.labelled import LabelledRecording
@@ -125,5 +124,7 @@ def pose_of(body: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     turns = np.full((len(parameters), 3, 3), np.nan)
     known = np.isfinite(parameters).all(axis=1)
     if known.any():
+        from scipy.spatial.transform import Rotation
+
         turns[known] = Rotation.from_quat(parameters[known], scalar_first=True).as_matrix()
     return turns, np.column_stack([body[name] for name in AXES])

@@ -33,8 +33,8 @@ class PlanarDrawing(Drawing):
             shapes.append({"kind": "particle", "center": [0.0, 0.0]})
 
     def poses(self, body: Body) -> dict[str, list[float]]:
-        at = self.data.sel(body=body.name)
-        return self.pose(at["position"].values[self.keep], at["angle"].values[self.keep])
+        place, turn = (self.data.at(q, body=body.name)[self.keep] for q in ("position", "angle"))
+        return self.pose(place, turn)
 
     def pose(self, place: np.ndarray, turn: np.ndarray) -> dict[str, list[float]]:
         return {"x": place[:, 0].tolist(), "y": place[:, 1].tolist(), "angle": turn.tolist()}

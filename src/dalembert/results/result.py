@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVa
 import numpy as np
 
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.results.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.expression import Expression
 
@@ -92,6 +93,11 @@ class Result(Protocol):
         """All that is kept of it, with names."""
         ...
 
+    @property
+    def contents(self) -> Contents:
+        """``data`` as files and pages take it."""
+        return Contents.of(self.data)
+
     def summary(self) -> dict[str, Any]:
         """``status`` and the numbers to tell."""
         ...
@@ -105,10 +111,10 @@ class Result(Protocol):
         from dalembert.report.page import as_json
         from dalembert.results.store import save_dataset
 
-        data = self.data
+        contents = self.contents
         if self.has_page:
-            data = data.assign(report=((), as_json(self.page(**first_view))))
-        return save_dataset(data, path)
+            contents = contents.plus({"report": ((), as_json(self.page(**first_view)))})
+        return save_dataset(contents, path)
 
     def to_dataframe(self) -> pd.DataFrame:
         """A table of ``data``."""

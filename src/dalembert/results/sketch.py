@@ -47,7 +47,7 @@ class Sketch:
 
     def __init__(self, motion: LabelledRecording, keep: np.ndarray, loads: bool):
         self.motion, self.model, self.keep, self.loads = motion, motion.model, keep, loads
-        self.data, self.parameters = motion.data, self.model.equations.p
+        self.data, self.parameters = motion.contents, self.model.equations.p
         self.elements = [*self.model.constraints, *self.model.forces]
         self.elements += [
             e for e in self.model.parts.elements.values() if isinstance(e, Collisions)
@@ -168,10 +168,11 @@ class Sketch:
 
     def reaction(self, joint: Any) -> dict[str, list[float]]:
         """Columns of the force and moment that the joint bears."""
-        if "joint" not in self.data.coords or joint.name not in self.data["joint"].values:
+        if joint.name not in self.data.labels("joint"):
             return {}
-        at = self.data.sel(joint=joint.name)
-        force, moment = (at[f"reaction_{k}"].values[self.keep] for k in ("force", "moment"))
+        force, moment = (
+            self.data.at(f"reaction_{k}", joint=joint.name)[self.keep] for k in ("force", "moment")
+        )
         if not np.isfinite(force).any():
             return {}
         lever = 1e-9 * self.size * np.nanmax(np.abs(force))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from dalembert.elements.point import AXES
 from dalembert.elements.spatial.body import Body
@@ -28,14 +27,16 @@ class SpatialDrawing(Drawing):
     kind = SpatialSketch
 
     def poses(self, body: Any) -> dict[str, list[float]]:
-        at = self.data.sel(body=body.name)
-        place, turn = at["position"].values[self.keep], np.full((len(self.keep), 4), np.nan)
-        if "euler_parameters" in at:
-            turn = at["euler_parameters"].values[self.keep]
+        def at(quantity: str) -> np.ndarray:
+            return self.data.at(quantity, body=body.name)[self.keep]
+
+        place, turn = at("position"), np.full((len(self.keep), 4), np.nan)
+        if "euler_parameters" in self.data:
+            turn = at("euler_parameters")
         if not body.rotates:
             turn = np.tile([1.0, 0.0, 0.0, 0.0], (len(self.keep), 1))
         elif body.dimension == 2:
-            half = at["angle"].values[self.keep] / 2
+            half = at("angle") / 2
             turn = np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], axis=1)
         return self.pose(place, turn)
 
@@ -93,6 +94,8 @@ class SpatialDrawing(Drawing):
         radii *= min(1.0, MOST * self.size / radii.max())
         if np.linalg.det(axes) < 0:
             axes[:, 0] *= -1
+        from scipy.spatial.transform import Rotation
+
         turn = Rotation.from_matrix(axes).as_quat(scalar_first=True)
         shape = {"kind": "ellipsoid", "center": center.tolist(), "size": (2 * radii).tolist()}
         return shape | {"turn": turn.tolist()}

@@ -6,19 +6,20 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import xarray as xr
-
 from dalembert.atomic import atomic_path
 from dalembert.budget import afford
 from dalembert.errors import DalembertError, FileError
 from dalembert.readable import readable
+from dalembert.results.contents import Contents
+from dalembert.results.netcdf import write_netcdf
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 
-def save_dataset(data: xr.Dataset, path: str | Path) -> Path:
-    """Write a dataset as NetCDF-4, whole or not at all.
+def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
+    """Write labelled arrays as NetCDF-4, whole or not at all.
 
     Raises
     ------
@@ -26,7 +27,7 @@ def save_dataset(data: xr.Dataset, path: str | Path) -> Path:
         The file cannot be written.
     """
     with atomic_path(path) as temporary:
-        data.to_netcdf(temporary, engine="h5netcdf")
+        write_netcdf(data if isinstance(data, Contents) else Contents.of(data), temporary)
     return Path(path)
 
 
@@ -40,6 +41,8 @@ def load_results(path: str | Path) -> xr.Dataset:
     BudgetError
         It unpacks to more than a task may take.
     """
+    import xarray as xr
+
     readable(path, 1.0)
     try:
         unpacked = _unpacked(path)

@@ -10,8 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sparse
-import scipy.sparse.linalg as linalg
+import scipy
 
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.sparse.solver import SparseSolver
@@ -38,7 +37,7 @@ class Multigrid(SparseSolver):
     name = "conjugate gradients, algebraic multigrid"
 
     def __init__(self, matrix: Any, places: np.ndarray, directions: int, motions: np.ndarray):
-        self.matrix, self.iterations, self.residual = sparse.csr_matrix(matrix), 0, 0.0
+        self.matrix, self.iterations, self.residual = scipy.sparse.csr_matrix(matrix), 0, 0.0
         nodes, node = np.unique(places // directions, return_inverse=True)
         self._places = node * directions + places % directions
         self._size = nodes.size * directions
@@ -46,9 +45,11 @@ class Multigrid(SparseSolver):
         wide = np.zeros((self._size, motions.shape[1]))
         wide[self._places] = motions
         self._cycle = _hierarchy(blocks, wide).aspreconditioner(cycle="V")
-        self._operator = linalg.LinearOperator(self.matrix.shape, self._precondition, dtype=float)
+        self._operator = scipy.sparse.linalg.LinearOperator(
+            self.matrix.shape, self._precondition, dtype=float
+        )
 
-    def _blocks(self, directions: int) -> sparse.bsr_matrix:
+    def _blocks(self, directions: int) -> scipy.sparse.bsr_matrix:
         """The matrix with equations for all directions of its nodes."""
         entries = self.matrix.tocoo()
         others = np.setdiff1d(np.arange(self._size), self._places)
@@ -56,7 +57,9 @@ class Multigrid(SparseSolver):
         columns = np.concatenate([self._places[entries.col], others])
         own = np.full(others.size, self.matrix.diagonal().mean())
         shape = (self._size, self._size)
-        whole = sparse.csr_matrix((np.concatenate([entries.data, own]), (rows, columns)), shape)
+        whole = scipy.sparse.csr_matrix(
+            (np.concatenate([entries.data, own]), (rows, columns)), shape
+        )
         return whole.tobsr((directions, directions))
 
     def _precondition(self, rest: np.ndarray) -> np.ndarray:
@@ -92,7 +95,7 @@ class Multigrid(SparseSolver):
         found, start = np.zeros_like(rhs), size
         for _ in range(3):  # what rounding has left is a new right-hand side
             rest = rhs - self.matrix @ found
-            step, _ = linalg.cg(
+            step, _ = scipy.sparse.linalg.cg(
                 self.matrix,
                 rest,
                 rtol=0.0,
@@ -121,7 +124,7 @@ def available() -> bool:
     return find_spec("pyamg") is not None
 
 
-def _hierarchy(matrix: sparse.bsr_matrix, motions: np.ndarray) -> Any:
+def _hierarchy(matrix: scipy.sparse.bsr_matrix, motions: np.ndarray) -> Any:
     if not available():
         raise UnsupportedError(
             "solver='iterative' needs pyamg; pip install 'dalembert[sparse]', or take 'direct'"

@@ -13,7 +13,7 @@ from typing import Any
 from weakref import finalize
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.sparse.solver import Factors
 
@@ -60,7 +60,7 @@ class PardisoFactors(Factors):
         half = halved(matrix, self.scale)
         self.symmetric = half is not None
         if half is None:
-            half, self.scale = sparse.csr_matrix(matrix), np.ones(matrix.shape[0])
+            half, self.scale = scipy.sparse.csr_matrix(matrix), np.ones(matrix.shape[0])
         self._matrix, self._lock = half, Lock()
         self._solver = _prepared(self.symmetric)
         self._factorise()
@@ -95,24 +95,24 @@ def _scale(matrix: Any) -> np.ndarray:
     return 1.0 / np.sqrt(np.where(own > 0, own, 1.0))
 
 
-def halved(matrix: Any, scale: np.ndarray) -> sparse.csr_matrix | None:
+def halved(matrix: Any, scale: np.ndarray) -> scipy.sparse.csr_matrix | None:
     """The scaled upper triangle of a symmetric matrix with all diagonal entries, by rows.
 
     Those of others are None.
     """
-    whole = sparse.csc_matrix(matrix)
+    whole = scipy.sparse.csc_matrix(matrix)
     whole.sort_indices()
     columns = np.repeat(np.arange(whole.shape[0], dtype=whole.indices.dtype), np.diff(whole.indptr))
     if np.count_nonzero(whole.indices == columns) < whole.shape[0]:
         return None
     entries = whole.data * scale[whole.indices] * scale[columns]
-    full = sparse.csc_matrix((entries, whole.indices, whole.indptr), whole.shape)
+    full = scipy.sparse.csc_matrix((entries, whole.indices, whole.indptr), whole.shape)
     gap = full - full.T
     if not np.abs(gap.data).max(initial=0.0) <= ALIKE:
         return None
     below = whole.indices >= columns  # the lower triangle by columns is the upper one by rows
     starts = np.searchsorted(columns[below], np.arange(whole.shape[0] + 1)).astype(np.int32)
-    return sparse.csr_matrix((entries[below], whole.indices[below], starts), whole.shape)
+    return scipy.sparse.csr_matrix((entries[below], whole.indices[below], starts), whole.shape)
 
 
 def _prepared(symmetric: bool) -> Any:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sparse
-import scipy.sparse.linalg as linalg
+import scipy
 
 from dalembert.errors import BudgetError
 from dalembert.sparse.solver import Factors
@@ -35,7 +34,7 @@ class SuperLUFactors(Factors):
 
     def __init__(self, matrix: Any, **how: Any):
         try:
-            self._factors = linalg.splu(sparse.csc_array(matrix), **how)
+            self._factors = scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix), **how)
         except RuntimeError as error:
             raise np.linalg.LinAlgError(str(error)) from None
         except MemoryError:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.structures.block import ElementBlock
 from dalembert.structures.inertia import Moved
@@ -49,16 +49,16 @@ class Assembly:
     def _slots(self) -> np.ndarray:
         return self.pattern.slots(self.blocks)
 
-    def matrix(self, parts: Iterable[np.ndarray]) -> sparse.csc_matrix:
+    def matrix(self, parts: Iterable[np.ndarray]) -> scipy.sparse.csc_matrix:
         """Sum of element matrices (k, k, ne), one array for each block."""
         entries = np.concatenate([np.zeros(0), *(part.ravel() for part in parts)])
         return self.pattern.matrix(entries, self._slots)
 
     @cached_property
-    def _inner(self) -> tuple[np.ndarray, sparse.csc_matrix]:
+    def _inner(self) -> tuple[np.ndarray, scipy.sparse.csc_matrix]:
         return self.pattern.part(self.free)
 
-    def inner(self, matrix: sparse.csc_matrix) -> sparse.csc_matrix:
+    def inner(self, matrix: scipy.sparse.csc_matrix) -> scipy.sparse.csc_matrix:
         """Its rows and columns of the free displacements."""
         if not self.pattern.holds(matrix):
             return matrix[self.free][:, self.free].tocsc()
@@ -71,7 +71,7 @@ class Assembly:
         lengths = lengths[lengths > 0]
         return float(lengths.mean()) if lengths.size else 1.0
 
-    def stiffness(self, u: np.ndarray, p: np.ndarray) -> sparse.csc_matrix:
+    def stiffness(self, u: np.ndarray, p: np.ndarray) -> scipy.sparse.csc_matrix:
         """Tangent stiffness of the whole structure, ``K`` (8.7) where it is linear."""
         return self.matrix(b.kind.tangents(b.gather(u), b.data(p)) for b in self.blocks)
 
@@ -104,7 +104,7 @@ class Assembly:
             p_bar += turned
         return stiffness, p_bar
 
-    def mass(self, p: np.ndarray, lumped: bool = False) -> sparse.csc_matrix:
+    def mass(self, p: np.ndarray, lumped: bool = False) -> scipy.sparse.csc_matrix:
         """Mass matrix of the whole structure, diagonal if lumped."""
         return self.matrix(b.kind.masses(b.data(p), lumped) for b in self.blocks)
 
@@ -130,7 +130,9 @@ class Assembly:
             lambda b: b.kind.inertia_forces(b.gather_motion(motion), b.data(p), lumped)
         )
 
-    def inertia_slopes(self, motion: Moved, p: np.ndarray, lumped: bool) -> list[sparse.csc_matrix]:
+    def inertia_slopes(
+        self, motion: Moved, p: np.ndarray, lumped: bool
+    ) -> list[scipy.sparse.csc_matrix]:
         """Derivatives of the inertia forces by displacements, velocities and accelerations."""
         parts = [
             b.kind.inertia_slopes(b.gather_motion(motion), b.data(p), lumped) for b in self.blocks
@@ -158,7 +160,7 @@ class Assembly:
             ),
         )
 
-    def geometric(self, u: np.ndarray, p: np.ndarray) -> sparse.csc_matrix:
+    def geometric(self, u: np.ndarray, p: np.ndarray) -> scipy.sparse.csc_matrix:
         """Geometric stiffness ``∂³W/∂u³ (0) · u`` of the exact energies ``W``."""
         return self.matrix(b.kind.geometric(b.gather(u), b.data(p)) for b in self.blocks)
 

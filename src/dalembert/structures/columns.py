@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.structures.assembly import Assembly
 from dalembert.structures.block import ElementBlock
@@ -136,7 +136,7 @@ class Pushes:
             found += summing @ forces.reshape(-1, self.count)
         return found
 
-    def matrices(self, push: Callable) -> sparse.csr_matrix:
+    def matrices(self, push: Callable) -> scipy.sparse.csr_matrix:
         """(c · n, n) changes of ``A``, with ``push(kind, x, data, change)`` of what ``A x`` gives.
 
         Parameters change few elements as a rule: only entries that change are kept.
@@ -149,8 +149,8 @@ class Pushes:
             ]
             found.append(self.assembly.matrix(parts).tocsr())
             found[-1].eliminate_zeros()
-        empty = sparse.csr_matrix((0, self.assembly.size))
-        return sparse.vstack([empty, *found], format="csr")
+        empty = scipy.sparse.csr_matrix((0, self.assembly.size))
+        return scipy.sparse.vstack([empty, *found], format="csr")
 
     def _blocks(self) -> Iterator:
         return zip(self.assembly.blocks, self._data, self._changes, self._sums, strict=True)
@@ -178,8 +178,8 @@ def _gathered(block: ElementBlock, columns: np.ndarray) -> np.ndarray:
     return block.gather(columns).reshape(block.degrees.shape[0], -1)
 
 
-def _incidence(block: ElementBlock, size: int) -> sparse.csr_matrix:
+def _incidence(block: ElementBlock, size: int) -> scipy.sparse.csr_matrix:
     """Sums entries (k · ne) of the elements by displacement."""
     numbers = block.degrees.ravel()
     ones = np.ones(numbers.size)
-    return sparse.csr_matrix((ones, (numbers, np.arange(numbers.size))), (size, numbers.size))
+    return scipy.sparse.csr_matrix((ones, (numbers, np.arange(numbers.size))), (size, numbers.size))

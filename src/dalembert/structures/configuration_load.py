@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.structures.assembly import Assembly
 from dalembert.structures.block import ElementBlock
@@ -48,7 +48,7 @@ class ConfigurationLoad:
         """(n,) forces that hold the elements, beside those of their strain."""
         return self.assembly.internal_forces(self.place(u), p, time)
 
-    def stiffness(self, u: np.ndarray, p: np.ndarray) -> sparse.csc_matrix:
+    def stiffness(self, u: np.ndarray, p: np.ndarray) -> scipy.sparse.csc_matrix:
         """Their derivative by the displacements."""
         found = self.assembly.stiffness(self.place(u), p)
         return 0 * found if self.linear else found

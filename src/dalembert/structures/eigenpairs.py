@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import scipy.linalg as dense
-import scipy.sparse.linalg as linalg
+import scipy
 
 from dalembert.errors import AnalysisError
 
@@ -38,7 +37,7 @@ def nearest(a, b, count: int, shift: float, solve: Solve) -> Pairs:
     if a.shape[0] <= DENSE:
         theta, vectors = _all_inverted(b, scale, solve)
     else:
-        operator = linalg.LinearOperator(a.shape, solve, dtype=float)
+        operator = scipy.sparse.linalg.LinearOperator(a.shape, solve, dtype=float)
         count = min(count, int((scale > 0).sum()) - 1)
         values, vectors = _iterated(a, count, M=b, sigma=shift, which="LM", OPinv=operator)
         theta, vectors = 1.0 / (values - shift), solve(b @ vectors)  # rids them of massless parts
@@ -73,9 +72,9 @@ def largest(a, b, count: int, solve: Solve, both_signs: bool) -> Pairs:
     solve : of ``B x = y``
     """
     if a.shape[0] <= DENSE:
-        values, vectors = dense.eigh(a.toarray(), b.toarray())
+        values, vectors = scipy.linalg.eigh(a.toarray(), b.toarray())
     else:
-        operator = linalg.LinearOperator(a.shape, solve, dtype=float)
+        operator = scipy.sparse.linalg.LinearOperator(a.shape, solve, dtype=float)
         which = "LM" if both_signs else "LA"
         values, vectors = _iterated(a, min(count, a.shape[0] - 1), M=b, Minv=operator, which=which)
     kept = np.abs(values) > NONE * np.abs(values).max(initial=0.0)
@@ -89,8 +88,10 @@ def largest(a, b, count: int, solve: Solve, both_signs: bool) -> Pairs:
 def _iterated(a, count: int, **options) -> Pairs:
     start = np.random.default_rng(0).standard_normal(a.shape[0])
     try:
-        return linalg.eigsh(a, count, v0=start, ncv=min(a.shape[0], 2 * count + 20), **options)
-    except linalg.ArpackError as error:
+        return scipy.sparse.linalg.eigsh(
+            a, count, v0=start, ncv=min(a.shape[0], 2 * count + 20), **options
+        )
+    except scipy.sparse.linalg.ArpackError as error:
         raise AnalysisError(f"the search for eigenvalues failed ({error}); ask for fewer") from None
 
 

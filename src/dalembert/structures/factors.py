@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NoReturn
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.errors import SingularityError
 from dalembert.sparse.factorise import pivoted_factors, symmetric_factors
@@ -61,7 +61,7 @@ def _factors(matrix, own: np.ndarray, pivoting: bool = False) -> Factors:
     try:
         return factors(matrix)
     except np.linalg.LinAlgError:
-        return factors(matrix + sparse.diags(0.1 * SOFTEST * own))
+        return factors(matrix + scipy.sparse.diags(0.1 * SOFTEST * own))
 
 
 def _softest(factor: Factors, matrix, root: np.ndarray) -> tuple[np.ndarray, float]:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.linalg as dense
+import scipy
 
 from dalembert.sparse import multigrid, pardiso
 from dalembert.sparse.factorise import WORTH
@@ -63,7 +63,7 @@ def _refuse_rigid(matrix, own: np.ndarray, motions: np.ndarray, degrees: Numberi
     """Raise where the structure can move as a whole."""
     kept = motions[:, np.abs(motions).max(axis=0, initial=0.0) > 0]
     kept = kept / np.sqrt(np.einsum("fk,f,fk->k", kept, own, kept))
-    basis, sizes, _ = dense.svd(np.sqrt(own)[:, None] * kept, full_matrices=False)
+    basis, sizes, _ = scipy.linalg.svd(np.sqrt(own)[:, None] * kept, full_matrices=False)
     basis = basis[:, sizes > 1e-8 * sizes[0]] / np.sqrt(own)[:, None]
     energies, mixed = np.linalg.eigh(basis.T @ (matrix @ basis))
     if energies[0] < SOFT:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.errors import AnalysisError
 from dalembert.structures.block import ElementBlock
@@ -19,7 +19,7 @@ class MovingState(State):
 
     v: np.ndarray
     a: np.ndarray
-    mass: sparse.csc_matrix
+    mass: scipy.sparse.csc_matrix
     lumped: bool
 
 

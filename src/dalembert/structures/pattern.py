@@ -11,7 +11,7 @@ from copy import copy
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.structures.block import ElementBlock
 
@@ -29,7 +29,7 @@ class Pattern:
         self.blocks, self.size = blocks, size
 
     @cached_property
-    def _places(self) -> tuple[sparse.csc_matrix, dict[ElementBlock, np.ndarray]]:
+    def _places(self) -> tuple[scipy.sparse.csc_matrix, dict[ElementBlock, np.ndarray]]:
         """The matrix without numbers, and the entry that each entry of an element belongs to."""
         keys = [np.zeros(0, dtype=np.int64)]
         for block in self.blocks:
@@ -48,12 +48,12 @@ class Pattern:
         each = self._places[1]
         return np.concatenate([np.zeros(0, dtype=np.int32), *(each[b] for b in blocks)])
 
-    def matrix(self, entries: np.ndarray, slots: np.ndarray) -> sparse.csc_matrix:
+    def matrix(self, entries: np.ndarray, slots: np.ndarray) -> scipy.sparse.csc_matrix:
         """The sum of what belongs to each entry."""
         empty = self._places[0]
         return filled(empty, np.bincount(slots, entries, minlength=empty.indices.size))
 
-    def part(self, chosen: np.ndarray) -> tuple[np.ndarray, sparse.csc_matrix]:
+    def part(self, chosen: np.ndarray) -> tuple[np.ndarray, scipy.sparse.csc_matrix]:
         """Entries in chosen rows and columns, and the matrix of these without numbers."""
         empty = self._places[0]
         new = np.full(self.size, -1)
@@ -63,12 +63,12 @@ class Pattern:
         starts = np.searchsorted(columns[kept], np.arange(chosen.size + 1))
         return kept, _matrix(new[empty.indices[kept]], starts, chosen.size)
 
-    def holds(self, matrix: sparse.spmatrix) -> bool:
+    def holds(self, matrix: scipy.sparse.spmatrix) -> bool:
         """Whether a matrix has been made by this pattern."""
         return getattr(matrix, "indices", None) is self._places[0].indices
 
 
-def combined(*terms: tuple[float, sparse.csc_matrix]) -> sparse.csc_matrix:
+def combined(*terms: tuple[float, scipy.sparse.csc_matrix]) -> scipy.sparse.csc_matrix:
     """``Σ factor · matrix``; matrices of one pattern are added entry by entry."""
     (factor, first), *others = terms
     if all(matrix.indices is first.indices for _, matrix in others):
@@ -76,12 +76,12 @@ def combined(*terms: tuple[float, sparse.csc_matrix]) -> sparse.csc_matrix:
     return sum((f * m for f, m in others), factor * first).tocsc()
 
 
-def _matrix(rows: np.ndarray, starts: np.ndarray, size: int) -> sparse.csc_matrix:
+def _matrix(rows: np.ndarray, starts: np.ndarray, size: int) -> scipy.sparse.csc_matrix:
     indices, starts = rows.astype(np.int32), starts.astype(np.int32)
-    return sparse.csc_matrix((np.zeros(rows.size), indices, starts), shape=(size, size))
+    return scipy.sparse.csc_matrix((np.zeros(rows.size), indices, starts), shape=(size, size))
 
 
-def filled(like: sparse.csc_matrix, entries: np.ndarray) -> sparse.csc_matrix:
+def filled(like: scipy.sparse.csc_matrix, entries: np.ndarray) -> scipy.sparse.csc_matrix:
     """Other entries at the same places."""
     made = copy(like)
     made.data = entries

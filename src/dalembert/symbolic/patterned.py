@@ -7,7 +7,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy import sparse
+import scipy
 
 from dalembert.symbolic.expression import stack
 from dalembert.symbolic.kernel import Kernel
@@ -50,9 +50,11 @@ class Patterned:
         if self._small[k]:
             return value.ravel() if shape[1] == 1 else value
         row, start = self._patterns[k]
-        return sparse.csr_array(sparse.csc_array((value.ravel(), row, start), shape=shape))
+        return scipy.sparse.csr_array(
+            scipy.sparse.csc_array((value.ravel(), row, start), shape=shape)
+        )
 
 
 def dense(matrix: Matrix) -> np.ndarray:
     """All entries."""
-    return matrix.toarray() if sparse.issparse(matrix) else np.asarray(matrix)
+    return matrix.toarray() if scipy.sparse.issparse(matrix) else np.asarray(matrix)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-from scipy import sparse
+import scipy
 
 from dalembert.analysis.nonsmooth.gap_source import GapSource
 from dalembert.elements.contact.balls import meeting_at_wall, meeting_of_balls
@@ -78,7 +78,7 @@ class CollisionGaps(GapSource):
         same = np.repeat(shares, count, axis=1)
         return Contacts(
             distance,
-            sparse.csr_array(directions @ velocities),
+            scipy.sparse.csr_array(directions @ velocities),
             np.zeros((count, width)),
             same[0],
             same[1],
@@ -141,7 +141,7 @@ class CollisionGaps(GapSource):
 
     def _assembled(
         self, blocks: np.ndarray, first: np.ndarray, second: np.ndarray, things: int, width: int
-    ) -> sparse.csr_array:
+    ) -> scipy.sparse.csr_array:
         """``K`` (n width, 6 things)."""
         count = first.size
         rows = np.arange(count)[:, None] * width + np.arange(self.width)
@@ -150,7 +150,7 @@ class CollisionGaps(GapSource):
         row = np.broadcast_to(rows[:, :, None], blocks.shape)
         column = np.broadcast_to(columns[:, None, :], blocks.shape)
         entries = (blocks.ravel(), (row.ravel(), column.ravel()))
-        return sparse.csr_array(entries, shape=(count * width, TWIST * things))
+        return scipy.sparse.csr_array(entries, shape=(count * width, TWIST * things))
 
 
 def _in_space(vector: ca.SX) -> ca.SX:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import casadi as ca
 import numpy as np
-from scipy import sparse
+import scipy
 
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.model.assembly import ROUNDING
@@ -111,14 +111,14 @@ def solver(matrix: Matrix, joints: Matrix) -> Solve:
 def _diagonal(matrix: Matrix) -> np.ndarray | None:
     """The diagonal of a matrix with nothing else in it."""
     diagonal = matrix.diagonal()
-    others = matrix.count_nonzero() if sparse.issparse(matrix) else np.count_nonzero(matrix)
+    others = matrix.count_nonzero() if scipy.sparse.issparse(matrix) else np.count_nonzero(matrix)
     return diagonal if np.all(diagonal) and others == diagonal.size else None
 
 
 def _factors(matrix: Matrix, joints: Matrix) -> Callable[[np.ndarray], np.ndarray]:
     m, n = joints.shape
     text = "inertia and joints of a step have no solution; look for a singular position"
-    if not (sparse.issparse(matrix) or sparse.issparse(joints)):
+    if not (scipy.sparse.issparse(matrix) or scipy.sparse.issparse(joints)):
         from scipy.linalg import lu_factor, lu_solve
 
         whole = np.zeros((n + m, n + m))
@@ -129,6 +129,6 @@ def _factors(matrix: Matrix, joints: Matrix) -> Callable[[np.ndarray], np.ndarra
         return lambda right: lu_solve(factored, right, check_finite=False)
     blocks = [[matrix, joints.T], [joints, None]] if m else [[matrix]]
     try:
-        return general_factors(sparse.block_array(blocks, format="csc")).solve
+        return general_factors(scipy.sparse.block_array(blocks, format="csc")).solve
     except np.linalg.LinAlgError:
         raise SingularityError(text) from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.analysis.structural.balance import Balance, Balanced
 from dalembert.analysis.structural.statics import factorised
@@ -113,7 +113,7 @@ class PathEquations:
         row = plane.row
         parts = [[stiffness, -load[:, None]], [row[None, :-1], row[None, -1:]]]
         try:
-            return general_factors(sparse.bmat(parts, format="csc"))
+            return general_factors(scipy.sparse.bmat(parts, format="csc"))
         except np.linalg.LinAlgError:
             raise SingularityError("the path branches there") from None
 

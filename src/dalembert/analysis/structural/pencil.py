@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.assembly import Assembly
@@ -68,7 +68,7 @@ class Term:
 
     state: Loaded
 
-    def matrix(self) -> sparse.csc_matrix:
+    def matrix(self) -> scipy.sparse.csc_matrix:
         """(n, n)."""
         raise NotImplementedError
 
@@ -90,7 +90,7 @@ class Mass(Term):
 
     lumped: bool = False
 
-    def matrix(self) -> sparse.csc_matrix:
+    def matrix(self) -> scipy.sparse.csc_matrix:
         s, (steady, turning) = self.state, self._parts
         found = steady.mass(s.p, self.lumped)
         if turning.blocks:
@@ -125,7 +125,7 @@ class Mass(Term):
 class Tangent(Term):
     """The tangent stiffness ``∂²W/∂u²`` at the displacements of the state."""
 
-    def matrix(self) -> sparse.csc_matrix:
+    def matrix(self) -> scipy.sparse.csc_matrix:
         s = self.state
         parts = (s.model.assembly, s.heated)
         return combined(*((1.0, part.stiffness(s.u, s.p)) for part in parts))
@@ -151,7 +151,7 @@ class Geometric(Term):
 
     factor: float = 1.0
 
-    def matrix(self) -> sparse.csc_matrix:
+    def matrix(self) -> scipy.sparse.csc_matrix:
         s = self.state
         strained = s.model.assembly.geometric(s.u, s.p)
         hot = s.heated.stiffness(np.zeros_like(s.u), s.p)
@@ -187,10 +187,10 @@ class Pencil:
         """Numbers of the free displacements."""
         return self.model.assembly.free
 
-    def matrices(self) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+    def matrices(self) -> tuple[scipy.sparse.csc_matrix, scipy.sparse.csc_matrix]:
         """``A`` and ``B``, free displacements only."""
         return self._sum(self.left), self._sum(self.right)
 
-    def _sum(self, terms: Sequence[Term]) -> sparse.csc_matrix:
+    def _sum(self, terms: Sequence[Term]) -> scipy.sparse.csc_matrix:
         total = combined(*((1.0, term.matrix()) for term in terms))
         return self.model.assembly.inner(total)

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg as dense
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.analysis.structural.pencil import Pencil
 from dalembert.sparse.factorise import indefinite_factors
@@ -32,7 +31,7 @@ class Spectrum:
     """
 
     pencil: Pencil
-    matrices: tuple[sparse.csc_matrix, sparse.csc_matrix]
+    matrices: tuple[scipy.sparse.csc_matrix, scipy.sparse.csc_matrix]
     values: np.ndarray
     vectors: np.ndarray
     _factors: dict[tuple[int, ...], tuple[np.ndarray, Solve]] = field(default_factory=dict)
@@ -86,7 +85,7 @@ class Spectrum:
 
     def _held(self, group: list[int]) -> tuple[np.ndarray, Solve]:
         a, b = self.matrices
-        held = dense.qr(self.vectors[:, group].T, pivoting=True, mode="r")[1][: len(group)]
+        held = scipy.linalg.qr(self.vectors[:, group].T, pivoting=True, mode="r")[1][: len(group)]
         kept = np.setdiff1d(np.arange(a.shape[0]), held)
         matrix = (a - self.values[group].mean() * b).tocsc()[kept][:, kept]
         if not kept.size:

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.elements.base import Scalar
 from dalembert.errors import ModelError, SingularityError, UnsupportedError
@@ -76,9 +76,9 @@ def moved(x: Moving) -> Motions:
 class Slopes(NamedTuple):
     """Derivatives of the forces of a motion by displacements, velocities and accelerations."""
 
-    u: sparse.csc_matrix
-    v: sparse.csc_matrix
-    a: sparse.csc_matrix
+    u: scipy.sparse.csc_matrix
+    v: scipy.sparse.csc_matrix
+    a: scipy.sparse.csc_matrix
 
     def along(self, change: Motions) -> np.ndarray:
         """Change of the forces, for one or many columns."""
@@ -153,7 +153,7 @@ class EquationOfMotion:
         return bool(self.turning.blocks)
 
     @cached_property
-    def sizes(self) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+    def sizes(self) -> tuple[scipy.sparse.csc_matrix, scipy.sparse.csc_matrix]:
         """Sizes of the entries of mass and damping matrix in the initial place."""
         return abs(self.mass), abs(self.alpha * self.mass + self._damper)
 
@@ -179,7 +179,7 @@ class EquationOfMotion:
         """(held,) prescribed displacements with their velocities and accelerations."""
         return Motions(*(array.values(self.p, time) for array in self.supports))
 
-    def tangent(self, u: np.ndarray) -> sparse.csc_matrix:
+    def tangent(self, u: np.ndarray) -> scipy.sparse.csc_matrix:
         """``∂²W/∂u²``, of heated elements too."""
         if self.linear:
             return self.stiffness
@@ -227,7 +227,7 @@ class EquationOfMotion:
         found[self.held] = (self.forces(motion) - loads)[self.held]
         return found
 
-    def slopes(self, motion: Motions, stiffness: sparse.csc_matrix | None = None) -> Slopes:
+    def slopes(self, motion: Motions, stiffness: scipy.sparse.csc_matrix | None = None) -> Slopes:
         """Derivatives of ``forces``; the stiffness there is found if it is not given."""
         rest = self._constant_slopes
         if self.linear:
@@ -254,7 +254,7 @@ class EquationOfMotion:
         return motion.a + self.alpha * motion.v if self.alpha else motion.a
 
 
-def factors(matrix: sparse.csc_matrix, what: str, symmetric: bool = True) -> Factors | None:
+def factors(matrix: scipy.sparse.csc_matrix, what: str, symmetric: bool = True) -> Factors | None:
     """Sparse factors of a matrix, symmetric and positive as a rule.
 
     Raises

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.analysis.structural.balance import Balance, relative
 from dalembert.analysis.structural.transient_equation import (
@@ -109,7 +109,7 @@ class TransientStep:
         return solution.x if solution.accepted else None
 
     def residual(
-        self, motion: Motions, loads: np.ndarray, where: np.ndarray, sizes: sparse.csc_matrix
+        self, motion: Motions, loads: np.ndarray, where: np.ndarray, sizes: scipy.sparse.csc_matrix
     ) -> Residual:
         """What is left over of the forces on some displacements.
 
@@ -146,7 +146,7 @@ class Linearised:
         self.stiffness = step.equation.tangent(motion.u)
 
     @cached_property
-    def sizes(self) -> sparse.csc_matrix:
+    def sizes(self) -> scipy.sparse.csc_matrix:
         """Sizes of the entries of the stiffness."""
         return abs(self.stiffness)
 

@@ -11,7 +11,6 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-from scipy.special import roots_jacobi
 
 from dalembert.elements.fem.energies import Rows
 
@@ -83,11 +82,22 @@ def gauss_simplex(dimension: int, count: int) -> Rows:
     places, weights = np.zeros((1, 0)), np.ones(1)
     left = np.ones(1)  # what the coordinates so far leave of the unit
     for k in range(dimension):
-        s, w = roots_jacobi(count, dimension - 1 - k, 0)
+        s, w = gauss_jacobi(count, dimension - 1 - k)
         s, w = (1 + s) / 2, w / 2 ** (dimension - k)
         places = np.column_stack([np.repeat(places, count, axis=0), np.outer(left, s).ravel()])
         weights, left = np.outer(weights, w).ravel(), np.outer(left, 1 - s).ravel()
     return _rows(places, weights)
+
+
+def gauss_jacobi(count: int, power: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss points of ``[−1, 1]`` with the weight ``(1 − s)^power``, from the eigenvectors of the
+    recurrence of Jacobi's polynomials (Golub & Welsch, Math. Comp. 23, 1969)."""
+    n, a = np.arange(1.0, count), float(power)
+    first = -a / (a + 2)
+    middle = np.array([first, *(-(a**2) / ((2 * n + a) * (2 * n + a + 2)))])
+    beside = 2 * n * (n + a) / (2 * n + a) / np.sqrt((2 * n + a) ** 2 - 1)
+    places, vectors = np.linalg.eigh(np.diag(middle) + np.diag(beside, 1) + np.diag(beside, -1))
+    return places, 2 ** (a + 1) / (a + 1) * vectors[0] ** 2
 
 
 def _rows(places: np.ndarray, weights: np.ndarray) -> Rows:

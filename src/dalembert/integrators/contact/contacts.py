@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from dalembert.symbolic.patterned import Matrix
 
@@ -71,8 +71,8 @@ class Contacts:
         )
         distance, drift, *rest = (np.concatenate(column) for column in columns)
         rows = [p.directions for p in parts]
-        if any(sparse.issparse(part) for part in rows):
-            stacked: Matrix = sparse.csr_array(sparse.vstack(rows))
+        if any(scipy.sparse.issparse(part) for part in rows):
+            stacked: Matrix = scipy.sparse.csr_array(scipy.sparse.vstack(rows))
         else:
             stacked = np.vstack(rows)
         return cls(distance, stacked, drift, *rest)

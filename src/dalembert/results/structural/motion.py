@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
@@ -49,7 +49,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
     velocities: np.ndarray
     accelerations: np.ndarray
     forces: np.ndarray
-    mass: sparse.csc_matrix
+    mass: scipy.sparse.csc_matrix
     status: Status
     statistics: dict[str, Any] = field(default_factory=dict)
     record: Any = None

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.linalg as dense
+import scipy
 
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.structures.numbering import Numbering
@@ -60,7 +60,7 @@ class ShapeBasis:
             return np.zeros((0, 0)), self.coordinates
         modes = reduced.shapes[reduced.assembly.free, -count:]
         seen = self.momenta.T @ modes
-        cosines = dense.eigvalsh(seen.T @ seen, modes.T @ (self.mass @ modes))
+        cosines = scipy.linalg.eigvalsh(seen.T @ seen, modes.T @ (self.mass @ modes))
         if not cosines[0] > LOST**2:
             raise AnalysisError(
                 f"of the {count} lowest modes between the interfaces one has changed places with "
@@ -118,8 +118,8 @@ def _modes(reduced: CraigBampton, held: Interface | None, rigid: int) -> np.ndar
         return np.zeros((size, 0))
     a, b = (m[np.ix_(kept, kept)] for m in (reduced.stiffness, reduced.mass))
     try:
-        _, vectors = dense.eigh(a, b)
-    except dense.LinAlgError:
+        _, vectors = scipy.linalg.eigh(a, b)
+    except scipy.linalg.LinAlgError:
         raise ModelError(
             "the mass of its shapes is not positive definite; give all elements a density"
         ) from None

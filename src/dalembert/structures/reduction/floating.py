@@ -9,7 +9,7 @@ frame alone, and the shapes are orthogonal.
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg as dense
+import scipy
 
 from dalembert.elements.flexible.shapes import FloatingShapes, SectionShapes
 from dalembert.errors import ModelError
@@ -122,8 +122,8 @@ def modes_of(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.nd
     if not len(mass):
         return np.zeros(0), np.zeros((0, 0))
     try:
-        squares, modes = dense.eigh(stiffness, mass)
-    except dense.LinAlgError:
+        squares, modes = scipy.linalg.eigh(stiffness, mass)
+    except scipy.linalg.LinAlgError:
         raise ModelError(
             "the mass of its shapes is not positive definite; give all elements a density"
         ) from None

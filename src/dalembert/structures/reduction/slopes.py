@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from dalembert.sparse.factorise import general_factors
 from dalembert.structures.numbering import Numbering
@@ -116,9 +116,9 @@ class ReductionSlopes:
     def _bordered(self) -> list[Callable[[np.ndarray], np.ndarray]]:
         """Solves with ``K − ω² M`` where displacements have no part along the modes."""
         k, m = (self.assembly.inner(matrix) for matrix in (self.stiffness, self.mass))
-        border = sparse.csc_matrix(self._momenta)
+        border = scipy.sparse.csc_matrix(self._momenta)
         return [
-            general_factors(sparse.bmat([[k - w**2 * m, border], [border.T, None]])).solve
+            general_factors(scipy.sparse.bmat([[k - w**2 * m, border], [border.T, None]])).solve
             for w in self.reduced.frequencies
         ]
 
