@@ -59,6 +59,7 @@ from dalembert.design.methods.differential_evolution import (
     DifferentialEvolution as DifferentialEvolution,
 )
 from dalembert.design.methods.discrete import BranchAndBound as BranchAndBound
+from dalembert.design.methods.enumeration import Enumeration as Enumeration
 from dalembert.design.methods.ipopt import Ipopt as Ipopt
 from dalembert.design.methods.least_squares import LeastSquares as LeastSquares
 from dalembert.design.methods.moving_asymptotes import Mma as Mma
