@@ -59,6 +59,7 @@ from dalembert.design.methods.differential_evolution import (
     DifferentialEvolution as DifferentialEvolution,
 )
 from dalembert.design.methods.discrete import BranchAndBound as BranchAndBound
+from dalembert.design.methods.enumeration import Enumeration as Enumeration
 from dalembert.design.methods.ipopt import Ipopt as Ipopt
 from dalembert.design.methods.least_squares import LeastSquares as LeastSquares
 from dalembert.design.methods.moving_asymptotes import Mma as Mma
@@ -104,6 +105,12 @@ from dalembert.design.synthesis.synthesize import (
 from dalembert.design.synthesis.target import Target as Target
 from dalembert.design.tolerance import tolerance as tolerance
 from dalembert.design.toleranced import Toleranced as Toleranced
+from dalembert.design.trajectory.collocation import DirectCollocation as DirectCollocation
+from dalembert.design.trajectory.control import Control as Control
+from dalembert.design.trajectory.optimal import OptimalTrajectory as OptimalTrajectory
+from dalembert.design.trajectory.optimize_trajectory import (
+    optimize_trajectory as optimize_trajectory,
+)
 from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
 from dalembert.elements import (
     laws as laws,

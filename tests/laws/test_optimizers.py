@@ -21,7 +21,9 @@ QUICK = {
     "cma-es": da.CmaEs(generations=10),
     "multistart": da.Multistart(starts=3),
 }
-CONSTRAINED = [n for n in OPTIMIZERS if n not in ("least-squares", "branch-and-bound")]
+CONSTRAINED = [
+    n for n in OPTIMIZERS if n not in ("least-squares", "branch-and-bound", "enumeration")
+]
 FIVE = {f"x{k}": (5.0, 1.0, 10.0) for k in range(1, 6)}
 BENDING = ("61/x1**3 + 37/x2**3 + 19/x3**3 + 7/x4**3 + 1/x5**3", None, 1.0)
 
@@ -256,3 +258,30 @@ def test_bad_input(options, error, words):
     asked = {"minimize": da.final("x*y"), "analysis": da.Statics()} | options
     with pytest.raises(error, match=words):
         da.optimize(model, **asked)
+
+
+def test_all_designs_are_compared_whether_by_formulas_or_by_runs():
+    """The same objective with and without a measure in it, and a limit that cuts the best off."""
+    variables = {"x": (3.0, 1.0, 6.0), "y": (3.0, 1.0, 6.0)}
+    sizes = [da.Integer("x"), da.Integer("y")]
+    for extra, runs in (("", 2), (" + 0*only_bar.stress", 36)):
+        best = solve(
+            variables,
+            "(x*y - 14.2)**2 + 0.01*x" + extra,
+            [("x + y", None, 7.0)],
+            vary=sizes,
+            method="enumeration",
+        )
+        assert best.success, best.message
+        every = {
+            (x, y): (x * y - 14.2) ** 2 + 0.01 * x
+            for x, y in itertools.product(range(1, 7), repeat=2)
+            if x + y <= 7
+        }
+        least = min(every, key=lambda design: every[design])
+        assert (best.x["x"], best.x["y"]) == least and best.runs <= runs
+    with pytest.raises(AnalysisError, match="neither"):
+        solve(variables, "x*y", vary=[da.Integer("x"), "y"], method="enumeration")
+    method = da.Enumeration(max_designs=20)
+    with pytest.raises(AnalysisError, match="36 designs"):
+        solve(variables, "x*y", vary=sizes, method=method)

@@ -134,3 +134,18 @@ def test_speed_reducer():
     assert best.success, best.message
     assert best.fun == pytest.approx(2994.471, rel=1e-6)
     assert best.x["x3"] == 17 and best.violation <= 1e-6
+
+
+def test_gear_train():
+    """Four numbers of teeth for a ratio of 1/6.931 (Sandgren 1990): all 49⁴ trains compared."""
+    variables = {f"x{k}": (30, 12, 60) for k in range(1, 5)}
+    best = solve(
+        variables,
+        "(1/6.931 - x2*x3/(x1*x4))**2",
+        vary=[da.Integer(name) for name in variables],
+        method="enumeration",
+    )
+    assert best.success, best.message
+    assert best.fun == pytest.approx(2.700857e-12, rel=1e-6)
+    assert {best.x["x2"], best.x["x3"]} == {16, 19} and {best.x["x1"], best.x["x4"]} == {43, 49}
+    assert best.runs <= 3

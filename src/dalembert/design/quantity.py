@@ -96,7 +96,7 @@ class Combined(Quantity):
         return [term for part in self.parts.values() for term in part.terms]
 
     @cached_property
-    def _function(self) -> ca.Function:
+    def function(self) -> ca.Function:
         """Value and derivatives of the formula by its names."""
         symbols = {name: Expression(ca.SX.sym(name), name) for name in self.parts}
         found = parse_formula(self.formula, symbols.get, lambda: list(symbols))
@@ -112,10 +112,10 @@ class Combined(Quantity):
         return np.array([part.value(v) for part, v in parts])
 
     def value(self, values: np.ndarray) -> float:
-        return float(self._function(self._inner(values))[0])
+        return float(self.function(self._inner(values))[0])
 
     def slope(self, values: np.ndarray) -> np.ndarray:
-        outer = np.array(self._function(self._inner(values))[1]).ravel()
+        outer = np.array(self.function(self._inner(values))[1]).ravel()
         split = zip(outer, self.parts.values(), self._split(values), strict=True)
         return np.concatenate([o * part.slope(v) for o, part, v in split])
 
@@ -125,7 +125,7 @@ class Combined(Quantity):
     def of(self, case: Any) -> Quantity:
         parts = {name: bound(part, case) for name, part in self.parts.items()}
         made = Combined(self.formula, parts, self.name, self.given_unit)
-        made._function  # noqa: B018 - tells of names that are unknown
+        made.function  # noqa: B018 - tells of names that are unknown
         return made
 
 

@@ -63,6 +63,8 @@ class BranchAndBound(Optimizer):
         message = f"branch and bound: {search.nodes} relaxed problems"
         if left:
             message += f", {len(left)} ranges of sizes are left unexplored; raise max_nodes"
+            if set(range(program.n)) <= set(program.variables.sizes):
+                message += ", or take method='enumeration'"
         return Ended(search.design, not left, message, is_whole=not left)
 
 

@@ -8,6 +8,7 @@ from dalembert.design.methods.base import Optimizer
 from dalembert.design.methods.cma_es import CmaEs
 from dalembert.design.methods.differential_evolution import DifferentialEvolution
 from dalembert.design.methods.discrete import BranchAndBound
+from dalembert.design.methods.enumeration import Enumeration
 from dalembert.design.methods.ipopt import Ipopt
 from dalembert.design.methods.least_squares import LeastSquares
 from dalembert.design.methods.moving_asymptotes import Mma
@@ -29,6 +30,7 @@ OPTIMIZERS: dict[str, type[Optimizer]] = {
     "cma-es": CmaEs,
     "multistart": Multistart,
     "branch-and-bound": BranchAndBound,
+    "enumeration": Enumeration,
 }
 
 

@@ -1,0 +1,181 @@
+"""All designs of a finite number: exact, whatever the objective is like."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.discrete import fix_sizes
+from dalembert.design.program import FEASIBLE, Program
+from dalembert.errors import AnalysisError
+from dalembert.options import options
+from dalembert.responses.values import Final
+from dalembert.symbolic.expression import stack
+
+AT_ONCE = 200_000
+"""Designs whose formulas are evaluated together."""
+KEPT = 64
+"""Designs that are run, the best first, until one of them does what its formulas say."""
+
+
+@options
+class Enumeration(Optimizer):
+    """Every combination of whole numbers and catalogue sizes: the best there is, proved.
+
+    Where objective and limits are formulas of parameters alone, all designs are compared by these
+    formulas and only the best is run; otherwise every design is.
+
+    Parameters
+    ----------
+    max_designs : combinations at most, by formulas
+    max_runs : combinations at most, where each is a run
+    """
+
+    max_designs: int = 20_000_000
+    max_runs: int = 20_000
+
+    is_global = True
+
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+        table = _Table.of(program)
+        formulas = _formulas(program)
+        most, what = (
+            (self.max_runs, "max_runs") if formulas is None else (self.max_designs, "max_designs")
+        )
+        if table.count > most:
+            raise AnalysisError(
+                f"there are {table.count:,} designs, more than {what}={most:,}; narrow bounds, "
+                f"raise {what}, or take method='branch-and-bound'"
+            )
+        ranked = _run_all(program, table) if formulas is None else _ranked(program, table, formulas)
+        for x in ranked:
+            z = program.scaled(x)
+            found = program.problem.evaluate(x, gradient=False)
+            if found is not None and program.violation(found.values) <= FEASIBLE:
+                program.keep(z)
+                fix_sizes(program, x)
+                return Ended(z, True, f"enumeration: the best of {table.count:,} designs")
+        return Ended(z, False, f"none of {table.count:,} designs keeps the limits and runs")
+
+
+@dataclass(frozen=True)
+class _Table:
+    """All combinations, by their number.
+
+    Attributes
+    ----------
+    sizes : values of each variable
+    """
+
+    sizes: list[np.ndarray]
+
+    @classmethod
+    def of(cls, program: Program) -> _Table:
+        known = program.variables.sizes
+        for k, name in enumerate(program.variables.names):
+            if k not in known and program.is_free()[k]:
+                raise AnalysisError(
+                    f"enumeration takes whole numbers and catalogues, and {name!r} is neither; "
+                    "take method='branch-and-bound'"
+                )
+        held = range(len(program.variables.names))
+        return cls([known.get(k, program.lower[k : k + 1]) for k in held])
+
+    @property
+    def count(self) -> int:
+        return math.prod(s.size for s in self.sizes)
+
+    def designs(self, numbers: np.ndarray) -> np.ndarray:
+        """(n, K) designs of these numbers."""
+        places = np.unravel_index(numbers, [s.size for s in self.sizes])
+        return np.array([s[k] for s, k in zip(self.sizes, places, strict=True)])
+
+    def chunks(self) -> Iterator[np.ndarray]:
+        for begin in range(0, self.count, AT_ONCE):
+            yield np.arange(begin, min(begin + AT_ONCE, self.count))
+
+
+def _formulas(program: Program) -> ca.Function | None:
+    """``p → terms`` where they are formulas of parameters alone; None where a run is needed."""
+    problem = program.problem
+    if len(problem.cases) != 1 or problem.cases[0].given:
+        return None
+    model, symbols = problem.cases[0].model, problem.cases[0].model.parameters.values()
+    p = stack(s.sx for s in symbols)
+    terms = []
+    for _, response in problem.terms:
+        found = model.expression(response.measure).sx
+        if not isinstance(response, Final) or not _is_of(found, p):
+            return None
+        terms.append(found)
+    return ca.Function("terms", [p], [stack(terms)])
+
+
+def _is_of(expression: ca.SX, p: ca.SX) -> bool:
+    known = {p[k].__hash__() for k in range(p.numel())}
+    return all(symbol.__hash__() in known for symbol in ca.symvar(expression))
+
+
+def _ranked(program: Program, table: _Table, formulas: ca.Function) -> list[np.ndarray]:
+    """The best designs by their formulas, of those that keep the limits."""
+    best: list[tuple[float, np.ndarray]] = []
+    for numbers in table.chunks():
+        designs = table.designs(numbers)
+        terms = np.array(formulas.map(numbers.size)(_parameters(program, designs)))
+        values = _values(program, terms)
+        kept = (_violations(program, values) <= FEASIBLE) & np.isfinite(values[0])
+        objective = np.where(kept, program.sign * values[0], np.inf)
+        few = (
+            np.argpartition(objective, KEPT - 1)[:KEPT]
+            if numbers.size > KEPT
+            else numbers - numbers[0]
+        )
+        best += [(float(objective[k]), designs[:, k]) for k in few if kept[k]]
+        best = sorted(best, key=lambda one: one[0])[:KEPT]
+    return [x for _, x in best]
+
+
+def _parameters(program: Program, designs: np.ndarray) -> np.ndarray:
+    """(np, K) values of all parameters of the model."""
+    model, variables = program.problem.cases[0].model, program.variables
+    rows = dict(zip(variables.names, designs, strict=True))
+    rows |= {name: np.asarray(curve(designs[k])) for name, k, curve in variables.followers}
+    known = zip(model.parameters.items(), model.nominal, strict=False)
+    count = designs.shape[1]
+    return np.array([np.broadcast_to(rows.get(n, value), count) for (n, _), value in known])
+
+
+def _values(program: Program, terms: np.ndarray) -> np.ndarray:
+    """(quantities, K) of terms in columns."""
+    problem = program.problem
+    rows = []
+    for quantity in problem.quantities:
+        own = terms[problem.places(quantity)]
+        plain = quantity.terms == [quantity]
+        rows.append(own[0] if plain else np.array([quantity.value(column) for column in own.T]))
+    return np.array(rows)
+
+
+def _violations(program: Program, values: np.ndarray) -> np.ndarray:
+    """(K,) largest relative violation of a limit."""
+    if not program.m:
+        return np.zeros(values.shape[1])
+    c = values[1:] / program.sizes[:, None]
+    over = np.maximum(program.c_lower[:, None] - c, c - program.c_upper[:, None])
+    return np.nan_to_num(np.maximum(over.max(axis=0), 0.0), nan=np.inf)
+
+
+def _run_all(program: Program, table: _Table) -> list[np.ndarray]:
+    """The designs by what their runs give, the best first."""
+    found: list[tuple[float, np.ndarray]] = []
+    for numbers in table.chunks():
+        for x in table.designs(numbers).T:
+            made = program.problem.evaluate(x, gradient=False)
+            if made is not None and program.violation(made.values) <= FEASIBLE:
+                found.append((program.sign * made.values[0], x))
+    return [x for _, x in sorted(found, key=lambda one: one[0])]

@@ -1,0 +1,1 @@
+"""Trajectory optimisation: controls, motion and dimensions at once."""

@@ -1,0 +1,240 @@
+"""Controls, motion and dimensions at once: trajectory optimisation by direct collocation.
+
+``min J(x(t), u(t), p, T)`` subject to the equations of motion, limits on the way and conditions at
+both ends (Betts 2010; Kelly, *An introduction to trajectory optimization*, SIAM Review 2017).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.served import need_mechanism
+from dalembert.design.limit import Limit
+from dalembert.design.trajectory.collocation import DirectCollocation
+from dalembert.design.trajectory.control import Control
+from dalembert.design.trajectory.defects import largest_defect
+from dalembert.design.trajectory.guess import guessed
+from dalembert.design.trajectory.optimal import OptimalTrajectory
+from dalembert.design.trajectory.ipopt import judged, solved
+from dalembert.design.trajectory.physics import Physics, speed_basis
+from dalembert.design.trajectory.quantities import (
+    Conditions,
+    condition_rows,
+    cyclic_rows,
+    limit_rows,
+    number_of,
+)
+from dalembert.design.trajectory.transcription import Rows, Transcription
+from dalembert.errors import AnalysisError
+from dalembert.model.model import Model
+from dalembert.model.scheduled import ScheduledModel
+from dalembert.results.motion import Motion
+from dalembert.results.recording import Trajectory
+from dalembert.results.status import Status
+from dalembert.text import unknown
+
+STEPS = 20
+"""Steps of the forward run in an interval."""
+
+
+def optimize_trajectory(
+    model: Model,
+    minimize: Any,
+    controls: Sequence[str],
+    duration: float | tuple[float, float],
+    *,
+    begin: Conditions | None = None,
+    end: Conditions | None = None,
+    cyclic: Sequence[str] = (),
+    subject_to: Sequence[Limit] = (),
+    vary: Sequence[str] = (),
+    parameters: Mapping[str, float] | None = None,
+    guess: Any = None,
+    method: DirectCollocation | None = None,
+    verify: bool = True,
+) -> OptimalTrajectory:
+    """Best motion of a mechanism, and the controls that make it.
+
+    Parameters
+    ----------
+    model : Model; closed loops are kept closed by their constraints
+    minimize : ``integral``, ``mean``, ``rms`` or ``final`` of a measure, or ``combined`` of such;
+        ``da.final("time")`` for the shortest time
+    controls : parameters of forces and moments that become functions of time, within their bounds
+    duration : of the motion, or its bounds [s]
+    begin, end : measure → value or (lower, upper), None for an open side; by default it begins
+        where the model starts
+    cyclic : measures that end as they began
+    subject_to : limits; those on ``maximum`` and ``minimum`` hold all the way
+    vary : parameters that are designed with the motion, within their bounds
+    parameters : values of others
+    guess : a motion, ``"simulate"``, or ``"line"``, which leads evenly to the places demanded at
+        the end; the line where there are such
+    method : ``DirectCollocation(intervals=...)``
+    verify : run it forward under the controls found
+
+    Raises
+    ------
+    AnalysisError
+        An unknown name, nothing to control, or a guess that cannot be made; ``UnsupportedError``
+        for rigid contacts, and for controls that change masses or lengths.
+    """
+    need_mechanism(model, "optimize_trajectory", "optimise it by da.optimize")
+    method = method or DirectCollocation()
+    span = _span(duration)
+    _refuse_names(model, [*controls, *vary])
+    if not controls and not vary:
+        raise AnalysisError("nothing to find; name controls=[...], parameters of forces")
+    physics = Physics(model, controls, vary, model.values(parameters))
+    transcription = Transcription(physics, method.intervals, span)
+    n = method.intervals
+    rows = [
+        *transcription.equations(),
+        *(_at_start(transcription) if begin is None else []),
+        *condition_rows(transcription, begin or {}, 0, "at the beginning"),
+        *condition_rows(transcription, end or {}, n, "at the end"),
+        *cyclic_rows(transcription, cyclic),
+        *limit_rows(transcription, subject_to),
+    ]
+    objective = number_of(transcription, minimize)
+    x0 = transcription.pack(guessed(physics, guess, end or {}, span, n))
+    x, iterations, told = solved(transcription, objective, rows, x0, method)
+    return _result(
+        transcription, method, minimize, x, iterations, told, objective, rows, verify, begin is None
+    )
+
+
+def _span(duration: Any) -> tuple[float, float]:
+    low, high = duration if isinstance(duration, (tuple, list)) else (duration, duration)
+    if not (np.isfinite(high) and 0 <= low <= high and high > 0):
+        raise AnalysisError(f"duration is {duration!r}; give a time, or two finite bounds [s]")
+    return max(float(low), 1e-6 * float(high)), float(high)
+
+
+def _refuse_names(model: Model, names: Sequence[str]) -> None:
+    for k, name in enumerate(names):
+        if name not in model.parameters:
+            raise AnalysisError(unknown("parameter", name, model.parameters))
+        if name in names[:k]:
+            raise AnalysisError(f"{name!r} is named twice; it is a control or varies, once")
+
+
+def _at_start(transcription: Transcription) -> list[Rows]:
+    """Place and speeds of the model's start, on what the constraints leave free."""
+    physics, knots = transcription.physics, transcription.knots
+    model, recipe = physics.model, physics.model.closure.recipe
+    free = speed_basis(physics.equations, 0.0, model.start.y, physics.p)
+    away = ca.vertcat(recipe.pinned, recipe.position_conditions)
+    place = physics.of_state("pinned", away)
+    moving = ca.mtimes(ca.DM(free).T, physics.equations.v - ca.DM(model.start.v))
+    speed = physics.of_state("moving", moving * model.scales.time)
+    return [
+        Rows("place at the start", knots.at(0, place)),
+        Rows("speeds at the start", knots.at(0, speed)),
+    ]
+
+
+def _result(
+    transcription: Transcription,
+    method: DirectCollocation,
+    minimize: Any,
+    x: np.ndarray,
+    iterations: int,
+    told: str,
+    objective: ca.MX,
+    rows: list[Rows],
+    verify: bool,
+    from_start: bool,
+) -> OptimalTrajectory:
+    physics, found = transcription.physics, transcription.unpack(x)
+    duration = float(found["duration"][0, 0])
+    status = judged(transcription, rows, x, told, duration)
+    varied = dict(zip(physics.vary, map(float, found["q"].ravel()), strict=True))
+    known = physics.model.values(
+        dict(zip(physics.model.parameters, map(float, physics.p), strict=False)) | varied
+    )
+    controls = _controls(physics, found, duration)
+    scheduled = ScheduledModel(physics.model, {n: c.formula for n, c in controls.items()})
+    planned = _planned(scheduled, method, known, found, duration, status)
+    motion, deviation, defect = None, np.nan, np.nan
+    if verify and status.success:
+        defect = largest_defect(physics, planned.trajectory, controls, found["q"])
+        motion = _forward(scheduled, planned, method.intervals, from_start)
+        deviation = _deviation(planned, motion)
+    fun = float(ca.Function("objective", [transcription.unknowns], [objective])(x))
+    label = getattr(minimize, "label", "objective")
+    return OptimalTrajectory(
+        status,
+        fun,
+        duration,
+        varied,
+        controls,
+        planned,
+        motion,
+        defect,
+        deviation,
+        iterations,
+        label,
+    )
+
+
+def _controls(
+    physics: Physics, found: dict[str, np.ndarray], duration: float
+) -> dict[str, Control]:
+    made, count = {}, found["u_middle"].shape[1]
+    times = np.linspace(0, duration, 2 * count + 1)
+    for k, name in enumerate(physics.controls):
+        values = np.empty(2 * count + 1)
+        values[::2], values[1::2] = found["u"][k], found["u_middle"][k]
+        made[name] = Control(name, physics.model.parameters[name].unit, times, values)
+    return made
+
+
+def _planned(
+    model: Model,
+    method: DirectCollocation,
+    p: np.ndarray,
+    found: dict[str, np.ndarray],
+    duration: float,
+    status: Status,
+) -> Motion:
+    """The knots as a motion."""
+    times = np.linspace(0, duration, method.intervals + 1)
+    trajectory = Trajectory(
+        times,
+        found["y"],
+        found["v"],
+        found["a"],
+        model.all_multipliers(found["multiplier"]),
+        np.full((2, times.size), np.nan),
+    )
+    return Motion(model, method, p, trajectory, status)
+
+
+def _forward(model: ScheduledModel, planned: Motion, intervals: int, from_start: bool) -> Motion:
+    """The motion that the controls make, from where the plan begins."""
+    begun = (
+        model
+        if from_start
+        else model.begun_at(
+            planned.trajectory.y[:, 0], planned.trajectory.v[:, 0], planned.parameters
+        )
+    )
+    duration = float(planned.time[-1])
+    analysis = Dynamics(duration, step=duration / (STEPS * intervals))
+    return analysis.run(begun, planned.parameters)
+
+
+def _deviation(planned: Motion, motion: Motion) -> float:
+    """Largest distance at a knot that both reach; not a number where the run ends before."""
+    if not motion.status.success:
+        return float("nan")
+    seen = motion.trajectory.y[:, :: (motion.time.size - 1) // (planned.time.size - 1)]
+    e, s = planned.model.equations, planned.model.scales
+    off = e.manifold.lead(planned.trajectory.y, seen)
+    return float(np.max(np.abs(off) / s.displacements[:, None], initial=0.0))

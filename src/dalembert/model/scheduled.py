@@ -1,0 +1,92 @@
+"""A model some of whose parameters are functions of time, as controls are once they are found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import UnsupportedError
+from dalembert.model.assembled_state import AssembledState
+from dalembert.model.model import Model
+from dalembert.symbolic.expression import stack
+from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.once import forget
+
+MADE = {"names", "measure_names", "_value_checks", "_once"}
+"""What a model makes of its formulas when it is asked, and keeps."""
+
+
+class ScheduledModel(Model):
+    """The model with formulas of time in place of some parameters of its forces.
+
+    Parameters
+    ----------
+    model : Model
+    schedules : parameter → formula of time
+    """
+
+    def __init__(self, model: Model, schedules: Mapping[str, ca.SX]):
+        refuse_other_than_forces(model, list(schedules))
+        self.__dict__.update({k: v for k, v in vars(model).items() if k not in MADE})
+        self._replaced = stack(model.parameters[name].sx for name in schedules)
+        self._schedules = stack(schedules.values())
+        e = model.all_equations
+        self.all_equations = replace(
+            e, force=self._scheduled(e.force), powers=self._scheduled(e.powers)
+        )
+        self.equations = self.all_equations.with_rows(self.closure.rows)
+        self._begun: AssembledState | None = None
+
+    def begun_at(self, y: np.ndarray, v: np.ndarray, p: np.ndarray) -> ScheduledModel:
+        """The same mechanism, beginning its runs in this state."""
+        made = copy(self)
+        forget(made)
+        made._begun = self.closure.state(y, p, 0.0)
+        made._begun = replace(made._begun, v=v)
+        return made
+
+    def assemble(self, p: np.ndarray, time: float = 0.0) -> AssembledState:
+        return super().assemble(p, time) if self._begun is None else self._begun
+
+    @property
+    def initial_state(self) -> ImplicitFunction:
+        if self._begun is not None:
+            raise UnsupportedError(
+                "the run begins in a state that was found with it, so that its start does not "
+                "follow the parameters; optimise from the start of the model for gradients"
+            )
+        return super().initial_state
+
+    def _scheduled(self, expression: ca.SX) -> ca.SX:
+        return ca.substitute(expression, self._replaced, self._schedules)
+
+    def at_ground(self, expression: ca.SX) -> ca.SX:
+        return self._scheduled(super().at_ground(expression))
+
+
+def refuse_other_than_forces(model: Model, names: list[str]) -> None:
+    """Only forces may follow a control: masses, lengths and drivers have derivatives.
+
+    Raises
+    ------
+    UnsupportedError
+        Names the parameter and what else follows it.
+    """
+    e = model.all_equations
+    others = {
+        "masses": ca.veccat(e.mass, e.bias),
+        "joints or drivers": ca.vertcat(e.constraints, e.nonholonomic),
+        "energy that springs store": e.potential,
+        "the start": model.guesses.place,
+    }
+    for name in names:
+        for what, formula in others.items():
+            if ca.depends_on(formula, model.parameters[name].sx):
+                raise UnsupportedError(
+                    f"the control {name!r} would change {what}; a control is a parameter of forces "
+                    "and moments alone, such as planar.Moment(..., value) or a JointActuator"
+                )
