@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import reprlib
+from collections.abc import Iterable
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
 
 from dalembert.errors import ExpressionError
 from dalembert.symbolic.parser import parse_formula
+from dalembert.text import nearest
 
 
 def shown(value: Any) -> str:
@@ -138,6 +140,19 @@ ListOfRows = Annotated[
         }
     ),
 ]
+
+
+def one_name(known: Iterable[str]) -> Any:
+    """One of these names."""
+    names = list(known)
+
+    def check(value: Any) -> str:
+        if not isinstance(value, str) or value not in names:
+            near = nearest(value, names)
+            raise ValueError(f"unknown name {shown(value)}{near}; known: {', '.join(names)}")
+        return value
+
+    return Annotated[str, BeforeValidator(check), WithJsonSchema({"enum": names})]
 
 
 def list_of(item: Any, size: int, what: str = "numbers or formulas", least: int = 0) -> Any:
