@@ -19,8 +19,11 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
 import dalembert as da
+from dalembert.io.analyses import make_analysis
+from dalembert.io.designs import make_design
 from dalembert.io.model_file import load_model_file
-from dalembert.io.tasks import make_analysis, make_design, make_responses, report_choices
+from dalembert.io.responses import make_responses
+from dalembert.io.tasks import report_choices
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 EVERY = {p.stem: 'kind = "structure"' in p.read_text("utf-8") for p in EXAMPLES.glob("*.toml")}

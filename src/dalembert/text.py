@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import json
+import math
 import re
 from collections.abc import Iterable
 from typing import Any
@@ -43,6 +45,25 @@ def plain_text(text: Any, entity: str) -> str:
             visible(entity),
         )
     return text
+
+
+def as_document(data: Any) -> str:
+    """JSON; null where a number is not finite, and hidden characters as ``\\u202e``."""
+    text = json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False)
+    return HIDDEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def plain(data: Any) -> Any:
+    """Built-in types only."""
+    if isinstance(data, dict):
+        return {str(key): plain(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [plain(item) for item in data]
+    if hasattr(data, "tolist"):
+        return plain(data.tolist())
+    if isinstance(data, float):
+        return data if math.isfinite(data) else None
+    return data if data is None or isinstance(data, (bool, int, str)) else str(data)
 
 
 def nearest(name: Any, known: Iterable[str]) -> str:

@@ -21,12 +21,29 @@ COMMANDS = {
     "sensitivity": "Derivatives of the responses of a model file by its parameters.",
     "compare": "Compare formulations and integrators on a model: cost, violations, errors.",
     "optimize": "Find the parameter values that make a response of a model file best.",
+    "pareto": "Find the designs of a model file of which none is better in all aims.",
+    "reliability": "Find how probable it is that random parameters break a limit.",
+    "tolerance": "Find how a response scatters within the tolerances of dimensions.",
+    "synthesize": "Find linkages for a path, a motion or a function.",
     "identify": "Find the parameter values that explain measured time series.",
+    "invert": "Find the forces and drives that explain measured motion.",
     "sweep": "Run the analysis of a model file at many designs; goes on where it was ended.",
     "report": "Write the interactive report of a result file.",
     "cache": "Show the compiled functions that are kept on disk, or delete them.",
     "schema": "Print the JSON Schema of model files, for editors.",
 }
+
+EXAMPLES = {
+    "optimize": "smooth_torque.toml --minimize torque_rms --vary k --output results",
+    "pareto": "smooth_torque.toml --points 9 --output results",
+    "reliability": "smooth_torque.toml --samples 1000 --output results",
+    "tolerance": "smooth_torque.toml --samples 500 --output results",
+    "synthesize": "walking_path.toml --starts 40 --output results",
+    "identify": "pendulum.toml --data run_1.csv --data run_2.csv --output results",
+    "invert": "pushed_mass.toml --data run_3.csv --output results",
+    "sweep": "four_bar.toml --workers 2 --output results",
+}
+"""Command → arguments of an example."""
 
 HELP = """Analysis and design optimisation of constrained mechanical systems.
 
@@ -44,7 +61,9 @@ def make_app() -> App:
     """The application; each command's module is imported when it is called."""
     app = App(name="dalembert", help=HELP, version=_version, help_format="markdown")
     for name, summary in COMMANDS.items():
-        app.command(f"dalembert.cli.{name}:{name}", name=name, help=summary)
+        example = EXAMPLES.get(name)
+        told = f"{summary}\n\nExample: dalembert {name} {example}" if example else summary
+        app.command(f"dalembert.cli.{name}:{name}", name=name, help=told)
     return app
 
 

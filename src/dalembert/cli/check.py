@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dalembert.cli.console import DONE, AsJson, Settings, emit, wrong_input
-from dalembert.cli.loading import loaded, teller_of
+from dalembert.cli.console import DONE, AsJson, Settings, emit, head, wrong_input
+from dalembert.cli.loading import is_deck, loaded, teller_of
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -23,10 +23,14 @@ def check(model: Path, /, *, settings: Settings | None = None, as_json: AsJson =
     model
         Model file, TOML or JSON.
     """
+    from dalembert.io.tasks import check_tasks
+
+    if (alone := _synthesis_alone(model)) is not None:
+        return _tell_synthesis(alone, as_json)
     file, built = loaded(model, settings, Path())
     teller = teller_of(built)
     with wrong_input():
-        _check_tasks(file, built)
+        check_tasks(file, built)
     if as_json:
         emit({"ok": True, "name": file.name, **teller.description})
     else:
@@ -34,11 +38,27 @@ def check(model: Path, /, *, settings: Settings | None = None, as_json: AsJson =
     return DONE
 
 
-def _check_tasks(file: ModelFile, model: Any) -> None:
-    """What the file asks to compute can be made."""
-    from dalembert.io.identification import make_identification
-    from dalembert.io.tasks import check_tasks
+def _synthesis_alone(path: Path) -> ModelFile | None:
+    """The file where it asks for linkages and has no model of its own."""
+    from dalembert.io.model_file import load_model_file
 
-    check_tasks(file, model)
-    if file.document.identify is not None:
-        make_identification(file, model)
+    if is_deck(path):
+        return None
+    with wrong_input():
+        file = load_model_file(path)
+    document: Any = file.document
+    asked = getattr(document, "synthesis", None) is not None
+    return file if asked and not document.bodies else None
+
+
+def _tell_synthesis(file: ModelFile, as_json: bool) -> int:
+    from dalembert.io.synthesis import make_synthesis
+
+    with wrong_input():
+        asked = make_synthesis(file)
+    kind, count = asked["linkage"].__name__, len(asked["target"])
+    if as_json:
+        emit({"ok": True, "name": file.name, "linkage": kind, "entries": count})
+    else:
+        head(file.name, f"a {kind} for a {file.document.synthesis.type} of {count} entries")  # type: ignore[union-attr]
+    return DONE

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import math
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -13,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from dalembert.errors import DalembertError
-from dalembert.text import HIDDEN, visible
+from dalembert.text import as_document, visible
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -77,26 +75,7 @@ def written(files: Iterable[Path]) -> None:
 
 def emit(data: Any) -> None:
     """One JSON document on standard output; null where a number is not finite."""
-    text = json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False)
-    print(escaped(text))
-
-
-def escaped(text: str) -> str:
-    """JSON with what would not be seen as ``\\u202e``, which means the same."""
-    return HIDDEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
-
-
-def plain(data: Any) -> Any:
-    """Built-in types only."""
-    if isinstance(data, dict):
-        return {str(key): plain(value) for key, value in data.items()}
-    if isinstance(data, (list, tuple)):
-        return [plain(item) for item in data]
-    if hasattr(data, "tolist"):
-        return plain(data.tolist())
-    if isinstance(data, float):
-        return data if math.isfinite(data) else None
-    return data if data is None or isinstance(data, (bool, int, str)) else str(data)
+    print(as_document(data))
 
 
 def shown(value: Any) -> str:

@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import (
-    DONE,
-    FAILED,
-    AsJson,
-    Quiet,
-    Settings,
-    emit,
-    tell,
-    written,
-    wrong_input,
-)
-from dalembert.cli.loading import loaded, output_folder
+from dalembert.cli.console import AsJson, Quiet, Settings, tell
+from dalembert.cli.decision import Asked, Run, iterations
 
 if TYPE_CHECKING:
-    from dalembert.design.identification.identified import Identification
+    from dalembert.io.model_file import ModelFile
 
 
 def identify(
@@ -44,69 +33,25 @@ def identify(
     data
         File of measurements, .csv or .parquet, instead of the file's; repeatable, one for each run.
     output
-        Folder for the picture of data, model and residuals (.identified.png) and the covariance
-        (.covariance.csv); none are written by default.
+        Folder for the picture of data, model and residuals (.identified.png), the covariance
+        (.covariance.csv), the numbers (.identification.nc, .identification.json) and the page
+        (.identification.report.html); none are written by default.
     """
-    from dalembert.design.identification.identify import identify as found_from
-    from dalembert.io.analyses import make_analysis
-    from dalembert.io.identification import check_data, make_identification
 
-    file, built = loaded(model, settings)
-    with wrong_input():
+    def read(file: ModelFile, built: Any) -> Run:
+        from dalembert.design.identification.identify import identify as found_from
+        from dalembert.io.analyses import make_analysis
+        from dalembert.io.identification import check_files, make_identification
+
         asked = make_identification(file, built, data)
         task = make_analysis(file, built) if file.document.analysis is not None else None
-        check_data(asked["data"])
-    folder = output_folder(output) if output else None
+        check_files([experiment.data for experiment in asked["data"]])
+        return lambda show: found_from(built, **asked, analysis=task, progress=iterations(show))
 
-    def told(number: int, cost: float) -> None:
-        print(f"iteration {number}: {cost:.8g}", file=sys.stderr)
-
-    silent = quiet or as_json
-    found = found_from(built, **asked, analysis=task, progress=False if silent else told)
-    files = _write(found, folder / file.path.stem) if folder else []
-    made = _document(found, files)
-    if as_json:
-        emit(made)
-    else:
-        _print(file.name, made)
-    return DONE if found.success else FAILED
+    return Asked(model, settings, output, quiet, as_json).decide(read, _show)
 
 
-def _write(found: Identification, base: Path) -> list[Path]:
-    import matplotlib as mpl
-
-    from dalembert.atomic import atomic_path
-
-    mpl.use("Agg")
-    files = [base.with_name(f"{base.name}.{end}") for end in ("identified.png", "covariance.csv")]
-    with atomic_path(files[0]) as temporary:
-        found.plot().savefig(temporary, format="png", dpi=110)
-    with atomic_path(files[1]) as temporary:
-        found.covariance.to_pandas().to_csv(temporary)
-    return files
-
-
-def _document(found: Identification, files: list[Path]) -> dict[str, Any]:
-    return {
-        "ok": found.success,
-        "message": found.message,
-        "x": found.x,
-        "deviation": found.deviation,
-        "interval": found.interval(),
-        "start": dict(zip(found.x, found.misfit.unknowns.start.tolist(), strict=True)),
-        "noise": found.noise,
-        "noise_given": found.noise_given,
-        "samples": found.samples,
-        "correlation": found.correlation.values.tolist(),
-        "notes": found.notes,
-        "runs": found.runs,
-        "failed_runs": found.failed_runs,
-        "files": [str(f) for f in files],
-    }
-
-
-def _print(name: str, made: dict[str, Any]) -> None:
-    tell(f"{name}: {made['message']}", "green" if made["ok"] else "red")
+def _show(made: dict[str, Any]) -> None:
     for parameter, value in made["x"].items():
         low, high = made["interval"][parameter]
         start = made["start"][parameter]
@@ -117,4 +62,3 @@ def _print(name: str, made: dict[str, Any]) -> None:
     for note in made["notes"]:
         tell(f"  note: {note}", "yellow")
     tell(f"  {made['samples']} samples, {made['runs']} runs")
-    written(map(Path, made["files"]))

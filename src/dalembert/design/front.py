@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from dalembert.design.decision import Decision
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def best_of(values: np.ndarray) -> np.ndarray:
@@ -21,7 +26,7 @@ def best_of(values: np.ndarray) -> np.ndarray:
 
 
 @dataclass(eq=False)
-class Front:
+class Front(Decision):
     """Result of ``pareto``.
 
     Attributes
@@ -32,8 +37,10 @@ class Front:
     designs : (points, parameters)
     message : how it was found
     runs : of the analysis
+    interrupted : by Ctrl-C; the points found until then are kept
     """
 
+    word = "pareto"
     labels: list[str]
     units: list[str]
     names: list[str]
@@ -44,6 +51,15 @@ class Front:
     runs: int = 0
     gradients: int = 0
     failed: list[str] = field(default_factory=list)
+    name: str = ""
+    parameter_units: list[str] = field(default_factory=list)
+    interrupted: bool = False
+    rerun: Callable[[int], Any] | None = field(default=None, repr=False)
+
+    @property
+    def success(self) -> bool:  # type: ignore[override]
+        """Whether there is a choice: two designs at least, and it went to its end."""
+        return len(self) > 1 and not self.interrupted
 
     def __len__(self) -> int:
         return len(self.values)
@@ -68,6 +84,58 @@ class Front:
         points = points[np.argsort(points[:, 0])]
         edges = np.append(points[1:, 0], limit[0])
         return float(np.sum((edges - points[:, 0]) * (limit[1] - points[:, 1])))
+
+    def result(self, k: int) -> Any:
+        """The run of a point; None where the front knows no runs."""
+        return None if self.rerun is None else self.rerun(k)
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "ok": self.success,
+            "message": self.message,
+            "interrupted": self.interrupted,
+            "aims": self.labels,
+            "units": self.units,
+            "senses": ["minimize" if s > 0 else "maximize" for s in self.senses],
+            "points": [
+                {"aims": dict(zip(self.labels, row, strict=True)), "parameters": self.design(k)}
+                for k, row in enumerate(self.values.tolist())
+            ],
+            "runs": self.runs,
+            "gradients": self.gradients,
+            "failed": self.failed,
+        }
+
+    @property
+    def data(self) -> xr.Dataset:
+        """Aims and parameters of every point."""
+        import xarray as xr
+
+        return xr.Dataset(
+            {
+                "aims": (("point", "aim"), self.values),
+                "parameters": (("point", "parameter"), self.designs),
+                "aim_unit": ("aim", self.units),
+            },
+            {"point": range(len(self)), "aim": self.labels, "parameter": self.names},
+            {"message": self.message, "runs": self.runs},
+        )
+
+    def page(self, **first_view: Any) -> dict[str, Any]:
+        from dalembert.design.pages.front import front_page
+
+        return front_page(self, **first_view)
+
+    def views(self) -> list[dict[str, Any]]:
+        from dalembert.design.pages.front import front_views
+
+        return front_views(self)
+
+    def table_of_designs(self) -> dict[str, Any]:
+        """Aims and parameters, as a page shows them."""
+        from dalembert.design.pages.front import front_designs
+
+        return front_designs(self)
 
     def to_dataframe(self) -> Any:
         """One row a point: aims, then parameters."""

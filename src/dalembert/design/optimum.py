@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from dalembert.design.bounded import Bounded
+from dalembert.design.decision import Decision
 from dalembert.results.result import Result
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -19,7 +23,7 @@ class Iterate:
 
 
 @dataclass(eq=False)
-class Optimum:
+class Optimum(Decision):
     """Result of an optimisation.
 
     Attributes
@@ -40,6 +44,7 @@ class Optimum:
     optima : distinct optima of ``Multistart``, the best first
     """
 
+    word = "optimum"
     x: dict[str, float]
     fun: float
     success: bool
@@ -70,12 +75,56 @@ class Optimum:
         told = (one.cost(self.unit) for one in (*self.limits, *self.variables))
         return [text for text in told if text]
 
-    def report(self, path: Any, **first_view: Any) -> Any:
-        """Write the interactive report of the best design, the first one as a ghost beside it."""
-        from dalembert.design.optimum_page import optimum_page
-        from dalembert.report.page import write_page
+    @property
+    def name(self) -> str:  # type: ignore[override]
+        """Of the model of the objective."""
+        return str(self.motion.model.name)
 
-        return write_page(optimum_page(self, **first_view), path)
+    def summary(self) -> dict[str, Any]:
+        return {
+            "ok": self.success,
+            "message": self.message,
+            "interrupted": self.interrupted,
+            "x": self.x,
+            "fun": self.fun,
+            "objective": self.label,
+            "unit": self.unit,
+            "start": self.history[0].parameters,
+            "start_fun": self.history[0].objective,
+            "gradient": self.gradient,
+            "violation": self.violation,
+            "at_bounds": self.at_bounds,
+            "active": self.active,
+            "prices": self.prices,
+            "stationarity": self.stationarity,
+            "iterations": len(self.history) - 1,
+            "runs": self.runs,
+            "gradients": self.gradients,
+            "failed_runs": self.failed_runs,
+            "history": [asdict(i) for i in self.history],
+        }
+
+    @property
+    def data(self) -> xr.Dataset:
+        """The best run, and beside it the designs on the way."""
+        names = list(self.history[0].parameters)
+        way = [[i.parameters[n] for n in names] for i in self.history]
+        return self.motion.data.assign(
+            optimum_way=(("iteration", "variable"), way),
+            optimum_objective=("iteration", [i.objective for i in self.history]),
+            optimum_violation=("iteration", [i.violation for i in self.history]),
+        ).assign_coords(variable=names)
+
+    def page(self, **first_view: Any) -> dict[str, Any]:
+        """The page of the best run, the first design as a ghost beside it."""
+        from dalembert.design.pages.optimum import optimum_page
+
+        return optimum_page(self, **first_view)
+
+    def views(self) -> list[dict[str, Any]]:
+        from dalembert.design.pages.optimum import optimum_views
+
+        return optimum_views(self)
 
     def plot(self, ax: Any = None) -> Any:
         """Objective over the iterations; returns the axes."""
@@ -90,7 +139,7 @@ class Optimum:
         ax.spines[["top", "right"]].set_visible(False)
         return ax
 
-    def _repr_html_(self) -> str:
+    def table_html(self) -> str:
         from dalembert.design.optimum_table import optimum_table
 
         return optimum_table(self)

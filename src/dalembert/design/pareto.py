@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.front import Front, best_of
 from dalembert.design.limit import Limit
@@ -45,8 +46,9 @@ def pareto(
     tolerance: float = 1e-8,
     generations: int = 100,
     rng: int = 0,
+    progress: Reported = False,
 ) -> Front:
-    """The front of several aims.
+    """The front of several aims; Ctrl-C ends it with the points found until then.
 
     Parameters
     ----------
@@ -59,6 +61,7 @@ def pareto(
     points : along each side of the front; population of an evolution
     local : gradient method of each point
     generations, rng : of an evolution
+    progress : True for a bar, or a function of the fraction done
 
     Raises
     ------
@@ -83,11 +86,13 @@ def pareto(
         gradient=gradient,
     )
     if method in EVOLUTIONS:
-        return _evolved(functions, senses, method, points, generations, rng)
+        with progress_reporter(progress, method) as report:
+            return _evolved(functions, senses, method, points, generations, rng, report)
     if functions.problem.variables.sizes:
         raise UnsupportedError(f"{method} knows no sizes of catalogues; use method='nsga2'")
     search = _Search(functions, senses, make_optimizer(local, False), max_iterations, tolerance)
-    return search.front(method, points)
+    with progress_reporter(progress, "front") as report:
+        return search.front(method, points, report)
 
 
 class _Search:
@@ -137,8 +142,27 @@ class _Search:
         """(aims,) all to be small."""
         return self.senses * self.functions.values(x)
 
-    def front(self, method: str, points: int) -> Front:
-        anchors = []
+    def front(self, method: str, points: int, report: Callable[[float], None]) -> Front:
+        """The points of the front; those found until then where it is interrupted.
+
+        Raises
+        ------
+        AnalysisError
+            There is no best design in one of the aims.
+        """
+        try:
+            return self.result(method, self._along(method, points, report))
+        except KeyboardInterrupt:
+            if not self.found:
+                raise
+            front = self.result(method, f"interrupted after {len(self.found)} searches")
+            front.interrupted = True
+            return front
+
+    def _along(self, method: str, points: int, report: Callable[[float], None]) -> str:
+        """Search the corners and the points between; a note where there is nothing between."""
+        shares, anchors = _shares(len(self.aims), points), []
+        whole = len(self.aims) + len(shares)
         for row in range(len(self.aims)):
             x = self.solved(self.aim(row), [], self.functions.x0)
             if x is None:
@@ -146,13 +170,14 @@ class _Search:
                     f"no best design in {self.aims[row].label} alone: {self.failed[-1]}"
                 )
             anchors.append(x)
+            report((row + 1) / whole)
         corners = np.array([self.values(x) for x in anchors])
         low, high = corners.min(axis=0), corners.max(axis=0)
         span = high - low
         if np.any(span <= 1e-9 * np.maximum(abs(high), 1e-12)):
-            return self.result(method, "the aims do not contradict each other")
+            return "the aims do not contradict each other"
         last = anchors[-1]
-        for share in _shares(len(self.aims), points):
+        for k, share in enumerate(shares):
             make = self.normal if method == "normal-constraint" else self.epsilon
             nearest = min(self.found, key=lambda x: self.distance(x, share @ corners, span))
             for begin in (last, nearest):
@@ -160,7 +185,8 @@ class _Search:
                 if x is not None:
                     last = x if len(self.aims) == 2 else self.efficient(x, span)
                     break
-        return self.result(method, "")
+            report((len(self.aims) + k + 1) / whole)
+        return ""
 
     def efficient(self, x: np.ndarray, span: np.ndarray) -> np.ndarray:
         """A design that is no worse in any aim and cannot be bettered in one alone."""
@@ -229,16 +255,19 @@ def _evolved(
     points: int,
     generations: int,
     rng: int,
+    report: Callable[[float], None],
 ) -> Front:
     """NSGA-II (Deb et al. 2002) or NSGA-III (Deb & Jain 2014) of pymoo."""
     from dalembert.design.ecosystem.pymoo_problem import evolved
 
-    designs = evolved(functions, senses, method, points, generations, rng)
+    designs, made = evolved(functions, senses, method, points, generations, rng, report)
     kept = np.array([functions.problem.variables.snapped(x) for x in designs])
     values = np.array([np.asarray(senses) * functions.values(x) for x in kept])
-    return make_front(
-        functions, senses, values, kept, f"{method}: {generations} generations of {points}", []
-    )
+    text = f"{method}: {made} generations of {points}"
+    text += "; interrupted" if made < generations else ""
+    front = make_front(functions, senses, values, kept, text, [])
+    front.interrupted = made < generations
+    return front
 
 
 def make_front(
@@ -255,6 +284,8 @@ def make_front(
     problem, at = functions.problem, designs[keep]
     results = problem.results(at[0])
     made = [problem.variables.parameters(x) for x in at]
+    case = problem.quantities[0].terms[0].case
+    units = dict(zip(problem.variables.names, problem.variables.units, strict=True))
     return Front(
         functions.labels,
         [problem.unit(k, results) for k in range(functions.count)],
@@ -266,4 +297,7 @@ def make_front(
         problem.runs,
         problem.gradients,
         failed,
+        name=case.model.name,
+        parameter_units=[units.get(n, case.model.parameters[n].unit) for n in made[0]],
+        rerun=lambda k: problem.results(at[k]).get(case),
     )

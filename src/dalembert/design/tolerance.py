@@ -6,12 +6,13 @@ First order: ``σ_f² = Σ (∂f/∂p_i σ_i)²``; second order adds the mean sh
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.optimization import design_problem
 from dalembert.design.problem import DesignProblem
 from dalembert.design.toleranced import Toleranced
@@ -23,6 +24,8 @@ from dalembert.text import unknown
 
 STEP = 1e-3
 """Step of the second differences, relative to a tolerance."""
+TOGETHER = 20
+"""Samples after which it is told how far it is."""
 FEW = 5
 """So many tolerances at most of which all corners are looked at."""
 
@@ -101,8 +104,11 @@ def tolerance(
     worst_case: bool = True,
     samples: int = 0,
     rng: Any = 0,
+    progress: Reported = False,
 ) -> Toleranced:
     """Scatter and worst case of a response from the tolerances of a drawing.
+
+    Ctrl-C ends it with what is known by then, to first order at least.
 
     Parameters
     ----------
@@ -115,6 +121,7 @@ def tolerance(
     worst_case : the extremes within all tolerances
     samples : of Monte Carlo beside; none by default
     rng : seed or generator of the samples
+    progress : True for a bar, or a function of the fraction done
 
     Raises
     ------
@@ -133,21 +140,44 @@ def tolerance(
     names, listed = list(tolerances), list(model.parameters)
     nominal = np.array([model.nominal[listed.index(n)] for n in names])
     half = np.array([float(t) for t in tolerances.values()])
-    box = Box(design_problem(model, analysis, as_responses(response), names), nominal, half)
-    still = np.zeros(half.size)
-    return Toleranced(
+    problem = design_problem(model, analysis, as_responses(response), names)
+    box, still = Box(problem, nominal, half), np.zeros(half.size)
+    found = Toleranced(
         label=response.label,
         nominal=box.value(still),
         tolerances=dict(zip(names, map(float, half), strict=True)),
         effects=dict(zip(names, map(float, box.slope(still)), strict=True)),
         sigmas=sigmas,
-        hessian=box.hessian() if second_order else None,
-        worst=(box.extreme(-1), box.extreme(1)) if worst_case else None,
-        sampled=_sampled(box, sigmas, samples, np.random.default_rng(rng)) if samples else None,
+        name=model.name,
+        unit=problem.unit(0, problem.results(nominal)),
+        units={n: model.parameters[n].unit for n in names},
+        run=next(iter(problem.results(nominal).values()), None),
     )
+    with progress_reporter(progress, "tolerances") as report:
+        try:
+            if second_order:
+                found.hessian = box.hessian()
+            report(0.2)
+            if worst_case:
+                found.worst = box.extreme(-1), box.extreme(1)
+            report(0.3)
+            if samples:
+                generator = np.random.default_rng(rng)
+                found.sampled = np.zeros(0)
+                for values in _sampled(box, sigmas, samples, generator):
+                    found.sampled = np.append(found.sampled, values)
+                    report(0.3 + 0.7 * found.sampled.size / samples)
+        except KeyboardInterrupt:
+            found.interrupted = True
+    if found.sampled is not None and not found.sampled.size:
+        found.sampled = None
+    return found
 
 
-def _sampled(box: Box, sigmas: float, samples: int, rng: np.random.Generator) -> np.ndarray:
-    """(samples,) responses; dimensions are normal."""
+def _sampled(
+    box: Box, sigmas: float, samples: int, rng: np.random.Generator
+) -> Iterator[np.ndarray]:
+    """Responses, some at a time; dimensions are normal."""
     points = rng.normal(size=(samples, box.half.size)) / sigmas
-    return np.array([box.value(z) for z in points])
+    for some in np.array_split(points, max(1, samples // TOGETHER)):
+        yield np.array([box.value(z) for z in some])

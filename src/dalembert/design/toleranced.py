@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.design.decision import Decision
 from dalembert.errors import AnalysisError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(eq=False)
-class Toleranced:
+class Toleranced(Decision):
     """Result of ``tolerance``.
 
     Attributes
@@ -22,8 +26,10 @@ class Toleranced:
     hessian : (n, n) second derivatives by used-up tolerances, or None
     worst : smallest and largest response within all tolerances, or None
     sampled : responses of Monte Carlo, or None
+    interrupted : by Ctrl-C; what there was by then is kept
     """
 
+    word = "tolerance"
     label: str
     nominal: float
     tolerances: dict[str, float]
@@ -32,6 +38,25 @@ class Toleranced:
     hessian: np.ndarray | None = field(default=None, repr=False)
     worst: tuple[float, float] | None = None
     sampled: np.ndarray | None = field(default=None, repr=False)
+    name: str = ""
+    unit: str = ""
+    units: dict[str, str] = field(default_factory=dict)
+    allotted: dict[str, float] | None = None
+    interrupted: bool = False
+    run: Any = field(default=None, repr=False)
+
+    @property
+    def success(self) -> bool:  # type: ignore[override]
+        """Whether it went to its end."""
+        return not self.interrupted
+
+    @property
+    def message(self) -> str:  # type: ignore[override]
+        """The response and its scatter."""
+        text = (
+            f"{self.label} {self.nominal:.6g} ± {self.sigmas * self.std:.3g} {self.unit}".rstrip()
+        )
+        return f"{text}; interrupted" if self.interrupted else text
 
     @property
     def std(self) -> float:
@@ -120,6 +145,70 @@ class Toleranced:
 
         return dict(zip(names, map(float, allotted(_root(allotted, size, limit))), strict=True))
 
+    def summary(self) -> dict[str, Any]:
+        second = None if self.hessian is None else self.second_order
+        return {
+            "ok": self.success,
+            "message": self.message,
+            "interrupted": self.interrupted,
+            "response": self.label,
+            "unit": self.unit,
+            "nominal": self.nominal,
+            "std": self.std,
+            "sigmas": self.sigmas,
+            "second_order": second and {"mean": second[0], "std": second[1]},
+            "worst_case": self.worst,
+            "first_order_worst": self.first_order_worst,
+            "tolerances": self.tolerances,
+            "effects": self.effects,
+            "contributions": self.contributions,
+            "allotted": self.allotted,
+            "samples": None if self.sampled is None else int(self.sampled.size),
+            "sampled": None if self.sampled is None else self._of_samples(self.sampled),
+        }
+
+    @staticmethod
+    def _of_samples(values: np.ndarray) -> dict[str, float]:
+        return {
+            "mean": float(np.mean(values)),
+            "std": float(np.std(values, ddof=1)) if values.size > 1 else float("nan"),
+            "least": float(np.min(values)),
+            "largest": float(np.max(values)),
+        }
+
+    @property
+    def data(self) -> xr.Dataset:
+        """Tolerances, effects, contributions, second derivatives and samples."""
+        import xarray as xr
+
+        names = list(self.tolerances)
+        columns: dict[str, Any] = {
+            "tolerance": ("parameter", list(self.tolerances.values())),
+            "effect": ("parameter", list(self.effects.values())),
+            "contribution": ("parameter", list(self.contributions.values())),
+        }
+        if self.hessian is not None:
+            columns["hessian"] = (("parameter", "other"), self.hessian)
+        if self.sampled is not None:
+            columns["sampled"] = ("sample", self.sampled)
+        about = {"response": self.label, "units": self.unit, "nominal": self.nominal}
+        return xr.Dataset(columns, {"parameter": names}, about | {"std": self.std})
+
+    def to_dataframe(self) -> Any:
+        """One row a tolerance."""
+        return self.data[["tolerance", "effect", "contribution"]].to_dataframe()
+
+    def page(self, **first_view: Any) -> dict[str, Any]:
+        """The run at nominal dimensions, and what the tolerances do to the response."""
+        from dalembert.design.pages.tolerance import tolerance_page
+
+        return tolerance_page(self, **first_view)
+
+    def views(self) -> list[dict[str, Any]]:
+        from dalembert.design.pages.tolerance import tolerance_views
+
+        return tolerance_views(self)
+
     # for people ----------------------------------------------------------------------------
     def plot(self, ax: Any = None) -> Any:
         """What each tolerance does to the response; returns the axes."""
@@ -134,7 +223,7 @@ class Toleranced:
         ax.spines[["top", "right"]].set_visible(False)
         return ax
 
-    def _repr_html_(self) -> str:
+    def table_html(self) -> str:
         from html import escape
 
         head = "<th>parameter</th><th>±</th><th>effect</th><th>share</th>"

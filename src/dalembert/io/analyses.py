@@ -19,7 +19,6 @@ from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.tables import EventTable
 from dalembert.model.model import Model
-from dalembert.results.result import Analysis
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 from dalembert.text import unknown
@@ -42,27 +41,38 @@ def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
     name = kind if kind is not None else table.type if table is not None else usual
     if name not in known:
         raise file.located.error(unknown("type", name, known), "analysis", "type")
-    cls = known[name]
-    with file.located("analysis"):
-        analysis = cls(**_options(file, model, cls, table))
-    _check(file, model, analysis)
+    return _made(file, model, known[name], table, "analysis")
+
+
+def make_table(file: ModelFile, model: Any, table: Any, *where: str) -> Any:
+    """The analysis of a table somewhere else in the file, such as that of a case.
+
+    Raises
+    ------
+    ModelError, UnsupportedError, AnalysisError
+        Options that cannot work; with the place.
+    """
+    return _made(file, model, file.document.analyses[table.type], table, *where)
+
+
+def _made(file: ModelFile, model: Any, cls: type, table: Any, *where: str) -> Any:
+    with file.located(*where):
+        analysis = cls(**_options(file, model, cls, table, where))
+    for option, check in analysis.checks(model).items():
+        with file.located(*where, option), suppress(SingularityError):
+            check()  # where the position is at fault, the run may begin at another one
     return analysis
 
 
-def _check(file: ModelFile, model: Any, analysis: Analysis) -> None:
-    """What shows before a run that it cannot work is told as a slip of the file."""
-    for option, check in analysis.checks(model).items():
-        with file.located("analysis", option), suppress(SingularityError):
-            check()  # where the position is at fault, the run may begin at another one
-
-
-def _options(file: ModelFile, model: Any, cls: type, table: BaseModel | None) -> dict[str, Any]:
+def _options(
+    file: ModelFile, model: Any, cls: type, table: BaseModel | None, where: tuple[str, ...]
+) -> dict[str, Any]:
     made = {}
     for field in written(cls, frozenset()):
         if table is None or field.name not in table.model_fields_set:
             continue
         given = getattr(table, field.name)
-        with file.located("analysis", field.name):
+        with file.located(*where, field.name):
             made[field.name] = _option(file, model, field.holds, given)
     return made
 

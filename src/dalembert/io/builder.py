@@ -36,6 +36,7 @@ from dalembert.io.fields import (
 )
 from dalembert.io.finite_elements import FiniteElements
 from dalembert.io.formulas import Formulas, Scope
+from dalembert.io.histories import declare_history
 from dalembert.io.location import Located
 from dalembert.io.mesh_reader import MeshReader
 from dalembert.io.messages import explain
@@ -83,6 +84,7 @@ class Builder:
         """
         declare_parameters(self.system, self.document, self.located)
         self.derived()
+        self.histories()
         if self.document.gravity is not None:
             with self.located("gravity"):
                 given = [self.formulas.read(g) for g in self.document.gravity]
@@ -127,6 +129,15 @@ class Builder:
             with self.located("derived", name):
                 formula = self.formulas.read(table.formula)
                 self.system.derived(name, formula, table.unit, table.description)
+
+    def histories(self) -> None:
+        """Unknown functions of time, for forces and drivers."""
+        tables: dict[str, Any] = self.document.histories
+        for name, table in tables.items():
+            with self.located("histories", name):
+                found = declare_history(self.system, name, table)
+            self.formulas.histories[name] = found.value
+            self.shapes.histories[name] = found.law
 
     def vector(self, entries: list, scope: Scope) -> list:
         return [self.formulas.read(entry, scope) for entry in entries]

@@ -19,6 +19,7 @@ import numpy as np
 
 from dalembert.analysis.events import Event, Events
 from dalembert.analysis.structural.transient_equation import Rayleigh
+from dalembert.design.reliability.distribution import Distribution
 from dalembert.elements.base import Constraint, Rows, Vector
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
@@ -65,7 +66,7 @@ KNOWN: dict[Any, Any] = {
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
         *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
         *(Frames, Orientation, CountOrTimes, Shape, NormalLaw, Friction),
-        *(FlexibleStructure, Interfaces, Numbers),
+        *(FlexibleStructure, Interfaces, Numbers, Distribution),
         *(Coordinates, Formulation, Stabilization, Integrator),
     )
 } | {

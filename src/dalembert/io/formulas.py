@@ -64,6 +64,8 @@ class Formulas:
 
     def __init__(self, system: Names):
         self.system = system
+        self.histories: dict[str, Expression] = {}
+        """Unknown functions of time, by name."""
 
     def read(
         self,
@@ -85,6 +87,8 @@ class Formulas:
         def lookup(name: str) -> Expression | None:
             if name in own:
                 return own[name]
+            if name in self.histories and scope is not Scope.PARAMETERS:
+                return self.histories[name]
             found = self.system.lookup(name)
             if found is not None and not self._allowed(name, scope):
                 raise ExpressionError(
@@ -106,5 +110,5 @@ class Formulas:
     def _known(self, scope: Scope, own: Mapping[str, Expression]) -> list[str]:
         known = [*own, *self._parameters()]
         if scope is not Scope.PARAMETERS:
-            known.append("t")
+            known += ["t", *self.histories]
         return known + (self.system.measure_names() if scope is Scope.MOTION else [])

@@ -10,7 +10,7 @@ from dalembert.design.identification.least_squares import LOSSES
 from dalembert.errors import AnalysisError
 from dalembert.io.measures import measure_reader
 from dalembert.io.model_file import ModelFile
-from dalembert.io.tasks import chosen_parameters
+from dalembert.io.responses import chosen_parameters
 from dalembert.text import unknown
 
 
@@ -71,7 +71,7 @@ def _own(file: ModelFile, model: Any) -> list[Experiment]:
     return made
 
 
-def check_data(experiments: list[Experiment]) -> None:
+def check_files(files: list[Any]) -> None:
     """The files of measurements are there.
 
     Raises
@@ -79,6 +79,6 @@ def check_data(experiments: list[Experiment]) -> None:
     AnalysisError
         Names the file.
     """
-    for experiment in experiments:
-        if not Path(experiment.data).is_file():
-            raise AnalysisError(f"{experiment.data}: there is no such file of data")
+    for path in files:
+        if not Path(path).is_file():
+            raise AnalysisError(f"{path}: there is no such file of data")

@@ -9,6 +9,15 @@ from pydantic import Field, PlainValidator, WithJsonSchema, create_model
 
 from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
+from dalembert.io.decision_tables import (
+    RANDOM,
+    CombinedTable,
+    OptimizeTable,
+    ParetoTable,
+    ReliabilityTable,
+    SynthesisTable,
+    ToleranceTable,
+)
 from dalembert.io.orientations import FrameTable
 from dalembert.io.strategies import ANALYSES, RESPONSES
 from dalembert.io.structure_tables import ELEMENT, MESH, NodalLoadTable, SupportTable
@@ -16,8 +25,9 @@ from dalembert.io.tables import any_of, point_type, table_of
 from dalembert.io.task_tables import (
     Bounds,
     CompareTable,
+    HistoryTable,
     IdentifyTable,
-    OptimizeTable,
+    InvertTable,
     ReportTable,
     SensitivityTable,
     SweepTable,
@@ -62,7 +72,30 @@ class GroundTable(Record):
 
 _PARAMETER = table_or(ParameterTable, Number)
 _DERIVED = table_or(DerivedTable, Entry)
-_ANALYSIS, _RESPONSE = any_of(ANALYSES), any_of(RESPONSES)
+CASE: dict[str, Any] = {
+    "case": (
+        Text,
+        Field(default=None, description="name of a case; of the run of this file by default"),
+    )
+}
+"""Key of a response: of which run it is."""
+_ANALYSIS = any_of(ANALYSES)
+_RESPONSE = one_of({n: partial(table_of, n, cls, more=CASE) for n, cls in RESPONSES.items()})
+
+
+class CaseTable(Record):
+    """Another run that a design is judged by: of this model, or of the one in another file."""
+
+    model: Text = Field(
+        default=None, description="model file beside this one, with its own `[analysis]`"
+    )
+    analysis: _ANALYSIS = Field(  # type: ignore[valid-type]
+        default=None, description="another analysis of this model, as `[analysis]`"
+    )
+    given: dict[str, Text] = Field(
+        default_factory=dict,
+        description="parameter of that model → name of the response here that sets it",
+    )
 
 
 class ModelDocument(Record):
@@ -81,7 +114,12 @@ class ModelDocument(Record):
     description: Text = ""
     parameters: dict[str, _PARAMETER] = Field(default_factory=dict)  # type: ignore[valid-type]
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
+    combined: dict[str, CombinedTable] = Field(default_factory=dict)
     optimize: OptimizeTable = None  # type: ignore[assignment]
+    pareto: ParetoTable = None  # type: ignore[assignment]
+    random: list[RANDOM] = Field(default_factory=list)  # type: ignore[valid-type]
+    reliability: ReliabilityTable = None  # type: ignore[assignment]
+    tolerance: ToleranceTable = None  # type: ignore[assignment]
     identify: IdentifyTable = None  # type: ignore[assignment]
     sweep: SweepTable = None  # type: ignore[assignment]
 
@@ -90,7 +128,7 @@ class Document(ModelDocument):
     """A model file of dalembert: a mechanism, and what is to be computed on it."""
 
     sections = (
-        *("parameters", "derived", "bodies", "beams", "elements", "meshes"),
+        *("parameters", "derived", "histories", "bodies", "beams", "elements", "meshes"),
         *("joints", "drivers", "forces"),
     )
     analyses = ANALYSES
@@ -107,6 +145,9 @@ class Document(ModelDocument):
         default=None, description="acceleration of gravity [m/s^2]; none by default"
     )
     derived: dict[str, _DERIVED] = Field(default_factory=dict)  # type: ignore[valid-type]
+    histories: dict[str, HistoryTable] = Field(
+        default_factory=dict, description="unknown functions of time, by name"
+    )
     ground: GroundTable = Field(default_factory=GroundTable)
     bodies: dict[str, Any] = Field(default_factory=dict)
     beams: dict[str, Any] = Field(default_factory=dict)
@@ -130,6 +171,9 @@ class Document(ModelDocument):
     )
     analysis: _ANALYSIS = None  # type: ignore[valid-type]
     responses: dict[str, _RESPONSE] = Field(default_factory=dict)  # type: ignore[valid-type]
+    cases: dict[str, CaseTable] = Field(default_factory=dict)
+    invert: InvertTable = None  # type: ignore[assignment]
+    synthesis: SynthesisTable = None  # type: ignore[assignment]
     compare: CompareTable = Field(default_factory=CompareTable)
     report: ReportTable = Field(default_factory=ReportTable)
 

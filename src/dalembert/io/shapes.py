@@ -29,9 +29,13 @@ class Shapes:
 
     def __init__(self, located: Located, formulas: Formulas):
         self.located, self.formulas = located, formulas
+        self.histories: dict[str, Any] = {}
+        """Name of an unknown history → the law that it is."""
 
     def law(self, given: Any, where: Place) -> Any:
         """A law, or the number or formula in ``t`` that stands for one."""
+        if isinstance(given, str) and given in self.histories:
+            return self.histories[given]
         if not isinstance(given, BaseModel):
             return self.formulas.read(given, Scope.TIME)
         return self._shape(LAWS, given, where, Scope.TIME, {})

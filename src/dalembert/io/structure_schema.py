@@ -8,7 +8,7 @@ from typing import Literal
 from pydantic import Field
 
 from dalembert.io.choices import one_of
-from dalembert.io.schema import ModelDocument, any_of
+from dalembert.io.schema import CASE, CaseTable, ModelDocument, any_of
 from dalembert.io.strategies import RESPONSES, STRUCTURAL_ANALYSES
 from dalembert.io.structure_tables import (
     ELEMENT,
@@ -25,11 +25,24 @@ from dalembert.io.structure_tables import (
 from dalembert.io.tables import table_of
 
 _ANALYSIS = any_of(STRUCTURAL_ANALYSES)
-_FINAL = partial(table_of, "Final", RESPONSES["Final"], optional_type=True, title="StructuralFinal")
+_FINAL = partial(
+    table_of, "Final", RESPONSES["Final"], optional_type=True, title="StructuralFinal", more=CASE
+)
 _RESPONSE = one_of(
-    {n: _FINAL if n == "Final" else partial(table_of, n, c) for n, c in RESPONSES.items()},
+    {
+        n: _FINAL if n == "Final" else partial(table_of, n, c, more=CASE)
+        for n, c in RESPONSES.items()
+    },
     default="Final",
 )
+
+
+class StructuralCaseTable(CaseTable):
+    """Another run that a design is judged by: of this structure, or of a model in another file."""
+
+    analysis: _ANALYSIS = Field(  # type: ignore[valid-type]
+        default=None, description="another analysis of this structure, as `[analysis]`"
+    )
 
 
 class StructureDocument(ModelDocument):
@@ -51,4 +64,5 @@ class StructureDocument(ModelDocument):
     tractions: list[TractionTable] = Field(default_factory=list)  # type: ignore[valid-type]
     initial: list[InitialTable] = Field(default_factory=list)  # type: ignore[valid-type]
     analysis: _ANALYSIS = None  # type: ignore[valid-type]
+    cases: dict[str, StructuralCaseTable] = Field(default_factory=dict)
     responses: dict[str, _RESPONSE] = Field(default_factory=dict)  # type: ignore[valid-type]

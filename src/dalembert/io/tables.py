@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache, partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -227,6 +227,7 @@ def table_of(
     dimension: int = 2,
     also: str = "",
     title: str = "",
+    more: Mapping[str, Any] | None = None,
 ) -> type[BaseModel]:
     """The table that describes an object of a registered class.
 
@@ -236,6 +237,7 @@ def table_of(
     dimension : how many coordinates a point has
     also : another name that its type goes by
     title : its name in the schema, the type by default
+    more : further keys, and keys that hold something else: (type, field)
     """
     kind = Literal[(name, also) if also else (name,)]  # type: ignore[valid-type]
     keys: dict[str, Any] = {"type": (kind, name if optional_type else ...)}
@@ -248,9 +250,12 @@ def table_of(
         about = f"CSV file with two columns, instead of {' and '.join(from_file)}"
         keys["file"] = (Text, Field(default=None, description=about))
     for field in written(cls):
+        if field.name in (more or {}):
+            continue
         default = ... if field.is_needed and field.name not in from_file else None
         given = value_type(field, dimension)
         keys[field.name] = (given, Field(default, description=about_field(field)))
+    keys |= more or {}
     return create_model(title or name, __base__=Record, __doc__=summary_of(cls), **keys)
 
 

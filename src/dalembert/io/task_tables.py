@@ -1,63 +1,18 @@
-"""Tables of model files for tasks: gradients, optimisation, identification, studies, reports."""
+"""Tables of model files for tasks: gradients, measurements, studies, comparisons, reports."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from typing import Annotated, Any
+from pydantic import Field
 
-from pydantic import BeforeValidator, Field
-
-from dalembert.io.choices import Record
+from dalembert.io.choices import Record, table_or
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.tables import strategy_type
-from dalembert.io.values import Bound, Integer, Number, Text, list_of, shown
-from dalembert.text import nearest
+from dalembert.io.values import Bound, Entry, Integer, Number, Text, list_of, one_name
 
-
-def _gradients() -> Iterable[str]:
-    from dalembert.sensitivity.methods import METHODS
-
-    return METHODS
-
-
-def _optimizers() -> Iterable[str]:
-    from dalembert.design.methods.registry import OPTIMIZERS
-
-    return OPTIMIZERS
-
-
-@dataclass(frozen=True)
-class JsonSchema:
-    """What a type is in the JSON Schema, made when that is asked for."""
-
-    made: Callable[[Any, Any], dict[str, Any]]
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        return self.made(schema, handler)
-
-
-def _one_name(known: Callable[[], Iterable[str]]) -> Any:
-    """One of these names, asked for when one is given."""
-
-    def check(value: Any) -> str:
-        names = list(known())
-        if not isinstance(value, str) or value not in names:
-            near = nearest(value, names)
-            raise ValueError(f"unknown method {shown(value)}{near}; known: {', '.join(names)}")
-        return value
-
-    def described(_: Any, __: Any) -> dict[str, Any]:
-        return {"enum": list(known())}
-
-    return Annotated[str, BeforeValidator(check), JsonSchema(described)]
-
-
-Method = _one_name(_gradients)
-Optimizing = _one_name(_optimizers)
+Method = one_name("dalembert.sensitivity.methods:METHODS")
 SAMPLINGS = ("Grid", "LatinHypercube", "MonteCarlo", "Sobol", "Table")
 """How designs are chosen."""
-Sampling = _one_name(lambda: SAMPLINGS)
+Sampling = one_name(SAMPLINGS)
 Names = list[Text]
 Bounds = list_of(Bound, 2, "lower, upper")
 
@@ -68,35 +23,6 @@ class SensitivityTable(Record):
     responses: Names = Field(default_factory=list, description="names of responses; all by default")
     wrt: Names = Field(default_factory=list, description="names of parameters; all by default")
     method: Method = "auto"  # type: ignore[valid-type]
-
-
-class LimitTable(Record):
-    """A response that an optimal design keeps between limits."""
-
-    response: Text
-    lower: Number = None
-    upper: Number = None
-
-
-class OptimizeTable(Record):
-    """What ``dalembert optimize`` minimises or maximises."""
-
-    minimize: Text = None
-    maximize: Text = None
-    vary: Names = Field(
-        default_factory=list, description="names of parameters; all with bounds by default"
-    )
-    integers: Names = Field(
-        default_factory=list, description="those of them that take whole numbers"
-    )
-    catalogues: list[dict[Text, list[Number]]] = Field(
-        default_factory=list, description="sizes to choose from: tables of parameters and values"
-    )
-    subject_to: list[LimitTable] = Field(default_factory=list)
-    method: Optimizing = "slsqp"  # type: ignore[valid-type]
-    gradient: Method = "auto"  # type: ignore[valid-type]
-    max_iterations: Integer = 100
-    tolerance: Number = 1e-8
 
 
 class ExperimentTable(Record):
@@ -135,6 +61,47 @@ class IdentifyTable(Record):
     )
     loss: Text = "linear"
     max_iterations: Integer = 100
+
+
+class KnotsTable(Record):
+    """Knots at even distances."""
+
+    start: Number = Field(default=0.0, description="first [s]")
+    end: Number = Field(description="last [s]")
+    count: Integer = Field(description="how many, four at least")
+
+
+class HistoryTable(Record):
+    """An unknown function of time: a spline whose values at knots are parameters."""
+
+    knots: table_or(KnotsTable, list[Number]) = Field(  # type: ignore[valid-type]
+        description="times, or a table `{ start, end, count }` [s]"
+    )
+    value: Number = Field(default=0.0, description="at all knots at first")
+    unit: Text = Field(default="", description="label for results")
+
+
+class InvertTable(Record):
+    """From which measurements ``dalembert invert`` finds the histories of the file."""
+
+    data: Text = Field(default=None, description="file of measurements beside this one")
+    measures: dict[str, Text] = Field(
+        default_factory=dict,
+        description="column → measure or formula; columns named as measures by default",
+    )
+    vary: Names = Field(
+        default_factory=list, description="further unknown parameters, such as initial values"
+    )
+    smoothing: Entry = Field(
+        default="l-curve",
+        description='`"l-curve"`, `"cross-validation"`, `"discrepancy"` (needs noise), or a number',
+    )
+    order: Integer = Field(default=2, description="of the derivative that is to be small")
+    time: Text = Field(default=None, description="column of the times; `time` or `t` by default")
+    noise: dict[str, Number] = Field(
+        default_factory=dict, description="column → standard deviation; estimated by default"
+    )
+    max_iterations: Integer = 50
 
 
 class SweepTable(Record):

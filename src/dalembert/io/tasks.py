@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from dalembert.analysis.comparison.compare import Comparing
 from dalembert.analysis.comparison.observation import observe
-from dalembert.design.limit import Limit
 from dalembert.design.studies.design import Design
-from dalembert.design.variables import Catalogue, Integer
-from dalembert.errors import ModelError
-from dalembert.io.analyses import given_options, make_analysis, make_strategy
-from dalembert.io.measures import measure_reader
+from dalembert.io.analyses import make_analysis, make_strategy
+from dalembert.io.designs import make_design, make_front
+from dalembert.io.identification import make_identification
+from dalembert.io.inversion import make_inversion
 from dalembert.io.model_file import ModelFile
+from dalembert.io.reliability import make_reliability, make_tolerance
+from dalembert.io.responses import chosen_parameters, chosen_response, make_responses
 from dalembert.io.schema import Document
-from dalembert.io.strategies import RESPONSES, STRATEGIES
+from dalembert.io.strategies import STRATEGIES
+from dalembert.io.synthesis import make_synthesis
 from dalembert.responses.base import Response
-from dalembert.responses.events import AtEvent
 from dalembert.results.labelled import DATA_ONLY
-from dalembert.text import nearest, unknown
+from dalembert.text import unknown
 
 COMPARED = {
     "formulations": "formulation",
@@ -30,74 +31,6 @@ COMPARED = {
     "coordinates": "coordinates",
 }
 """Key of ``[compare]`` → kind of strategy."""
-
-
-def make_responses(file: ModelFile, model: Any) -> dict[str, Response]:
-    """The responses of the file by name.
-
-    Raises
-    ------
-    ModelError
-        A measure or an option that cannot work, with its place.
-    """
-    made = {}
-    tables: dict[str, Any] = file.document.responses
-    read = measure_reader(file.document)
-    for name, table in tables.items():
-        with file.located("responses", name, "measure"):
-            measure = read(model, str(table.measure))
-            if len(measure) != 1:
-                raise ModelError(f"{table.measure!r} has {len(measure)} components; take .x or .y")
-        with file.located("responses", name):
-            options = given_options(table) | {"measure": measure, "name": name}
-            made[name] = RESPONSES[table.type](**options)
-        if isinstance(made[name], AtEvent):
-            _check_event(file, table.event, "responses", name, "event")
-    return made
-
-
-def _check_event(file: ModelFile, name: str, *where: str) -> None:
-    table: Any = file.document.analysis
-    known = getattr(table, "events", None) or {}
-    if name not in known:
-        raise file.located.error(
-            f"unknown event {name!r}{nearest(name, known)}; known in [analysis.events]: "
-            f"{', '.join(known) or 'none'}",
-            *where,
-        )
-
-
-def chosen_response(
-    file: ModelFile, made: dict[str, Response], name: str, *where: str | int
-) -> Response:
-    """One of the file's responses.
-
-    Raises
-    ------
-    ModelError
-        There is none of this name.
-    """
-    if not made:
-        raise file.located.error(
-            'has none; add e.g. [responses.peak] with type = "Maximum" and a measure', "responses"
-        )
-    if name not in made:
-        raise file.located.error(unknown("response", name, made), *where)
-    return made[name]
-
-
-def chosen_parameters(file: ModelFile, names: list[str] | None, *where: str | int) -> list[str]:
-    """Some of the parameters; all where no names are given."""
-    known = list(file.document.parameters)
-    if not known:
-        raise file.located.error("has no parameters; add at least one", "parameters")
-    names = names or []
-    for k, name in enumerate(names):
-        if name not in known:
-            raise file.located.error(unknown("parameter", name, known), *where, k)
-        if name in names[:k]:
-            raise file.located.error(f"{name!r} is named twice; name it once", *where, k)
-    return list(names or known)
 
 
 def make_gradient(file: ModelFile, model: Any) -> tuple[dict[str, Response], list[str]]:
@@ -113,56 +46,6 @@ def make_gradient(file: ModelFile, model: Any) -> tuple[dict[str, Response], lis
         for k, name in enumerate(names)
     }
     return responses, chosen_parameters(file, asked.wrt, "sensitivity", "wrt")
-
-
-def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
-    """The arguments of ``optimize`` that the file gives.
-
-    Raises
-    ------
-    ModelError
-        No ``[optimize]``, or names and limits that cannot work.
-    """
-    asked = file.document.optimize
-    if asked is None:
-        raise file.located.error(
-            "is missing; add [optimize] with minimize = a response", "optimize"
-        )
-    if (asked.minimize is None) == (asked.maximize is None):
-        raise file.located.error("give one objective: minimize or maximize", "optimize")
-    made, sense = make_responses(file, model), "minimize" if asked.minimize else "maximize"
-    design: dict[str, Any] = {
-        sense: chosen_response(file, made, getattr(asked, sense), "optimize", sense),
-        "subject_to": [],
-    }
-    for k, limit in enumerate(asked.subject_to):
-        where = ("optimize", "subject_to", k)
-        with file.located(*where):
-            response = chosen_response(file, made, limit.response, *where, "response")
-            design["subject_to"].append(Limit(response, limit.lower, limit.upper))
-    vary = asked.vary or [n for n, p in model.parameters.items() if np.all(np.isfinite(p.bounds))]
-    if not vary:
-        raise file.located.error(
-            "name the parameters to vary, or give some bounds", "optimize", "vary"
-        )
-    design["vary"] = _with_sizes(file, chosen_parameters(file, vary, "optimize", "vary"))
-    keys = ("method", "gradient", "max_iterations", "tolerance")
-    return design | {key: getattr(asked, key) for key in keys}
-
-
-def _with_sizes(file: ModelFile, vary: list[str]) -> list[Any]:
-    """What varies, with whole numbers and catalogues in place of their names."""
-    asked: Any = file.document.optimize
-    integers = chosen_parameters(file, asked.integers, "optimize", "integers")
-    whole = integers if asked.integers else []
-    made: dict[str, Any] = {name: Integer(name) if name in whole else name for name in vary}
-    made |= {name: Integer(name) for name in whole}
-    for k, columns in enumerate(asked.catalogues):
-        names = chosen_parameters(file, list(columns), "optimize", "catalogues", k)
-        for name in names[1:]:
-            made.pop(name, None)
-        made[names[0]] = Catalogue(columns)
-    return list(made.values())
 
 
 def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
@@ -263,17 +146,27 @@ def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
     return {"plots": report.plots or None, "trace": report.trace or None}
 
 
+CHECKED: dict[str, Callable[[ModelFile, Any], Any]] = {
+    "compare": lambda file, model: make_comparison(file, model, {}),
+    "sensitivity": make_gradient,
+    "optimize": make_design,
+    "pareto": make_front,
+    "sweep": make_sweep,
+    "reliability": make_reliability,
+    "tolerance": make_tolerance,
+    "identify": make_identification,
+    "invert": make_inversion,
+    "synthesis": lambda file, model: make_synthesis(file),
+}
+"""Table of a file → what reads it."""
+
+
 def check_tasks(file: ModelFile, model: Any) -> None:
     """Everything the file asks for can be made; nothing is computed."""
     make_responses(file, model)
     report_choices(file, model)
     if file.document.analysis is not None or file.document.usual_analysis is not None:
         make_analysis(file, model)
-    if "compare" in file.document.model_fields_set:
-        make_comparison(file, model, {})
-    if "sensitivity" in file.document.model_fields_set:
-        make_gradient(file, model)
-    if file.document.optimize is not None:
-        make_design(file, model)
-    if file.document.sweep is not None:
-        make_sweep(file, model)
+    for section, read in CHECKED.items():
+        if section in file.document.model_fields_set and getattr(file.document, section):
+            read(file, model)

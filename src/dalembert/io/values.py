@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 import reprlib
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pkgutil import resolve_name
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
 
 from dalembert.errors import ExpressionError
 from dalembert.symbolic.parser import parse_formula
+from dalembert.text import nearest
 
 
 def shown(value: Any) -> str:
@@ -138,6 +142,34 @@ ListOfRows = Annotated[
         }
     ),
 ]
+
+
+@dataclass(frozen=True)
+class JsonSchema:
+    """What a type is in the JSON Schema, made when that is asked for."""
+
+    made: Callable[[], dict[str, Any]]
+
+    def __get_pydantic_json_schema__(self, _: Any, __: Any) -> dict[str, Any]:
+        return self.made()
+
+
+def one_name(known: str | Iterable[str]) -> Any:
+    """One of these names, or of those that stand under a dotted name.
+
+    The latter are looked up when a file holds one, so that reading others imports nothing.
+    """
+
+    def names() -> list[str]:
+        return list(resolve_name(known) if isinstance(known, str) else known)
+
+    def check(value: Any) -> str:
+        if not isinstance(value, str) or value not in names():
+            near, all_of_them = nearest(value, names()), ", ".join(names())
+            raise ValueError(f"unknown name {shown(value)}{near}; known: {all_of_them}")
+        return value
+
+    return Annotated[str, BeforeValidator(check), JsonSchema(lambda: {"enum": names()})]
 
 
 def list_of(item: Any, size: int, what: str = "numbers or formulas", least: int = 0) -> Any:

@@ -114,8 +114,9 @@ def evolved(
     points: int,
     generations: int,
     rng: int,
-) -> np.ndarray:
-    """(k, n) designs that an evolution ends with.
+    report: Callable[[float], None] = lambda fraction: None,
+) -> tuple[np.ndarray, int]:
+    """(k, n) designs that an evolution ends with, and its generations; fewer by Ctrl-C.
 
     Raises
     ------
@@ -125,7 +126,6 @@ def evolved(
     problem = problem_of(functions, senses)
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.algorithms.moo.nsga3 import NSGA3
-    from pymoo.optimize import minimize
     from pymoo.util.ref_dirs import get_reference_directions
 
     algorithm: Any = NSGA2(pop_size=points)
@@ -135,7 +135,17 @@ def evolved(
         kind = "das-dennis" if even else "energy"
         directions = get_reference_directions(kind, functions.count, **how)
         algorithm = NSGA3(directions)
-    found = minimize(problem, algorithm, ("n_gen", generations), seed=rng, verbose=False)
-    if found.X is None:
-        raise AnalysisError(f"{method}: no design keeps the limits after {generations} generations")
-    return np.atleast_2d(found.X)
+    algorithm.setup(problem, termination=("n_gen", generations), seed=rng, verbose=False)
+    made = 0
+    try:
+        while algorithm.has_next():
+            algorithm.next()
+            made += 1
+            report(made / generations)
+    except KeyboardInterrupt:
+        if not made:
+            raise
+    found = algorithm.result().X
+    if found is None:
+        raise AnalysisError(f"{method}: no design keeps the limits after {made} generations")
+    return np.atleast_2d(found), made

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.design.decision import Decision
 from dalembert.design.identification.information import WEAK, Combination, Information
 from dalembert.design.identification.misfit import Misfit
 from dalembert.results.result import Result
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 
 @dataclass(eq=False)
-class Identification:
+class Identification(Decision):
     """Result of ``identify``.
 
     Attributes
@@ -30,8 +33,10 @@ class Identification:
     motions : the runs with the parameters found, one per experiment
     predicted : (K, columns) of each experiment, NaN where no sample is used
     at_bounds : unknowns that ended at a bound; their intervals mean little
+    interrupted : by Ctrl-C; the unknowns are the best reached
     """
 
+    word = "identification"
     x: dict[str, float]
     success: bool
     message: str
@@ -46,6 +51,12 @@ class Identification:
     at_bounds: list[str] = field(default_factory=list)
     runs: int = 0
     failed_runs: int = 0
+    interrupted: bool = False
+
+    @property
+    def name(self) -> str:  # type: ignore[override]
+        """Of the model."""
+        return str(self.misfit.model.name)
 
     @property
     def samples(self) -> int:
@@ -144,7 +155,75 @@ class Identification:
 
         return plot_fit(self.misfit, self.predicted)
 
-    def _repr_html_(self) -> str:
+    def summary(self) -> dict[str, Any]:
+        return {
+            "ok": self.success,
+            "message": self.message,
+            "interrupted": self.interrupted,
+            "x": self.x,
+            "deviation": self.deviation,
+            "interval": self.interval(),
+            "start": dict(zip(self.x, self.misfit.unknowns.start.tolist(), strict=True)),
+            "noise": self.noise,
+            "noise_given": self.noise_given,
+            "samples": self.samples,
+            "correlation": self.correlation.values.tolist(),
+            "notes": self.notes,
+            "runs": self.runs,
+            "failed_runs": self.failed_runs,
+        }
+
+    @property
+    def data(self) -> xr.Dataset:
+        """Unknowns and their covariance; data and model of every experiment."""
+        import xarray as xr
+
+        made = xr.Dataset(
+            {
+                "value": ("unknown", list(self.x.values())),
+                "deviation": ("unknown", list(self.deviation.values())),
+                "covariance": self.covariance,
+            },
+            attrs={"message": self.message, "samples": self.samples},
+        )
+        pairs = zip(self.misfit.observations, self.predicted, strict=True)
+        for k, (o, predicted) in enumerate(pairs, start=1):
+            dims, coords = (f"sample_{k}", f"column_{k}"), {f"column_{k}": list(o.columns)}
+            parts = {f"data_{k}": (dims, o.values), f"model_{k}": (dims, predicted)}
+            times = {f"time_{k}": (dims[:1], o.times, {"units": "s"})}
+            made = made.assign(parts | times).assign_coords(coords)
+        return made
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """One row an unknown."""
+        return self.data[["value", "deviation"]].to_dataframe()
+
+    def write(self, base: Path, **first_view: Any) -> list[Path]:
+        """Data, numbers and page; a picture (.identified.png), covariance (.covariance.csv)."""
+        import matplotlib as mpl
+
+        from dalembert.atomic import atomic_path
+
+        mpl.use("Agg")
+        more = [base.with_name(f"{base.name}.{e}") for e in ("identified.png", "covariance.csv")]
+        with atomic_path(more[0]) as temporary:
+            self.plot().savefig(temporary, format="png", dpi=110)
+        with atomic_path(more[1]) as temporary:
+            self.covariance.to_pandas().to_csv(temporary)
+        return [*more, *super().write(base, **first_view)]
+
+    def page(self, **first_view: Any) -> dict[str, Any]:
+        """The run with the parameters found, data, residuals and how sure they are."""
+        from dalembert.design.pages.identification import identification_page
+
+        return identification_page(self, **first_view)
+
+    def views(self) -> list[dict[str, Any]]:
+        from dalembert.design.pages.identification import identification_views
+
+        return identification_views(self)
+
+    def table_html(self) -> str:
         from dalembert.design.identification.pictures import html
 
         kind = "given" if self.noise_given else "estimated"

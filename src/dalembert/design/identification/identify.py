@@ -37,7 +37,7 @@ def identify(
     """Parameters with which a model explains measured time series.
 
     Least squares of the residuals over their noise, by SciPy's trust region with exact gradients of
-    every sample. Missing samples (NaN) are left out.
+    every sample. Missing samples (NaN) are left out. Ctrl-C ends it with the best unknowns so far.
 
     Parameters
     ----------
@@ -156,6 +156,7 @@ def _identified(
         at_bounds=at_bounds(unknowns, x),
         runs=misfit.runs,
         failed_runs=len(misfit.failures),
+        interrupted=solver.interrupted,
     )
 
 

@@ -50,9 +50,22 @@ class LeastSquares:
         if self.loss not in LOSSES:
             raise UnsupportedError(f"unknown loss {self.loss!r}; known: {', '.join(LOSSES)}")
         self._count = 0
+        self.interrupted = False
+        self._reached: tuple[float, np.ndarray] | None = None
 
     def solve(self, x: np.ndarray) -> Fit:
-        """The nearest minimum from a start."""
+        """The nearest minimum from a start; the best unknowns so far where it is interrupted."""
+        self._reached = None
+        try:
+            return self._solved(x)
+        except KeyboardInterrupt:
+            if self._reached is None:
+                raise
+            self.interrupted = True
+            cost, best = self._reached
+            return Fit(best, False, f"interrupted after {self._count} iteration(s)", cost)
+
+    def _solved(self, x: np.ndarray) -> Fit:
         from scipy.optimize import least_squares
 
         unknowns = self.misfit.unknowns
@@ -83,8 +96,10 @@ class LeastSquares:
     def jacobian(self, x: np.ndarray) -> np.ndarray:
         """(N, n); asked for once an iteration, at the unknowns reached."""
         self._count += 1
+        cost = 0.5 * float(np.sum(self.residual(x) ** 2))
+        if self._reached is None or cost < self._reached[0]:
+            self._reached = cost, np.array(x)
         if self.progress:
-            cost = 0.5 * float(np.sum(self.residual(x) ** 2))
             if callable(self.progress):
                 self.progress(self._count, cost)
             else:
@@ -100,8 +115,8 @@ class LeastSquares:
         """
         given = self.use_given_noise()
         fit = self.solve(x)
-        if given:
-            return fit, self._told(), False
+        if given or self.interrupted:
+            return fit, self._told(), not given
         for _ in range(ROUNDS):
             before = self._told()
             self.estimate_noise(fit.x)
@@ -109,7 +124,7 @@ class LeastSquares:
             if self.loss == "linear" and len(after) == 1:
                 break
             fit = self.solve(fit.x)
-            if all(abs(after[c] - before[c]) <= 1e-3 * after[c] for c in after):
+            if self.interrupted or all(abs(after[c] - before[c]) <= 1e-3 * after[c] for c in after):
                 break
         return fit, self._told(), True
 

@@ -43,7 +43,7 @@ def invert(
     tolerance: float = 1e-8,
     progress: bool | Callable[[int, float], None] = False,
 ) -> Inversion:
-    """Unknown histories that explain measured motion.
+    """Unknown histories that explain measured motion; Ctrl-C ends it with the best so far.
 
     Parameters
     ----------
@@ -80,7 +80,9 @@ def invert(
     refuse_bad_start(misfit, x)
     rows = _rows(histories, misfit, order)
     fit, mu, seen = _solved(solver, x, rows, smoothing)
-    return _inversion(misfit, histories, fit, mu, seen, rows, given)
+    found = _inversion(misfit, histories, fit, mu, seen, rows, given)
+    found.interrupted = solver.interrupted
+    return found
 
 
 def _solved(
@@ -95,7 +97,7 @@ def _solved(
         x, before = fit.x, mu
         seen = _linear(solver.misfit, x, rows)
         mu = chosen(smoothing, seen)
-        if abs(mu - before) <= 0.3 * before:
+        if solver.interrupted or abs(mu - before) <= 0.3 * before:
             break
     return fit, before, seen
 

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.design.decision import Decision
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.inverse.history import History
 from dalembert.design.inverse.smoothing import Curve
 from dalembert.results.result import Result
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 @dataclass(eq=False)
-class Inversion:
+class Inversion(Decision):
     """Result of ``invert``.
 
     Attributes
@@ -26,8 +30,10 @@ class Inversion:
     smoothing : ``μ`` used
     curve : misfit and roughness over the smoothing
     misfit_norm, roughness_norm : of the solution
+    interrupted : by Ctrl-C; the histories are the best reached
     """
 
+    word = "inversion"
     values: dict[str, np.ndarray]
     deviation: dict[str, np.ndarray]
     x: dict[str, float]
@@ -41,6 +47,12 @@ class Inversion:
     predicted: list[np.ndarray] = field(repr=False)
     histories: list[History] = field(repr=False)
     misfit: Misfit = field(repr=False)
+    interrupted: bool = False
+
+    @property
+    def name(self) -> str:  # type: ignore[override]
+        """Of the model."""
+        return str(self.misfit.model.name)
 
     def at(self, name: str, times: Any) -> np.ndarray:
         """A history at times: the natural spline through its values."""
@@ -48,6 +60,71 @@ class Inversion:
 
         knots = next(h.knots for h in self.histories if h.name == name)
         return CubicSpline(knots, self.values[name], bc_type="natural")(times)
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "ok": self.success,
+            "message": self.message,
+            "interrupted": self.interrupted,
+            "histories": {
+                h.name: {
+                    "knots": h.knots.tolist(),
+                    "values": self.values[h.name].tolist(),
+                    "deviation": self.deviation[h.name].tolist(),
+                    "unit": h.parameters[0].unit,
+                }
+                for h in self.histories
+            },
+            "x": self.x,
+            "smoothing": self.smoothing,
+            "misfit": self.misfit_norm,
+            "roughness": self.roughness_norm,
+            "samples": self.misfit.size,
+            "runs": self.misfit.runs,
+        }
+
+    @property
+    def data(self) -> xr.Dataset:
+        """Histories at their knots, data and model, and the L-curve."""
+        import xarray as xr
+
+        columns: dict[str, Any] = {}
+        for h in self.histories:
+            knot = f"{h.name}_time"
+            columns[knot] = (knot, h.knots, {"units": "s"})
+            columns[h.name] = (knot, self.values[h.name], {"units": h.parameters[0].unit})
+            columns[f"{h.name}_deviation"] = (knot, self.deviation[h.name])
+        for name in ("smoothing", "misfit", "roughness"):
+            columns[f"curve_{name}"] = ("curve", getattr(self.curve, name))
+        return xr.Dataset(columns, attrs={"message": self.message, "smoothing": self.smoothing})
+
+    def to_dataframe(self) -> Any:
+        """One row a knot of each history."""
+        import pandas as pd
+
+        parts = [
+            pd.DataFrame(
+                {
+                    "history": h.name,
+                    "time": h.knots,
+                    "value": self.values[h.name],
+                    "deviation": self.deviation[h.name],
+                }
+            )
+            for h in self.histories
+        ]
+        return pd.concat(parts, ignore_index=True)
+
+    def page(self, **first_view: Any) -> dict[str, Any]:
+        """The run with the histories found, the histories, and how smooth they are."""
+        from dalembert.design.pages.identification import inversion_page
+
+        return inversion_page(self, **first_view)
+
+    def views(self) -> list[dict[str, Any]]:
+        from dalembert.design.pages.identification import inversion_views
+
+        return inversion_views(self)
 
     def plot(self) -> Any:
         """The histories with their deviation, and the L-curve; returns the figure."""

@@ -28,12 +28,14 @@ class LimitStates(ABC):
     labels : of the limit states
     names : of the random parameters
     others : of the parameters that are not random
+    model : that is run; None of formulas
     """
 
     labels: list[str]
     names: list[str]
     others: list[str]
     calls: int = 0
+    model: ParametricModel | None = None
 
     @abstractmethod
     def values(self, x: np.ndarray) -> np.ndarray:
@@ -46,6 +48,10 @@ class LimitStates(ABC):
     def many(self, points: np.ndarray) -> np.ndarray:
         """(N, m) ``g`` at (N, n) points."""
         return np.array([self.values(x) for x in points]).reshape(len(points), len(self.labels))
+
+    def result(self, x: np.ndarray) -> Any:
+        """The run at ``x``; None where nothing is run, or it fails."""
+        return None
 
     @property
     def failure(self) -> str:
@@ -63,7 +69,7 @@ class RunLimits(LimitStates):
         names: Sequence[str],
         analysis: Analysis,
     ):
-        self.names = list(names)
+        self.names, self.model = list(names), model
         for name in names:
             if name not in model.parameters:
                 raise ModelError(unknown("random parameter", name, model.parameters))
@@ -95,6 +101,9 @@ class RunLimits(LimitStates):
             raise AnalysisError(f"a run fails: {self.failure}")
         rows = np.array([sign * self.problem.slope(found, row) for row, sign, _ in self.sides])
         return rows[:, : len(self.names)], rows[:, len(self.names) :]
+
+    def result(self, x: np.ndarray) -> Any:
+        return next(iter(self.problem.results(np.append(x, self.rest)).values()), None)
 
     @property
     def failure(self) -> str:

@@ -7,14 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.first_order import Search, design_points
 from dalembert.design.reliability.limit_state import limit_states
 from dalembert.design.reliability.nataf import Correlation, Nataf
-from dalembert.design.reliability.reliable import Reliability
+from dalembert.design.reliability.reliable import SAMPLINGS, Reliability
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text import unknown
 
 SYSTEMS = ("series", "parallel")
 
@@ -31,9 +33,14 @@ def reliability(
     starts: int = 1,
     tolerance: float = 1e-8,
     max_iterations: int = 100,
+    samples: int = 0,
+    sampling: str = "importance-sampling",
     rng: Any = 0,
+    progress: Reported = False,
 ) -> Reliability:
     """Probability of failure by the first-order method, and what else the result can compute.
+
+    Ctrl-C ends it with the design points found until then.
 
     Parameters
     ----------
@@ -46,7 +53,10 @@ def reliability(
     method : ``"improved-hlrf"`` or ``"hlrf"``
     starts : number of starts for each limit state, to find further design points
     tolerance : on residual and distance of the design point
-    rng : seed or generator of the starts
+    samples : of an estimate beside, ``result.sampled``; none by default
+    sampling : ``"importance-sampling"``, ``"monte-carlo"`` or ``"subset-simulation"``
+    rng : seed or generator of the starts, and of the samples
+    progress : True for a bar, or a function of the fraction done
 
     Raises
     ------
@@ -57,6 +67,8 @@ def reliability(
     """
     if system not in SYSTEMS:
         raise UnsupportedError(f"unknown system {system!r}; known: {', '.join(SYSTEMS)}")
+    if sampling not in SAMPLINGS:
+        raise UnsupportedError(unknown("sampling", sampling, SAMPLINGS))
     if not random:
         raise AnalysisError("nothing is random; give random={'name': da.Normal(mean, std)}")
     for name, distribution in random.items():
@@ -71,5 +83,16 @@ def reliability(
         Search(limits, nataf, row, method, tolerance, max_iterations)
         for row in range(len(limits.labels))
     ]
-    points = [one for search in searches for one in design_points(search, starts, generator)]
-    return Reliability(points, system, searches, nataf)
+    found = Reliability([], system, searches, nataf)
+    with progress_reporter(progress, "reliability") as report:
+        try:
+            for k, search in enumerate(searches):
+                found.points += design_points(search, starts, generator)
+                report((k + 1) / (len(searches) + bool(samples)))
+            if samples:
+                found.sampled = found.sample(sampling, samples, generator)
+        except KeyboardInterrupt:
+            if not found.points:
+                raise
+            found.interrupted = True
+    return found

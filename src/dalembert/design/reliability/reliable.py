@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.design.decision import Decision
 from dalembert.design.reliability.first_order import DesignPoint, Search
 from dalembert.design.reliability.nataf import Nataf
 from dalembert.design.reliability.sampling import (
@@ -18,21 +19,51 @@ from dalembert.design.reliability.sampling import (
 )
 from dalembert.design.reliability.second_order import SecondOrder, second_order
 
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+SAMPLINGS = {
+    "monte-carlo": "monte_carlo",
+    "importance-sampling": "importance_sampling",
+    "subset-simulation": "subset_simulation",
+}
+"""Name of a sampling → what of ``Reliability`` does it."""
+
 
 @dataclass(eq=False)
-class Reliability:
+class Reliability(Decision):
     """Result of ``reliability``.
 
     Attributes
     ----------
     points : design points of all limit states, the nearest of each first
     system : ``"series"``, one limit that breaks is failure; ``"parallel"``, all must break
+    sampled : an estimate by samples, where one was asked for
+    interrupted : by Ctrl-C; the points found until then are kept
     """
 
+    word = "reliability"
     points: list[DesignPoint]
     system: str
     searches: list[Search] = field(repr=False)
     nataf: Nataf = field(repr=False)
+    sampled: Estimate | None = None
+    interrupted: bool = False
+
+    @property
+    def name(self) -> str:  # type: ignore[override]
+        """Of the model, or of the formulas."""
+        model = self.searches[0].limits.model
+        return "; ".join(self.searches[0].limits.labels) if model is None else str(model.name)
+
+    @property
+    def message(self) -> str:  # type: ignore[override]
+        """How the searches ended."""
+        if self.interrupted:
+            return f"interrupted after {len(self.points)} design point(s)"
+        state = "converged" if self.success else "not converged"
+        return f"{state}, residual {self.residual:.1e}"
 
     @property
     def point(self) -> DesignPoint:
@@ -50,9 +81,9 @@ class Reliability:
         return list(first.values())
 
     @property
-    def success(self) -> bool:
+    def success(self) -> bool:  # type: ignore[override]
         """Whether every search converged."""
-        return all(one.converged for one in self.points)
+        return all(one.converged for one in self.points) and not self.interrupted
 
     @property
     def residual(self) -> float:
@@ -129,7 +160,76 @@ class Reliability:
         found = self.searches[0].limits.many(self.nataf.values(u))
         return found.min(axis=1) if self.system == "series" else found.max(axis=1)
 
+    def sample(self, method: str, samples: int, rng: Any = 0) -> Estimate:
+        """Probability of failure by one of ``SAMPLINGS``."""
+        return getattr(self, SAMPLINGS[method])(samples, rng)  # type: ignore[no-any-return]
+
     # for people -----------------------------------------------------------------------------
+    def result(self) -> Any:
+        """The run at the design point; None where there is no model."""
+        x = np.array(list(self.point.x.values()))
+        return self.searches[0].limits.result(x)
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "ok": self.success,
+            "message": self.message,
+            "interrupted": self.interrupted,
+            "beta": self.beta,
+            "probability": self.probability,
+            "system": self.system,
+            "residual": self.residual,
+            "points": [
+                {
+                    "limit": p.limit,
+                    "beta": p.beta,
+                    "probability": p.probability,
+                    "x": p.x,
+                    "u": p.u.tolist(),
+                    "alpha": p.alpha.tolist(),
+                    "residual": p.residual,
+                    "converged": p.converged,
+                }
+                for p in self.points
+            ],
+            "importance": self.importance,
+            "sensitivity": self.sensitivity,
+            "parameter_sensitivity": self.parameter_sensitivity,
+            "sampled": None if self.sampled is None else asdict(self.sampled),
+            "calls": self.searches[0].limits.calls,
+        }
+
+    @property
+    def data(self) -> xr.Dataset:
+        """Design points, indices and importance."""
+        import xarray as xr
+
+        names, points = list(self.nataf.random), self.points
+        both = ("point", "variable")
+        return xr.Dataset(
+            {
+                "x": (both, [list(p.x.values()) for p in points]),
+                "u": (both, [p.u for p in points]),
+                "alpha": (both, [p.alpha for p in points]),
+                "beta": ("point", [p.beta for p in points]),
+                "limit": ("point", [p.limit for p in points]),
+                "importance": ("variable", list(self.importance.values())),
+            },
+            {"point": range(len(points)), "variable": names},
+            {"beta": self.beta, "probability": self.probability, "system": self.system},
+        )
+
+    def page(self, **first_view: Any) -> dict[str, Any]:
+        """The run at the design point, and what leads there."""
+        from dalembert.design.pages.reliability import reliability_page
+
+        return reliability_page(self, **first_view)
+
+    def views(self) -> list[dict[str, Any]]:
+        from dalembert.design.pages.reliability import reliability_views
+
+        return reliability_views(self)
+
     def plot(self, ax: Any = None) -> Any:
         """Importance of the random parameters; returns the axes."""
         import matplotlib.pyplot as plt
@@ -142,7 +242,7 @@ class Reliability:
         ax.spines[["top", "right"]].set_visible(False)
         return ax
 
-    def _repr_html_(self) -> str:
+    def table_html(self) -> str:
         from html import escape
 
         head = "<th>limit</th><th>β</th><th>Φ(−β)</th><th>residual</th><th>at</th>"

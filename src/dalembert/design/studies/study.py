@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.design.decision import Decision
 from dalembert.design.studies.design import Design
 from dalembert.errors import AnalysisError
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Study(Decision):
     """Designs and their responses.
 
     Attributes
@@ -28,8 +31,10 @@ class Study:
     reasons : (n,) why it failed; empty where it did not
     folder : where it is kept
     reused : how many answers were in the folder already
+    units : of parameters and responses, by name
     """
 
+    word = "study"
     name: str
     design: Design
     responses: tuple[str, ...]
@@ -37,9 +42,16 @@ class Study:
     reasons: tuple[str, ...]
     folder: Path | None = None
     reused: int = 0
+    units: Mapping[str, str] = field(default_factory=dict)
 
     @property
-    def success(self) -> np.ndarray:
+    def message(self) -> str:  # type: ignore[override]
+        """How many designs have their responses."""
+        done = int(self.success.sum())
+        return f"{done} of {len(self.design)} designs"
+
+    @property
+    def success(self) -> np.ndarray:  # type: ignore[override]
         """(n,) whether the design has its responses."""
         return np.array([not reason for reason in self.reasons], dtype=bool)
 
@@ -79,6 +91,51 @@ class Study:
         import pandas as pd
 
         return pd.DataFrame(self.columns).set_index("design")
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "ok": bool(self.success.any()),
+            "designs": len(self.design),
+            "reused": self.reused,
+            "failed": self.failures,
+            "responses": {
+                name: {
+                    "minimum": column.min(),
+                    "mean": column.mean(),
+                    "maximum": column.max(),
+                    "deviation": column.std(),
+                }
+                for name in self.responses
+                if (column := self.column(name)[self.success]).size
+            },
+            "folder": str(self.folder),
+            "table": str(self.folder / "table.parquet") if self.folder else None,
+        }
+
+    @property
+    def data(self) -> xr.Dataset:
+        """Parameters, responses and reasons of all designs."""
+        import xarray as xr
+
+        made = xr.Dataset({n: ("design", c) for n, c in self.columns.items() if n != "design"})
+        for name, unit in self.units.items():
+            if name in made:
+                made[name].attrs["units"] = unit
+        return made.assign_coords(design=range(len(self.design)))
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each design."""
+        return self.table
+
+    def table_of_designs(self) -> dict[str, Any]:
+        from dalembert.design.pages.study import study_designs
+
+        return study_designs(self)
+
+    def views(self) -> list[dict[str, Any]]:
+        from dalembert.design.pages.study import study_views
+
+        return study_views(self)
 
     def plot(self, x: str, response: str | None = None, ax: Any = None) -> Any:
         """A response over a parameter, a point for each design; returns the axes."""

@@ -2,53 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.synthesis.atlas import Start, atlas_of
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.problem import Polish
+from dalembert.design.synthesis.synthesis import Solution, Synthesis
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
 from dalembert.text import unknown
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """A linkage and how it meets the target.
-
-    Attributes
-    ----------
-    linkage : FourBar or SliderCrank
-    crank_angles : (n,) of the crank at the entries of the target
-    error : sum of squares of the distances; for functions and motions of the angles, too [rad]
-    distances : (n,) of the points, or of the outputs
-    """
-
-    linkage: Linkage
-    crank_angles: np.ndarray
-    error: float
-    distances: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class Synthesis:
-    """What was found, best first; each differs from the others."""
-
-    target: Target
-    solutions: list[Solution]
-    starts: int
-
-    @property
-    def best(self) -> Solution:
-        return self.solutions[0]
-
-    def __repr__(self) -> str:
-        return f"<Synthesis: {len(self.solutions)} linkages, least error {self.best.error:.3g}>"
 
 
 def synthesize(
@@ -61,12 +29,13 @@ def synthesize(
     order: bool = True,
     starts: int = 24,
     rng: int | None = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Reported = False,
 ) -> Synthesis:
     """Linkages for a path, a motion or a function: least squares from many starts.
 
     Starts come from an atlas of curves where there are points, else at random; they are polished
-    with exact derivatives by IPOPT. Every solution is checked by solving its loop anew.
+    with exact derivatives by IPOPT. Every solution is checked by solving its loop anew. Ctrl-C ends
+    it with the solutions found until then.
 
     Parameters
     ----------
@@ -77,6 +46,7 @@ def synthesize(
     transmission : least transmission angle [rad], over the turn or, without, at the entries
     order : free timing passes the entries in their order
     starts : how many linkages are polished
+    progress : True for a bar, or a function of the fraction done
 
     Raises
     ------
@@ -97,19 +67,25 @@ def synthesize(
     )
     found: list[Solution] = []
     chosen = _starts(linkage, scaled, starts, np.random.default_rng(rng))
-    for k, start in enumerate(chosen):
-        made = polish(start)
-        if made is not None:
-            _keep(found, _solution(target, made[0].scaled(size, at), made[1], crank_turns))
-        if progress:
-            progress((k + 1) / len(chosen))
+    done = 0
+    with progress_reporter(progress, f"{linkage.__name__}s") as report:
+        try:
+            for start in chosen:
+                made = polish(start)
+                if made is not None:
+                    _keep(found, _solution(target, made[0].scaled(size, at), made[1], crank_turns))
+                done += 1
+                report(done / len(chosen))
+        except KeyboardInterrupt:
+            if not found:
+                raise
     if not found:
         raise AnalysisError(
             f"none of {len(chosen)} starts leads to a {linkage.__name__} within the limits; "
             "give more starts, wider bounds, a smaller transmission angle, or crank_turns=False"
         )
     found.sort(key=lambda solution: solution.error)
-    return Synthesis(target, found, len(chosen))
+    return Synthesis(target, found, done, interrupted=done < len(chosen))
 
 
 def _frame(target: Target) -> tuple[float, complex]:

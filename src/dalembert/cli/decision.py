@@ -1,0 +1,105 @@
+"""What all commands of decisions share: the file, the run, what is written, how it ends."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dalembert.cli.console import (
+    DONE,
+    FAILED,
+    INTERRUPTED,
+    emit,
+    tell,
+    written,
+    wrong_input,
+)
+from dalembert.cli.loading import is_deck, loaded, output_folder, pairs
+from dalembert.errors import FileError
+
+if TYPE_CHECKING:
+    from dalembert.design.decision import Decision
+    from dalembert.io.model_file import ModelFile
+
+Run = Callable[[bool], "Decision"]
+"""Does the task; true shows how far it is."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What every command of a decision is given.
+
+    Attributes
+    ----------
+    path : the model file
+    settings : values of ``--set``
+    output : folder for the results; none are written without
+    quiet, as_json : what is told
+    """
+
+    path: Path
+    settings: list[str] | None
+    output: Path | None
+    quiet: bool
+    as_json: bool
+
+    def decide(
+        self,
+        read: Callable[[ModelFile, Any], Run],
+        show: Callable[[dict[str, Any]], None],
+        assembled: bool = True,
+    ) -> int:
+        """Read the file, do the task, write and tell what was found; returns the exit code.
+
+        Parameters
+        ----------
+        read : ``(file, model) →`` what does the task; errors in it are those of the input
+        show : prints the numbers found
+        assembled : whether the task is on the file's model
+        """
+        file, model = loaded(self.path, self.settings) if assembled else (self._read(), None)
+        with wrong_input():
+            run = read(file, model)
+        folder = output_folder(self.output) if self.output else None
+        found = run(not (self.quiet or self.as_json))
+        files = (
+            found.write(folder / file.path.stem, **self._first_view(file, model)) if folder else []
+        )
+        made = {"name": file.name, **found.summary(), "files": [str(f) for f in files]}
+        if self.as_json:
+            emit(made)
+        else:
+            tell(f"{file.name}: {found.message}", "green" if found.ok else "red")
+            show(made)
+            written(files)
+        if found.interrupted:
+            return INTERRUPTED
+        return DONE if found.ok else FAILED
+
+    def _read(self) -> ModelFile:
+        from dalembert.io.model_file import load_model_file
+
+        with wrong_input():
+            if is_deck(self.path):
+                raise FileError(f"{self.path}: is a deck; this command takes a model file")
+            return load_model_file(self.path).with_parameters(pairs(self.settings))
+
+    @staticmethod
+    def _first_view(file: ModelFile, model: Any) -> dict[str, Any]:
+        from dalembert.io.tasks import report_choices
+
+        return {} if model is None else report_choices(file, model)
+
+
+def iterations(show: bool) -> Callable[[int, float], None] | bool:
+    """Prints each iteration of a search on standard error, or nothing."""
+    if not show:
+        return False
+
+    def told(number: int, value: float) -> None:
+        print(f"iteration {number}: {value:.8g}", file=sys.stderr)
+
+    return told

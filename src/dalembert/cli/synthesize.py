@@ -1,0 +1,67 @@
+"""``dalembert synthesize``: linkages that do what a file asks for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from dalembert.cli.console import AsJson, Quiet, tell
+from dalembert.cli.decision import Asked, Run
+
+if TYPE_CHECKING:
+    from dalembert.io.model_file import ModelFile
+
+SHOWN = 5
+
+
+def synthesize(
+    file: Path,
+    /,
+    *,
+    starts: int | None = None,
+    output: Path | None = None,
+    quiet: Annotated[Quiet, Parameter(help="Do not show progress.")] = False,
+    as_json: AsJson = False,
+) -> int:
+    """Find linkages for a path, a motion or a function.
+
+    Parameters
+    ----------
+    file
+        File with [synthesis]; it needs no bodies.
+    starts
+        How many linkages are polished, instead of the file's.
+    output
+        Folder for the linkages (.synthesis.nc, .synthesis.json) and the page on which to choose
+        one (.synthesis.report.html); none are written by default.
+    """
+    from dalembert.io.changes import changed
+
+    def read(given: ModelFile, _: Any) -> Run:
+        from dalembert.design.synthesis.synthesize import synthesize as linkages_for
+        from dalembert.io.synthesis import make_synthesis
+
+        asked = make_synthesis(changed(given, "synthesis", {"starts": starts}))
+
+        def run(show: bool) -> Any:
+            with given.located("synthesis"):
+                found = linkages_for(**asked, progress=show)
+            found.name = given.name
+            return found
+
+        return run
+
+    return Asked(file, None, output, quiet, as_json).decide(read, _show, assembled=False)
+
+
+def _show(made: dict[str, Any]) -> None:
+    for k, one in enumerate(made["solutions"][:SHOWN], start=1):
+        sizes = ", ".join(f"{n} = {v:.5g}" for n, v in one["dimensions"].items() if v)
+        turns = "turns" if one["crank_turns"] else "rocks"
+        tell(f"  {k}. error {one['error']:.4g}, crank {turns}: {sizes}")
+    left = len(made["solutions"]) - SHOWN
+    if left > 0:
+        tell(f"  and {left} more")
+    tell(f"  {made['starts']} starts")

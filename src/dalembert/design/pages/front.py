@@ -1,0 +1,61 @@
+"""The page of a front: pick a point, and see its parameters and its mechanism."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dalembert.design.pages.alternatives import alternative, thinned
+from dalembert.design.pages.plain import plain_page, with_views
+from dalembert.report import views
+
+MATRIX = 6
+"""Parameters, or aims, of which all pairs are drawn at most."""
+
+
+def front_page(front: Any, **first_view: Any) -> dict[str, Any]:
+    """What the report of a ``Front`` shows."""
+    first = front.result(0)
+    if first is None or not getattr(first, "has_page", False):
+        return plain_page(front)
+    page = thinned(first.page(**first_view), len(front))
+    page = with_views(page, front, "front")
+    page["designs"]["alternatives"] = [
+        alternative(front.result(k), page, **first_view) for k in range(len(front))
+    ]
+    return page
+
+
+def front_designs(front: Any) -> dict[str, Any]:
+    """The points as a table; the one in the middle is chosen first."""
+    units = front.parameter_units or [""] * len(front.names)
+    aims = zip(front.labels, front.units, front.values.T, strict=True)
+    parameters = zip(front.names, units, front.designs.T, strict=True)
+    columns = [(name, unit, "aim", values) for name, unit, values in aims]
+    columns += [(name, unit, "parameter", values) for name, unit, values in parameters]
+    return views.designs(columns, chosen=knee(front.values * np.asarray(front.senses)))
+
+
+def knee(values: np.ndarray) -> int:
+    """Number of the point nearest to the best of all aims, each measured by its range."""
+    span = np.ptp(values, axis=0)
+    unit = (values - values.min(axis=0)) / np.where(span > 0, span, 1.0)
+    return int(np.argmin(np.linalg.norm(unit, axis=1)))
+
+
+def front_views(front: Any) -> list[dict[str, Any]]:
+    """The front, all columns side by side, all pairs, and the numbers."""
+    better = ["less" if sense > 0 else "more" for sense in front.senses]
+    made = [
+        views.of_designs(
+            "front", "Front", x=0, y=1, better=better, place="board", note="Click, or use ← →."
+        ),
+        views.of_designs("parallel", "All aims and parameters", place="board"),
+    ]
+    if 2 < len(front.labels) <= MATRIX:
+        made.append(views.of_designs("matrix", "Pairs of aims", role="aim"))
+    made.append(views.of_designs("table", "Designs"))
+    rows = [("designs", len(front)), ("runs", front.runs), ("gradients", front.gradients)]
+    made.append(views.facts("Search", [*rows, ("found by", front.message)]))
+    return made

@@ -1,0 +1,95 @@
+"""The page of an optimum: that of its best run, the first design as a ghost, and how it came."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from dalembert.design.pages.plain import plain_page
+from dalembert.report import views
+
+STILL = ("name", "node", "shapes")
+
+
+def optimum_page(best: Any, **first_view: Any) -> dict[str, Any]:
+    """What the report of an ``Optimum`` shows, as plain data."""
+    if not best.motion.has_page:
+        return plain_page(best) | {"optimum": told(best)}
+    page = best.motion.page(**first_view)
+    page["title"] = f"{page['title']}: optimum"
+    page["optimum"] = told(best)
+    page["views"] = best.views()
+    first = best.initial.page() if best.initial.has_page else {}
+    if "scene" in page and page.get("time"):
+        page["scene"]["ghosts"] = _ghosts(first, np.array(page["time"]))
+    elif page.get("kind") == "structure" and first:
+        page["ghost"] = {"drawing": first["drawing"], "moved": first["moved"]}
+    return page
+
+
+def told(best: Any) -> dict[str, Any]:
+    """Objective, limits, prices and the way there."""
+    return {
+        "label": best.label,
+        "unit": best.unit,
+        "start": best.history[0].objective,
+        "value": best.fun,
+        "success": best.success,
+        "message": best.message,
+        "variables": [asdict(one) for one in best.variables],
+        "limits": [asdict(one) for one in best.limits],
+        "prices": best.prices,
+        "history": [{"objective": i.objective, "violation": i.violation} for i in best.history],
+    }
+
+
+def optimum_views(best: Any) -> list[dict[str, Any]]:
+    """What each parameter still does to the objective, the way there, and other optima."""
+    width = {one.name: _room(one) for one in best.variables}
+    reach = {n: slope * width[n] for n, slope in best.gradient.items()}
+    made = [
+        views.bars(
+            f"What each parameter does to {best.label}",
+            reach,
+            best.unit,
+            "Slope at the best design, times a tenth of the range of the parameter.",
+        )
+    ]
+    if len(best.history) > 1:
+        names = list(best.history[0].parameters)
+        way = np.array([[i.parameters[n] for n in names] for i in best.history])
+        low, span = way.min(axis=0), np.ptp(way, axis=0)
+        moved = (way - low) / np.where(span > 0, span, 1.0)
+        lines = [views.line(n, np.arange(len(way)), moved[:, k]) for k, n in enumerate(names[:7])]
+        note = "Each from its least (0) to its largest value on the way (1)."
+        made.append(views.curves("Parameters on the way", "iteration", "", lines, note=note))
+    if len(best.optima) > 1:
+        rows = [(f"optimum {k + 1}", o.objective) for k, o in enumerate(best.optima)]
+        made.append(views.facts("Distinct optima", rows))
+    return made
+
+
+def _room(one: Any) -> float:
+    """A tenth of the range of a parameter, of its size where that is open."""
+    if one.lower is None or one.upper is None:
+        return 0.1 * abs(one.value)
+    return 0.1 * float(one.upper - one.lower)
+
+
+def _ghosts(first: dict[str, Any], time: np.ndarray) -> list[dict[str, Any]]:
+    """Bodies of the first design at these instants; none after its run ended."""
+    at = np.array(first["time"])
+    made = []
+    for body in first["scene"]["bodies"]:
+        if not body["shapes"] or not at.size:
+            continue
+        columns = {k: np.array(v, dtype=float) for k, v in body.items() if k not in STILL}
+        ghost = {
+            k: np.interp(time, at, column, right=np.nan).tolist() if at.size > 1 else column[0]
+            for k, column in columns.items()
+            if column.shape == at.shape
+        }
+        made.append({"shapes": body["shapes"], **ghost})
+    return made

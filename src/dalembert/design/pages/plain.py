@@ -1,0 +1,39 @@
+"""A page of views alone, and how a notebook shows it."""
+
+from __future__ import annotations
+
+import html
+from typing import Any
+
+
+def plain_page(decision: Any) -> dict[str, Any]:
+    """The page of a decision without a mechanism or structure beside it."""
+    return {
+        **{"format": 1, "kind": "decision", "title": decision.name, "subtitle": decision.message},
+        "verdict": verdict(decision),
+        "designs": decision.table_of_designs(),
+        "views": decision.views(),
+    }
+
+
+def verdict(decision: Any) -> dict[str, Any]:
+    """How it ended, for the head of a page."""
+    return {"success": decision.ok, "text": decision.message}
+
+
+def with_views(page: dict[str, Any], decision: Any, title: str) -> dict[str, Any]:
+    """The page of a run, with the views of the decision that it belongs to."""
+    page["title"] = f"{page['title']}: {title}"
+    page["verdict"] = verdict(decision)
+    page["designs"] = decision.table_of_designs()
+    page["views"] = decision.views()
+    return page
+
+
+def framed(decision: Any, height: int = 620) -> str:
+    """The page of views alone in a frame, as notebooks show it."""
+    from dalembert.report.page import render_page
+
+    page = html.escape(render_page(plain_page(decision)), quote=True)
+    look = f"width:100%;height:{height}px;border:1px solid #8884;border-radius:10px"
+    return f'<iframe srcdoc="{page}" style="{look}" title="Page of the decision"></iframe>'

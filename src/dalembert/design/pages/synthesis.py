@@ -1,0 +1,122 @@
+"""The page of a synthesis: linkages to choose from, what they shall do and what they do."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.kinematics import Kinematics
+from dalembert.design.pages.alternatives import CHANGING
+from dalembert.design.pages.plain import plain_page, with_views
+from dalembert.errors import DalembertError
+from dalembert.report import views
+
+SHOWN = 12
+"""Linkages that a page has."""
+FRAMES = 121
+TURN = np.linspace(0, 2 * math.pi, 361)
+
+
+def synthesis_page(found: Any, **first_view: Any) -> dict[str, Any]:
+    """What the report of a ``Synthesis`` shows."""
+    pages = [_linkage_page(found, s) for s in found.solutions[:SHOWN]]
+    first = next((page for page in pages if page is not None), None)
+    if first is None:
+        return plain_page(found)
+    page = with_views(dict(first), found, "candidates")
+    page["title"], page["subtitle"] = f"{found.name}: candidates", found.message
+    kept = CHANGING[page["kind"]]
+    page["designs"]["alternatives"] = [
+        {} if other is None else {k: other[k] for k in (*kept, "parameters") if k in other}
+        for other in pages
+    ]
+    page["default_plots"] = [["follower.angle"]] if _has(page, "follower.angle") else []
+    return page
+
+
+def _has(page: dict[str, Any], name: str) -> bool:
+    return any(series["name"] == name for series in page["series"])
+
+
+def _linkage_page(found: Any, solution: Any) -> dict[str, Any] | None:
+    """The page of a linkage over one turn, or over its entries; None where it cannot move so."""
+    linkage = solution.linkage
+    try:
+        model = linkage.system().build()
+        motion = Kinematics(2 * math.pi, outputs=FRAMES).run(model)
+    except DalembertError:
+        return None
+    page: dict[str, Any] = motion.page(trace=["coupler.P"])
+    if found.target.points is not None:
+        wanted = [{"kind": "particle", "center": list(p)} for p in found.target.points.tolist()]
+        page["scene"]["ground"]["shapes"] = [*page["scene"]["ground"].get("shapes", []), *wanted]
+    page["title"] = found.name
+    return page
+
+
+def synthesis_designs(found: Any) -> dict[str, Any]:
+    """The linkages as a table of designs."""
+    some = found.solutions[:SHOWN]
+    unit = {"angle": "rad"}
+    columns = [("error", "", "aim", [s.error for s in some])]
+    worst = [float(np.max(s.distances, initial=0.0)) for s in some]
+    columns.append(("largest distance", "", "aim", worst))
+    least = [math.degrees(_transmission(s)) for s in some]
+    columns.append(("transmission", "°", "aim", least))
+    for name in some[0].linkage.numbers:
+        values = [s.linkage.numbers[name] for s in some]
+        if name in some[0].linkage.lengths or np.ptp(values) > 0 or any(values):
+            columns.append((name, unit.get(name, ""), "parameter", values))
+    labels = [f"linkage {k + 1}" for k in range(len(some))]
+    return views.designs(columns, labels=labels)
+
+
+def _transmission(solution: Any) -> float:
+    turns = solution.linkage.crank_turns
+    return float(solution.linkage.transmission(None if turns else solution.crank_angles))
+
+
+def synthesis_views(found: Any) -> list[dict[str, Any]]:
+    """The list, target against what is obtained, and the dimensions side by side."""
+    target, some = found.target, found.solutions[:SHOWN]
+    made = [
+        views.of_designs("table", "Candidates", place="board", note="Click a row, or use ↑ ↓."),
+    ]
+    if target.points is not None:
+        lines = [views.line("target", *np.asarray(target.points).T, "dots")]
+        for k, s in enumerate(some):
+            path = s.linkage.path(TURN if s.linkage.crank_turns else np.sort(s.crank_angles))
+            lines.append(views.line("obtained", *path.T, design=k))
+            at = s.linkage.path(s.crank_angles)
+            lines.append(views.line("at the entries", *at.T, "dots", design=k, open=True))
+        made.append(
+            {
+                **views.curves("Target and path", "x", "y", lines, equal=True, follows="design"),
+                "place": "board",
+            }
+        )
+    if target.outputs is not None:
+        made.append(_function(target, some))
+    off = [
+        views.line("distance", np.arange(len(target)), s.distances, design=k)
+        for k, s in enumerate(some)
+    ]
+    made.append(views.curves("Distance at each entry", "entry", "distance", off, follows="design"))
+    made.append(views.of_designs("parallel", "Dimensions"))
+    return made
+
+
+def _function(target: Any, some: list[Any]) -> dict[str, Any]:
+    """Outputs over the turn of the crank, each from its mean."""
+    given = target.crank_angles
+    at = np.arange(len(target)) if given is None else np.asarray(given)
+    lines = [views.line("target", at, target.outputs - np.mean(target.outputs), "dots")]
+    for k, s in enumerate(some):
+        output = s.linkage.output(s.crank_angles)
+        output = np.unwrap(output) if s.linkage.output_is_angle else output
+        lines.append(views.line("obtained", at, output - output.mean(), design=k))
+    x = "entry" if given is None else "crank angle [rad]"
+    made = views.curves("Target and output", x, "output from its mean", lines, follows="design")
+    return {**made, "place": "board"}

@@ -1,0 +1,131 @@
+"""What ``[reliability]`` with ``[[random]]``, and ``[tolerance]``, of a file ask."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dalembert.design.reliability.nataf import Nataf
+from dalembert.io.analyses import given_options
+from dalembert.io.decision_tables import distribution
+from dalembert.io.designs import make_limits
+from dalembert.io.model_file import ModelFile
+from dalembert.io.responses import chosen_response, make_responses
+from dalembert.responses.base import Response
+from dalembert.text import unknown
+
+
+class Responses:
+    """The responses of the file's own run, told with their place."""
+
+    def __init__(self, file: ModelFile, model: Any):
+        self.file, self.made = file, make_responses(file, model)
+
+    def checked(self, name: str, *where: str | int) -> Response:
+        """The one of this name."""
+        return chosen_response(self.file, self.made, name, *where)
+
+
+def make_reliability(file: ModelFile, model: Any) -> dict[str, Any]:
+    """The arguments of ``reliability`` that the file gives.
+
+    Raises
+    ------
+    ModelError
+        No ``[reliability]``, nothing random, or numbers that cannot work, with their place.
+    """
+    asked = file.document.reliability
+    if asked is None:
+        cure = "is missing; add [reliability] with limits, and [[random]] for each random parameter"
+        raise file.located.error(cure, "reliability")
+    if not asked.limits:
+        cure = "is empty; give e.g. [{ response = 'stress', upper = 2e8 }]"
+        raise file.located.error(cure, "reliability", "limits")
+    limits = make_limits(file, Responses(file, model), asked.limits, "reliability", "limits")
+    random = _random(file, model)
+    correlation = {}
+    for k, table in enumerate(asked.correlation):
+        for j, name in enumerate(table.between):
+            if name not in random:
+                text = unknown("random parameter", name, random)
+                raise file.located.error(text, "reliability", "correlation", k, "between", j)
+        correlation[tuple(table.between)] = float(table.value)
+    with file.located("reliability", "correlation"):
+        Nataf(random, correlation)
+    keys = ("system", "method", "starts", "tolerance", "max_iterations")
+    return {
+        **{"limit_state": limits, "random": random, "correlation": correlation or None},
+        **{key: getattr(asked, key) for key in (*keys, "samples", "sampling", "rng")},
+    }
+
+
+def _random(file: ModelFile, model: Any) -> dict[str, Any]:
+    """Random parameter → distribution."""
+    tables: list[Any] = file.document.random
+    if not tables:
+        cure = "is missing; add [[random]] with parameter, type and its numbers"
+        raise file.located.error(cure, "random")
+    made: dict[str, Any] = {}
+    for k, table in enumerate(tables):
+        name = table.parameter
+        if name not in model.parameters:
+            text = unknown("parameter", name, model.parameters)
+            raise file.located.error(text, "random", k, "parameter")
+        if name in made:
+            text = f"{name!r} is random twice; give it one table"
+            raise file.located.error(text, "random", k, "parameter")
+        with file.located("random", k):
+            made[name] = _distribution(table)
+    return made
+
+
+def _distribution(table: Any) -> Any:
+    options = given_options(table)
+    options.pop("parameter", None)
+    if "of" in options:
+        options["of"] = _distribution(table.of)
+    return distribution(table.type)(**options)
+
+
+def make_tolerance(file: ModelFile, model: Any) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """The arguments of ``tolerance``, and of ``allot`` where the file asks for it.
+
+    Raises
+    ------
+    ModelError
+        No ``[tolerance]``, or names and numbers that cannot work, with their place.
+    """
+    asked = file.document.tolerance
+    if asked is None:
+        cure = "is missing; add [tolerance] with a response and tolerances = { parameter = 1e-4 }"
+        raise file.located.error(cure, "tolerance")
+    response = Responses(file, model).checked(asked.response, "tolerance", "response")
+    if not asked.tolerances:
+        cure = "is empty; give e.g. { l1 = 1e-4 }"
+        raise file.located.error(cure, "tolerance", "tolerances")
+    for name, width in asked.tolerances.items():
+        if name not in model.parameters:
+            text = unknown("parameter", name, model.parameters)
+            raise file.located.error(text, "tolerance", "tolerances", name)
+        if not width > 0:
+            text = f"is {width:g}; a half width is above zero"
+            raise file.located.error(text, "tolerance", "tolerances", name)
+    if not asked.sigmas > 0:
+        text = f"is {asked.sigmas:g}; it must be above zero"
+        raise file.located.error(text, "tolerance", "sigmas")
+    keys = ("tolerances", "sigmas", "second_order", "worst_case", "samples", "rng")
+    made = {"response": response, **{key: getattr(asked, key) for key in keys}}
+    return made, None if asked.allot is None else _allot(file, asked)
+
+
+def _allot(file: ModelFile, asked: Any) -> dict[str, Any]:
+    for name in asked.tolerances:
+        if name not in asked.allot.costs:
+            text = f"has no cost of {name}; give every tolerance one"
+            raise file.located.error(text, "tolerance", "allot", "costs")
+    for key in ("limit", "exponent"):
+        if not getattr(asked.allot, key) > 0:
+            text = f"is {getattr(asked.allot, key):g}; it must be above zero"
+            raise file.located.error(text, "tolerance", "allot", key)
+    options = given_options(asked.allot)
+    options["costs"] = dict(asked.allot.costs)
+    return options

@@ -1,0 +1,142 @@
+"""Views of a page, as plain data: what ``views.js`` and ``designs.js`` draw.
+
+A view stands in a card of its own. Views of designs look at the one table of designs of the page
+and share which of them is chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+
+def facts(title: str, rows: Iterable[tuple[Any, Any]], note: str = "") -> dict[str, Any]:
+    """Labelled values."""
+    items = [
+        {"label": str(k), "value": f"{v:.6g}" if isinstance(v, float) else str(v)} for k, v in rows
+    ]
+    return {"kind": "facts", "title": title, "items": items, "note": note}
+
+
+def bars(
+    title: str, rows: Mapping[str, float], unit: str = "", note: str = "", share: bool = False
+) -> dict[str, Any]:
+    """A bar for each name, the longest first, to the left where it is negative.
+
+    Parameters
+    ----------
+    share : values are shares of a whole
+    """
+    listed = sorted(rows.items(), key=lambda row: -abs(row[1]) if np.isfinite(row[1]) else 0.0)
+    made = [{"name": name, "value": float(value)} for name, value in listed]
+    return {
+        **{"kind": "bars", "title": title, "rows": made, "unit": unit},
+        **{"note": note, "share": share},
+    }
+
+
+def histogram(
+    title: str,
+    label: str,
+    values: np.ndarray,
+    marks: Mapping[str, float],
+    normal: tuple[float, float] | None = None,
+    note: str = "",
+) -> dict[str, Any]:
+    """How often a number takes which values.
+
+    Parameters
+    ----------
+    marks : name → value that is marked
+    normal : mean and deviation of a normal density drawn over it; alone, where there are no values
+    """
+    good = np.asarray(values, dtype=float)
+    good = good[np.isfinite(good)]
+    counts, edges = np.histogram(good, bins="auto") if good.size else (np.zeros(0), np.zeros(0))
+    return {
+        **{"kind": "histogram", "title": title, "label": label, "note": note},
+        **{"counts": counts.astype(float), "edges": edges, "size": int(good.size)},
+        "marks": [{"name": name, "value": float(v)} for name, v in marks.items()],
+        "normal": None if normal is None else [float(n) for n in normal],
+    }
+
+
+def line(name: str, x: Any, y: Any, style: str = "line", **more: Any) -> dict[str, Any]:
+    """One of the ``curves``: ``"line"``, ``"dashed"``, ``"dots"``, or ``"band"`` with ``y`` and
+    ``low``."""
+    columns = {"x": np.asarray(x, dtype=float), "y": np.asarray(y, dtype=float)}
+    return {"name": name, "style": style, **columns, **more}
+
+
+def curves(
+    title: str,
+    x: str,
+    y: str,
+    lines: Sequence[Mapping[str, Any]],
+    *,
+    note: str = "",
+    equal: bool = False,
+    logarithmic: str = "",
+    levels: Sequence[float] = (),
+    follows: str = "",
+) -> dict[str, Any]:
+    """Curves and dots over one axis.
+
+    Parameters
+    ----------
+    x, y : what stands at the axes
+    equal : both have one scale, as in a plane
+    logarithmic : ``"x"``, ``"y"`` or ``"xy"``
+    levels : horizontal lines
+    follows : name of a curve that is drawn of the design chosen, ``lines[...]["design"]``
+    """
+    return {
+        **{"kind": "curves", "title": title, "x": x, "y": y, "lines": list(lines), "note": note},
+        **{"equal": equal, "logarithmic": logarithmic, "levels": list(levels), "follows": follows},
+    }
+
+
+def ellipses(
+    title: str, names: Sequence[str], units: Sequence[str], centre: Any, covariance: Any, note: str
+) -> dict[str, Any]:
+    """Where pairs of unknowns lie, by their covariance: one ellipse for each pair."""
+    return {
+        **{"kind": "ellipses", "title": title, "names": list(names), "units": list(units)},
+        "centre": np.asarray(centre, dtype=float),
+        "covariance": [np.asarray(row, dtype=float) for row in covariance],
+        "note": note,
+    }
+
+
+def designs(
+    columns: Iterable[tuple[str, str, str, Any]],
+    *,
+    labels: Sequence[str] = (),
+    chosen: int = 0,
+    reasons: Sequence[str] = (),
+    alternatives: Sequence[Mapping[str, Any]] = (),
+) -> dict[str, Any]:
+    """The table of designs of a page.
+
+    Parameters
+    ----------
+    columns : name, unit, role (``"aim"`` or ``"parameter"``) and values
+    labels : of the designs; their numbers by default
+    reasons : why a design failed; empty where it did not
+    alternatives : what of the page is another for each design: ``time``, ``scene``, ``series``
+    """
+    made = [
+        {"name": name, "unit": unit, "role": role, "values": np.asarray(values, dtype=float)}
+        for name, unit, role, values in columns
+    ]
+    return {
+        **{"columns": made, "labels": list(labels), "chosen": chosen},
+        **{"reasons": list(reasons), "alternatives": list(alternatives)},
+    }
+
+
+def of_designs(kind: str, title: str, **more: Any) -> dict[str, Any]:
+    """A view of the table of designs: ``front``, ``parallel``, ``matrix`` or ``table``."""
+    return {"kind": kind, "title": title, **more}

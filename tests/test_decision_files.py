@@ -1,0 +1,358 @@
+"""Decisions asked for in files and on the command line: what is found, written and refused."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert.cli import main
+from dalembert.design.problem import DesignProblem
+from dalembert.design.synthesis.problem import Polish
+from dalembert.io.designs import make_design
+from dalembert.io.model_file import load_model_file
+
+LOAD, MODULUS, LENGTH, DENSITY = 1e5, 2e11, 2.0, 7850.0
+ROD = f"""
+format = 1
+kind = "structure"
+name = "tie rod"
+[parameters]
+load = {{ value = {LOAD}, unit = "N" }}
+area = {{ value = 1e-3, unit = "m^2", bounds = [2e-4, 5e-3] }}
+[nodes]
+left = [0, 0]
+right = [{LENGTH}, 0]
+[elements.rod]
+type = "Truss"
+connect = ["left", "right"]
+area = "area"
+modulus = {MODULUS}
+density = {DENSITY}
+[[supports]]
+nodes = ["left"]
+ux = 0
+uy = 0
+[[supports]]
+nodes = ["right"]
+uy = 0
+[[loads]]
+nodes = ["right"]
+fx = "load"
+[responses]
+stress = {{ measure = "rod.stress" }}
+mass = {{ measure = "mass" }}
+"""
+TASKS = {
+    "pareto": """
+[pareto]
+minimize = ["stress", "mass"]
+points = 4
+""",
+    "reliability": """
+[reliability]
+limits = [{ response = "stress", upper = 1.5e8 }]
+correlation = [{ between = ["load", "area"], value = 0.0 }]
+samples = 40
+[[random]]
+parameter = "load"
+type = "Lognormal"
+mean = 1e5
+std = 1e4
+[[random]]
+parameter = "area"
+type = "Lognormal"
+mean = 1e-3
+std = 5e-5
+""",
+    "tolerance": """
+[tolerance]
+response = "stress"
+tolerances = { load = 3e3, area = 3e-5 }
+samples = 30
+allot = { limit = 3e6, costs = { load = 1.0, area = 1e-8 } }
+""",
+}
+SYNTHESIS = """
+format = 1
+name = "path"
+[synthesis]
+type = "path"
+closed = true
+starts = 3
+points = [[0, 0], [1, 0.2], [2, 1], [1.5, 2], [0.2, 1.5]]
+"""
+KNOTS = np.linspace(0, 1, 9)
+PUSH = """
+format = 1
+gravity = [0, 0]
+[histories.push]
+knots = { end = 1.0, count = 9 }
+unit = "N"
+[bodies]
+mass = { type = "Particle", mass = 2.0, position = [0, 0] }
+[drivers.guide]
+type = "CoordinateDriver"
+connect = ["mass"]
+direction = [0, 1]
+law = 0
+[forces]
+F = { type = "Force", connect = ["mass"], vector = ["push", 0] }
+[analysis]
+type = "Dynamics"
+duration = 1.0
+step = 0.02
+[invert]
+data = "push.csv"
+measures = { sensor = "mass.x" }
+smoothing = 1e-9
+"""
+
+
+def told(capsys) -> dict:
+    return json.loads(capsys.readouterr().out)
+
+
+def written(tmp_path: Path, text: str, name: str = "model.toml") -> Path:
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def run(capsys, *arguments) -> dict:
+    assert main([*map(str, arguments), "--json"]) == 0
+    return told(capsys)
+
+
+# what is found -------------------------------------------------------------------------
+def test_front(tmp_path, capsys):
+    """Stress times mass is the same at every design of a rod: F ρ L."""
+    found = run(capsys, "pareto", written(tmp_path, ROD + TASKS["pareto"]))
+    products = [p["aims"]["stress"] * p["aims"]["mass"] for p in found["points"]]
+    assert products == pytest.approx([LOAD * DENSITY * LENGTH] * len(products))
+    areas = [p["parameters"]["area"] for p in found["points"]]
+    assert min(areas) == pytest.approx(2e-4) and max(areas) == pytest.approx(5e-3)
+
+
+def test_reliability(tmp_path, capsys):
+    """Load over area is lognormal: β = (ln s − μ)/σ."""
+    found = run(capsys, "reliability", written(tmp_path, ROD + TASKS["reliability"]))
+    load, area = np.log1p(0.1**2), np.log1p(0.05**2)
+    mean = np.log(1e5) - load / 2 - np.log(1e-3) + area / 2
+    beta = (np.log(1.5e8) - mean) / np.sqrt(load + area)
+    assert found["beta"] == pytest.approx(beta, rel=1e-7)
+    assert found["importance"]["load"] == pytest.approx(load / (load + area), rel=1e-6)
+    assert found["sampled"]["samples"] == 40
+
+
+def test_tolerance(tmp_path, capsys):
+    found = run(capsys, "tolerance", written(tmp_path, ROD + TASKS["tolerance"]))
+    assert found["effects"] == pytest.approx({"load": 3e6, "area": -3e6})
+    least, most = (LOAD - 3e3) / 1.03e-3, (LOAD + 3e3) / 0.97e-3
+    assert found["worst_case"] == pytest.approx([least, most])
+    spread = np.hypot(found["allotted"]["load"] / 1e-3, found["allotted"]["area"] * 1e11)
+    assert spread == pytest.approx(3e6)
+
+
+def test_linkages(tmp_path, capsys):
+    path = written(tmp_path, SYNTHESIS)
+    found = run(capsys, "synthesize", path, "--output", tmp_path)
+    assert found["solutions"][0]["error"] < 1e-3
+    assert "a FourBar for a path of 5 entries" in _text(capsys, "check", path)
+    page = (tmp_path / "model.synthesis.report.html").read_text(encoding="utf-8")
+    assert page.count('"particle"') >= 5
+
+
+def _text(capsys, *arguments) -> str:
+    assert main([str(a) for a in arguments]) == 0
+    return capsys.readouterr().out
+
+
+def test_histories(tmp_path, capsys):
+    path = written(tmp_path, PUSH)
+    truth = 8 * np.sin(5 * KNOTS)
+    file = load_model_file(path)
+    values = {f"push_{k}": v for k, v in enumerate(truth)}
+    motion = da.Dynamics(1.0, step=0.02).run(file.model(), values)
+    rows = zip(motion.time, motion.values("mass.x"), strict=True)
+    text = "time,sensor\n" + "".join(f"{t},{x}\n" for t, x in rows)
+    written(tmp_path, text, "push.csv")
+    found = run(capsys, "invert", path, "--output", tmp_path)
+    assert found["histories"]["push"]["values"][1:-2] == pytest.approx(truth[1:-2], abs=0.3)
+    data = da.load_results(tmp_path / "model.inversion.nc")
+    assert data["push"].values == pytest.approx(found["histories"]["push"]["values"])
+
+
+CASES = """
+format = 1
+name = "crank and post"
+[parameters]
+radius = { value = 0.2, unit = "m", bounds = [0.1, 0.3] }
+[bodies]
+crank = { type = "Bar", length = "radius", mass = 2.0, angle = 0.0 }
+[joints]
+O = { type = "Revolute", connect = ["ground", "crank.start"] }
+[drivers]
+motor = { type = "RotationalDriver", connect = ["ground", "crank"], law = "10*t" }
+[analysis]
+type = "InverseDynamics"
+duration = 0.1
+outputs = 11
+[cases.post]
+model = "rod.toml"
+given = { load = "bearing" }
+[cases.fast]
+analysis = { type = "Kinematics", duration = 0.1, outputs = 3 }
+[responses]
+bearing = { type = "Maximum", measure = "O.force_norm" }
+stress = { type = "Final", measure = "rod.stress", case = "post" }
+mass = { type = "Final", measure = "mass", case = "post" }
+reach = { type = "Final", measure = "sqrt(crank.end.x**2 + crank.end.y**2)", case = "fast" }
+[combined.cost]
+formula = "mass - 60*reach"
+[optimize]
+minimize = "cost"
+vary = ["radius", "area"]
+subject_to = [{ response = "stress", upper = 4e4 }]
+"""
+
+
+def test_several_analyses(tmp_path, capsys):
+    """The bearing's force m ω² r/2 loads a rod, whose mass is traded for the reach of the crank."""
+    written(tmp_path, ROD, "rod.toml")
+    path = written(tmp_path, CASES)
+    found = run(capsys, "optimize", path)
+    force = 2.0 * 100 * found["x"]["radius"] / 2
+    assert found["active"] == ["stress"]
+    assert force / found["x"]["area"] == pytest.approx(4e4, rel=1e-5)
+    cost = DENSITY * LENGTH * found["x"]["area"] - 60 * found["x"]["radius"]
+    assert found["fun"] == pytest.approx(cost)
+    assert main(["optimize", str(path), "--vary", "area", "--minimize", "mass", "--json"]) == 0
+    assert list(told(capsys)["x"]) == ["area"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('model = "rod.toml"', 'model = "rood.toml"', "cases.post.model: "),
+        (
+            '"mass", case = "post" }',
+            '"mass", case = "past" }',
+            "responses.mass.case: unknown case 'past'",
+        ),
+        ('load = "bearing"', 'load = "beering"', "cases.post.given.load: unknown response"),
+        ('load = "bearing"', 'loud = "bearing"', "unknown parameter 'loud'"),
+        ('load = "bearing"', 'load = "stress"', "responses.stress: needs itself"),
+        ("mass - 60*reach", "moss + 2", "combined.cost: 'moss + 2' names no response"),
+        ('model = "rod.toml"\n', "", "cases.post: give model, another file, or analysis"),
+    ],
+)
+def test_cases_that_cannot_be(old, new, words, tmp_path, capsys):
+    written(tmp_path, ROD, "rod.toml")
+    path = written(tmp_path, CASES.replace(old, new))
+    assert main(["optimize", str(path)]) == 2
+    assert words in capsys.readouterr().err
+
+
+# what is refused -----------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("task", "old", "new", "words"),
+    [
+        ("pareto", '"mass"]', '"moss"]', "pareto.minimize[1]: unknown response 'moss'"),
+        ("pareto", '"stress", "mass"', '"stress"', "give two aims or more"),
+        ("pareto", "points = 4", "points = 1", "pareto.points: is 1; give two or more"),
+        ("pareto", "points = 4", 'method = "nsga"', "did you mean 'nsga"),
+        ("reliability", '"load"\ntype', '"lod"\ntype', "random[0].parameter: unknown parameter"),
+        ("reliability", '"area"\ntype', '"load"\ntype', "'load' is random twice"),
+        ("reliability", "std = 1e4", "std = -1", "random[0]: mean and std must be above zero"),
+        ("reliability", "value = 0.0", "value = 2.0", "reliability.correlation: "),
+        ("reliability", '"Lognormal"', '"Lognorml"', "did you mean 'Lognormal'"),
+        ("reliability", ", upper = 1.5e8", "", "give lower or upper"),
+        ("tolerance", "load = 3e3", "lod = 3e3", "tolerance.tolerances.lod: unknown parameter"),
+        ("tolerance", "load = 3e3", "load = 0", "is 0; a half width is above zero"),
+        ("tolerance", "costs = { load = 1.0, ", "costs = { ", "has no cost of load"),
+        ("tolerance", "limit = 3e6", "limit = -1", "tolerance.allot.limit: is -1; it must"),
+    ],
+)
+def test_slips(task, old, new, words, tmp_path, capsys):
+    text = TASKS[task].replace(old, new, 1)
+    assert text != TASKS[task]
+    path = written(tmp_path, ROD + text)
+    assert main([task, str(path), "--output", str(tmp_path / "o")]) == 2
+    error = capsys.readouterr().err
+    assert words in error and str(path) in error
+    assert not list((tmp_path / "o").glob("*"))
+
+
+@pytest.mark.parametrize("task", ["pareto", "reliability", "tolerance", "invert", "synthesize"])
+def test_no_table(task, tmp_path, capsys):
+    assert main([task, str(written(tmp_path, ROD))]) == 2
+    assert re.search(r"model\.toml: (\w+): is missing; add \[", capsys.readouterr().err)
+
+
+# what is kept --------------------------------------------------------------------------
+@pytest.mark.parametrize("task", TASKS)
+def test_saved_and_read_again(task, tmp_path, capsys):
+    path, out = written(tmp_path, ROD + TASKS[task]), tmp_path / "o"
+    found = run(capsys, task, path, "--output", out)
+    base = f"model.{task}"
+    assert sorted(f.name for f in out.iterdir()) == [
+        f"{base}.{end}" for end in ("json", "nc", "report.html")
+    ]
+    kept = json.loads((out / f"{base}.json").read_text(encoding="utf-8"))
+    assert kept == {key: found[key] for key in kept}
+    assert da.load_results(out / f"{base}.nc").sizes
+    page = (out / f"{base}.report.html").read_bytes()
+    assert main(["report", str(out / f"{base}.nc"), "--output", str(tmp_path / "p.html")]) == 0
+    assert (tmp_path / "p.html").read_bytes() == page
+
+
+@pytest.mark.parametrize(
+    ("task", "owner", "name", "call"),
+    [
+        ("pareto", DesignProblem, "_run", 6),
+        ("tolerance", DesignProblem, "_run", 9),
+        ("reliability", DesignProblem, "_run", 140),
+        ("synthesize", Polish, "__call__", 2),
+    ],
+)
+def test_interrupted(task, owner, name, call, tmp_path, capsys, monkeypatch):
+    """Ctrl-C keeps, tells and writes what there is."""
+    honest, calls = getattr(owner, name), [0]
+
+    def stopped(*given, **named):
+        calls[0] += 1
+        if calls[0] == call:
+            raise KeyboardInterrupt
+        return honest(*given, **named)
+
+    monkeypatch.setattr(owner, name, stopped)
+    path = written(tmp_path, SYNTHESIS if task == "synthesize" else ROD + TASKS[task])
+    assert main([task, str(path), "--output", str(tmp_path / "o")]) == 130
+    told = capsys.readouterr()
+    assert "interrupted" in told.out and "Traceback" not in told.err
+    assert len(list((tmp_path / "o").iterdir())) == 3
+
+
+def test_overrides_of_a_file_without_a_table(tmp_path, capsys):
+    path = written(tmp_path, ROD)
+    asked = ["optimize", path, "--minimize", "mass", "--vary", "area", "--max-iterations", "9"]
+    found = run(capsys, *asked)
+    assert found["objective"] == "mass" and found["unit"] == "kg"
+    assert main(["optimize", str(path), "--minimize", "moss"]) == 2
+    assert "did you mean 'mass'" in capsys.readouterr().err
+    assert main(["optimize", str(path), "--minimize", "mass", "--method", "slqp"]) == 2
+    assert "did you mean 'slsqp'" in capsys.readouterr().err
+    file = load_model_file(path)
+    with pytest.raises(da.ModelError, match="is missing"):
+        make_design(file, file.model())
+
+
+@pytest.mark.parametrize("task", ["pareto", "reliability", "tolerance", "synthesize", "invert"])
+def test_help_has_an_example(task, capsys):
+    assert main([task, "--help"]) == 0
+    assert f"Example: dalembert {task} " in capsys.readouterr().out
