@@ -20,6 +20,7 @@ from dalembert.analysis.over_time import OverTime
 from dalembert.analysis.served import need_model
 from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.analysis.structural.transient import Transient
+from dalembert.analysis.times import Time, analysis_of
 from dalembert.analysis.variant import Variant
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation
@@ -229,7 +230,7 @@ def _kernel(
 @overload
 def solve_dynamics(
     model: Model,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
     progress: bool | Callable[[float], None] = False,
@@ -240,7 +241,7 @@ def solve_dynamics(
 @overload
 def solve_dynamics(
     model: StructuralModel,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
     progress: bool | Callable[[float], None] = False,
@@ -251,7 +252,7 @@ def solve_dynamics(
 @overload
 def solve_dynamics(
     model: Model | StructuralModel,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: ManyDesigns,
     progress: bool | Callable[[float], None] = False,
@@ -262,7 +263,7 @@ def solve_dynamics(
 
 def solve_dynamics(
     model: Model | StructuralModel,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: Any = None,
     progress: bool | Callable[[float], None] = False,
@@ -289,8 +290,12 @@ def solve_dynamics(
         Wrong options; ``AssemblyError``, ``SingularityError`` where the run cannot begin.
     """
     if isinstance(model, StructuralModel):
-        made: Any = Transient.of("solve_dynamics", duration=duration, **options)
+        made: Any = analysis_of(
+            Transient, "solve_dynamics", model, parameters, duration=duration, **options
+        )
     else:
-        made = Dynamics.of("solve_dynamics", duration=duration, **options)
+        made = analysis_of(
+            Dynamics, "solve_dynamics", model, parameters, duration=duration, **options
+        )
     need_model(model, "solve_dynamics")
     return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]

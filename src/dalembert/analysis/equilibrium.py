@@ -23,6 +23,7 @@ from dalembert.analysis.static_balance import (
     statics_kernel,
 )
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
+from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.formulations.levels import Level
 from dalembert.model.model import Model
@@ -206,8 +207,8 @@ def solve_equilibrium(
         does not converge says so in its status.
     """
     if isinstance(model, StructuralModel):
-        made: Any = NonlinearStatics.of("solve_equilibrium", **options)
+        made: Any = analysis_of(NonlinearStatics, "solve_equilibrium", model, parameters, **options)
     else:
-        made = Equilibrium.of("solve_equilibrium", **options)
+        made = analysis_of(Equilibrium, "solve_equilibrium", model, parameters, **options)
     need_model(model, "solve_equilibrium")
     return run_analysis(made, model, parameters, workers=workers)  # type: ignore[no-any-return]

@@ -6,11 +6,13 @@ With the motion known from kinematics, ``Cᵀ λ = f − d − M v̇`` gives eve
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Unpack, overload
 
 from dalembert.analysis.batch.solve import run_analysis
+from dalembert.analysis.keywords import OverTimeKeywords
 from dalembert.analysis.kinematics import Kinematics
 from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.times import Time, analysis_of
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.batch import Batch
@@ -34,34 +36,34 @@ class InverseDynamics(Kinematics):
 @overload
 def solve_inverse_dynamics(
     model: Model,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
     progress: bool | Callable[[float], None] = False,
-    **options: Any,
+    **options: Unpack[OverTimeKeywords],
 ) -> Motion: ...
 
 
 @overload
 def solve_inverse_dynamics(
     model: Model,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: ManyDesigns,
     progress: bool | Callable[[float], None] = False,
     workers: int | None = None,
-    **options: Any,
+    **options: Unpack[OverTimeKeywords],
 ) -> Batch: ...
 
 
 def solve_inverse_dynamics(
     model: Model,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: Any = None,
     progress: bool | Callable[[float], None] = False,
     workers: int | None = None,
-    **options: Any,
+    **options: Unpack[OverTimeKeywords],
 ) -> Motion | Batch:
     """Motion, driver efforts and reactions of a fully driven mechanism, ``Cᵀλ = f − d − M v̇``.
 
@@ -81,6 +83,8 @@ def solve_inverse_dynamics(
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
     """
-    made = InverseDynamics.of("solve_inverse_dynamics", duration=duration, **options)
+    made = analysis_of(
+        InverseDynamics, "solve_inverse_dynamics", model, parameters, duration=duration, **options
+    )
     need_mechanism(model, "solve_inverse_dynamics", "take solve_transient")
     return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
@@ -17,9 +17,11 @@ from dalembert.analysis.batch.driven_steps import DrivenSteps
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.driven_instants import driven_instant
 from dalembert.analysis.events import Occurrence
+from dalembert.analysis.keywords import OverTimeKeywords
 from dalembert.analysis.kinematics_run import TOLERANCE, KinematicsRun
 from dalembert.analysis.over_time import OverTime
 from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.options import options
@@ -124,34 +126,34 @@ class Kinematics(OverTime[Motion]):
 @overload
 def solve_kinematics(
     model: Model,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
     progress: bool | Callable[[float], None] = False,
-    **options: Any,
+    **options: Unpack[OverTimeKeywords],
 ) -> Motion: ...
 
 
 @overload
 def solve_kinematics(
     model: Model,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: ManyDesigns,
     progress: bool | Callable[[float], None] = False,
     workers: int | None = None,
-    **options: Any,
+    **options: Unpack[OverTimeKeywords],
 ) -> Batch: ...
 
 
 def solve_kinematics(
     model: Model,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: Any = None,
     progress: bool | Callable[[float], None] = False,
     workers: int | None = None,
-    **options: Any,
+    **options: Unpack[OverTimeKeywords],
 ) -> Motion | Batch:
     """Positions, velocities and accelerations of a driven mechanism over time (Fig. 1.12).
 
@@ -171,7 +173,9 @@ def solve_kinematics(
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
     """
-    made = Kinematics.of("solve_kinematics", duration=duration, **options)
+    made = analysis_of(
+        Kinematics, "solve_kinematics", model, parameters, duration=duration, **options
+    )
     need_mechanism(model, "solve_kinematics", "take solve_statics")
     return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
 

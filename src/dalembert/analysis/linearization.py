@@ -9,14 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.equilibrium import Equilibrium
+from dalembert.analysis.keywords import LinearizationKeywords
 from dalembert.analysis.linearization_kernel import Linearized, linearization_kernel
 from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
@@ -185,7 +187,7 @@ def linearize(
     *,
     parameters: Mapping[str, float] | None = None,
     coordinates: Coordinates = ABSOLUTE,
-    **options: Any,
+    **options: Unpack[LinearizationKeywords],
 ) -> Modes:
     """Eigenfrequencies, damping ratios and mode shapes on the constraint tangent space.
 
@@ -214,6 +216,8 @@ def linearize(
             analysis = Linearization(float(at.time[0]), coordinates=coordinates)
             return modes_of(analysis, at_rest(at, coordinates))
         return modes_of(MotionLinearization(at, coordinates), last_instant(at, coordinates))
-    made = Linearization.of("linearize", coordinates=coordinates, **options)
+    made = analysis_of(
+        Linearization, "linearize", model, parameters, coordinates=coordinates, **options
+    )
     need_mechanism(model, "linearize", "take solve_modes")
     return made.run(model, parameters)

@@ -31,6 +31,8 @@ class Driver(Constraint):
     law: Any
     name: str
     multiplier: ca.SX
+    prescribes = "m"
+    """Unit of the coordinate."""
     positive = False
     """The law must stay above zero."""
 
@@ -44,7 +46,7 @@ class Driver(Constraint):
         return f"{self.name}.coordinate"
 
     def residual(self) -> ca.SX:
-        self.law = as_law(self.law, f"{self.name}.law")
+        self.law = as_law(self.law, f"{self.name}.law", self.prescribes)
         return self.missed()
 
     def missed(self) -> ca.SX:

@@ -25,7 +25,7 @@ class UserConstraint(Constraint):
     speeds : it is a formula of speeds, which no formula of positions can replace
     """
 
-    formula: Scalar = quantity("", "formula that must be zero")
+    formula: Scalar = quantity("m | rad | m/s | rad/s", "formula that must be zero")
     unit: str = option("m or rad", default="m")
     speeds: bool = option("a formula of speeds, linear in them", default=False)
 

@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from dalembert.analysis.events import Event, Events
 from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient_equation import Rayleigh
+from dalembert.analysis.times import in_seconds
 from dalembert.errors import SingularityError
 from dalembert.io.fields import Interval, written
 from dalembert.io.formulas import Formulas, ParameterNames
@@ -67,13 +68,14 @@ def _made(file: ModelFile, model: Any, cls: type, table: Any, *where: str) -> An
 def _options(
     file: ModelFile, model: Any, cls: type, table: BaseModel | None, where: tuple[str, ...]
 ) -> dict[str, Any]:
-    made = {}
+    made: dict[str, Any] = {}
     for field in written(cls, frozenset()):
         if table is None or field.name not in table.model_fields_set:
             continue
         given = getattr(table, field.name)
         with file.located(*where, field.name):
-            made[field.name] = _option(file, model, field.holds, given)
+            option = _option(file, model, field.holds, given)
+            made |= in_seconds({field.name: option}, model, None, cls.__name__)
     return made
 
 

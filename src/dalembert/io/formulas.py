@@ -97,7 +97,8 @@ class Formulas:
                 )
             return found
 
-        return as_expression(parse_formula(value, lookup, lambda: self._known(scope, own)), "")
+        found = parse_formula(value, lookup, lambda: self._known(scope, own))
+        return found if found.is_parameter else as_expression(found, "")
 
     def _parameters(self) -> list[str]:
         return [*self.system.parameters, *self.system.derived_parameters]

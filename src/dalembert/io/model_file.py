@@ -18,7 +18,7 @@ from dalembert.io.reading import read_document
 from dalembert.io.schema import Document, ParameterTable, document_of
 from dalembert.io.structure_builder import StructureBuilder
 from dalembert.io.structure_schema import StructureDocument
-from dalembert.io.values import constant, shown
+from dalembert.io.values import in_own_unit, shown
 from dalembert.model.model import Model
 from dalembert.model.system import RESERVED, System
 from dalembert.structures.model import StructuralModel
@@ -92,7 +92,7 @@ class ModelFile:
                     f"{self.path}: {place('parameters', name)}",
                 )
             try:
-                number = constant(value)
+                number = in_own_unit(value)
             except ValueError as error:
                 raise self.located.error(str(error), "parameters", name) from None
             old = known[name]

@@ -23,7 +23,6 @@ from dalembert.io.strategies import ANALYSES, RESPONSES
 from dalembert.io.structure_tables import ELEMENT, MESH, NodalLoadTable, SupportTable
 from dalembert.io.tables import any_of, point_type, table_of
 from dalembert.io.task_tables import (
-    Bounds,
     CompareTable,
     HistoryTable,
     IdentifyTable,
@@ -32,7 +31,7 @@ from dalembert.io.task_tables import (
     SensitivityTable,
     SweepTable,
 )
-from dalembert.io.values import Entry, Number, Text, shown
+from dalembert.io.values import Entry, OwnBound, OwnNumber, Text, list_of, shown
 
 FORMAT = 1
 
@@ -49,9 +48,9 @@ def _format(value: Any) -> int:
 class ParameterTable(Record):
     """A number that runs and designs may change."""
 
-    value: Number
+    value: OwnNumber
     unit: Text = ""
-    bounds: Bounds = None  # type: ignore[valid-type]
+    bounds: list_of(OwnBound, 2, "lower, upper") = None  # type: ignore[valid-type]
     description: Text = ""
 
 
@@ -70,7 +69,7 @@ class GroundTable(Record):
     frames: dict[str, FrameTable] = Field(default_factory=dict)
 
 
-_PARAMETER = table_or(ParameterTable, Number)
+_PARAMETER = table_or(ParameterTable, OwnNumber)
 _DERIVED = table_or(DerivedTable, Entry)
 CASE: dict[str, Any] = {
     "case": (

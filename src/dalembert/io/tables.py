@@ -12,6 +12,7 @@ from pydantic import BaseModel, BeforeValidator, Field, create_model
 
 from dalembert.analysis.events import Event, Events
 from dalembert.analysis.structural.transient_equation import Rayleigh
+from dalembert.analysis.times import TIMES
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
@@ -56,6 +57,7 @@ from dalembert.io.values import (
     list_of,
     shown,
 )
+from dalembert.results.result import Analysis
 from dalembert.results.structural.result import StructuralResult
 from dalembert.text import unknown
 
@@ -137,6 +139,13 @@ VALUES: dict[Any, Any] = {
 }
 """What a field holds → what stands for it in a file."""
 
+TIMED: dict[Any, Any] = {
+    float: Entry,
+    Interval: list_of(Entry, 2, "start, end"),
+    fields.CountOrTimes: CountOrTimes,
+}
+"""The same of times, which may be formulas of parameters."""
+
 
 def _quantities(field: FileField) -> Any:
     """A list; a single entry where one is enough."""
@@ -151,6 +160,8 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
     ----------
     dimension : how many coordinates a point has
     """
+    if field.name in TIMES and issubclass(field.owner, Analysis):
+        return TIMED[field.holds]
     if field.holds in VALUES:
         return VALUES[field.holds]
     made: dict[Any, Callable[[], Any]] = {

@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.analysis.comparison.compare import Comparing
 from dalembert.analysis.comparison.observation import observe
+from dalembert.analysis.times import in_seconds
 from dalembert.design.studies.design import Design
 from dalembert.io.analyses import make_analysis, make_strategy
 from dalembert.io.designs import make_design, make_front
@@ -109,13 +110,13 @@ def make_comparison(file: ModelFile, model: Any, given: Mapping[str, Any]) -> di
             coordinates.view(model, False)
     with file.located("compare", "measure"):
         observe(model, made.get("measure"))
-    times = {"duration": given["duration"]} if "duration" in given else _times(file)
+    times = {"duration": given["duration"]} if "duration" in given else _times(file, model)
     with file.located("compare"):
         Comparing(**made, **times)
     return made | times
 
 
-def _times(file: ModelFile) -> dict[str, Any]:
+def _times(file: ModelFile, model: Any) -> dict[str, Any]:
     """Span and outputs of ``[analysis]``."""
     table: Any = file.document.analysis
     if table is None or table.type != "Dynamics":
@@ -125,8 +126,10 @@ def _times(file: ModelFile) -> dict[str, Any]:
             "analysis",
         )
     keys = table.model_fields_set & {"duration", "t_span", "outputs"}
-    made = {key: getattr(table, key) for key in sorted(keys)}
-    return made | ({"t_span": tuple(table.t_span)} if "t_span" in made else {})
+    with file.located("analysis"):
+        given = {key: getattr(table, key) for key in sorted(keys)}
+        made = in_seconds(given, model, None, "compare")
+    return made | ({"t_span": tuple(made["t_span"])} if "t_span" in made else {})
 
 
 def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:

@@ -11,8 +11,9 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
 
+from dalembert.amounts import Amount
 from dalembert.errors import ExpressionError
-from dalembert.symbolic.parser import parse_formula
+from dalembert.grammar import amount_of
 from dalembert.text import nearest
 
 
@@ -35,12 +36,18 @@ def constant(value: Any) -> float:
     """
     if isinstance(value, str):
         try:
-            value = float(parse_formula(value, lambda name: None))
+            value = float(amount_of(value))
         except ExpressionError as error:
             raise ValueError(f"{error.message}; a plain number is needed here") from None
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError(f"expected a number, got {shown(value)}")
     return _finite(value)
+
+
+def in_own_unit(value: Any) -> float | str:
+    """A finite number, or a text that gives its unit with it; the unit is kept."""
+    number = constant(value)
+    return value if isinstance(value, str) and isinstance(amount_of(value), Amount) else number
 
 
 def _finite(value: int | float) -> float:
@@ -65,9 +72,15 @@ def number_or_formula(value: Any) -> float | str:
 
 
 def _bound(value: Any) -> float | None:
-    if value is None or (isinstance(value, float) and math.isinf(value)):
-        return value
-    return constant(value)
+    return value if _is_open(value) else constant(value)
+
+
+def _own_bound(value: Any) -> float | str | None:
+    return value if _is_open(value) else in_own_unit(value)
+
+
+def _is_open(value: Any) -> bool:
+    return value is None or (isinstance(value, float) and math.isinf(value))
 
 
 def _integer(value: Any) -> int:
@@ -90,9 +103,9 @@ def _text(value: Any) -> str:
     return value
 
 
-def _count_or_times(value: Any) -> int | list[float]:
+def _count_or_times(value: Any) -> int | list[float | str]:
     if isinstance(value, list):
-        return [constant(item) for item in value]
+        return [number_or_formula(item) for item in value]
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"expected a count or a list of times, got {shown(value)}")
     return _integer(value)
@@ -117,10 +130,20 @@ Entry = Annotated[
 Number = Annotated[
     Any,
     PlainValidator(constant),
-    WithJsonSchema({**_NUMBER_OR_TEXT, "description": "number, or a formula of numbers: 2*pi"}),
+    WithJsonSchema(
+        {**_NUMBER_OR_TEXT, "description": "number, or a formula of numbers and units: 2*pi, 45 mm"}
+    ),
+]
+OwnNumber = Annotated[
+    Any,
+    PlainValidator(in_own_unit),
+    WithJsonSchema({**_NUMBER_OR_TEXT, "description": "number, or a number with its unit: 45 mm"}),
 ]
 Bound = Annotated[
     Any, PlainValidator(_bound), WithJsonSchema({"type": ["number", "string", "null"]})
+]
+OwnBound = Annotated[
+    Any, PlainValidator(_own_bound), WithJsonSchema({"type": ["number", "string", "null"]})
 ]
 Integer = Annotated[Any, PlainValidator(_integer), WithJsonSchema({"type": "integer"})]
 Flag = Annotated[Any, PlainValidator(_flag), WithJsonSchema({"type": "boolean"})]
@@ -128,9 +151,7 @@ Text = Annotated[Any, PlainValidator(_text), WithJsonSchema({"type": "string"})]
 CountOrTimes = Annotated[
     Any,
     PlainValidator(_count_or_times),
-    WithJsonSchema(
-        {"anyOf": [{"type": "integer"}, {"type": "array", "items": {"type": "number"}}]}
-    ),
+    WithJsonSchema({"anyOf": [{"type": "integer"}, {"type": "array", "items": _NUMBER_OR_TEXT}]}),
 ]
 ListOfRows = Annotated[
     Any,

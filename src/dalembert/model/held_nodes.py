@@ -12,7 +12,7 @@ from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
 from dalembert.elements.fem.node_bodies import NodeBody
 from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.expression import Expression, as_expression
 
 Held = NodeBody | Sequence[NodeBody]
 
@@ -29,7 +29,10 @@ def supports(ground: Ground, nodes: Held, displacements: dict[str, Any]) -> Iter
         name = f"{node.name.replace('.', '_')}_support"
         known = _directions(node)
         _check(node, displacements, known)
-        given = displacements or dict.fromkeys(known, 0.0)
+        given = {
+            d: as_expression(value, f"support {node.name}.{d}", "rad" if d == "rz" else "m")
+            for d, value in (displacements or dict.fromkeys(known, 0.0)).items()
+        }
         held = all(_is_zero(given.get(direction, 1.0)) for direction in known)
         place = ground.point(*(Expression(node.natural[k]) for k in range(node.dimension)))
         if held and node.dimension == 2:
@@ -121,4 +124,5 @@ def _check(node: NodeBody, given: dict[str, Any], known: tuple[str, ...]) -> Non
 
 
 def _is_zero(value: Any) -> bool:
-    return not isinstance(value, Expression) and value == 0
+    made = as_expression(value, "load") if isinstance(value, (str, Expression)) else value
+    return bool(made.sx.is_zero()) if isinstance(made, Expression) else bool(made == 0)

@@ -25,6 +25,9 @@ from dalembert.structures.spread_loads import (
 )
 from dalembert.symbolic.expression import Expression, as_expression
 
+UNITS = {"u": "m", "r": "rad", "v": "m/s", "vr": "rad/s", "f": "N", "m": "N m"}
+"""First letters of a direction → unit of what is prescribed along or about it."""
+
 
 class StructureDescription(StructureParts):
     """Nodes, elements between them, supports and loads; the builder fills it.
@@ -63,7 +66,7 @@ class StructureDescription(StructureParts):
         for direction, value in displacements.items():
             self._check_direction(node, direction, known)
             for name, one in zip(names, self._each(node, value), strict=True):
-                made = as_expression(one, f"support {name}.{direction}", "m")
+                made = as_expression(one, f"support {name}.{direction}", UNITS[direction[0]])
                 self._prescribe(name, direction, made)
 
     def gravity(self, *acceleration, case: str = "") -> None:
@@ -158,9 +161,10 @@ class StructureDescription(StructureParts):
             motion = known[direction]
             entity = f"load {node.name}.{direction}"
             if isinstance(value, Expression) or np.ndim(value) != 1:
-                value = as_expression(value, entity, "N")
+                value = as_expression(value, entity, UNITS[direction[0]])
             else:
-                value = [as_expression(v, entity, "N") for v in self._each(node, value)]
+                each = self._each(node, value)
+                value = [as_expression(v, entity, UNITS[direction[0]]) for v in each]
             fixed = fixed_axes and motion in ROTATIONS[3] and self.dimension == 3
             made = Load(self._numbers(node), motion, value, entity, fixed)
             self.loads.setdefault(case, []).append(made)
@@ -177,7 +181,8 @@ class StructureDescription(StructureParts):
         for name, value in motion.items():
             self._check_direction(node, name, (*known, *velocities))
             entity = f"initial {node.name}.{name}"
-            each = [as_expression(v, entity) for v in self._each(node, value)]
+            unit = UNITS[name[:2] if name.startswith("vr") else name[0]]
+            each = [as_expression(v, entity, unit) for v in self._each(node, value)]
             kind = "velocity" if name in velocities else "displacement"
             direction = velocities.get(name, name)
             self.initials[kind].append(Load(self._numbers(node), direction, each, entity))

@@ -9,8 +9,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.amounts import Amount, check_unit
 from dalembert.budget import LARGEST
-from dalembert.errors import ExpressionError
+from dalembert.errors import ExpressionError, UnknownNameError
+from dalembert.grammar import amount_of
 
 
 class Expression:
@@ -26,6 +28,8 @@ class Expression:
 
     __slots__ = ("name", "sx", "unit")
     __array_ufunc__ = None  # NumPy scalars defer to the operators below
+    is_parameter = False
+    """Its unit was given by who made it, and is held to."""
 
     def __init__(self, sx, name: str = "", unit: str = ""):
         self.sx = ca.SX(sx)
@@ -152,20 +156,34 @@ def as_sx(value) -> ca.SX:
     return ca.SX(float(value))
 
 
-def as_expression(value, entity: str, unit: str = "", size: int = 1) -> Expression:
-    """Check that ``value`` is a finite number or a formula of the right size.
+def as_expression(value, entity: str, unit: str | None = None, size: int = 1) -> Expression:
+    """Check that ``value`` is a finite number or a formula of the right size and dimension.
+
+    A text is a number with its unit, ``"45 mm"``; formulas of parameters are written with the
+    parameters themselves.
+
+    Parameters
+    ----------
+    unit : of the number, or units with ``|`` between; None where any dimension may stand
 
     Raises
     ------
     ExpressionError
-        Wrong type, wrong number of components, NaN or infinity.
+        Wrong type, wrong number of components, a unit that does not fit, NaN or infinity.
     """
-    if isinstance(value, (bool, str, bytes)) or value is None:
+    if isinstance(value, str):
+        value = _amount(value, entity)
+    elif isinstance(value, (list, tuple)):
+        value = [_amount(v, entity) if isinstance(v, str) else v for v in value]
+    if isinstance(value, (bool, bytes)) or value is None:
         raise ExpressionError(
             f"expected {'a number' if size == 1 else f'{size} numbers'} or a formula, "
             f"got {value!r}",
             entity,
         )
+    if unit is not None:
+        for one in value if isinstance(value, list) else [value]:
+            _check_unit(one, unit, entity)
     try:
         sx = as_sx(value)
     except (TypeError, ValueError, NotImplementedError):
@@ -178,8 +196,38 @@ def as_expression(value, entity: str, unit: str = "", size: int = 1) -> Expressi
     for i in range(size):
         if sx[i].is_constant():
             refuse_unusable(float(sx[i]), entity)
-    name = value.name if isinstance(value, Expression) else ""
-    return Expression(sx, name, unit)
+    if unit is None:
+        unit = value.unit if isinstance(value, Expression) and sx.is_constant() else ""
+    return Expression(sx, value.name if isinstance(value, Expression) else "", unit)
+
+
+def _amount(text: str, entity: str) -> Amount:
+    """The number, with its unit, in a text."""
+    try:
+        amount = amount_of(text)
+        if isinstance(amount, Amount):
+            return amount
+        told = f"expected a number or a formula, got {text!r}; write it without quotes"
+    except ExpressionError as error:
+        told = error.message
+        if isinstance(error, UnknownNameError):
+            told = (
+                f"expected a number or a formula, got {text!r:.60}; a text is a number with its "
+                "unit, and formulas of parameters are written without quotes"
+            )
+    raise ExpressionError(told, entity)
+
+
+def _check_unit(value: Any, unit: str, entity: str) -> None:
+    """What is known to have a unit has one that fits: an amount, or a parameter."""
+    if isinstance(value, Amount):
+        check_unit(value.si, unit, entity, str(value))
+        return
+    if not isinstance(value, Expression) or not value.unit:
+        return
+    if value.is_parameter or (not value.name and value.sx.is_constant()):
+        shown = f"{value.name} [{value.unit}]" if value.name else f"{value.sx} {value.unit}"
+        check_unit(value.unit, unit, entity, shown)
 
 
 def refuse_unusable(number: float, entity: str) -> None:

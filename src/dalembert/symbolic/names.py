@@ -59,7 +59,8 @@ class Names:
         if found is not None:
             return found
         try:
-            return parse_formula(text, self.find, self.known).named(text)
+            made = parse_formula(text, self.find, self.known)
+            return made.named(text, made.unit)
         except UnknownNameError as error:
             if error.name != text:
                 raise

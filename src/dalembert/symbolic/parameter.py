@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import ModelError
+from dalembert.amounts import Amount, check_unit
+from dalembert.errors import ExpressionError, ModelError
+from dalembert.grammar import amount_of
 from dalembert.symbolic.expression import Expression, refuse_unusable
 from dalembert.text import plain_text
+from dalembert.units import Unit, unit
 
 
 class Parameter(Expression):
@@ -20,40 +24,51 @@ class Parameter(Expression):
     ----------
     name : str
         Identifier, usable in formulas.
-    value : float
-        Nominal value, in SI units.
-    unit, description : str
-        Shown in results and reports.
-    bounds : (float, float), optional
+    value : float or str
+        Nominal value, in ``unit``, or a text such as ``"45 mm"``.
+    unit : str
+        What value and bounds are given in, ``"mm"``, ``"deg"``, ``"rpm"``; SI units where none is.
+    bounds : (float or str, float or str), optional
         Lower and upper bound for design; None leaves a side open.
+    description : str
+        Shown in results and reports.
+
+    Attributes
+    ----------
+    value, bounds : in SI units, as everything is inside
+    unit : the SI unit of these
+    given_unit : the one that they were given in, and are shown in
 
     Raises
     ------
     ModelError
         A name that is no identifier, a value not finite or outside its bounds, bounds in the
-        wrong order.
+        wrong order, an unknown unit.
     """
 
-    __slots__ = ("bounds", "description", "value")
+    __slots__ = ("bounds", "description", "given_unit", "value")
+    is_parameter = True
 
     def __init__(
         self,
         name: str,
-        value: float,
+        value: float | str,
         unit: str = "",
-        bounds: tuple[float | None, float | None] | None = None,
+        bounds: tuple[float | str | None, float | str | None] | None = None,
         description: str = "",
     ):
         if not isinstance(name, str) or not name.isidentifier():
             raise ModelError(
                 f"{name!r} is not an identifier; use letters, digits and '_'", "parameter"
             )
-        super().__init__(ca.SX.sym(name), name, plain_text(unit, f"{name}.unit"))
-        self.value = _finite(value, name, "value")
+        self.given_unit = plain_text(unit, f"{name}.unit") or _unit_in(value)
+        meant = _unit(self.given_unit, name)
+        super().__init__(ca.SX.sym(name), name, meant.si)
+        self.value = si_value(value, meant, name, "value")
         lower, upper = bounds if bounds is not None else (None, None)
         self.bounds = (
-            -math.inf if lower is None else float(lower),
-            math.inf if upper is None else float(upper),
+            -math.inf if lower is None else si_value(lower, meant, name, "lower bound", True),
+            math.inf if upper is None else si_value(upper, meant, name, "upper bound", True),
         )
         self.description = plain_text(description, f"{name}.description")
         if math.isnan(self.bounds[0]) or math.isnan(self.bounds[1]):
@@ -62,6 +77,54 @@ class Parameter(Expression):
             raise ModelError(f"lower bound {lower} is above upper bound {upper}; swap them", name)
         if not self.bounds[0] <= self.value <= self.bounds[1]:
             raise ModelError(f"value {value} lies outside its bounds [{lower}, {upper}]", name)
+
+    def in_si(self, value: float | str) -> float:
+        """A value given in its unit, or a text with a unit, in SI units."""
+        return si_value(value, _unit(self.given_unit, self.name), self.name, "value")
+
+    def shown(self, value: float) -> float:
+        """A value in SI units, in the unit of the parameter."""
+        return value / _unit(self.given_unit, self.name).factor
+
+
+def _unit_in(value: Any) -> str:
+    """The unit that a text has, if it has one."""
+    if not isinstance(value, str):
+        return ""
+    try:
+        amount = amount_of(value)
+    except ExpressionError:  # told where the value is read
+        return ""
+    return amount.unit.text if isinstance(amount, Amount) else ""
+
+
+def _unit(text: str, name: str) -> Unit:
+    try:
+        return unit(text)
+    except ExpressionError as error:
+        raise ModelError(error.message, f"{name}.unit") from None
+
+
+def si_value(value: float | str, meant: Unit, name: str, what: str, endless: bool = False) -> float:
+    """A number of units, or a text with a unit of the same dimension, in SI units.
+
+    Raises
+    ------
+    ModelError
+        No finite number, or another dimension.
+    """
+    if isinstance(value, str):
+        try:
+            amount = amount_of(value)
+            if isinstance(amount, Amount):
+                check_unit(amount.si, meant.text, name, repr(value))
+                return _finite(amount.value, name, what)
+        except ExpressionError as error:
+            raise ModelError(f"{what}: {error.message}", name) from None
+        value = amount
+    if endless and isinstance(value, float) and not math.isfinite(value):
+        return value
+    return _finite(_finite(value, name, what) * meant.factor, name, what)
 
 
 def _finite(value, name: str, what: str) -> float:
@@ -76,7 +139,7 @@ def _finite(value, name: str, what: str) -> float:
 
 
 def parameter_vector(
-    parameters: Mapping[str, Parameter], given: Mapping[str, float] | None, owner: str
+    parameters: Mapping[str, Parameter], given: Mapping[str, float | str] | None, owner: str
 ) -> np.ndarray:
     """Values of all parameters, some replaced by given ones.
 
@@ -90,5 +153,8 @@ def parameter_vector(
         if name not in values:
             known = ", ".join(values) or "none"
             raise ModelError(f"unknown parameter {name!r} (known: {known})", owner)
-        values[name] = _finite(value, name, "value")
+        known_as = parameters[name]
+        values[name] = (
+            known_as.in_si(value) if isinstance(value, str) else _finite(value, name, "value")
+        )
     return np.array(list(values.values()), dtype=float)

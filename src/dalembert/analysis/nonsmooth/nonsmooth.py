@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 
 from dalembert.analysis.energy_balance import check_balance
+from dalembert.analysis.keywords import NonsmoothKeywords
 from dalembert.analysis.kinematics import refuse_outside
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.analysis.nonsmooth.sampling import sampled
 from dalembert.analysis.over_time import OverTime
+from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactScheme
@@ -68,11 +70,11 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
 
 def solve_nonsmooth(
     model: Model,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
     progress: bool | Callable[[float], None] = False,
-    **options: Any,
+    **options: Unpack[NonsmoothKeywords],
 ) -> NonsmoothMotion:
     """Integrate ``M dv = (f − d) dt − Cᵀ dΛ + Wᵀ dP``, ``0 ≤ g ⟂ dP_N ≥ 0``.
 
@@ -91,6 +93,6 @@ def solve_nonsmooth(
     AnalysisError
         Wrong options; ``AssemblyError``, ``SingularityError`` where the run cannot begin.
     """
-    return Nonsmooth.of("solve_nonsmooth", duration=duration, **options).run(
-        model, parameters, progress
-    )
+    return analysis_of(
+        Nonsmooth, "solve_nonsmooth", model, parameters, duration=duration, **options
+    ).run(model, parameters, progress)

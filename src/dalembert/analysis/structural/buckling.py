@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
+from dalembert.analysis.keywords import BucklingKeywords
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectral import SpectralAnalysis
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.analysis.structural.statics import Statics, factorised
+from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
 from dalembert.results.result import Given
@@ -98,7 +100,7 @@ def solve_buckling(
     case: str = "",
     *,
     parameters: Mapping[str, float] | None = None,
-    **options: Any,
+    **options: Unpack[BucklingKeywords],
 ) -> BucklingModes:
     """Load factors at which a structure buckles, ``(K + λ K_g(u₀)) φ = 0``.
 
@@ -116,6 +118,8 @@ def solve_buckling(
         Wrong options, unknown load case, no such factor; ``SingularityError`` where the structure
         is a mechanism.
     """
-    made = Buckling.of("solve_buckling", count=count, case=case, **options)
+    made = analysis_of(
+        Buckling, "solve_buckling", model, parameters, count=count, case=case, **options
+    )
     need_structure(model, "solve_buckling", "take linearize about loaded equilibria")
     return made.run(model, parameters)

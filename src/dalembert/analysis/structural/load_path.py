@@ -7,14 +7,16 @@ across the direction of the path; so the load may fall as well as grow.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
+from dalembert.analysis.keywords import ArcLengthKeywords
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.path_equations import Crossing, PathEquations
+from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
 from dalembert.results.result import Analysis, Given
@@ -264,7 +266,10 @@ class Walk:
 
 
 def solve_load_path(
-    model: StructuralModel, *, parameters: Mapping[str, float] | None = None, **options: Any
+    model: StructuralModel,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    **options: Unpack[ArcLengthKeywords],
 ) -> LoadPathResult:
     """Equilibria along the path of a load, past limit points.
 
@@ -280,6 +285,6 @@ def solve_load_path(
     AnalysisError
         Wrong options; ``SingularityError`` where the structure is a mechanism.
     """
-    made = ArcLength.of("solve_load_path", **options)
+    made = analysis_of(ArcLength, "solve_load_path", model, parameters, **options)
     need_structure(model, "solve_load_path", "take solve_equilibrium load by load")
     return made.run(model, parameters)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
+from dalembert.analysis.keywords import ModalKeywords
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectral import SpectralAnalysis
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.analysis.structural.statics import factorised
+from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
 from dalembert.results.result import Given
@@ -140,7 +142,7 @@ def solve_modes(
     count: int = 6,
     *,
     parameters: Mapping[str, float] | None = None,
-    **options: Any,
+    **options: Unpack[ModalKeywords],
 ) -> VibrationModes:
     """Frequencies and shapes of free vibration, ``K φ = ω² M φ``.
 
@@ -156,6 +158,6 @@ def solve_modes(
     AnalysisError
         Wrong options, nothing has mass; ``SingularityError`` where something moves freely.
     """
-    made = Modal.of("solve_modes", count=count, **options)
+    made = analysis_of(Modal, "solve_modes", model, parameters, count=count, **options)
     need_structure(model, "solve_modes", "take linearize")
     return made.run(model, parameters)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Unpack, overload
 
 from dalembert.analysis.batch.solve import run_analysis
+from dalembert.analysis.keywords import StaticsKeywords
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.statics import Statics
+from dalembert.analysis.times import analysis_of
 from dalembert.results.batch import Batch
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
@@ -23,7 +25,7 @@ def solve_statics(
     *,
     parameters: Mapping[str, float] | None = None,
     nonlinear: bool = False,
-    **options: Any,
+    **options: Unpack[StaticsKeywords],
 ) -> StructuralResult: ...
 
 
@@ -34,7 +36,7 @@ def solve_statics(
     parameters: ManyDesigns,
     nonlinear: bool = False,
     workers: int | None = None,
-    **options: Any,
+    **options: Unpack[StaticsKeywords],
 ) -> Batch: ...
 
 
@@ -44,7 +46,7 @@ def solve_statics(
     parameters: Any = None,
     nonlinear: bool = False,
     workers: int | None = None,
-    **options: Any,
+    **options: Unpack[StaticsKeywords],
 ) -> StructuralResult | Batch:
     """Statics of a structure, ``K U = P`` partitioned by (8.14).
 
@@ -64,6 +66,6 @@ def solve_statics(
         Wrong options; ``SingularityError`` where the structure is a mechanism.
     """
     chosen = NonlinearStatics if nonlinear else Statics
-    made = chosen.of("solve_statics", **options)
+    made = analysis_of(chosen, "solve_statics", model, parameters, **options)
     need_structure(model, "solve_statics", "take solve_equilibrium")
     return run_analysis(made, model, parameters, workers=workers)  # type: ignore[no-any-return]

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 
 from dalembert.analysis.branches import place_outputs
+from dalembert.analysis.keywords import TransientKeywords
 from dalembert.analysis.progress import Reported
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.structural.transient_run import TransientRun, motion_at
 from dalembert.analysis.structural.transient_start import STARTS
+from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.newmark import Newmark, NewmarkFamily
 from dalembert.options import options
@@ -124,11 +126,11 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
 
 def solve_transient(
     model: StructuralModel,
-    duration: float | None = None,
+    duration: Time | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
     progress: Reported = False,
-    **options: Any,
+    **options: Unpack[TransientKeywords],
 ) -> StructuralMotion:
     """Motion of a structure, ``M a + C v + ∂W/∂u(u) = P(t)``, with its exact gradients.
 
@@ -145,6 +147,8 @@ def solve_transient(
     AnalysisError
         Wrong options; ``SingularityError`` where the run cannot begin.
     """
-    made = Transient.of("solve_transient", duration=duration, **options)
+    made = analysis_of(
+        Transient, "solve_transient", model, parameters, duration=duration, **options
+    )
     need_structure(model, "solve_transient", "take solve_dynamics")
     return made.run(model, parameters, progress)

@@ -58,7 +58,9 @@ class Flexible(FloatingFrame):
     reference: str = option("interface that the frame is fixed in, or 'mean' axes", default="")
     stiffening: bool = option("with displacements of second order", default=False)
     damping_ratio: Scalar = quantity("", "of every shape", default=0.0, minimum=0.0)
-    rayleigh: Vector = quantity("", "shares of mass and stiffness", default=(0.0, 0.0), size=2)
+    rayleigh: Vector = quantity(
+        "1/s | s", "shares of mass and stiffness", default=(0.0, 0.0), size=2
+    )
     parameters: Numbers | None = option("of the structure, values or formulas", default=None)
 
     section_kind = Section

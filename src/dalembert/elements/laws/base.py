@@ -56,7 +56,7 @@ GivenLaw = Annotated[Any, Law]
 class Formula(Law):
     """``f(t)`` as written by the user, in ``t`` and parameters."""
 
-    formula: Scalar = quantity("", "formula in t and parameters")
+    formula: Scalar = quantity("1 | m | rad", "formula in t and parameters")
 
     def value(self, time: ca.SX) -> ca.SX:
         return ca.substitute(self.formula.sx, t.sx, time)
@@ -105,8 +105,8 @@ class Product(Combination):
     operate = staticmethod(operator.mul)
 
 
-def as_law(value, entity: str) -> Law:
-    """A law as it is, or a number or formula in ``t`` made into one."""
+def as_law(value, entity: str, unit: str | None = None) -> Law:
+    """A law as it is, or a number or formula in ``t`` made into one; ``unit`` of its values."""
     if isinstance(value, Law):
         return value
-    return Formula(as_expression(value, entity))
+    return Formula(as_expression(value, entity, unit))

@@ -14,9 +14,9 @@ from dalembert.elements.laws.base import Law
 class Harmonic(Law):
     """``f = mean + amplitude · sin(frequency · t + phase)``, frequency in rad/s."""
 
-    amplitude: Scalar = quantity("", "amplitude")
+    amplitude: Scalar = quantity("m | rad", "amplitude")
     frequency: Scalar = quantity("rad/s", "angular frequency")
-    mean: Scalar = quantity("", "mean value", default=0.0)
+    mean: Scalar = quantity("m | rad", "mean value", default=0.0)
     phase: Scalar = quantity("rad", "phase at t = 0", default=0.0)
 
     def value(self, time: ca.SX) -> ca.SX:

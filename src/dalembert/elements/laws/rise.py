@@ -20,9 +20,9 @@ from dalembert.elements.laws.base import Law
 class Rise(Law):
     """``f = start + height · s((t − begin)/duration)``; profile ``s`` by the subclass."""
 
-    height: Scalar = quantity("", "rise from start to dwell")
+    height: Scalar = quantity("m | rad", "rise from start to dwell")
     duration: Scalar = quantity("s", "time of the rise", above=0.0)
-    start: Scalar = quantity("", "value before the rise", default=0.0)
+    start: Scalar = quantity("m | rad", "value before the rise", default=0.0)
     begin: Scalar = quantity("s", "time at which the rise begins", default=0.0)
     dwell: Scalar = quantity("s", "time at the top before the return", default=0.0, minimum=0.0)
     fall: Scalar = quantity("s", "time of the return; none: stay on top", default=None, above=0.0)

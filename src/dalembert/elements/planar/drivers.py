@@ -28,6 +28,7 @@ class RotationalDriver(Driver, BodyJoint):
     """
 
     law: GivenLaw = option("motion law")
+    prescribes = "rad"
 
     @property
     def measured(self) -> str:

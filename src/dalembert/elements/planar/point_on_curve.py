@@ -35,7 +35,9 @@ class PointOnCurve(InPlane, OnCurve):
     point_j: Point
     curve: Curve = option("the curve", default=None)
     radius: Scalar = quantity("m", "roller radius", default=0.0, minimum=0.0)
-    parameter: Scalar = quantity("", "initial guess of the curve parameter", default=None)
+    parameter: Scalar = quantity(
+        "1 | m | rad", "initial guess of the curve parameter", default=None
+    )
 
     def followed(self) -> ca.SX:
         return self.curve.offset_position(self.contact, self.radius.sx)

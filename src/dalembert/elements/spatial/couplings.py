@@ -107,7 +107,9 @@ class Coupling(CoupledJoints):
     motion_i, motion_j : which motions, where a joint has several
     """
 
-    ratio: Scalar = quantity("", "motion of the second joint per motion of the first", default=1.0)
+    ratio: Scalar = quantity(
+        "1 | m/rad | rad/m", "motion of the second joint per motion of the first", default=1.0
+    )
     motion_i: str = option("which motion of the first joint", default=None)
     motion_j: str = option("which motion of the second joint", default=None)
 

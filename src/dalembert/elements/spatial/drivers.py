@@ -52,6 +52,7 @@ class RotationalDriver(JointDriver):
     joint: SpatialJoint
     law: GivenLaw = option("motion law")
     motion: str = option("which free motion, where there are several", default=None)
+    prescribes = "rad"
 
     @property
     def ahead(self) -> ca.SX:

@@ -29,4 +29,6 @@ class PointOnCurve(OnCurve):
     body_i: BodyElement
     point_j: Point
     curve: Curve = option("the curve", default=None)
-    parameter: Scalar = quantity("", "initial guess of the curve parameter", default=None)
+    parameter: Scalar = quantity(
+        "1 | m | rad", "initial guess of the curve parameter", default=None
+    )

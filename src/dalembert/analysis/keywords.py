@@ -1,0 +1,123 @@
+"""Keywords of the verbs, with their types, for editors and checkers.
+
+They are the fields of the analyses, whose docstrings say what they mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypedDict
+
+if TYPE_CHECKING:
+    from dalembert.analysis.events import Events
+    from dalembert.analysis.structural.transient_equation import Rayleigh
+    from dalembert.analysis.times import Time, Times
+    from dalembert.formulations.base import Formulation
+    from dalembert.formulations.stabilization import Stabilization
+    from dalembert.integrators.base import Integrator
+    from dalembert.integrators.contact.contact_solver import ContactSolver
+    from dalembert.integrators.contact.schemes import ContactScheme
+    from dalembert.integrators.newmark import NewmarkFamily
+    from dalembert.model.coordinates import Coordinates
+    from dalembert.results.structural.load_path import LoadPathResult
+    from dalembert.results.structural.result import StructuralResult
+
+
+class OverTimeKeywords(TypedDict, total=False):
+    """Of ``Kinematics`` and ``InverseDynamics``."""
+
+    step: Time | None
+    outputs: Times | None
+    t_span: tuple[Time, Time] | None
+
+
+class DynamicsKeywords(OverTimeKeywords, total=False):
+    """Of ``Dynamics``."""
+
+    coordinates: Coordinates
+    formulation: Formulation
+    stabilization: Stabilization
+    integrator: Integrator
+    events: Events | None
+    strict: bool
+    backend: str
+    balance: float
+    memory: float
+
+
+class NonsmoothKeywords(OverTimeKeywords, total=False):
+    """Of ``Nonsmooth``."""
+
+    integrator: ContactScheme
+    solver: ContactSolver
+    balance: float
+
+
+class EquilibriumKeywords(TypedDict, total=False):
+    """Of ``Equilibrium``."""
+
+    time: Time
+    tolerance: float
+    max_iterations: int
+
+
+class LinearizationKeywords(TypedDict, total=False):
+    """Of ``Linearization``."""
+
+    time: Time
+    equilibrium: bool
+
+
+class TransientKeywords(TypedDict, total=False):
+    """Of ``Transient``."""
+
+    step: Time | None
+    outputs: Times | None
+    integrator: NewmarkFamily
+    nonlinear: bool
+    lumped: bool
+    damping: Rayleigh
+    case: str
+    start: str
+
+
+class NonlinearStaticsKeywords(TypedDict, total=False):
+    """Of ``NonlinearStatics``."""
+
+    steps: int
+    tolerance: float
+    max_iterations: int
+
+
+class StaticsKeywords(NonlinearStaticsKeywords, total=False):
+    """Of ``Statics``, and of ``NonlinearStatics`` with ``nonlinear=True``."""
+
+    solver: str
+
+
+class ModalKeywords(TypedDict, total=False):
+    """Of ``Modal``."""
+
+    lumped: bool
+    shift: float
+    about: StructuralResult | None
+
+
+class BucklingKeywords(TypedDict, total=False):
+    """Of ``Buckling``."""
+
+    constant: str | None
+    negative: bool
+
+
+class ArcLengthKeywords(TypedDict, total=False):
+    """Of ``ArcLength``."""
+
+    case: str
+    first: float
+    longest: float
+    until: float
+    stop: Callable[[LoadPathResult], bool] | None
+    max_points: int
+    tolerance: float
+    max_iterations: int

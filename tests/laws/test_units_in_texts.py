@@ -1,0 +1,310 @@
+"""Numbers with units: what a text says is what the model gets, and what does not fit is refused."""
+
+import math
+
+import pytest
+
+import dalembert as da
+from dalembert import planar, spatial
+from dalembert.amounts import Amount
+from dalembert.elements.base import Element
+from dalembert.elements.registry import SPACES
+from dalembert.grammar import amount_of
+from dalembert.io.analyses import make_analysis
+from dalembert.io.model_file import load_model_file
+from dalembert.symbolic.parser import parse_formula
+from dalembert.units import unit
+
+KNOWN = {  # text -> value in SI units, unit
+    "45 mm": (0.045, "m"),
+    "45mm": (0.045, "m"),
+    "2*45 mm": (0.09, "m"),
+    "1.5e3 mm": (1.5, "m"),
+    "90 deg": (math.pi / 2, "rad"),
+    "45°": (math.pi / 4, "rad"),
+    "60 rpm": (2 * math.pi, "rad/s"),
+    "1 turn": (2 * math.pi, "rad"),
+    "3 kN/mm": (3e6, "N/m"),
+    "5 N m": (5.0, "N m"),
+    "5 N*m": (5.0, "N m"),
+    "10 N/m": (10.0, "N/m"),
+    "2.5 g/cm^3": (2500.0, "kg/m^3"),
+    "9.81 m/s²": (9.81, "m/s^2"),
+    "210 GPa": (210e9, "Pa"),
+    "1 in": (0.0254, "m"),  # exact by definition
+    "1 lbf": (4.4482216152605, "N"),  # exact by definition
+    "-3 mm + 1 cm": (0.007, "m"),
+    "(45 mm)**2": (0.045**2, "m^2"),
+    "1/(20 ms)": (50.0, "1/s"),
+    "90 deg - pi/2": (0.0, "rad"),
+    "50 %": (0.5, "1"),
+}
+
+
+@pytest.mark.parametrize("text", KNOWN)
+def test_a_number_with_its_unit(text):
+    value, si = KNOWN[text]
+    found = amount_of(text)
+    assert isinstance(found, Amount)
+    assert found.value == pytest.approx(value, rel=1e-15, abs=1e-16)
+    assert found.si == si
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("3 mmm", "unknown unit 'mmm' .did you mean 'mm'"),
+        ("20 degC", "has a zero of its own"),
+        ("1 m + 1", "1 m and 1 cannot be added"),
+        ("1 m + 1 s", "1 m and 1 s cannot be added"),
+        ("sin(3 mm)", "sin takes a plain number or an angle"),
+        ("2 t", "syntax error"),  # no tonnes: t is time
+        ("2 e", "syntax error"),
+        ("1 m < 2 m", "no such operation"),
+        ("1e400 m", "not finite"),
+        ("1 m/(0 s)", "division by zero"),
+        ("mm", "unknown name 'mm'"),
+    ],
+)
+def test_texts_that_are_no_numbers(text, message):
+    with pytest.raises(da.ExpressionError, match=message):
+        amount_of(text)
+
+
+def test_hertz_counts_cycles_and_torques_may_leave_angles_out():
+    assert not unit("Hz").fits("rad/s")
+    assert not unit("deg").fits("") and not unit("rad/s").fits("1/s")
+    assert unit("N m").fits("N m/rad") and unit("1/s").fits("rad/s")
+    assert unit("kN mm/deg").fits("N/m | N m/rad") and not unit("kN").fits("N/m | N m/rad")
+
+
+CLASSES = {
+    f"{space.name}.{name}": cls
+    for space in SPACES.values()
+    for section in space.sections.values()
+    for name, cls in section.items()
+    if issubclass(cls, Element)
+}
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_every_quantity_has_a_unit_that_is_one(name):
+    for field in CLASSES[name].quantity_fields():
+        for one in field.metadata["unit"].split("|"):
+            assert unit(one).factor == 1.0, f"{name}.{field.name}"
+
+
+def bar(**given):
+    return planar.Bar("bar", **{"length": 1.0, "mass": 1.0, **given})
+
+
+def test_texts_in_python():
+    made = bar(length="200 mm", mass="500 g", angle="90 deg", angular_velocity="60 rpm")
+    assert float(made.length) == 0.2 and float(made.mass) == 0.5
+    end = made.point("50 mm", "-1 cm")
+    assert [float(c) for c in end.local] == [0.05, -0.01]
+    top = spatial.Body("top", mass=1.0, inertia=(1, 1, 1), position=("1 ft", 0.0, "2 mm"))
+    assert [float(c) for c in top.guesses()[0][:3]] == pytest.approx([0.3048, 0.0, 0.002])
+    turned = da.rotation.axis_angle((1, 0, 0), "90 deg")
+    assert turned is not None
+    system = da.System("x", gravity=(0.0, "-981 cm/s^2"))
+    assert float(system.gravity[1]) == pytest.approx(-9.81, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"length": "3 kg"}, "bar.length: 3 kg does not fit, expected m"),
+        ({"angle": "3 mm"}, "bar.angle: 0.003 m does not fit, expected rad"),
+        ({"mass": "1 N"}, "bar.mass: 1 N does not fit, expected kg"),
+        ({"angular_velocity": "5 Hz"}, "bar.angular_velocity: .* expected rad/s"),
+        ({"length": "l1"}, "expected a number or a formula, got 'l1'"),
+        ({"length": "3 mmm"}, "bar.length: .* unknown unit 'mmm'"),
+    ],
+)
+def test_units_that_do_not_fit_are_refused_by_name(given, message):
+    with pytest.raises(da.ExpressionError, match=message):
+        bar(**given)
+
+
+def test_the_unit_of_a_parameter_is_meant():
+    system = da.System("x")
+    l = system.parameter("l", 45, unit="mm", bounds=(30, "6 cm"))
+    assert (l.value, l.unit, l.given_unit) == (0.045, "m", "mm")
+    assert l.bounds == pytest.approx((0.03, 0.06), rel=1e-15)
+    assert l.shown(0.05) == pytest.approx(50)
+    speed = system.parameter("speed", "60 rpm")
+    assert speed.value == pytest.approx(2 * math.pi) and speed.unit == "rad/s"
+    with pytest.raises(da.ModelError, match=r"bar.mass: l .m. does not fit, expected kg"):
+        bar(mass=l)
+    with pytest.raises(da.ModelError, match="unknown unit 'widget'"):
+        system.parameter("w", 1.0, unit="widget")
+    with pytest.raises(da.ModelError, match="does not fit, expected mm"):
+        system.parameter("v", "3 kg", unit="mm")
+
+
+def test_new_values_may_be_texts():
+    system = da.System("x", gravity=(0.0, -9.81))
+    l = system.parameter("l", 0.5, unit="m")
+    made = system.add(planar.Bar("bob", length=l, mass=1.0))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), made.start))
+    model = system.build()
+    texts = da.solve_dynamics(model, 0.1, step=0.01, parameters={"l": "400 mm"})
+    numbers = da.solve_dynamics(model, 0.1, step=0.01, parameters={"l": 0.4})
+    assert (texts["bob.angle"].values == numbers["bob.angle"].values).all()
+
+
+def pendulum():
+    system = da.System("x", gravity=(0.0, -9.81))
+    l = system.parameter("l", "400 mm")
+    system.parameter("turns", 3.0)
+    made = system.add(planar.Bar("bob", length=l, mass=1.0))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), made.start))
+    return system.build()
+
+
+def test_times_may_be_texts_and_formulas():
+    model = pendulum()
+    for duration in ("300 ms", 0.3, "0.75*l/turns*3*(1 s)/(1 s)", 0.75 * model["l"]):
+        motion = da.solve_dynamics(model, duration, step="10 ms", outputs=["0 s", "0.1 s", 0.3])
+        assert motion.time == pytest.approx([0.0, 0.1, 0.3])
+    longer = da.solve_dynamics(model, "l/2", step="l/20", parameters={"l": "600 mm"})
+    assert longer.time[-1] == pytest.approx(0.3) and longer.time.size == 11
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"duration": "3 mm"}, "duration: '3 mm' does not fit, expected s"),
+        ({"duration": "l"}, "duration: 'l' does not fit, expected s"),
+        ({"duration": "2*bob.angle"}, "duration is '2.bob.angle', which has"),
+        ({"duration": "ll"}, "duration: no measure 'll'; nearest: l"),
+        (
+            {"duration": 1.0, "stp": 0.1},
+            "solve_dynamics: unknown option 'stp' .did you mean 'step'",
+        ),
+        (
+            {"duration": "turns", "parameters": {"turns": [1.0, 2.0]}},
+            "differs from design to design",
+        ),
+    ],
+)
+def test_times_that_are_none(options, message):
+    with pytest.raises(da.AnalysisError, match=message):
+        da.solve_dynamics(pendulum(), **options)
+
+
+MECHANISM = """
+format = 1
+gravity = ["0 m/s^2", "-981 cm/s^2"]
+
+[parameters]
+crank = { value = 45, unit = "mm", bounds = [30, "6 cm"] }
+speed = "120 rpm"
+
+[ground.points]
+pivot = ["0 in", 0]
+
+[bodies.a]
+type = "Bar"
+length = "2*crank + 10 mm"
+mass = "500 g"
+angle = "90 deg"
+
+[joints.O]
+type = "Revolute"
+connect = ["ground.pivot", { body = "a", at = ["-50 mm", 0] }]
+
+[drivers.m]
+type = "RotationalDriver"
+connect = ["ground", "a"]
+law = "90 deg + speed*t"
+
+[analysis]
+type = "Kinematics"
+duration = "2*pi/speed"
+step = "5 ms"
+"""
+
+
+def written(tmp_path, text):
+    path = tmp_path / "crank.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_units_in_a_file(tmp_path):
+    file = load_model_file(written(tmp_path, MECHANISM))
+    model = file.model()
+    assert model.parameters["crank"].value == 0.045
+    assert model.parameters["crank"].bounds == pytest.approx((0.03, 0.06), rel=1e-15)
+    assert model.parameters["speed"].unit == "rad/s"
+    motion = make_analysis(file, model).run(model)
+    assert motion.time[-1] == pytest.approx(0.5)
+    assert motion.values("a.end.y").max() == pytest.approx(0.1)
+    changed = file.with_parameters({"crank": 50, "speed": "60 rpm"}).model()
+    assert changed.parameters["crank"].value == 0.05  # in the unit that the file gives it
+    assert changed.parameters["speed"].value == pytest.approx(2 * math.pi)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('mass = "500 g"', 'mass = "500 mm"', r"bodies.a.mass: 0.5 m does not fit, expected kg"),
+        ('mass = "500 g"', 'mass = "crank"', r"bodies.a.mass: crank .m. does not fit, expected kg"),
+        ('"90 deg + speed*t"', '"90 mm"', r"drivers.m.law: 0.09 m does not fit, expected rad"),
+        ('duration = "2*pi/speed"', 'duration = "5 kg"', r"analysis.duration: .*expected s"),
+        ('unit = "mm"', 'unit = "mmm"', r"parameters.crank.*unknown unit 'mmm'"),
+    ],
+)
+def test_a_file_is_told_what_does_not_fit(tmp_path, old, new, message):
+    assert old in MECHANISM
+    text = MECHANISM.replace(old, new)
+    file = load_model_file(written(tmp_path, text))
+    with pytest.raises(da.DalembertError, match=message):
+        make_analysis(file, file.model())
+
+
+def test_a_name_that_is_a_unit_too_is_asked_about():
+    def lookup(name):
+        return {"m": da.System("x").parameter("m", 2.0)}.get(name)
+
+    assert float(parse_formula("10 N/m", lookup)) == 10.0  # alone, it can only be a unit
+    with pytest.raises(da.ExpressionError, match="'m' is a unit and a name of the model"):
+        parse_formula("1 + 10 N/m", lookup)
+
+
+STRUCTURE = """
+format = 1
+kind = "structure"
+
+[nodes]
+a = [0, 0]
+b = ["500 mm", 0]
+
+[elements.bar]
+type = "Truss"
+connect = ["a", "b"]
+area = "4 cm^2"
+modulus = "210 GPa"
+
+[[supports]]
+nodes = "a"
+
+[[supports]]
+nodes = "b"
+uy = "0 mm"
+
+[[loads]]
+nodes = "b"
+fx = "84 kN"
+"""
+
+
+def test_units_in_a_structure(tmp_path):
+    model = load_model_file(written(tmp_path, STRUCTURE)).model()
+    stretch = 84e3 * 0.5 / (4e-4 * 210e9)  # F l / (E A)
+    assert da.solve_statics(model).values("b.ux")[0] == pytest.approx(stretch, rel=1e-12)
+    wrong = STRUCTURE.replace('"84 kN"', '"84 kN m"')
+    with pytest.raises(da.ModelError, match=r"loads\[0\].*84000 N m does not fit, expected N"):
+        load_model_file(written(tmp_path, wrong)).build()
