@@ -29,6 +29,7 @@ SCRIPTS = {
     "mechanism": (
         "util.js",
         "timeline.js",
+        "loads.js",
         "hull.js",
         "motion.js",
         "symbols.js",
@@ -41,6 +42,7 @@ SCRIPTS = {
         "vendor/three.js",
         "util.js",
         "timeline.js",
+        "loads.js",
         "symbols.js",
         "hull.js",
         "space_motion.js",

@@ -11,7 +11,7 @@ class Motion extends Timeline {
     this.gravity = scene.gravity && Math.hypot(...xy(scene.gravity)) > 0 ? xy(scene.gravity) : null;
 
     this.joints = list(scene.joints).filter((j) => this.has(j.body)).map((j) => ({
-      ...this.told(j), body: this.find(j.body), point: xy(j.point), grounded: Boolean(j.grounded),
+      ...this.told(j), body: this.find(j.body), point: xy(j.point), grounded: Boolean(j.grounded), on: this.byName.get(String(j.on)) || null,
       mesh: this.wheels(j.mesh), internal: Boolean(j.internal),
       fx: j.force_x ? floats(j.force_x, this.n) : null,
       fy: j.force_y ? floats(j.force_y, this.n) : null,

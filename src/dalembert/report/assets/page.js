@@ -27,6 +27,7 @@ function buildToolbar() {
   const chips = el("div", { class: "chips" }, toggles);
   byId("toolbar").append(chips);
   moreTools(scene, chips);
+  chips.append(...[arrowMenu(scene)].filter(Boolean));
   if (!motion.points.length || !motion.moves) return;
   const traces = motion.points.map((point) => {
     const swatch = el("i", { class: "swatch" });

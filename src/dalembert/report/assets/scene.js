@@ -11,6 +11,7 @@ class Scene {
     this.pointer = null;
     this.pending = false;
     this.ratio = undefined;
+    this.sizes = newSizes();
     this.guides = this.findGuides();
     this.teeth = this.findTeeth();
     this.bundles = this.bundleLinks();
@@ -245,8 +246,8 @@ class Scene {
     this.drawGround();
     for (const joint of motion.joints) {
       const p = joint.grounded && this.placeOf(joint.body, joint.point);
-      if (p && joint.symbol === "pin") groundPivot(ctx, p, this.half, colours);
-      if (p && joint.symbol === "clamp") this.drawAnchor(p, this.screen(motion.at(joint.body, [joint.point[0], joint.point[1] + 1])));
+      if (p && joint.symbol === "pin") groundPivot(ctx, p, this.half, colours, this.tilt);
+      if (p && joint.symbol === "clamp") this.drawAnchor(p, this.middleOf(joint.on) || [p[0], p[1] - 1]);
     }
     this.drawGhosts();
     this.drawBodies();
@@ -272,6 +273,18 @@ class Scene {
   placeOf(body, point) {
     const pose = this.poses.get(body);
     return pose && this.screen(toWorld(pose, point));
+  }
+
+  // The middle of what a body looks like: its wall is across the way there.
+  middleOf(body) {
+    const pose = body && this.poses.get(body), marks = body?.shapes.flatMap(outline) || [];
+    return pose && marks.length ? this.screen(toWorld(pose, [0, 1].map((k) => marks.reduce((sum, p) => sum + p[k], 0) / marks.length))) : null;
+  }
+
+  // The ground is where things fall to.
+  get tilt() {
+    const g = this.motion.gravity;
+    return g ? Math.atan2(-g[0], -g[1]) * -1 : 0;
   }
 
   drawGrid() {
@@ -488,8 +501,27 @@ class Scene {
     }
   }
 
-  loadScale() { return (0.16 * Math.min(this.w, this.h)) / (this.greatest.load || 1); }
-  forceScale() { return (0.26 * Math.min(this.w, this.h)) / (this.greatest.force || 1); }
+  // Loads that are there are seen: an arrow has a least length; its value stands beside it.
+  arrowWay(kind, fx, fy, scale) {
+    const size = Math.hypot(fx, fy), least = size > 1e-3 * this.greatest[kind] ? 18 / size : 0, k = Math.max(scale, least);
+    return [fx * k, -fy * k];
+  }
+
+  loadScale() { return (0.16 * this.sizes.load * Math.min(this.w, this.h)) / (this.greatest.load || 1); }
+  forceScale() { return (0.26 * this.sizes.force * Math.min(this.w, this.h)) / (this.greatest.force || 1); }
+
+  // How far round the arc of a moment goes.
+  sweep(kind, m) { return clamp((m / (this.greatest[kind] || 1)) * this.sizes[kind] * 0.78, -0.94, 0.94) * TAU; }
+
+  // The value of a load beside the head of its arrow, where there is room for all of them.
+  readLoad(kind, value, [x, y], [u, v]) {
+    const length = Math.hypot(u, v) || 1, count = LOADS[kind].reaction ? this.loaded.length : this.motion.symbols.length;
+    if (!this.show.labels || count > READABLE || !(value > 1e-9 * this.greatest[kind])) return;
+    this.ctx.font = `600 11px ${Theme.font}`;
+    const wide = this.ctx.measureText(loadText(kind, value)).width / 2 + 6;
+    const at = [x + u + (u / length) * (wide + 4), y + v + (v / length) * 12];
+    label(this.ctx, loadText(kind, value), at, LOADS[kind].reaction ? Theme[kind] : this.colours.load, Theme.surface);
+  }
 
   drawForces() {
     const { ctx, motion } = this;
@@ -498,8 +530,13 @@ class Scene {
       const p = this.placeOf(joint.body, joint.point);
       if (!p) continue;
       const { fx, fy, m } = this.load(joint);
-      if (fx === fx && fy === fy) arrow(ctx, p, [fx * scale, -fy * scale], Theme.force, Theme.surface);
-      if (this.greatest.moment > 0 && m === m) momentArc(ctx, p, radius, (m / this.greatest.moment) * 0.8 * TAU, Theme.moment, Theme.surface);
+      if (fx === fx && fy === fy) {
+        const way = this.arrowWay("force", fx, fy, scale);
+        arrow(ctx, p, way, Theme.force, Theme.surface);
+        this.readLoad("force", Math.hypot(fx, fy), p, way);
+      }
+      if (this.greatest.moment > 0 && m === m) momentArc(ctx, p, radius, this.sweep("moment", m), Theme.moment, Theme.surface);
+      if (this.greatest.moment > 0 && m === m) this.readLoad("moment", Math.abs(m), p, [0, radius + 4]);
     }
   }
 
@@ -619,7 +656,7 @@ class Scene {
     }
     if (this.greatest.moment > 0) {
       const n = niceAbove(this.greatest.moment * 0.2), r = 8;
-      legend(`${number(n, 2)} N·m`, (p) => momentArc(ctx, [p[0] + r, p[1] + 1], r, (n / this.greatest.moment) * 0.8 * TAU, Theme.moment, Theme.surface), 2 * r);
+      legend(`${number(n, 2)} N·m`, (p) => momentArc(ctx, [p[0] + r, p[1] + 1], r, this.sweep("moment", n), Theme.moment, Theme.surface), 2 * r);
     }
   }
 

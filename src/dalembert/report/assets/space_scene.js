@@ -5,7 +5,7 @@ class SpatialScene extends Assembly {
     super(motion, canvas);
     Object.assign(this, { canvas, tip });
     this.show = { labels: motion.bodies.length <= 12, forces: false, grid: true, ghosts: true };
-    this.size = 1;  // of the arrows of reactions
+    this.sizes = newSizes();
     this.cut = new THREE.Plane(new THREE.Vector3(-1, 0, 0), 0);
     motion.chooseTraces(this.view.radius);
     this.traces = motion.points.map((point) => new Trace(point, this.view.world));
@@ -82,7 +82,7 @@ class SpatialScene extends Assembly {
 
   draw() {
     if (!this.colours || !this.canvas.clientWidth) return;
-    this.move(this.show.forces, this.size);
+    this.move(this.show.forces, this.sizes);
     for (const trace of this.traces) trace.show(this.motion, this.canvas);
     this.view.grid.visible = this.show.grid;
     this.view.render(this.ratio);
