@@ -69,6 +69,7 @@ def run(
     """
     from dalembert.io.analyses import make_analysis
     from dalembert.io.tasks import report_choices
+    from dalembert.report.page import write_page
 
     if is_deck(model):
         with wrong_input():
@@ -92,11 +93,11 @@ def run(
     with failure_drawn(model, pages), file.located("analysis"), timing.part("analysis"):
         result = task.run(built, progress=show)
     with timing.part("results"):
-        files = result.write(base, False, csv, **choices)
-    if report and result.has_page:
+        page = result.page(**choices) if result.has_page else None
+        files = result.write_data(base, csv, page)
+    if report and page is not None:
         with timing.part("report"):
-            page = base.with_name(f"{base.name}.report.html")
-            files.append(result.report(page, **choices))
+            files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
     code = _exit_code(result.status)
     made: dict[str, Any] = {"ok": code == DONE, "name": file.name, "model": teller.sentence}
     made |= result.summary()

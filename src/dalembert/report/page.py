@@ -19,6 +19,7 @@ from typing import Any
 
 from dalembert.atomic import atomic_path
 from dalembert.errors import FileError
+from dalembert.report.packing import packed
 from dalembert.text import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
@@ -28,6 +29,7 @@ _FRAME = ("player.js", "plots.js", "picker.js", "panels.js", "optimum.js", "page
 SCRIPTS = {
     "mechanism": (
         "util.js",
+        "unpack.js",
         "timeline.js",
         "loads.js",
         "hull.js",
@@ -41,6 +43,7 @@ SCRIPTS = {
     "spatial": (
         "vendor/three.js",
         "util.js",
+        "unpack.js",
         "timeline.js",
         "loads.js",
         "symbols.js",
@@ -60,6 +63,7 @@ SCRIPTS = {
     ),
     "structure": (
         "util.js",
+        "unpack.js",
         "panels.js",
         "optimum.js",
         "structure.js",
@@ -106,7 +110,7 @@ def _asset(name: str) -> str:
 
 def _embed(payload: dict[str, Any]) -> str:
     """Return ``payload`` as JSON that is safe inside a script element."""
-    return as_json(payload).translate(_ESCAPES)
+    return as_json(packed(payload)).translate(_ESCAPES)
 
 
 def as_json(value: Any) -> str:

@@ -68,7 +68,7 @@ class Pivots:
 
 
 def straight(look: Limit, body: Any, reach: float) -> ca.SX | None:
-    """Place and normal (2d,) of the wall that a body meets on its straight way; None if it turns."""
+    """Place and normal (2d,) of the wall that a body meets on a straight way; None if it turns."""
     origin = body.pose_position if body.dimension == 2 else getattr(body, "origin", body.pose[:3])
     slope = ca.jacobian(look.coordinate, origin).T
     if not slope.nnz():

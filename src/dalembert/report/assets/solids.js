@@ -101,7 +101,7 @@ function gear({ center, axis, radius, teeth }, thick) {
 
 function triangles({ vertices, faces }) {
   const geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(Float32Array.from(vertices), 3));
-  geometry.setIndex(list(faces));
+  geometry.setIndex(Array.from(list(faces)));
   return faceted(geometry);
 }
 

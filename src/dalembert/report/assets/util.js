@@ -2,12 +2,13 @@
 
 const TAU = 2 * Math.PI;
 const clamp = (x, lo, hi) => Math.min(hi, Math.max(lo, x));
-const list = (x) => (Array.isArray(x) ? x : []);
+const list = (x) => (Array.isArray(x) || ArrayBuffer.isView(x) ? x : []);
 const isNum = (x) => typeof x === "number" && Number.isFinite(x);
 const xy = (p) => (Array.isArray(p) && isNum(p[0]) && isNum(p[1]) ? [p[0], p[1]] : [0, 0]);
 
 // A column of n numbers; what is missing becomes NaN.
 function floats(values, n) {
+  if (values instanceof Float64Array && values.length === n) return values;
   const out = new Float64Array(n).fill(NaN);
   const given = list(values);
   for (let i = 0; i < Math.min(n, given.length); i++) {
@@ -17,7 +18,7 @@ function floats(values, n) {
 }
 
 // The same of one number that stays.
-const steady = (value, n) => floats(Array.isArray(value) ? value : Array(n).fill(isNum(value) ? value : 0), n);
+const steady = (value, n) => floats(list(value).length ? value : Array(n).fill(isNum(value) ? value : 0), n);
 
 // The smallest and largest of some columns, or null when there is no number.
 function extent(columns) {
