@@ -31,6 +31,7 @@ from dalembert.cli.loading import (
     refuse_replacing,
     teller_of,
 )
+from dalembert.cli.opening import Open, opened
 from dalembert.cli.profile import profile as profile_of, show_profile
 from dalembert.errors import UnsupportedError
 from dalembert.results.status import Outcome, Status
@@ -47,6 +48,7 @@ def run(
     report: bool = True,
     csv: Annotated[bool, Parameter(negative=())] = False,
     profile: Annotated[bool, Parameter(negative=())] = False,
+    open_page: Open = False,
     quiet: Quiet = False,
     as_json: AsJson = False,
 ) -> int:
@@ -77,7 +79,7 @@ def run(
                 raise UnsupportedError(f"--analysis {analysis}: a deck is solved by linear statics")
             if profile:
                 raise UnsupportedError("--profile: a deck has none; profile its model file")
-        return run_deck(model, output, settings, report, csv, quiet, as_json)
+        return run_deck(model, output, settings, report, csv, quiet, as_json, open_page)
     pages = (output or Path()) if report else None
     timing = Timing()
     file, built = loaded(model, settings, pages)
@@ -112,6 +114,7 @@ def run(
         written(files)
         if profile:
             show_profile(made["profile"])
+    opened(files, open_page)
     if code != DONE and quiet:
         print(f"Error: {made['status']}", file=sys.stderr)
     return code

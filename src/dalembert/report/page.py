@@ -25,7 +25,16 @@ from dalembert.text import visible
 __all__ = ["as_json", "render_page", "write_page"]
 
 #: The scripts of each kind of page, in the order in which they are joined into one scope.
-_FRAME = ("player.js", "plots.js", "picker.js", "panels.js", "optimum.js", "page.js")
+_FRAME = (
+    "svg.js",
+    "share.js",
+    "player.js",
+    "plots.js",
+    "picker.js",
+    "panels.js",
+    "optimum.js",
+    "page.js",
+)
 SCRIPTS = {
     "mechanism": (
         "util.js",

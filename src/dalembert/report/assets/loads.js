@@ -33,7 +33,8 @@ function arrowMenu(scene) {
 
 // A button that opens a few controls below it; Escape and a click elsewhere close it.
 function menu(name, rows, more = {}) {
-  const box = el("details", { class: "menu", ...more }, el("summary", { class: more.class ?? "chip" }, name), el("div", { class: "menu-box card" }, rows));
+  const { class: look = "chip", "aria-label": label, title, ...rest } = more;
+  const box = el("details", { ...rest, class: "menu" }, el("summary", { class: look, "aria-label": label, title }, name), el("div", { class: "menu-box card" }, rows));
   box.addEventListener("keydown", (e) => { if (e.key === "Escape" && box.open) { box.open = false; box.firstChild.focus(); } });
   document.addEventListener("pointerdown", (e) => { if (!box.contains(e.target)) box.open = false; });
   return box;

@@ -17,6 +17,8 @@ class Scene {
     this.bundles = this.bundleLinks();
     this.scaleForces();
     motion.chooseTraces(this.box.x1 - this.box.x0);
+    const size = ({ x0, x1, y0, y1 }) => Math.hypot(x1 - x0, y1 - y0);
+    this.followed = motion.moves ? motion.traveller(size(this.box), size(motion.envelope([{ i: 0, f: 0 }]))) : null;
     this.bindPointer();
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
@@ -144,6 +146,7 @@ class Scene {
     };
   }
 
+  get vector() { return true; }
   get hint() { return "Wheel zooms, drag pans."; }
 
   // View ------------------------------------------------------------------
@@ -154,7 +157,8 @@ class Scene {
 
   fit() {
     const { clientWidth: w, clientHeight: h } = this.canvas;
-    const { x0, x1, y0, y1 } = this.box;
+    const { x0, x1, y0, y1 } = this.followed ? this.motion.envelope([this.motion.cursor]) : this.box;
+    this.anchor = null;
     const side = Math.min(60, 0.09 * w), top = 44, bottom = 58;
     this.view.s = Math.max(1e-9, Math.min((w - 2 * side) / (x1 - x0), (h - top - bottom) / (y1 - y0)));
     this.view.x = (x0 + x1) / 2;
@@ -164,19 +168,36 @@ class Scene {
     this.invalidate();
   }
 
+  // The view goes with a body; null lets it stand.
+  follow(body) {
+    this.followed = body;
+    this.fit();
+  }
+
+  keepUp() {
+    const pose = this.followed && this.poses.get(this.followed);
+    if (!pose) return;
+    this.anchor ??= [this.view.x - pose.x, this.view.y - pose.y];
+    [this.view.x, this.view.y] = [pose.x + this.anchor[0], pose.y + this.anchor[1]];
+  }
+
+  shift(dx, dy) {
+    this.view.x += dx;
+    this.view.y += dy;
+    if (this.anchor) { this.anchor[0] += dx; this.anchor[1] += dy; }
+  }
+
   zoom(factor, px = this.canvas.clientWidth / 2, py = this.canvas.clientHeight / 2) {
     const before = this.world([px, py]);
     this.view.s = clamp(this.view.s * factor, this.home / 20, this.home * 200);
     const after = this.world([px, py]);
-    this.view.x += before[0] - after[0];
-    this.view.y += before[1] - after[1];
+    this.shift(before[0] - after[0], before[1] - after[1]);
     this.fitted = false;
     this.invalidate();
   }
 
   pan(dx, dy) {
-    this.view.x -= dx / this.view.s;
-    this.view.y += dy / this.view.s;
+    this.shift(-dx / this.view.s, dy / this.view.s);
     this.fitted = false;
     this.invalidate();
   }
@@ -233,13 +254,15 @@ class Scene {
     requestAnimationFrame(() => { this.pending = false; this.draw(); });
   }
 
-  draw() {
+  // On the canvas, or on paper of the same size that takes the same calls.
+  draw(paper = null) {
     if (!this.colours || !this.canvas.clientWidth) return;
     const { motion, colours } = this;
-    const { ctx, w, h } = fitCanvas(this.canvas, this.ratio);
+    const { ctx, w, h } = paper ? { ctx: paper, w: paper.w, h: paper.h } : fitCanvas(this.canvas, this.ratio);
     Object.assign(this, { ctx, w, h });
-    this.half = clamp(this.unit * this.view.s, 2.2, 13);
     this.poses = new Map([[motion.ground, motion.still], ...motion.bodies.map((b) => [b, motion.n ? motion.pose(b) : null])]);
+    this.keepUp();
+    this.half = clamp(this.unit * this.view.s, 2.2, 13);
     this.hover = this.pointer && this.hit(this.pointer);
 
     if (this.show.grid) this.drawGrid();
@@ -335,6 +358,10 @@ class Scene {
     const { ctx, motion } = this;
     const traced = motion.points.filter((p) => p.traced);
     if (!traced.length) return;
+    if (ctx.svg) {
+      for (const point of traced) this.runAlong(ctx, point.way, 0, point.way.length, this.pointColour(point), 1.6);
+      return;
+    }
     const ratio = this.canvas.width / this.w;
     const key = [this.canvas.width, this.canvas.height, ...Object.values(this.view), Theme.name, traced.map((p) => p.index)].join();
     if (key !== this.tracesKey) {
@@ -489,7 +516,7 @@ class Scene {
 
   drawPoints() {
     const { ctx } = this;
-    for (const point of this.motion.points) {
+    for (const point of this.motion.spots) {
       const p = this.placeOf(point.body, point.point);
       if (!p) continue;
       const colour = this.pointColour(point);
@@ -676,7 +703,7 @@ class Scene {
     for (const joint of this.motion.joints) {
       if (near(this.placeOf(joint.body, joint.point), Math.max(8, this.half))) return { kind: "joint", item: joint };
     }
-    for (const point of this.motion.points) {
+    for (const point of this.motion.spots) {
       if (near(this.placeOf(point.body, point.point), 8)) return { kind: "point", item: point };
     }
     for (const { link, offset } of this.bundles) {
@@ -720,7 +747,7 @@ class Scene {
       rows.push(["length", `${number(Math.hypot(q[0] - p[0], q[1] - p[1]))} m`]);
     } else {
       position(motion.at(item.body, item.point));
-      if (kind === "point") rows.push(["on", item.body.name]);
+      if (kind === "point") rows.push(["on", item.body.name], ...item.names.slice(1).map((name) => ["also", name]));
       if (kind === "joint" || kind === "symbol") {
         what = item.what;
         const { fx, fy, m } = this.load(item);

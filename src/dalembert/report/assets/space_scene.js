@@ -9,7 +9,10 @@ class SpatialScene extends Assembly {
     this.cut = new THREE.Plane(new THREE.Vector3(-1, 0, 0), 0);
     motion.chooseTraces(this.view.radius);
     this.traces = motion.points.map((point) => new Trace(point, this.view.world));
+    this.whole = this.view.cloud;
     this.overlay = new Overlay(this);
+    const once = motion.moves ? sphereAbout(motion.cloud([{ i: 0, f: 0 }])).radius : 0;
+    this.follow(motion.traveller(this.radius, once));
     this.bindPointer();
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
@@ -69,10 +72,31 @@ class SpatialScene extends Assembly {
 
   // View ---------------------------------------------------------------------------
 
-  fit() { this.view.fit(); }
+  fit() {
+    this.view.cloud = this.followed ? this.motion.cloud([this.motion.cursor]) : this.whole;
+    this.view.centre = this.followed ? sphereAbout(this.view.cloud).centre : this.centre.clone();
+    this.view.fit();
+  }
+
+  // The view goes with a body; null lets it stand.
+  follow(body) {
+    this.followed = body;
+    this.at = null;
+    this.fit();
+  }
+
+  keepUp() {
+    const pose = this.followed && this.motion.pose(this.followed);
+    if (!pose) return;
+    const { camera, controls, centre } = this.view;
+    if (this.at) for (const place of [camera.position, controls.target, centre]) place.add(pose.p).sub(this.at);
+    this.at = pose.p.clone();
+  }
+
+
   zoom(factor) { this.view.zoom(factor); }
   look(axis) { this.view.look(axis ? vector(AXES[axis]).multiplyScalar(axis === "y" ? -1 : 1) : this.view.oblique()); }
-  resize() { if (this.view.fitted !== false) this.view.fit(); else this.invalidate(); }
+  resize() { if (this.view.fitted !== false) this.fit(); else this.invalidate(); }
 
   invalidate() {
     if (this.pending) return;
@@ -83,6 +107,7 @@ class SpatialScene extends Assembly {
   draw() {
     if (!this.colours || !this.canvas.clientWidth) return;
     this.move(this.show.forces, this.sizes);
+    this.keepUp();
     for (const trace of this.traces) trace.show(this.motion, this.canvas);
     this.view.grid.visible = this.show.grid;
     this.view.render(this.ratio);
