@@ -206,7 +206,7 @@ def test_arrows_are_as_long_as_asked_and_point_along_the_reaction(show: Any) -> 
     *way, length = found.js(read)[0]
     force = motion["O.force"].values[50]
     assert np.allclose(way, force / np.linalg.norm(force), atol=1e-5)
-    found.js("""(() => { const size = document.getElementById("arrow-size");
+    found.js("""(() => { const size = document.getElementById("arrows-force");
         size.value = 0.5; size.dispatchEvent(new Event("input")); })()""")
     found.frames()
     assert found.js(read)[0][3] == pytest.approx(length * 10**0.5, rel=1e-3)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dalembert.cli.console import DONE, emit, head, tell, written, wrong_input
 from dalembert.cli.loading import output_folder, pairs
+from dalembert.cli.opening import opened
 from dalembert.errors import ModelError
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ def run_deck(
     csv: bool,
     quiet: bool,
     as_json: bool,
+    open_page: bool = False,
 ) -> int:
     """Solve the structure, write its results, and print what the book's program prints."""
     result = solved_deck(path, settings)
@@ -30,6 +32,7 @@ def run_deck(
         emit(made)
     elif not quiet:
         _print(made)
+    opened(files, open_page)
     return DONE
 
 

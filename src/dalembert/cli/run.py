@@ -31,6 +31,7 @@ from dalembert.cli.loading import (
     refuse_replacing,
     teller_of,
 )
+from dalembert.cli.opening import Open, opened
 from dalembert.cli.profile import profile as profile_of, show_profile
 from dalembert.errors import UnsupportedError
 from dalembert.results.status import Outcome, Status
@@ -47,6 +48,7 @@ def run(
     report: bool = True,
     csv: Annotated[bool, Parameter(negative=())] = False,
     profile: Annotated[bool, Parameter(negative=())] = False,
+    open_page: Open = False,
     quiet: Quiet = False,
     as_json: AsJson = False,
 ) -> int:
@@ -69,6 +71,7 @@ def run(
     """
     from dalembert.io.analyses import make_analysis
     from dalembert.io.tasks import report_choices
+    from dalembert.report.page import write_page
 
     if is_deck(model):
         with wrong_input():
@@ -76,7 +79,7 @@ def run(
                 raise UnsupportedError(f"--analysis {analysis}: a deck is solved by linear statics")
             if profile:
                 raise UnsupportedError("--profile: a deck has none; profile its model file")
-        return run_deck(model, output, settings, report, csv, quiet, as_json)
+        return run_deck(model, output, settings, report, csv, quiet, as_json, open_page)
     pages = (output or Path()) if report else None
     timing = Timing()
     file, built = loaded(model, settings, pages)
@@ -92,11 +95,11 @@ def run(
     with failure_drawn(model, pages), file.located("analysis"), timing.part("analysis"):
         result = task.run(built, progress=show)
     with timing.part("results"):
-        files = result.write(base, False, csv, **choices)
-    if report and result.has_page:
+        page = result.page(**choices) if result.has_page else None
+        files = result.write_data(base, csv, page)
+    if report and page is not None:
         with timing.part("report"):
-            page = base.with_name(f"{base.name}.report.html")
-            files.append(result.report(page, **choices))
+            files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
     code = _exit_code(result.status)
     made: dict[str, Any] = {"ok": code == DONE, "name": file.name, "model": teller.sentence}
     made |= result.summary()
@@ -111,6 +114,7 @@ def run(
         written(files)
         if profile:
             show_profile(made["profile"])
+    opened(files, open_page)
     if code != DONE and quiet:
         print(f"Error: {made['status']}", file=sys.stderr)
     return code

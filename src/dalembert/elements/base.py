@@ -177,6 +177,9 @@ class Element:
         """Equations that what is no constraint itself brings along (the foot of a contact)."""
         return []
 
+    unseen = ""
+    """Why pictures show nothing of its own, where they do not."""
+
     def look(self) -> list[Look]:
         """What pictures show of it."""
         return []

@@ -31,6 +31,8 @@ class JointFriction(AlongJoint):
     transition: Scalar = quantity("m/s | rad/s", "smoothing speed", default=1e-3, above=0.0)
     motion: str = option("which free motion, where there are several", default=None)
 
+    unseen = "it acts in a joint, which is seen"
+
     def effort(self, speed: ca.SX) -> ca.SX:
         sliding = self.coulomb.sx * ca.tanh(speed / self.transition.sx)
         return -(sliding + self.viscous.sx * speed)

@@ -169,6 +169,10 @@ class Sleeve(Link):
     """An elastic bearing."""
 
 
+class Tie(Link):
+    """Two motions that go together in a fixed ratio, by whatever means."""
+
+
 # about the axis of two bodies ---------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class Rotary(Look):

@@ -29,6 +29,8 @@ class UserConstraint(Constraint):
     unit: str = option("m or rad", default="m")
     speeds: bool = option("a formula of speeds, linear in them", default=False)
 
+    unseen = "a formula has no place"
+
     def residual(self) -> ca.SX:
         return stack([] if self.speeds else [self.formula.sx])
 

@@ -19,16 +19,28 @@ from typing import Any
 
 from dalembert.atomic import atomic_path
 from dalembert.errors import FileError
+from dalembert.report.packing import packed
 from dalembert.text import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
 
 #: The scripts of each kind of page, in the order in which they are joined into one scope.
-_FRAME = ("player.js", "plots.js", "picker.js", "panels.js", "optimum.js", "page.js")
+_FRAME = (
+    "svg.js",
+    "share.js",
+    "player.js",
+    "plots.js",
+    "picker.js",
+    "panels.js",
+    "optimum.js",
+    "page.js",
+)
 SCRIPTS = {
     "mechanism": (
         "util.js",
+        "unpack.js",
         "timeline.js",
+        "loads.js",
         "hull.js",
         "motion.js",
         "symbols.js",
@@ -40,7 +52,9 @@ SCRIPTS = {
     "spatial": (
         "vendor/three.js",
         "util.js",
+        "unpack.js",
         "timeline.js",
+        "loads.js",
         "symbols.js",
         "hull.js",
         "space_motion.js",
@@ -58,6 +72,7 @@ SCRIPTS = {
     ),
     "structure": (
         "util.js",
+        "unpack.js",
         "panels.js",
         "optimum.js",
         "structure.js",
@@ -104,7 +119,7 @@ def _asset(name: str) -> str:
 
 def _embed(payload: dict[str, Any]) -> str:
     """Return ``payload`` as JSON that is safe inside a script element."""
-    return as_json(payload).translate(_ESCAPES)
+    return as_json(packed(payload)).translate(_ESCAPES)
 
 
 def as_json(value: Any) -> str:

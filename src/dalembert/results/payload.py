@@ -12,7 +12,10 @@ from dalembert.results.labelled import DATA_ONLY, LabelledRecording
 from dalembert.results.page_parts import diagnosis, parameter_rows, statistics
 from dalembert.results.scene import is_spatial, motion_scene
 
-MAX_FRAMES = 4000
+MAX_FRAMES = 20_000
+MAX_NUMBERS = 6_000_000
+"""Of all series of a page together; of a large mechanism fewer instants are shown."""
+LEAST_FRAMES = 2000
 
 
 def report_payload(
@@ -20,7 +23,7 @@ def report_payload(
     plots: Sequence[Sequence[str]] | None,
     trace: Sequence[str] | None,
 ) -> dict[str, Any]:
-    """Everything the page needs, thinned to at most ``MAX_FRAMES`` instants.
+    """Everything the page needs, thinned to at most ``MAX_FRAMES`` instants, fewer where many move.
 
     Parameters
     ----------
@@ -28,7 +31,7 @@ def report_payload(
     trace : names of points whose paths are drawn from the start
     """
     count = motion.time.size
-    keep = np.unique(np.linspace(0, count - 1, min(count, MAX_FRAMES)).round().astype(int))
+    keep = np.unique(np.linspace(0, count - 1, min(count, _frames(motion))).round().astype(int))
     series = _series(motion, keep)
     names = {s["name"] for s in series}
     for name in dict.fromkeys(n for group in plots or () for n in group if n not in names):
@@ -53,6 +56,12 @@ def report_payload(
         payload["trace"] = list(trace)
         payload["scene"]["points"].sort(key=lambda point: point["name"] not in trace)
     return payload
+
+
+def _frames(motion: LabelledRecording) -> int:
+    """How many instants a page shows at most."""
+    columns = sum(v.size for v in motion.data.data_vars.values()) / max(1, motion.time.size)
+    return int(np.clip(MAX_NUMBERS / max(1.0, columns), LEAST_FRAMES, MAX_FRAMES))
 
 
 def _subtitle(motion: LabelledRecording) -> str:

@@ -50,12 +50,9 @@ class Pivots:
             return None
         body, short = moving[-1], look.value - look.coordinate
         sense = -1 if look.above else 1
-        slope = ca.jacobian(look.coordinate, body.pose_position).T
-        if slope.nnz():
-            size = ca.sumsqr(slope)
-            normal = sense * slope / ca.sqrt(size)
-            place = body.pose_position + slope * (short / size)
-            return ca.vertcat(place - reach.get(body.name, 0.0) * normal, normal)
+        met = straight(look, body, reach.get(body.name, 0.0))
+        if met is not None or body.dimension == 3:
+            return met
         pivot = self.between(moving[0] if len(moving) > 1 else None, body).position.sx
         turn = short / ca.jacobian(look.coordinate, body.pose_angle)
         arm = ca.mtimes(rotation(turn), self.far(body).position.sx - pivot)
@@ -68,6 +65,18 @@ class Pivots:
         own = [p for (_, name), p in self.ends.items() if name == body.name]
         away = [p for p in named if all(_apart(p, q) for q in own)]
         return (away or named or [body.center])[-1]
+
+
+def straight(look: Limit, body: Any, reach: float) -> ca.SX | None:
+    """Place and normal (2d,) of the wall that a body meets on a straight way; None if it turns."""
+    origin = body.pose_position if body.dimension == 2 else getattr(body, "origin", body.pose[:3])
+    slope = ca.jacobian(look.coordinate, origin).T
+    if not slope.nnz():
+        return None
+    size = ca.sumsqr(slope)
+    normal = (-1 if look.above else 1) * slope / ca.sqrt(size)
+    short = look.value - look.coordinate
+    return ca.vertcat(origin + slope * (short / size) - reach * normal, normal)
 
 
 def _apart(p: Point, q: Point) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.elements.base import Look
 from dalembert.elements.look import Belt, Block, Disc, Limit, Mark, Mesh, Rotary, Travel
 from dalembert.elements.point import Point
-from dalembert.results.sketch import Sketch, ends_of, named
+from dalembert.results.sketch import Sketch, ends_of, held, named
 
 
 class PlanarSketch(Sketch):
@@ -43,7 +43,7 @@ class PlanarSketch(Sketch):
         if bodies[0] == "ground" and isinstance(base, Point):
             point = base
         described = named(look, element) | self.place(point) | {"grounded": "ground" in bodies}
-        self.joints.append(described | self.reaction(element))
+        self.joints.append(described | {"on": held(bodies)} | self.reaction(element))
 
     @draw.register
     def _(self, look: Mesh, element: Any) -> None:
@@ -64,14 +64,8 @@ class PlanarSketch(Sketch):
 
     @draw.register
     def _(self, look: Belt, element: Any) -> None:
-        pivots = [self.pivots.between(look.carrier, b) for b in (look.body_i, look.body_j)]
-        ratio, (p, q) = self.size_of(look.ratio), [self.start(pivot) for pivot in pivots]
-        unit = 0.3 * float(np.hypot(*(q - p))) / (abs(ratio) + 1)
-        wheels = [
-            self.place(pivot) | {"radius": unit * turns}
-            for pivot, turns in zip(pivots, (abs(ratio), 1.0), strict=True)
-        ]
-        described = named(look, element) | {"wheels": wheels, "crossed": ratio < 0}
+        wheels, crossed = self.wheels(look)
+        described = named(look, element) | {"wheels": wheels, "crossed": crossed}
         self.symbols.append(described)
         self.joints.append(described | wheels[1] | {"grounded": False} | self.reaction(element))
 
@@ -89,10 +83,3 @@ class PlanarSketch(Sketch):
         if found is not None and self.loads:
             self.symbols.append(named(look, element))
             self.later.append((self.symbols[-1], ("x", "y", "normal_x", "normal_y"), found))
-
-    def start(self, point: Point) -> np.ndarray:
-        """Where a point is at the first instant."""
-        local = np.array(self.local(point))
-        if point.body.name == "ground":
-            return local
-        return self.motion.values(point.position)[self.keep[0]]

@@ -108,13 +108,15 @@ class Result(Protocol):
 
     def save(self, path: str | Path, **first_view: Any) -> Path:
         """Write all results, its page too, to a NetCDF file; ``load_results`` reads it back."""
+        return self._save(path, self.page(**first_view) if self.has_page else None)
+
+    def _save(self, path: str | Path, page: dict[str, Any] | None) -> Path:
+        from dalembert.report.packing import packed
         from dalembert.report.page import as_json
         from dalembert.results.store import save_dataset
 
-        contents = self.contents
-        if self.has_page:
-            contents = contents.plus({"report": ((), as_json(self.page(**first_view)))})
-        return save_dataset(contents, path)
+        kept = {} if page is None else {"report": ((), as_json(packed(page)))}
+        return save_dataset(self.contents.plus(kept), path)
 
     def to_dataframe(self) -> pd.DataFrame:
         """A table of ``data``."""
@@ -134,11 +136,19 @@ class Result(Protocol):
 
     def write(self, base: Path, report: bool, csv: bool, **first_view: Any) -> list[Path]:
         """Results (.nc), and if asked for a table (.csv) and a report (.report.html)."""
-        files = [self.save(base.with_name(f"{base.name}.nc"))]
+        from dalembert.report.page import write_page
+
+        page = self.page(**first_view) if self.has_page else None
+        files = self.write_data(base, csv, page)
+        if report and page is not None:
+            files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
+        return files
+
+    def write_data(self, base: Path, csv: bool, page: dict[str, Any] | None) -> list[Path]:
+        """Results with their page (.nc), and if asked for a table (.csv)."""
+        files = [self._save(base.with_name(f"{base.name}.nc"), page)]
         if csv:
             files.append(self.to_csv(base.with_name(f"{base.name}.csv")))
-        if report and self.has_page:
-            files.append(self.report(base.with_name(f"{base.name}.report.html"), **first_view))
         return files
 
 

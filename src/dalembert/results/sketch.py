@@ -16,7 +16,17 @@ from dalembert.elements.base import Look
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.flexible.floating import FloatingFrame
-from dalembert.elements.look import Arrow, Ball, Contact, Link, Path, Rail, Segment, Twist
+from dalembert.elements.look import (
+    Arrow,
+    Ball,
+    Belt,
+    Contact,
+    Link,
+    Path,
+    Rail,
+    Segment,
+    Twist,
+)
 from dalembert.elements.point import AXES, Point
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pivots import Pivots
@@ -162,6 +172,31 @@ class Sketch:
             self.symbols.append(described)
             self.later.append((described, self.components(name, vector), vector))
 
+    def wheels(self, look: Belt) -> tuple[list[Place], bool]:
+        """The wheels of a belt, by radii in its ratio, and whether it is crossed."""
+        pivots = [self.pivots.between(look.carrier, b) for b in (look.body_i, look.body_j)]
+        ratio, (p, q) = self.size_of(look.ratio), [self.start(pivot) for pivot in pivots]
+        unit = 0.3 * float(np.linalg.norm(p - q)) / (abs(ratio) + 1)
+        found = [
+            self.seat(pivot) | {"radius": unit * turns}
+            for pivot, turns in zip(pivots, (abs(ratio), 1.0), strict=True)
+        ]
+        return found, ratio < 0
+
+    def start(self, point: Point) -> np.ndarray:
+        """Where a point is at the first instant."""
+        if point.body.name == "ground":
+            return np.array(self.local(point))
+        return np.atleast_1d(self.motion.values(self.widened_place(point))[self.keep[0]])
+
+    def widened_place(self, point: Point) -> Expression:
+        """Its position, in as many components as the drawing has."""
+        return Expression(self.widened(point.position.sx))
+
+    def seat(self, point: Point) -> Place:
+        """A point, with all that pages read of how it stands."""
+        return self.place(point)
+
     def moment(self, sx: ca.SX) -> ca.SX:
         """A moment, about as many axes as the drawing has to turn about."""
         return sx
@@ -193,3 +228,8 @@ def named(look: Look, element: Any) -> dict[str, Any]:
 def ends_of(point: Point, base: Point | BodyElement) -> tuple[str, str]:
     """Names of the bodies that a mark stands on."""
     return point.body.name, base.body.name if isinstance(base, Point) else base.name
+
+
+def held(bodies: tuple[str, str]) -> str:
+    """Of the names of two bodies, that of one that is not the ground."""
+    return bodies[1] if bodies[0] == "ground" else bodies[0]

@@ -16,7 +16,7 @@ from dalembert.elements.frame import Frame
 from dalembert.elements.look import Belt, Block, Disc, Limit, Mark, Mesh, Rotary, Travel
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.solids import Cuboid, Drum, Orb, Pill, Round, Surface
-from dalembert.results.sketch import Place, Sketch, ends_of, named
+from dalembert.results.sketch import Place, Sketch, ends_of, held, named
 
 ROUND = {Drum: "cylinder", Pill: "capsule"}
 
@@ -79,6 +79,7 @@ class SpatialSketch(Sketch):
         point, base = look.point, look.base
         bodies = ends_of(point, base)
         described = named(look, element) | self.seat(point) | {"grounded": "ground" in bodies}
+        described["on"] = held(bodies)
         if isinstance(base, Point):
             described["base"] = self.seat(base)
         if bodies[0] == "ground" and isinstance(base, Point):
@@ -88,7 +89,12 @@ class SpatialSketch(Sketch):
     @draw.register
     def _(self, look: Mesh, element: Any) -> None:
         described = named(look, element) | self.seat(look.point) | {"grounded": False}
-        self.joints.append(described | self.reaction(element))
+        described["mesh"] = [
+            self.seat(p) | {"radius": self.size_of(r)}
+            for p, r in ((look.point, look.radius), (look.base, look.base_radius))
+            if isinstance(p, Point)
+        ]
+        self.joints.append(described | {"internal": look.internal} | self.reaction(element))
 
     @draw.register
     def _(self, look: Rotary, element: Any) -> None:
@@ -97,9 +103,9 @@ class SpatialSketch(Sketch):
 
     @draw.register
     def _(self, look: Belt, element: Any) -> None:
-        pivot = self.pivots.between(look.carrier, look.body_j)
-        described = named(look, element) | self.seat(pivot) | {"grounded": False}
-        self.joints.append(described | self.reaction(element))
+        wheels, crossed = self.wheels(look)
+        described = named(look, element) | {"wheels": wheels, "crossed": crossed}
+        self.joints.append(described | wheels[1] | {"grounded": False} | self.reaction(element))
 
     @draw.register
     def _(self, look: Travel, element: Any) -> None:
@@ -110,7 +116,20 @@ class SpatialSketch(Sketch):
 
     @draw.register
     def _(self, look: Limit, element: Any) -> None:
-        """Seen in what it does to its coordinate alone."""
+        """A wall across a straight way; where a body turns, a mark on its axis."""
+        moving = [b for b in self.model.bodies if ca.jacobian(look.coordinate, b.pose).nnz()]
+        if not (moving and self.loads):
+            return
+        found = self.pivots.wall(look, self.model.bodies, {})
+        pivot = self.pivots.between(moving[0] if len(moving) > 1 else None, moving[-1])
+        described = named(look, element) | (
+            self.seat(pivot) if found is None else {"body": "ground", "point": [0.0, 0.0, 0.0]}
+        )
+        self.symbols.append(described)
+        if found is not None:
+            parts = [self.widened(part) for part in ca.vertsplit(found, found.numel() // 2)]
+            for name, part in zip(("at", "normal"), parts, strict=True):
+                self.later.append((described, self.components(name, part), part))
 
     def moment(self, sx: ca.SX) -> ca.SX:
         return sx if sx.numel() == 3 else ca.vertcat(0, 0, sx)

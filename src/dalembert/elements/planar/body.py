@@ -149,6 +149,7 @@ class Body(MovingFrame):
     velocity: Vector = quantity("m/s", "initial velocity", default=None, size=2)
     angular_velocity: Scalar = quantity("rad/s", "initial angular velocity", default=None)
     points: dict[str, Vector] = None  # type: ignore[assignment]
+    unseen = "a plate over its points is drawn, or its mass centre"
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -67,6 +67,8 @@ class Body(SpatialFrame):
     points: dict[str, Vector] = None  # type: ignore[assignment]
     frames: Frames = None  # type: ignore[assignment]
 
+    unseen = "a plate over its points is drawn, or the ellipsoid of its inertia"
+
     def __post_init__(self) -> None:
         if self.inertia is not None:
             self.inertia = as_moments(self.inertia, f"{self.name}.inertia")

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.along_joint import free_motion
-from dalembert.elements.base import Constraint, Rate, Scalar, option, quantity
+from dalembert.elements.base import Constraint, Look, Rate, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.look import Belt, Disc, Mesh, Rail, Tie
 from dalembert.elements.pair import Pair, initial_value
 from dalembert.elements.spatial.joint import SpatialJoint, slide_of, turn_of
 from dalembert.elements.spatial.turn import Turn
@@ -130,6 +131,17 @@ class Coupling(CoupledJoints):
             )
         )
 
+    def look(self) -> list[Look]:
+        if self._units() == ["rad", "rad"] and self.carrier is not None:
+            return [Belt(*self.ends(), self.ratio.sx, self.carrier)]
+        return [Tie(self.joint_i.end, self.joint_j.end)]
+
+    @property
+    def carrier(self) -> BodyElement | None:
+        """The body that carries both joints, if one does."""
+        first, second = (joint.ends()[0] for joint in (self.joint_i, self.joint_j))
+        return first if first is second else None
+
     def units(self) -> list[str]:
         return self._units()
 
@@ -180,6 +192,10 @@ class GearPair(CoupledJoints):
             j * turn_missed(self.joint_j, None, sense * self.shared / j, self.name),
         )
 
+    def look(self) -> list[Look]:
+        (i, r), (j, q) = (self.joint_i.end, self.radius_i.sx), (self.joint_j.end, self.radius_j.sx)
+        return [Disc(i, r), Disc(j, q), Mesh(j, i, q, r, self.internal)]
+
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         return {"tooth_force": (self.multiplier[0], "N")}
 
@@ -212,6 +228,11 @@ class RackAndPinion(CoupledJoints):
             r * turn_missed(self.joint_i, None, self.shared / r, self.name),
             travel_missed(self.joint_j, None, self.side * self.shared, self.name),
         )
+
+    def look(self) -> list[Look]:
+        pinion, rack, axis = self.joint_i, self.joint_j, slide_of(self.joint_j, None, self.name)
+        along = Rail(rack.frame_i, rack.frame_i.local_axes[:, axis], rack.travel[axis])
+        return [Disc(pinion.end, self.radius.sx), along, Tie(pinion.end, rack.end)]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         return {"tooth_force": (self.multiplier[0], "N")}

@@ -78,11 +78,16 @@ const LOOKS = {
     const p = scene.placeOf(item.body, item.point), load = scene.load(item);
     if (!p || load.fx !== load.fx) return;
     const scale = scene.loadScale();
-    arrow(scene.ctx, p, [load.fx * scale, -load.fy * scale], scene.colours.load, Theme.surface, 2.8);
+    const way = scene.arrowWay("load", load.fx, load.fy, scale);
+    arrow(scene.ctx, p, way, scene.colours.load, Theme.surface, 2.8);
+    scene.readLoad("load", Math.hypot(load.fx, load.fy), p, way);
   },
   twist(scene, item) {
     const p = scene.placeOf(item.body, item.point), { m } = scene.load(item);
-    if (p && m === m) momentArc(scene.ctx, p, 3.2 * scene.half + 4, (m / (scene.greatest.twist || 1)) * 0.75 * TAU, scene.colours.load, Theme.surface, 2.6);
+    if (!p || m !== m) return;
+    const r = 3.2 * scene.half + 4;
+    momentArc(scene.ctx, p, r, scene.sweep("twist", m), scene.colours.load, Theme.surface, 2.6);
+    scene.readLoad("twist", Math.abs(m), p, [0, r + 4]);
   },
 };
 

@@ -11,7 +11,7 @@ class Motion extends Timeline {
     this.gravity = scene.gravity && Math.hypot(...xy(scene.gravity)) > 0 ? xy(scene.gravity) : null;
 
     this.joints = list(scene.joints).filter((j) => this.has(j.body)).map((j) => ({
-      ...this.told(j), body: this.find(j.body), point: xy(j.point), grounded: Boolean(j.grounded),
+      ...this.told(j), body: this.find(j.body), point: xy(j.point), grounded: Boolean(j.grounded), on: this.byName.get(String(j.on)) || null,
       mesh: this.wheels(j.mesh), internal: Boolean(j.internal),
       fx: j.force_x ? floats(j.force_x, this.n) : null,
       fy: j.force_y ? floats(j.force_y, this.n) : null,
@@ -57,29 +57,30 @@ class Motion extends Timeline {
     return pose && toWorld(pose, point);
   }
 
-  // The box which the whole motion fills.
-  envelope() {
+  // The box which the motion fills at some instants.
+  envelope(frames = this.frames(240)) {
     const box = { x0: Infinity, x1: -Infinity, y0: Infinity, y1: -Infinity };
     const grow = ([x, y]) => {
       box.x0 = Math.min(box.x0, x); box.x1 = Math.max(box.x1, x);
       box.y0 = Math.min(box.y0, y); box.y1 = Math.max(box.y1, y);
     };
-    for (const shape of this.ground.shapes) outline(shape).forEach(grow);
-    for (const joint of this.joints) if (joint.body.fixed) grow(joint.point);
-    for (const link of this.links) for (const end of [link.i, link.j]) if (end.body.fixed) grow(end.point);
+    const all = frames.length !== 1;  // the ground is no part of what travels
+    for (const shape of all ? this.ground.shapes : []) outline(shape).forEach(grow);
+    for (const joint of all ? this.joints : []) if (joint.body.fixed) grow(joint.point);
+    for (const link of all ? this.links : []) for (const end of [link.i, link.j]) if (end.body.fixed) grow(end.point);
     const marks = new Map(this.bodies.map((b) => [b, [[0, 0], ...b.shapes.flatMap(outline)]]));
     for (const b of this.bodies) if (b.shapes.length) marks.get(b).shift();
     for (const p of [...this.points, ...this.joints]) marks.get(p.body)?.push(p.point);
     for (const { wheels } of this.symbols) for (const { body, point, radius } of wheels) {
-      for (const [u, v] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) (body.fixed ? { push: grow } : marks.get(body)).push([point[0] + u * radius, point[1] + v * radius]);
+      for (const [u, v] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) (body.fixed ? { push: (p) => all && grow(p) } : marks.get(body)).push([point[0] + u * radius, point[1] + v * radius]);
     }
-    for (const cursor of this.frames(240)) {
+    for (const cursor of frames) {
       for (const [body, points] of marks) {
         const pose = this.pose(body, cursor);
         if (pose) for (const p of points) grow(toWorld(pose, p));
       }
     }
-    for (const cursor of this.ghosts.length ? this.frames(60) : []) for (const ghost of this.ghosts) {
+    for (const cursor of all && this.ghosts.length ? this.frames(60) : []) for (const ghost of this.ghosts) {
       const pose = this.pose(ghost, cursor);
       if (pose) for (const p of ghost.shapes.flatMap(outline)) grow(toWorld(pose, p));
     }

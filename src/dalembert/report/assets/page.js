@@ -1,7 +1,7 @@
 // Puts the page together.
 
 const byId = (id) => document.getElementById(id);
-const payload = JSON.parse(byId("data").textContent);
+const payload = await unpacked(JSON.parse(byId("data").textContent));
 byId("subtitle").textContent = payload.subtitle || "";
 byId("subtitle").hidden = !payload.subtitle;
 
@@ -23,19 +23,30 @@ function buildToolbar() {
     toggles.unshift(toggleButton("Reactions", false, show("forces"), { id: "reactions", title: "Reaction forces and moments at the joints" }));
     toggles[0].prepend(legend);
   }
-  if (payload.optimum && motion.ghosts.length) toggles.unshift(toggleButton("First design", true, show("ghosts"), { id: "ghosts" }));
+  if ((payload.optimum || motion.other) && motion.ghosts.length) toggles.unshift(toggleButton(payload.optimum ? "First design" : "Other run", true, show("ghosts"), { id: "ghosts" }));
   const chips = el("div", { class: "chips" }, toggles);
   byId("toolbar").append(chips);
   moreTools(scene, chips);
+  chips.append(...[arrowMenu(scene), followChooser()].filter(Boolean));
   if (!motion.points.length || !motion.moves) return;
-  const traces = motion.points.map((point) => {
+  const traces = motion.spots.map((point) => {
     const swatch = el("i", { class: "swatch" });
     point.swatch = swatch;
-    const chip = toggleButton(swatch, point.traced, (on) => { point.traced = on; scene.invalidate(); }, { class: "chip trace", title: `Trace ${point.name}` });
-    chip.append(el("span", {}, point.name));
+    const chip = toggleButton(swatch, point.traced, (on) => { point.traced = on; scene.invalidate(); }, { class: "chip trace", title: `Trace ${point.names.join(", ")}` });
+    chip.append(el("span", {}, point.names.slice(0, 2).join(" = ") + (point.names.length > 2 ? " …" : "")));
     return chip;
   });
   byId("toolbar").append(el("div", { class: "chips traces", role: "group", "aria-label": "Traced points" }, el("span", { class: "caption" }, "Trace"), traces));
+}
+
+// The body that the view goes with.
+function followChooser() {
+  const bodies = motion.bodies.filter((body) => !body.of && !body.node);
+  if (!motion.moves || !bodies.length) return null;
+  const select = el("select", { id: "follow", onchange: () => scene.follow(bodies[select.value] ?? null) },
+    el("option", { value: "" }, "nothing"), bodies.map((body, k) => el("option", { value: String(k) }, body.name)));
+  select.value = scene.followed ? String(bodies.indexOf(scene.followed)) : "";
+  return el("label", { class: "chooser" }, el("span", { class: "caption" }, "Follow"), select);
 }
 
 function buildFrame() {
@@ -44,6 +55,7 @@ function buildFrame() {
     iconButton("minus", "Zoom out (−)", () => scene.zoom(0.8)),
     iconButton("fit", "Fit the whole motion (F)", () => scene.fit(), { id: "fit" }));
   byId("tools").append(
+    shareMenu(scene, motion, player),
     iconButton("theme", "Light or dark", () => setTheme(Theme.name === "dark" ? "light" : "dark"), { id: "theme" }),
     iconButton("print", "Print", () => window.print()));
   byId("scene").setAttribute("aria-label",

@@ -29,10 +29,12 @@ class Picker {
       }))));
   }
 
-  open(plot) {
+  // The series of a plot, or the one that runs to the right in it.
+  open(plot, across = false) {
     if (!this.rows) this.build();
-    this.plot = plot;
-    for (const { series, box } of this.rows) box.checked = plot.series.includes(series);
+    Object.assign(this, { plot, across });
+    byId("picker-title").textContent = across ? "Choose what runs to the right" : "Choose series";
+    for (const { series, box } of this.rows) box.checked = across ? plot.against === series : plot.series.includes(series);
     this.search.value = "";
     this.filter();
     this.allow();
@@ -48,6 +50,14 @@ class Picker {
 
   // Keeps the order in which the series were chosen.
   change() {
+    if (this.across) {
+      const more = this.rows.find((r) => r.box.checked && r.series !== this.plot.against)?.series;
+      const kept = this.rows.find((r) => r.box.checked)?.series;
+      for (const { series, box } of this.rows) box.checked = series === (more ?? kept);
+      this.plot.setAgainst(more ?? kept ?? null);
+      this.allow();
+      return;
+    }
     const chosen = new Set(this.rows.filter((r) => r.box.checked).map((r) => r.series));
     const kept = this.plot.series.filter((s) => chosen.delete(s));
     this.plot.setSeries([...kept, ...chosen]);
@@ -56,10 +66,11 @@ class Picker {
 
   allow() {
     for (const { series, box, node } of this.rows) {
-      box.disabled = !box.checked && !this.plot.takes(series);
+      box.disabled = !this.across && !box.checked && !this.plot.takes(series);
       node.title = box.disabled ? "A plot shows two units at most" : "";
     }
     const n = this.plot.series.length;
+    if (this.across) { this.status.textContent = this.plot.against?.name ?? "Time"; return; }
     this.status.textContent = n ? `${n} chosen` : "None chosen";
   }
 

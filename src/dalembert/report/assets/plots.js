@@ -1,19 +1,52 @@
-// Time plots which share one cursor and one cross-hair.
+// Plots over time, which share one cursor, one cross-hair and one stretch of time; and of series over each other.
 
 class Board {
   constructor(root, motion, player, picker) {
     Object.assign(this, { root, motion, player, picker });
     this.plots = [];
     this.hoverTime = null;
+    this.window = null;  // the stretch of time that is shown; null for all of it
     this.stack = el("div", { class: "plots" });
     this.count = el("span", { class: "count" });
     root.append(
-      el("div", { class: "board-head" }, el("h2", {}, "Plots"), this.count,
+      el("div", { class: "board-head" }, el("h2", {}, "Plots"), this.count, this.views(),
         el("button", { type: "button", class: "button", id: "add-plot", onclick: () => this.add([], true) }, icon("plus"), "Add plot"),
         el("button", { type: "button", class: "button", title: "All series as one CSV file", onclick: () => this.save(motion.series, "series") }, icon("save"), "All data")),
       this.stack);
     this.count.textContent = `${motion.series.length} series`;
+    if (motion.other) root.append(el("p", { class: "caption other-run" }, el("i", { class: "dashes" }), `Dashed: ${motion.other}`));
     player.onTime.on(() => this.refresh());
+  }
+
+  // Degrees, and the stretch of time.
+  views() {
+    const { motion } = this, angles = motion.series.some((s) => /^rad\b/.test(s.unit));
+    const turn = angles && toggleButton("°", false, (on) => { motion.setDegrees(on); this.picker.rows = null; for (const plot of this.plots) plot.setSeries(plot.series); }, { id: "degrees", title: "Angles in degrees", "aria-label": "Angles in degrees" });
+    this.whole = iconButton("fit", "Show all the time (0)", () => this.show(null), { id: "zoom-none", disabled: true });
+    return el("div", { class: "buttons", role: "group", "aria-label": "Stretch of time" }, turn,
+      iconButton("plus", "Zoom into time (+)", () => this.zoom(2), { id: "zoom-time" }),
+      iconButton("minus", "Zoom out of time (−)", () => this.zoom(0.5)), this.whole);
+  }
+
+  get span() { return this.window ?? [this.motion.start, this.motion.end]; }
+
+  show(window) {
+    const { start, end, span } = this.motion;
+    if (window) {
+      const size = clamp(window[1] - window[0], 4 * Math.max(span / this.motion.n, 1e-9 * span), span);
+      const from = clamp(window[0], start, end - size);
+      window = size > 0.999 * span ? null : [from, from + size];
+    }
+    this.window = window;
+    this.whole.disabled = !window;
+    this.restyle();
+  }
+
+  // About a time, by default the one that is shown.
+  zoom(factor, about = this.player.time) {
+    const [from, to] = this.span;
+    const at = clamp(about, from, to);
+    this.show([at - (at - from) / factor, at + (to - at) / factor]);
   }
 
   add(names, choose = false) {
@@ -78,17 +111,70 @@ class Plot {
     this.series = series;
     this.legend = el("div", { class: "legend" });
     this.base = el("canvas", { class: "base", role: "img" });
-    this.over = el("canvas", { class: "over", tabindex: "-1", "aria-hidden": "true" });
+    this.over = el("canvas", { class: "over", tabindex: "0", role: "slider", "aria-label": "Time in this plot" });
+    this.against = null;  // the series that runs to the right, where it is not time
     this.node = el("article", { class: "card plot" },
       el("div", { class: "plot-head" }, this.legend,
         el("div", { class: "plot-tools" },
           iconButton("edit", "Choose series", () => board.picker.open(this)),
-          iconButton("save", "Download these series as CSV", () => board.save(this.series, this.series.map((s) => s.name).join("_"))),
+          iconButton("cross", "Choose what runs to the right", () => board.picker.open(this, true)),
+          this.saveMenu(),
           iconButton("close", "Remove this plot", () => board.remove(this)))),
       el("div", { class: "plot-area" }, this.base, this.over));
     this.bind();
     this.fillLegend();
     new ResizeObserver(() => this.draw()).observe(this.base);
+  }
+
+  get name() { return fileName(this.series.map((s) => s.name).join("_")); }
+
+  saveMenu() {
+    const item = (text, onclick) => el("button", { type: "button", class: "menu-item", onclick }, text), file = () => `${fileName(this.board.motion.title)}-${this.name}`;
+    return menu(icon("save"), [
+      item("Numbers (CSV)", () => this.board.save(this.against ? [this.against, ...this.series] : this.series, this.name)),
+      item("Picture (PNG)", async () => download(`${file()}.png`, await pngOf(this.picture()), "image/png")),
+      item("Drawing (SVG)", () => download(`${file()}.svg`, String(this.paper((w, h) => new SvgContext(w, h))), "image/svg+xml"))],
+    { class: "icon", title: "Save this plot", "aria-label": "Save this plot" });
+  }
+
+  // The plot with its legend, on paper.
+  paper(make) {
+    const { clientWidth: w, clientHeight: h } = this.base, top = 24, ctx = make(w, h + top);
+    ctx.fillStyle = Theme.surface;
+    ctx.fillRect(0, 0, w, h + top);
+    ctx.font = `12px ${Theme.font}`;
+    let x = this.left;
+    this.series.forEach((s, k) => {
+      const { colour, dash } = this.style(k);
+      trace(ctx, [[x, 13], [x + 20, 13]]);
+      stroke(ctx, colour, 2, dash);
+      Object.assign(ctx, { fillStyle: Theme.ink, textAlign: "left", textBaseline: "middle" });
+      ctx.fillText(withUnit(s.name, s.unit === "1" ? "" : `[${s.unit}]`), x + 26, 13);
+      x += 48 + ctx.measureText(withUnit(s.name, `[${s.unit}]`)).width;
+    });
+    ctx.save();
+    ctx.translate(0, top);
+    this.paint(ctx, w, h);
+    ctx.restore();
+    this.draw();
+    return ctx;
+  }
+
+  picture() {
+    const canvas = document.createElement("canvas"), ratio = 2;
+    this.paper((w, h) => {
+      [canvas.width, canvas.height] = [ratio * w, ratio * h];
+      const ctx = canvas.getContext("2d");
+      ctx.scale(ratio, ratio);
+      return ctx;
+    });
+    return canvas;
+  }
+
+  setAgainst(series) {
+    this.against = series;
+    this.fillLegend();
+    this.draw();
   }
 
   setSeries(series) {
@@ -121,37 +207,76 @@ class Plot {
     if (!this.series.length) {
       this.legend.append(el("button", { type: "button", class: "button", onclick: () => this.board.picker.open(this) }, icon("edit"), "Choose series"));
     }
-    this.base.setAttribute("aria-label", this.series.length ? `Plot of ${this.series.map((s) => s.name).join(", ")} over time` : "Empty plot");
+    this.base.setAttribute("aria-label", this.series.length ? `Plot of ${this.series.map((s) => s.name).join(", ")} over ${this.against?.name ?? "time"}` : "Empty plot");
   }
 
   bind() {
     const { over, board } = this;
+    const { motion, player } = board;
     const timeAt = (e) => {
-      const r = over.getBoundingClientRect();
-      const { motion } = board;
-      return motion.start + clamp((e.clientX - r.left - this.left) / (r.width - this.left - this.right), 0, 1) * motion.span;
+      const r = over.getBoundingClientRect(), [px, py] = [e.clientX - r.left, e.clientY - r.top];
+      if (this.against) return this.nearest(px, py);
+      const [from, to] = board.span;
+      return from + clamp((px - this.left) / (r.width - this.left - this.right), 0, 1) * (to - from);
     };
     over.addEventListener("pointerdown", (e) => {
       if (e.button) return;
       over.setPointerCapture(e.pointerId);
+      if (e.shiftKey && !this.against) { this.marked = [timeAt(e), timeAt(e)]; return; }
       this.dragging = true;
-      board.player.pause();
-      board.player.seek(timeAt(e));
+      player.pause();
+      player.seek(timeAt(e));
     });
     over.addEventListener("pointermove", (e) => {
-      if (this.dragging) board.player.seek(timeAt(e));
+      if (this.marked) { this.marked[1] = timeAt(e); this.drawCursor(); return; }
+      if (this.dragging) player.seek(timeAt(e));
       board.hover(this.dragging || e.pointerType === "touch" ? null : timeAt(e));
     });
-    const end = () => { this.dragging = false; };
+    const end = () => {
+      this.dragging = false;
+      if (!this.marked) return;
+      const [a, b] = this.marked.sort((p, q) => p - q);
+      this.marked = null;
+      if (b > a) board.show([a, b]);
+    };
     over.addEventListener("pointerup", end);
     over.addEventListener("pointercancel", end);
     over.addEventListener("pointerleave", () => board.hover(null));
+    over.addEventListener("dblclick", () => board.show(null));
+    over.addEventListener("wheel", (e) => {
+      if (!e.ctrlKey || this.against) return;
+      e.preventDefault();
+      board.zoom(Math.exp(-clamp(e.deltaY, -100, 100) * 0.006), timeAt(e));
+    }, { passive: false });
+    over.addEventListener("keydown", (e) => {
+      const action = { "+": () => board.zoom(2), "-": () => board.zoom(0.5), 0: () => board.show(null) }[e.key];
+      if (!action) return;
+      e.preventDefault();
+      e.stopPropagation();
+      action();
+    });
+  }
+
+  // The time at which the curves come nearest to a place on the plot.
+  nearest(px, py) {
+    const { motion } = this.board;
+    let best = motion.start, least = Infinity;
+    for (const s of this.series) for (let i = 0; i < motion.n; i++) {
+      const away = Math.hypot(this.x(this.against.values[i]) - px, this.y(s.values[i], s.unit) - py);
+      if (away < least) [least, best] = [away, motion.time[i]];
+    }
+    return best;
   }
 
   // Lower and upper end of the axis of one unit.
   range(unit) {
-    const found = extent(this.series.filter((s) => s.unit === unit).map((s) => s.values));
-    let [lo, hi] = found || [0, 1];
+    return this.rangeOf(this.series.filter((s) => s.unit === unit));
+  }
+
+  rangeOf(series) {
+    const { motion, window } = this.board, columns = series.flatMap((s) => (s.other ? [s.values, s.other] : [s.values]));
+    const [a, b] = window && !this.against ? window.map((t) => motion.locate(t).i) : [0, motion.n - 1];
+    let [lo, hi] = extent(columns.map((column) => column.subarray(a, b + 2))) || [0, 1];
     const size = Math.max(Math.abs(lo), Math.abs(hi));
     if (hi - lo <= 1e-9 * size || hi === lo) {
       const pad = size > 1e-12 ? 0.1 * size : 1;
@@ -162,9 +287,15 @@ class Plot {
   }
 
   draw() {
-    const { base, board: { motion } } = this;
-    if (!base.clientWidth) return;
-    const { ctx, w, h } = fitCanvas(base, this.board.ratio);
+    if (!this.base.clientWidth) return;
+    const { ctx, w, h } = fitCanvas(this.base, this.board.ratio);
+    this.paint(ctx, w, h);
+    if (this.board.ratio && !this.against) { trace(ctx, [[this.x(this.board.player.time), this.top], [this.x(this.board.player.time), this.bottom]]); stroke(ctx, Theme.accent, 1); }
+    this.drawCursor();
+  }
+
+  paint(ctx, w, h) {
+    const { board: { motion } } = this, { against } = this;
     const units = this.units;
     this.top = 14;
     this.bottom = h - 26;
@@ -186,14 +317,15 @@ class Plot {
     this.board.align();
     const { left, right } = this.board;
     Object.assign(this, { left, right });
-    this.x = (t) => this.left + (motion.span > 0 ? (t - motion.start) / motion.span : 0) * (w - this.left - this.right);
+    const [first, last] = against ? this.rangeOf([against]) : this.board.span;
+    this.x = (t) => this.left + (last > first ? (t - first) / (last - first) : 0) * (w - this.left - this.right);
     this.y = (v, unit) => {
       const { lo, hi } = axes.find((a) => a.unit === unit);
       return this.bottom - ((v - lo) / (hi - lo)) * (this.bottom - this.top);
     };
 
     // Grid and labels.
-    const across = ticks(motion.start, motion.end, Math.max(2, (w - this.left - this.right) / 70));
+    const across = ticks(first, last, Math.max(2, (w - this.left - this.right) / 70));
     const line = (x0, y0, x1, y1, colour) => { trace(ctx, [[x0, y0], [x1, y1]]); stroke(ctx, colour, 1); };
     ctx.fillStyle = Theme.muted;
     ctx.textAlign = "center";
@@ -202,7 +334,8 @@ class Plot {
     for (const t of across.values) {
       const x = Math.round(this.x(t)) + 0.5;
       line(x, this.top, x, this.bottom, Theme.grid);
-      ctx.fillText(fixed(t, decimals) + (t === across.values.at(-1) ? " s" : ""), x, this.bottom + 8);
+      const text = fixed(t, decimals) + (t === across.values.at(-1) ? ` ${against ? (against.unit === "1" ? "" : against.unit) : "s"}` : "");
+      ctx.fillText(text, Math.min(x, w - ctx.measureText(text).width / 2 - 2), this.bottom + 8);
     }
     ctx.textBaseline = "middle";
     axes.forEach((axis, side) => {
@@ -225,8 +358,12 @@ class Plot {
     });
     line(this.left, this.bottom + 0.5, w - this.right, this.bottom + 0.5, mix(Theme.surface, Theme.muted, 0.6));
 
-    for (const event of motion.events) {
-      if (event.time < motion.start || event.time > motion.end) continue;
+    if (against) {
+      Object.assign(ctx, { fillStyle: Theme.muted, textAlign: "right", textBaseline: "bottom" });
+      ctx.fillText(against.name, w - this.right, this.bottom - 4);
+    }
+    for (const event of against ? [] : motion.events) {
+      if (event.time < first || event.time > last) continue;
       const x = Math.round(this.x(event.time)) + 0.5;
       trace(ctx, [[x, this.top], [x, this.bottom]]);
       stroke(ctx, Theme.muted, 1, [3, 3]);
@@ -246,16 +383,19 @@ class Plot {
       if (!units.includes(s.unit)) return;
       this.curve(ctx, s, w);
       stroke(ctx, colour, 1.9, s.unit === units[1] && !dash.length ? DASHES[1] : dash);
+      if (!s.other) return;
+      this.curve(ctx, { ...s, values: s.other }, w, against?.other ?? against?.values);
+      stroke(ctx, mix(Theme.surface, colour, 0.75), 1.4, [4, 4]);
     });
     ctx.restore();
-    if (this.board.ratio) line(this.x(this.board.player.time), this.top, this.x(this.board.player.time), this.bottom, Theme.accent);
-    this.drawCursor();
   }
 
   // The path of one series; with many frames, the least and greatest of each pixel.
-  curve(ctx, s, w) {
-    const { time, n } = this.board.motion;
-    const dense = n > 4 * w;
+  curve(ctx, s, w, xs = this.against?.values) {
+    const { time, n } = this.board.motion, across = xs ?? time;
+    const [from, to] = xs || !this.board.window ? [0, n] : this.board.window.map((t, k) => Math.min(n, this.board.motion.locate(t).i + 2 * k));
+    const dense = !xs && to - from > 4 * w;
+    let px = NaN, py = NaN;
     let on = false, column = NaN, lo = 0, hi = 0, last = 0;
     const flush = () => {
       if (column !== column) return;
@@ -265,16 +405,19 @@ class Plot {
       on = true;
     };
     ctx.beginPath();
-    for (let i = 0; i < n; i++) {
+    for (let i = from; i < to; i++) {
       const v = s.values[i];
-      if (v !== v) {
+      if (v !== v || across[i] !== across[i]) {
         if (dense) flush();
         column = NaN;
         on = false;
         continue;
       }
-      const x = this.x(time[i]);
+      const x = this.x(across[i]);
       if (!dense) {
+        const y = this.y(v, s.unit);
+        if (xs && on && Math.abs(x - px) + Math.abs(y - py) < 0.5) continue;
+        [px, py] = [x, y];
         if (on) ctx.lineTo(x, this.y(v, s.unit)); else ctx.moveTo(x, this.y(v, s.unit));
         on = true;
       } else if (Math.round(x) === column) {
@@ -294,17 +437,31 @@ class Plot {
     const { ctx, w } = fitCanvas(this.over, this.board.ratio);
     const shown = hoverTime ?? player.time;
     const cursor = motion.locate(shown);
+    this.over.setAttribute("aria-valuetext", `${clock(shown, motion.span)} s`);
+    this.over.setAttribute("aria-valuenow", String(shown));
+    this.over.setAttribute("aria-valuemin", String(motion.start));
+    this.over.setAttribute("aria-valuemax", String(motion.end));
     const upright = (t, colour, dash) => {
       const x = this.x(t);
+      if (this.against || x < this.left - 1 || x > w - this.right + 1) return;
       trace(ctx, [[x, this.top], [x, this.bottom]]);
       stroke(ctx, colour, 1.4, dash);
     };
     upright(player.time, Theme.accent, []);
     const x = this.x(player.time);
-    trace(ctx, [[x - 5, this.bottom + 7], [x + 5, this.bottom + 7], [x, this.bottom]], true);
-    ctx.fillStyle = Theme.accent;
-    ctx.fill();
-    if (hoverTime !== null) {
+    if (!this.against && x >= this.left - 1 && x <= w - this.right + 1) {
+      trace(ctx, [[x - 5, this.bottom + 7], [x + 5, this.bottom + 7], [x, this.bottom]], true);
+      ctx.fillStyle = Theme.accent;
+      ctx.fill();
+    }
+    if (this.marked) {
+      const [a, b] = this.marked.map((t) => this.x(t));
+      ctx.fillStyle = Theme.accent;
+      ctx.globalAlpha = 0.15;
+      ctx.fillRect(Math.min(a, b), this.top, Math.abs(b - a), this.bottom - this.top);
+      ctx.globalAlpha = 1;
+    }
+    if (hoverTime !== null && !this.against) {
       upright(hoverTime, Theme.muted, [4, 3]);
       ctx.font = `600 11px ${Theme.font}`;
       ctx.textBaseline = "middle";
@@ -322,8 +479,9 @@ class Plot {
     this.series.forEach((s, k) => {
       const v = motion.sample(s.values, cursor);
       this.values[k].textContent = withUnit(number(v), s.unit);
-      if (v !== v || !this.axes.some((a) => a.unit === s.unit)) return;
-      circle(ctx, [this.x(shown), this.y(v, s.unit)], 3.6);
+      const at = this.x(this.against ? motion.sample(this.against.values, cursor) : shown);
+      if (v !== v || at < this.left - 4 || at > w - this.right + 4 || !this.axes.some((a) => a.unit === s.unit)) return;
+      circle(ctx, [at, this.y(v, s.unit)], 3.6);
       ctx.fillStyle = this.style(k).colour;
       ctx.fill();
       stroke(ctx, Theme.surface, 1.5);

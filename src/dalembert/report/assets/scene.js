@@ -11,11 +11,14 @@ class Scene {
     this.pointer = null;
     this.pending = false;
     this.ratio = undefined;
+    this.sizes = newSizes();
     this.guides = this.findGuides();
     this.teeth = this.findTeeth();
     this.bundles = this.bundleLinks();
     this.scaleForces();
     motion.chooseTraces(this.box.x1 - this.box.x0);
+    const size = ({ x0, x1, y0, y1 }) => Math.hypot(x1 - x0, y1 - y0);
+    this.followed = motion.moves ? motion.traveller(size(this.box), size(motion.envelope([{ i: 0, f: 0 }]))) : null;
     this.bindPointer();
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
@@ -143,6 +146,7 @@ class Scene {
     };
   }
 
+  get vector() { return true; }
   get hint() { return "Wheel zooms, drag pans."; }
 
   // View ------------------------------------------------------------------
@@ -153,7 +157,8 @@ class Scene {
 
   fit() {
     const { clientWidth: w, clientHeight: h } = this.canvas;
-    const { x0, x1, y0, y1 } = this.box;
+    const { x0, x1, y0, y1 } = this.followed ? this.motion.envelope([this.motion.cursor]) : this.box;
+    this.anchor = null;
     const side = Math.min(60, 0.09 * w), top = 44, bottom = 58;
     this.view.s = Math.max(1e-9, Math.min((w - 2 * side) / (x1 - x0), (h - top - bottom) / (y1 - y0)));
     this.view.x = (x0 + x1) / 2;
@@ -163,19 +168,36 @@ class Scene {
     this.invalidate();
   }
 
+  // The view goes with a body; null lets it stand.
+  follow(body) {
+    this.followed = body;
+    this.fit();
+  }
+
+  keepUp() {
+    const pose = this.followed && this.poses.get(this.followed);
+    if (!pose) return;
+    this.anchor ??= [this.view.x - pose.x, this.view.y - pose.y];
+    [this.view.x, this.view.y] = [pose.x + this.anchor[0], pose.y + this.anchor[1]];
+  }
+
+  shift(dx, dy) {
+    this.view.x += dx;
+    this.view.y += dy;
+    if (this.anchor) { this.anchor[0] += dx; this.anchor[1] += dy; }
+  }
+
   zoom(factor, px = this.canvas.clientWidth / 2, py = this.canvas.clientHeight / 2) {
     const before = this.world([px, py]);
     this.view.s = clamp(this.view.s * factor, this.home / 20, this.home * 200);
     const after = this.world([px, py]);
-    this.view.x += before[0] - after[0];
-    this.view.y += before[1] - after[1];
+    this.shift(before[0] - after[0], before[1] - after[1]);
     this.fitted = false;
     this.invalidate();
   }
 
   pan(dx, dy) {
-    this.view.x -= dx / this.view.s;
-    this.view.y += dy / this.view.s;
+    this.shift(-dx / this.view.s, dy / this.view.s);
     this.fitted = false;
     this.invalidate();
   }
@@ -232,21 +254,23 @@ class Scene {
     requestAnimationFrame(() => { this.pending = false; this.draw(); });
   }
 
-  draw() {
+  // On the canvas, or on paper of the same size that takes the same calls.
+  draw(paper = null) {
     if (!this.colours || !this.canvas.clientWidth) return;
     const { motion, colours } = this;
-    const { ctx, w, h } = fitCanvas(this.canvas, this.ratio);
+    const { ctx, w, h } = paper ? { ctx: paper, w: paper.w, h: paper.h } : fitCanvas(this.canvas, this.ratio);
     Object.assign(this, { ctx, w, h });
-    this.half = clamp(this.unit * this.view.s, 2.2, 13);
     this.poses = new Map([[motion.ground, motion.still], ...motion.bodies.map((b) => [b, motion.n ? motion.pose(b) : null])]);
+    this.keepUp();
+    this.half = clamp(this.unit * this.view.s, 2.2, 13);
     this.hover = this.pointer && this.hit(this.pointer);
 
     if (this.show.grid) this.drawGrid();
     this.drawGround();
     for (const joint of motion.joints) {
       const p = joint.grounded && this.placeOf(joint.body, joint.point);
-      if (p && joint.symbol === "pin") groundPivot(ctx, p, this.half, colours);
-      if (p && joint.symbol === "clamp") this.drawAnchor(p, this.screen(motion.at(joint.body, [joint.point[0], joint.point[1] + 1])));
+      if (p && joint.symbol === "pin") groundPivot(ctx, p, this.half, colours, this.tilt);
+      if (p && joint.symbol === "clamp") this.drawAnchor(p, this.middleOf(joint.on) || [p[0], p[1] - 1]);
     }
     this.drawGhosts();
     this.drawBodies();
@@ -272,6 +296,18 @@ class Scene {
   placeOf(body, point) {
     const pose = this.poses.get(body);
     return pose && this.screen(toWorld(pose, point));
+  }
+
+  // The middle of what a body looks like: its wall is across the way there.
+  middleOf(body) {
+    const pose = body && this.poses.get(body), marks = body?.shapes.flatMap(outline) || [];
+    return pose && marks.length ? this.screen(toWorld(pose, [0, 1].map((k) => marks.reduce((sum, p) => sum + p[k], 0) / marks.length))) : null;
+  }
+
+  // The ground is where things fall to.
+  get tilt() {
+    const g = this.motion.gravity;
+    return g ? Math.atan2(-g[0], -g[1]) * -1 : 0;
   }
 
   drawGrid() {
@@ -322,6 +358,10 @@ class Scene {
     const { ctx, motion } = this;
     const traced = motion.points.filter((p) => p.traced);
     if (!traced.length) return;
+    if (ctx.svg) {
+      for (const point of traced) this.runAlong(ctx, point.way, 0, point.way.length, this.pointColour(point), 1.6);
+      return;
+    }
     const ratio = this.canvas.width / this.w;
     const key = [this.canvas.width, this.canvas.height, ...Object.values(this.view), Theme.name, traced.map((p) => p.index)].join();
     if (key !== this.tracesKey) {
@@ -476,7 +516,7 @@ class Scene {
 
   drawPoints() {
     const { ctx } = this;
-    for (const point of this.motion.points) {
+    for (const point of this.motion.spots) {
       const p = this.placeOf(point.body, point.point);
       if (!p) continue;
       const colour = this.pointColour(point);
@@ -488,8 +528,27 @@ class Scene {
     }
   }
 
-  loadScale() { return (0.16 * Math.min(this.w, this.h)) / (this.greatest.load || 1); }
-  forceScale() { return (0.26 * Math.min(this.w, this.h)) / (this.greatest.force || 1); }
+  // Loads that are there are seen: an arrow has a least length; its value stands beside it.
+  arrowWay(kind, fx, fy, scale) {
+    const size = Math.hypot(fx, fy), least = size > 1e-3 * this.greatest[kind] ? 18 / size : 0, k = Math.max(scale, least);
+    return [fx * k, -fy * k];
+  }
+
+  loadScale() { return (0.16 * this.sizes.load * Math.min(this.w, this.h)) / (this.greatest.load || 1); }
+  forceScale() { return (0.26 * this.sizes.force * Math.min(this.w, this.h)) / (this.greatest.force || 1); }
+
+  // How far round the arc of a moment goes.
+  sweep(kind, m) { return clamp((m / (this.greatest[kind] || 1)) * this.sizes[kind] * 0.78, -0.94, 0.94) * TAU; }
+
+  // The value of a load beside the head of its arrow, where there is room for all of them.
+  readLoad(kind, value, [x, y], [u, v]) {
+    const length = Math.hypot(u, v) || 1, count = LOADS[kind].reaction ? this.loaded.length : this.motion.symbols.length;
+    if (!this.show.labels || count > READABLE || !(value > 1e-9 * this.greatest[kind])) return;
+    this.ctx.font = `600 11px ${Theme.font}`;
+    const wide = this.ctx.measureText(loadText(kind, value)).width / 2 + 6;
+    const at = [x + u + (u / length) * (wide + 4), y + v + (v / length) * 12];
+    label(this.ctx, loadText(kind, value), at, LOADS[kind].reaction ? Theme[kind] : this.colours.load, Theme.surface);
+  }
 
   drawForces() {
     const { ctx, motion } = this;
@@ -498,8 +557,13 @@ class Scene {
       const p = this.placeOf(joint.body, joint.point);
       if (!p) continue;
       const { fx, fy, m } = this.load(joint);
-      if (fx === fx && fy === fy) arrow(ctx, p, [fx * scale, -fy * scale], Theme.force, Theme.surface);
-      if (this.greatest.moment > 0 && m === m) momentArc(ctx, p, radius, (m / this.greatest.moment) * 0.8 * TAU, Theme.moment, Theme.surface);
+      if (fx === fx && fy === fy) {
+        const way = this.arrowWay("force", fx, fy, scale);
+        arrow(ctx, p, way, Theme.force, Theme.surface);
+        this.readLoad("force", Math.hypot(fx, fy), p, way);
+      }
+      if (this.greatest.moment > 0 && m === m) momentArc(ctx, p, radius, this.sweep("moment", m), Theme.moment, Theme.surface);
+      if (this.greatest.moment > 0 && m === m) this.readLoad("moment", Math.abs(m), p, [0, radius + 4]);
     }
   }
 
@@ -619,7 +683,7 @@ class Scene {
     }
     if (this.greatest.moment > 0) {
       const n = niceAbove(this.greatest.moment * 0.2), r = 8;
-      legend(`${number(n, 2)} N·m`, (p) => momentArc(ctx, [p[0] + r, p[1] + 1], r, (n / this.greatest.moment) * 0.8 * TAU, Theme.moment, Theme.surface), 2 * r);
+      legend(`${number(n, 2)} N·m`, (p) => momentArc(ctx, [p[0] + r, p[1] + 1], r, this.sweep("moment", n), Theme.moment, Theme.surface), 2 * r);
     }
   }
 
@@ -639,7 +703,7 @@ class Scene {
     for (const joint of this.motion.joints) {
       if (near(this.placeOf(joint.body, joint.point), Math.max(8, this.half))) return { kind: "joint", item: joint };
     }
-    for (const point of this.motion.points) {
+    for (const point of this.motion.spots) {
       if (near(this.placeOf(point.body, point.point), 8)) return { kind: "point", item: point };
     }
     for (const { link, offset } of this.bundles) {
@@ -683,7 +747,7 @@ class Scene {
       rows.push(["length", `${number(Math.hypot(q[0] - p[0], q[1] - p[1]))} m`]);
     } else {
       position(motion.at(item.body, item.point));
-      if (kind === "point") rows.push(["on", item.body.name]);
+      if (kind === "point") rows.push(["on", item.body.name], ...item.names.slice(1).map((name) => ["also", name]));
       if (kind === "joint" || kind === "symbol") {
         what = item.what;
         const { fx, fy, m } = this.load(item);

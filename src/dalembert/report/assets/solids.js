@@ -81,9 +81,27 @@ function rounded(corners, r) {
   return shape;
 }
 
+// A toothed wheel: schematic flanks about the pitch circle, a tooth or a gap where it meets the other.
+function gear({ center, axis, radius, teeth }, thick) {
+  const z = vector(axis).normalize(), x = vector(teeth.toward).addScaledVector(z, -vector(teeth.toward).dot(z));
+  if (x.length() < 1e-12) x.set(z.y, z.z, z.x).cross(z);
+  const y = new THREE.Vector3().crossVectors(z, x.normalize()), pitch = TAU / teeth.count, high = Math.min(0.3 * pitch * radius, 0.12 * radius);
+  const shape = new THREE.Shape(), flanks = [[-0.34, -high], [-0.14, high], [0.14, high], [0.34, -high]], sign = teeth.ring ? -1 : 1;
+  const rim = Array.from({ length: teeth.count }, (_, k) => flanks.map(([u, dr]) => {
+    const a = (k + u + (teeth.gap ? 0.5 : 0)) * pitch, r = radius + sign * dr;
+    return new THREE.Vector2(r * Math.cos(a), r * Math.sin(a));
+  })).flat();
+  if (teeth.ring) {
+    shape.absarc(0, 0, 1.18 * radius, 0, TAU, false);
+    shape.holes.push(new THREE.Shape(rim));
+  } else shape.setFromPoints(rim);
+  const geometry = new THREE.ExtrudeGeometry(shape, { depth: thick, bevelEnabled: false, curveSegments: 48 }).translate(0, 0, -thick / 2);
+  return geometry.applyMatrix4(new THREE.Matrix4().makeBasis(x, y, z).setPosition(vector(center)));
+}
+
 function triangles({ vertices, faces }) {
   const geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(Float32Array.from(vertices), 3));
-  geometry.setIndex(list(faces));
+  geometry.setIndex(Array.from(list(faces)));
   return faceted(geometry);
 }
 
@@ -116,7 +134,7 @@ const SOLIDS = {
   box: (s) => { const g = placed(new THREE.BoxGeometry(...s.size), s); return [g, new THREE.EdgesGeometry(g, 20)]; },
   cylinder: (s) => [tube(s.from, s.to, s.radius, 56), rims([s.from, s.to], s.radius)],
   capsule: (s) => [pill(s.from, s.to, s.radius)],
-  disc: (s, u) => { const ends = along(s.center, s.axis, Math.min(u, 0.25 * s.radius)); return [tube(...ends, s.radius, 64), rims(ends, s.radius)]; },
+  disc: (s, u) => { if (s.teeth) { const g = gear(s, Math.min(2 * u, 0.25 * s.radius)); return [g, new THREE.EdgesGeometry(g, 20)]; } const ends = along(s.center, s.axis, Math.min(u, 0.25 * s.radius)); return [tube(...ends, s.radius, 64), rims(ends, s.radius)]; },
   block: (s, u) => { const [from, to] = along(s.center, s.axis, 5 * u); const g = between(new THREE.BoxGeometry(4 * u, 5 * u, 4 * u), from, to); return [g, new THREE.EdgesGeometry(g, 20)]; },
   line: (s, u) => [tube(s.from, s.to, 0.7 * u, 16)],
   plate: (s, u) => { const g = slab(s.points, u); return [g, new THREE.EdgesGeometry(g, 40)]; },

@@ -19,7 +19,9 @@ class Assembly {
     this.groups = new Map([motion.ground, ...motion.bodies].map((body) => [body, new THREE.Group()]));
     this.view.world.add(...this.groups.values());
     this.picks = [];
+    this.cutTeeth();
     this.solids = [];
+    this.walls = [];
     for (const body of [motion.ground, ...motion.bodies]) for (const shape of body.shapes) this.addShape(body, shape);
     this.addStalks();
     for (const joint of motion.joints) this.addJoint(joint);
@@ -28,6 +30,7 @@ class Assembly {
     for (const point of motion.points) this.addPoint(point);
     this.links = motion.links.map((link) => this.addLink(link));
     this.ghosts = motion.ghosts.map((ghost) => this.addGhost(ghost));
+    this.belts = motion.joints.filter((j) => j.wheels.length === 2).map((joint) => this.addBelt(joint));
     this.addLoads();
   }
 
@@ -50,6 +53,24 @@ class Assembly {
     group.add(mesh);
     if (item) { mesh.userData = item; this.picks.push(mesh); }
     return mesh;
+  }
+
+  // The discs of gears in mesh get teeth, of one pitch each mesh; a ring has a hole.
+  cutTeeth() {
+    const start = { i: 0, f: 0 };
+    for (const { mesh, internal } of this.motion.joints.filter((j) => j.mesh.length === 2)) {
+      const places = mesh.map((w) => this.motion.at(w.body, w.point, start));
+      const discs = mesh.map((w) => w.body.shapes.find((s) => s.kind === "disc" && apart(s.center, w.point) < 1e-6 * w.radius && Math.abs(s.radius - w.radius) < 1e-6 * w.radius));
+      if (!places.every(Boolean) || !discs.every(Boolean)) continue;
+      const known = mesh.findIndex((w, k) => discs[k].teeth), least = Math.min(...mesh.map((w) => w.radius));
+      const pitch = known < 0 ? (TAU * least) / 20 : (TAU * mesh[known].radius) / discs[known].teeth.count;
+      mesh.forEach((w, k) => {
+        if (discs[k].teeth) return;
+        const pose = w.body.fixed ? this.motion.still : this.motion.pose(w.body, start), sign = internal ? (k ? -1 : 1) * Math.sign(mesh[0].radius - mesh[1].radius) * -1 : 1;
+        const toward = vector(places[1 - k]).sub(vector(places[k])).multiplyScalar(sign).applyQuaternion(pose.q.clone().invert());
+        discs[k].teeth = { count: Math.max(6, Math.round((TAU * w.radius) / pitch)), toward: toward.toArray(), gap: Boolean(k), ring: internal && w.radius > least };
+      });
+    }
   }
 
   addShape(body, shape) {
@@ -133,10 +154,57 @@ class Assembly {
   }
 
   addSymbol(symbol) {
-    const parts = SYMBOL_SOLIDS[symbol.symbol];
+    const parts = (symbol.normal ? { limit: wall } : SYMBOL_SOLIDS)[symbol.symbol];
     if (!parts) return;
     const group = this.seat(symbol);
+    if (symbol.normal) this.walls.push({ symbol, group });
     for (const [geometry, role] of parts(this.unit)) this.add(group, geometry, role, { kind: "symbol", item: symbol });
+  }
+
+  // Two wheels and the strands between them, or a box where both turn about one place.
+  addBelt(joint) {
+    const item = { kind: "joint", item: joint }, [p, q] = joint.wheels.map((w) => this.motion.at(w.body, w.point, { i: 0, f: 0 }));
+    if (!p || !q || apart(p, q) < 2 * this.unit) {
+      this.add(this.seat(joint), new THREE.BoxGeometry(5 * this.unit, 5 * this.unit, 3 * this.unit), "drive", item);
+      return null;
+    }
+    for (const wheel of joint.wheels) {
+      const seat = this.seat(wheel), ends = [[0, 0, -0.6 * this.unit], [0, 0, 0.6 * this.unit]];
+      this.add(seat, tube(...ends, wheel.radius, 56), "pale", item);
+      seat.add(new THREE.LineSegments(rims(ends, wheel.radius), this.line("dark")));
+    }
+    const strands = [1, -1].map((side) => ({ side, mesh: this.add(this.view.world, tube([0, 0, 0], [0, 0, 1], 0.35 * this.unit, 12), "dark", item) }));
+    return { joint, strands };
+  }
+
+  // The strands touch both wheels, in the plane across the first one's axis.
+  moveBelts() {
+    for (const { joint: { wheels: [one, two], crossed }, strands } of this.belts.filter(Boolean)) {
+      const [p, q] = [one, two].map((w) => this.motion.at(w.body, w.point)), pose = one.body.fixed ? this.motion.still : this.motion.pose(one.body);
+      for (const { mesh } of strands) mesh.visible = Boolean(p && q && pose);
+      if (!p || !q || !pose) continue;
+      const axis = vector(one.axis || Z).applyQuaternion(pose.q).normalize(), way = vector(q).sub(vector(p)), length = way.length();
+      const along = way.clone().normalize(), across = new THREE.Vector3().crossVectors(axis, along).normalize(), r = crossed ? -two.radius : two.radius;
+      const open = Math.acos(clamp((one.radius - r) / length, -1, 1));
+      for (const { side, mesh } of strands) {
+        const out = along.clone().multiplyScalar(Math.cos(open)).addScaledVector(across, side * Math.sin(open));
+        const from = vector(p).addScaledVector(out, one.radius), to = vector(q).addScaledVector(out, r), strand = to.sub(from);
+        mesh.position.copy(from);
+        mesh.quaternion.setFromUnitVectors(vector(Z), strand.clone().normalize());
+        mesh.scale.z = strand.length();
+      }
+    }
+  }
+
+  // Walls at which straight ways end.
+  moveWalls() {
+    for (const { symbol, group } of this.walls) {
+      const [at, normal] = [symbol.where, symbol.normal].map((columns) => this.motion.vectorOf(columns));
+      group.visible = [...at, ...normal].every(Number.isFinite) && Math.hypot(...normal) > 0;
+      if (!group.visible) continue;
+      group.position.set(...at);
+      group.quaternion.setFromUnitVectors(vector(Z), vector(normal).normalize());
+    }
   }
 
   addPoint(point) {
@@ -199,7 +267,7 @@ class Assembly {
   }
 
   // To the instant at which the motion stands: bodies, links, and the arrows of reactions if asked for, so long.
-  move(reactions, size) {
+  move(reactions, sizes) {
     const { motion } = this;
     for (const [body, group] of this.groups) {
       const pose = body.fixed ? motion.still : motion.n ? motion.pose(body) : null;
@@ -228,8 +296,12 @@ class Assembly {
     for (const { item, key, role, shown } of this.arrows) {
       const reaction = role === "force" || role === "moment", place = motion.placeOf(item);
       const value = (reactions || !reaction) && place ? motion.vectorOf(item[key]) : null;
-      const unit = (0.5 * this.view.radius * (reaction ? size : 1)) / (this.greatest[role] || 1);
-      shown.show(place ? vector(place) : this.view.centre, value && value.every(Number.isFinite) ? vector(value).multiplyScalar(unit) : null);
+      const unit = (0.5 * this.view.radius * sizes[role]) / (this.greatest[role] || 1);
+      const way = value && value.every(Number.isFinite) ? vector(value).multiplyScalar(unit) : null;
+      shown.show(place ? vector(place) : this.view.centre, way);
+      shown.read = shown.group.visible ? { at: vector(place).add(way).toArray(), value: Math.hypot(...value) } : null;
     }
+    this.moveBelts();
+    this.moveWalls();
   }
 }

@@ -21,10 +21,12 @@ class SpatialMotion extends Timeline {
     this.joints = list(scene.joints).filter(known).map((j) => ({
       ...this.told(j), ...end(j), base: known(j.base) ? end(j.base) : null, grounded: Boolean(j.grounded),
       force: columns(j, "force"), moment: columns(j, "moment"), where: columns(j, "at"),
+      wheels: list(j.wheels).filter(known).map((w) => ({ ...end(w), radius: Math.abs(w.radius) || 0 })), crossed: Boolean(j.crossed),
+      mesh: list(j.mesh).filter(known).map((w) => ({ ...end(w), radius: Math.abs(w.radius) || 0 })),
     }));
     this.links = list(scene.links).filter((l) => known(l.i) && known(l.j)).map((l) => ({ ...this.told(l), i: end(l.i), j: end(l.j) }));
     this.symbols = list(scene.symbols).filter(known).map((s) => ({
-      ...this.told(s), ...end(s), force: columns(s, "force"), moment: columns(s, "moment"),
+      ...this.told(s), ...end(s), force: columns(s, "force"), moment: columns(s, "moment"), where: columns(s, "at"), normal: columns(s, "normal"),
     }));
     this.points = list(scene.points).filter(known).map((p, index) => ({ name: String(p.name ?? ""), ...end(p), index, traced: false }));
     this.ghosts = list(scene.ghosts).map((ghost) => ({
@@ -69,23 +71,23 @@ class SpatialMotion extends Timeline {
   vectorOf(columns, cursor = this.cursor) { return columns ? columns.map((column) => this.sample(column, cursor)) : null; }
 
   // Places that the motion fills: what lies on the bodies, at some instants.
-  cloud() {
+  cloud(frames = this.frames(120)) {
     const marks = new Map([this.ground, ...this.bodies].map((b) => [b, b.shapes.flatMap(reach)]));
-    const ends = [...this.joints.filter((j) => !j.where), ...this.points, ...this.symbols, ...this.links.flatMap(({ i, j }) => [i, j])];
+    const ends = [...this.joints.filter((j) => !j.where), ...this.points, ...this.symbols.filter((s) => !s.where), ...this.links.flatMap(({ i, j }) => [i, j])];
     for (const { body, point } of ends) marks.get(body).push(point);
     for (const body of this.bodies) if (!marks.get(body).length) marks.get(body).push([0, 0, 0]);
-    const places = marks.get(this.ground).map(vector);
-    for (const cursor of this.frames(120)) {
+    const all = frames.length !== 1, places = all ? marks.get(this.ground).map(vector) : [];  // the ground is no part of what travels
+    for (const cursor of frames) {
       for (const body of this.bodies) {
         const pose = this.pose(body, cursor);
         if (pose) for (const p of marks.get(body)) places.push(toSpace(pose, p));
       }
     }
-    for (const cursor of this.ghosts.length ? this.frames(30) : []) for (const ghost of this.ghosts) {
+    for (const cursor of all && this.ghosts.length ? this.frames(30) : []) for (const ghost of this.ghosts) {
       const pose = this.pose(ghost, cursor);
       if (pose) for (const p of ghost.shapes.flatMap(reach)) places.push(toSpace(pose, p));
     }
-    for (const gap of this.gaps) places.push(vector(gap.from), vector(gap.to));
+    for (const gap of all ? this.gaps : []) places.push(vector(gap.from), vector(gap.to));
     return places.length ? places : [new THREE.Vector3()];
   }
 }

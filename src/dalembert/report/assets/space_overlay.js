@@ -15,6 +15,7 @@ class Overlay {
     Object.assign(this, fitCanvas(this.canvas, ratio));
     const { scene } = this;
     if (scene.show.labels) this.drawLabels();
+    if (scene.show.labels) this.readLoads();
     this.drawGaps();
     this.drawAxes();
     this.drawTime();
@@ -43,6 +44,17 @@ class Overlay {
       if (!free) continue;
       taken.push({ x: free[0], y: free[1], wide });
       label(ctx, text, free, colour, Theme.surface);
+    }
+  }
+
+  // Values of the loads, at the heads of their arrows.
+  readLoads() {
+    const { ctx, scene } = this, shown = scene.arrows.filter(({ shown: { read } }) => read);
+    if (shown.length > 2 * READABLE) return;
+    ctx.font = `600 11px ${Theme.font}`;
+    for (const { role, shown: { read } } of shown) {
+      const at = this.seen(read.at);
+      if (at) label(ctx, loadText(role, read.value), [at.x + 4, at.y - 12], LOADS[role].reaction ? Theme[role] : Theme.ink, Theme.surface, "left");
     }
   }
 

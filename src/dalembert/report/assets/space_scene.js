@@ -5,11 +5,14 @@ class SpatialScene extends Assembly {
     super(motion, canvas);
     Object.assign(this, { canvas, tip });
     this.show = { labels: motion.bodies.length <= 12, forces: false, grid: true, ghosts: true };
-    this.size = 1;  // of the arrows of reactions
+    this.sizes = newSizes();
     this.cut = new THREE.Plane(new THREE.Vector3(-1, 0, 0), 0);
     motion.chooseTraces(this.view.radius);
     this.traces = motion.points.map((point) => new Trace(point, this.view.world));
+    this.whole = this.view.cloud;
     this.overlay = new Overlay(this);
+    const once = motion.moves ? sphereAbout(motion.cloud([{ i: 0, f: 0 }])).radius : 0;
+    this.follow(motion.traveller(this.radius, once));
     this.bindPointer();
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
@@ -69,10 +72,31 @@ class SpatialScene extends Assembly {
 
   // View ---------------------------------------------------------------------------
 
-  fit() { this.view.fit(); }
+  fit() {
+    this.view.cloud = this.followed ? this.motion.cloud([this.motion.cursor]) : this.whole;
+    this.view.centre = this.followed ? sphereAbout(this.view.cloud).centre : this.centre.clone();
+    this.view.fit();
+  }
+
+  // The view goes with a body; null lets it stand.
+  follow(body) {
+    this.followed = body;
+    this.at = null;
+    this.fit();
+  }
+
+  keepUp() {
+    const pose = this.followed && this.motion.pose(this.followed);
+    if (!pose) return;
+    const { camera, controls, centre } = this.view;
+    if (this.at) for (const place of [camera.position, controls.target, centre]) place.add(pose.p).sub(this.at);
+    this.at = pose.p.clone();
+  }
+
+
   zoom(factor) { this.view.zoom(factor); }
   look(axis) { this.view.look(axis ? vector(AXES[axis]).multiplyScalar(axis === "y" ? -1 : 1) : this.view.oblique()); }
-  resize() { if (this.view.fitted !== false) this.view.fit(); else this.invalidate(); }
+  resize() { if (this.view.fitted !== false) this.fit(); else this.invalidate(); }
 
   invalidate() {
     if (this.pending) return;
@@ -82,7 +106,8 @@ class SpatialScene extends Assembly {
 
   draw() {
     if (!this.colours || !this.canvas.clientWidth) return;
-    this.move(this.show.forces, this.size);
+    this.move(this.show.forces, this.sizes);
+    this.keepUp();
     for (const trace of this.traces) trace.show(this.motion, this.canvas);
     this.view.grid.visible = this.show.grid;
     this.view.render(this.ratio);

@@ -42,6 +42,7 @@ const LINK_SOLIDS = {
     [tube([0, 0, 0], [0, 0, 0.6 * rest], 1.25 * u), "drive", "head"], [tube([0, 0, -0.62 * rest], [0, 0, 0], 0.6 * u, 16), "steel", "tail"]],
   sleeve: (u, rest) => [[ball([0, 0, 0.5], 1).scale(1.8 * u, 1.8 * u, rest || u), "drive", "stretch"]],
   strand: (u, rest) => [[tube([0, 0, -0.1 * rest], [0, 0, 1.1 * rest], 0.9 * u, 16), "drive", "stretch"]],
+  tie: (u, rest) => [[tube([0, 0, 0], [0, 0, rest], 0.28 * u, 12), "dark", "stretch"]],
   rod: (u, rest) => [[tube([0, 0, 0], [0, 0, rest], 0.7 * u, 20), "steel", "stretch"]],
 };
 
@@ -50,8 +51,12 @@ const SYMBOL_SOLIDS = {
   motor: (u) => [[tube([0, 0, -3.4 * u], [0, 0, -1.6 * u], 2.2 * u), "drive"]],
   brake: (u) => [[tube([0, 0, 1.4 * u], [0, 0, 2 * u], 2.4 * u), "pale"]],
   spiral: (u) => [[coil(3, 2.3 * u, 3 * u, 0.25 * u), "spring"]],
+  limit: (u) => [[new THREE.BoxGeometry(0.8 * u, 4 * u, 1.6 * u).translate(2.4 * u, 0, 0), "ground"]],
   travel: (u) => [[tube([0, 0, -3 * u], [0, 0, 3 * u], 0.3 * u), "drive"], [new THREE.ConeGeometry(u, 2.4 * u, 20).rotateX(Math.PI / 2).translate(0, 0, 4 * u), "drive"]],
 };
+
+// A wall at which a straight way ends; z points to the free side.
+const wall = (u) => [[new THREE.BoxGeometry(7 * u, 7 * u, 0.7 * u).translate(0, 0, -0.35 * u), "ground"], [new THREE.BoxGeometry(7 * u, 7 * u, 0.25 * u), "drive"]];
 
 // What stands on the ground under a joint: a block on a foot; −z is where the ground is.
 const pedestal = (u) => [

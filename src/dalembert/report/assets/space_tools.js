@@ -1,4 +1,4 @@
-// Controls that only a drawing in space has: directions of view, see-through, section, length of arrows.
+// Controls that only a drawing in space has: directions of view, see-through, section.
 
 function buildSpaceTools(scene, toolbar) {
   const [zoom, view] = [byId("zoom"), byId("view")];
@@ -10,13 +10,6 @@ function buildSpaceTools(scene, toolbar) {
   toolbar.append(
     toggleButton("See-through", false, (on) => scene.setClear(on), { id: "clear", title: "Bodies let what is behind them be seen" }),
     toggleButton("Section", false, (on) => box.show(on), { id: "section", title: "Cut the bodies open" }));
-  if (!scene.loaded.length) return;
-  const size = el("input", { type: "range", min: "-1", max: "1", step: "0.01", value: "0", id: "arrow-size", "aria-label": "Length of the arrows", title: "Length of the arrows",
-    oninput: () => { scene.size = 10 ** size.valueAsNumber; size.style.setProperty("--p", (size.valueAsNumber + 1) / 2); scene.invalidate(); } });
-  size.style.setProperty("--p", 0.5);
-  const row = el("label", { class: "chooser", hidden: true }, el("span", { class: "caption" }, "Arrows"), el("div", { class: "track short" }, size));
-  byId("reactions").addEventListener("click", () => { row.hidden = !scene.show.forces; });
-  toolbar.append(row);
 }
 
 // Where the section lies: along which axis, how far, which side is left out.

@@ -1,7 +1,7 @@
 // Puts the page of a structure together.
 
 const byId = (id) => document.getElementById(id);
-const payload = JSON.parse(byId("data").textContent);
+const payload = await unpacked(JSON.parse(byId("data").textContent));
 byId("subtitle").textContent = payload.subtitle || "";
 byId("subtitle").hidden = !payload.subtitle;
 

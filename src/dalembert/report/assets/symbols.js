@@ -101,9 +101,13 @@ function hatch(ctx, a, b, colour, gap = 7, size = 7) {
   stroke(ctx, colour, 1);
 }
 
-// A pin bracket on hatched ground.
-function groundPivot(ctx, [x, y], h, colours) {
+// A pin bracket on hatched ground; `tilt` turns its foot away from straight below.
+function groundPivot(ctx, [x, y], h, colours, tilt = 0) {
   const base = y + 2.5 * h, half = 1.75 * h;
+  ctx.save();
+  ctx.translate(x, y);
+  ctx.rotate(tilt);
+  ctx.translate(-x, -y);
   ctx.lineJoin = "round";
   ctx.beginPath();
   ctx.moveTo(x - 0.75 * h, y - 0.1 * h);
@@ -118,6 +122,7 @@ function groundPivot(ctx, [x, y], h, colours) {
   trace(ctx, [a, b]);
   stroke(ctx, colours.ink, 1.8);
   hatch(ctx, b, a, colours.ink, Math.max(3.5, 0.7 * h), 0.7 * h);
+  ctx.restore();
 }
 
 function pin(ctx, [x, y], r, colours) {
@@ -233,6 +238,10 @@ const LINKS = {
     trace(ctx, [[0, 0], [L, 0]]);
     stroke(ctx, c.ink, Math.min(9, Math.max(3, 0.8 * h)));
     ctx.lineCap = "butt";
+  },
+  tie(ctx, L, h, rest, c) {
+    trace(ctx, [[0, 0], [L, 0]]);
+    stroke(ctx, c.ink, 1.4, [9, 3, 2, 3]);
   },
   rod(ctx, L, h, rest, c) {
     trace(ctx, [[0, 0], [L, 0]]);

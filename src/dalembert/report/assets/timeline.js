@@ -12,7 +12,9 @@ class Timeline {
     this.asked = Array.isArray(payload.trace) ? payload.trace.map(String) : null;
     this.series = list(payload.series).map((s) => ({
       name: String(s.name ?? ""), unit: unitOf(s), group: String(s.group || "other"), values: floats(s.values, this.n),
+      other: s.other ? floats(s.other, this.n) : null,
     }));
+    this.other = payload.other ? String(payload.other) : "";
     this.seriesByName = new Map(this.series.map((s) => [s.name, s]));
     this.events = list(payload.events).filter((e) => isNum(e.time)).map((e) => ({ name: String(e.name ?? "event"), time: e.time }));
     this.bodies = [];
@@ -60,6 +62,12 @@ class Timeline {
     return a + (b - a) * f;
   }
 
+  // What is worth following, when the motion leads far away from where it was: else null.
+  traveller(whole, once) {
+    const drawn = this.bodies.filter((b) => b.shapes.length && !b.of && !b.node);
+    return drawn.length > 1 && whole > 4 * once && once > 0 ? drawn[0] : null;
+  }
+
   // The way of a point over the whole motion, thinned to some 2000 points.
   path(body, point) {
     const stride = Math.max(1, Math.ceil(this.n / 2000));
@@ -74,6 +82,26 @@ class Timeline {
     return Array.from({ length: count }, (_, k) => ({ i: count > 1 ? Math.round((k * (this.n - 1)) / (count - 1)) : 0, f: 0 }));
   }
 
+  // Angles in degrees, or in radians as they are.
+  setDegrees(on) {
+    for (const s of this.series) {
+      s.plain ??= { unit: s.unit, values: s.values, other: s.other };
+      const turns = on && /^rad\b/.test(s.plain.unit), scaled = (column) => column && (turns ? column.map((v) => (v * 360) / TAU) : column);
+      Object.assign(s, { unit: turns ? s.plain.unit.replace("rad", "°") : s.plain.unit, values: scaled(s.plain.values), other: scaled(s.plain.other) });
+    }
+  }
+
+  // Points that are one place all the time share a name; the first stands for them.
+  joinPoints(size) {
+    const known = new Map();
+    for (const point of this.points) {
+      const stride = Math.max(1, Math.floor(point.way.length / 24));
+      const key = point.way.filter((_, k) => k % stride === 0).map(({ p }) => (p ? p.map((v) => Math.round(v / (1e-6 * size))) : "")).join();
+      const first = known.get(key);
+      if (first && this.moves) { point.same = first; first.names.push(point.name); } else { known.set(key, point); point.names = [point.name]; }
+    }
+  }
+
   // The points asked for; else up to three moving ones; of many, the one with the longest way.
   chooseTraces(size) {
     for (const point of this.points) {
@@ -85,8 +113,10 @@ class Timeline {
         last = p || last;
       }
     }
-    const moving = this.points.filter((p) => p.length > 1e-6 * size);
-    const chosen = this.asked ? this.points.filter((p) => this.asked.includes(p.name)) : moving.length <= 3 ? moving : [...moving].sort((a, b) => b.length - a.length).slice(0, 1);
+    this.joinPoints(size);
+    this.spots = this.points.filter((p) => !p.same);
+    const moving = this.spots.filter((p) => p.length > 1e-6 * size);
+    const chosen = this.asked ? this.spots.filter((p) => p.names.some((name) => this.asked.includes(name))) : moving.length <= 3 ? moving : [...moving].sort((a, b) => b.length - a.length).slice(0, 1);
     for (const point of chosen) point.traced = true;
   }
 }

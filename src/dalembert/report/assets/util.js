@@ -2,12 +2,13 @@
 
 const TAU = 2 * Math.PI;
 const clamp = (x, lo, hi) => Math.min(hi, Math.max(lo, x));
-const list = (x) => (Array.isArray(x) ? x : []);
+const list = (x) => (Array.isArray(x) || ArrayBuffer.isView(x) ? x : []);
 const isNum = (x) => typeof x === "number" && Number.isFinite(x);
 const xy = (p) => (Array.isArray(p) && isNum(p[0]) && isNum(p[1]) ? [p[0], p[1]] : [0, 0]);
 
 // A column of n numbers; what is missing becomes NaN.
 function floats(values, n) {
+  if (values instanceof Float64Array && values.length === n) return values;
   const out = new Float64Array(n).fill(NaN);
   const given = list(values);
   for (let i = 0; i < Math.min(n, given.length); i++) {
@@ -17,7 +18,7 @@ function floats(values, n) {
 }
 
 // The same of one number that stays.
-const steady = (value, n) => floats(Array.isArray(value) ? value : Array(n).fill(isNum(value) ? value : 0), n);
+const steady = (value, n) => floats(list(value).length ? value : Array(n).fill(isNum(value) ? value : 0), n);
 
 // The smallest and largest of some columns, or null when there is no number.
 function extent(columns) {
@@ -133,6 +134,7 @@ const ICONS = {
   save: "M11 4h2v8.2l3.1-3.1 1.4 1.4L12 16l-5.5-5.5 1.4-1.4 3.1 3.1zM5 18h14v2H5z",
   theme: "M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zm0 2.2v13.6a6.8 6.8 0 0 1 0-13.6z",
   print: "M7 4h10v4H7zM5 9h14a2 2 0 0 1 2 2v6h-4v3H7v-3H3v-6a2 2 0 0 1 2-2zm4 6v3h6v-3z",
+  cross: "M4 4h2v14h14v2H4zM8 13l4-5 3 3 4-5 1.6 1.2L15 14l-3-3-2.4 3z",
   edit: "M4 6h10v2H4zM4 11h10v2H4zM4 16h6v2H4zM17 11h2v3h3v2h-3v3h-2v-3h-3v-2h3z",
 };
 
@@ -177,7 +179,7 @@ class Signal {
 }
 
 function download(name, text, type) {
-  const url = URL.createObjectURL(new Blob([text], { type }));
+  const url = URL.createObjectURL(text instanceof Blob ? text : new Blob([text], { type }));
   const link = el("a", { href: url, download: name });
   document.body.append(link);
   link.click();

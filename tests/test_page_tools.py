@@ -1,0 +1,188 @@
+"""What one does on a report page: arrows, following, plots, pictures and films, two runs."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+import numpy as np
+import pytest
+from report_payload import four_bar, gallery
+
+from dalembert.errors import FileError
+from dalembert.report.compared import compared
+from dalembert.report.page import render_page
+
+
+def convoy(distance: float = 40.0) -> dict[str, Any]:
+    """Two bars that travel far together."""
+    t = np.linspace(0, 4, 81)
+    way = distance * t / 4
+
+    def body(name: str, x: float) -> dict[str, Any]:
+        bar = {"kind": "bar", "from": [-0.5, 0], "to": [0.5, 0]}
+        place = {"x": (x + way).tolist(), "y": (0 * t).tolist(), "angle": (0 * t).tolist()}
+        return {"name": name, **place, "shapes": [bar]}
+
+    points = [{"name": f"p{k}", "body": "front", "point": [0.5, 0]} for k in range(2)]
+    scene = {"bodies": [body("front", 0), body("rear", -1.2)], "points": points}
+    return {"format": 1, "title": "convoy", "time": t.tolist(), "scene": scene, "series": []}
+
+
+def set_slider(found: Any, name: str, value: float) -> None:
+    found.js(f"""(() => {{ const s = document.getElementById({name!r});
+        s.value = {value}; s.dispatchEvent(new Event("input")); }})()""")
+    found.frames()
+
+
+def saved(found: Any, click: str) -> bytes:
+    """What a control gives to keep."""
+    with found.page.expect_download() as waiting:
+        found.js(click)
+    return waiting.value.path().read_bytes()
+
+
+def test_each_kind_of_arrow_has_a_length_of_its_own(show: Any) -> None:
+    found = show(gallery())
+    assert found.page.locator("#arrows input").count() == 2
+    before = found.picture("#scene")
+    set_slider(found, "arrows-load", 1.0)
+    assert found.picture("#scene") != before
+    assert found.js("dalembert.scene.sizes.load") == pytest.approx(10)
+    assert found.js("dalembert.scene.sizes.twist") == 1
+
+
+def test_menus_open_and_close_by_key(show: Any) -> None:
+    found = show(gallery())
+    found.page.focus("#arrows summary")
+    found.page.keyboard.press("Enter")
+    assert found.js("document.querySelector('#arrows').open")
+    found.page.keyboard.press("Escape")
+    assert not found.js("document.querySelector('#arrows').open")
+    assert found.js("document.activeElement.textContent") == "Arrows"
+
+
+def test_what_travels_is_followed(show: Any) -> None:
+    found = show(convoy())
+    assert found.js("dalembert.scene.followed.name") == "front"
+    read = "dalembert.scene.screen([dalembert.scene.poses.get(dalembert.scene.followed).x, 0])"
+    start = found.js(read)
+    found.js("dalembert.player.seek(3)")
+    found.frames()
+    assert found.js(read) == pytest.approx(start, abs=1e-6)
+    found.page.select_option("#follow", "")
+    assert found.js("dalembert.scene.followed") is None
+    assert found.js("dalembert.scene.view.s") < 40
+
+
+def test_points_that_are_one_share_a_chip(show: Any) -> None:
+    found = show(convoy())
+    assert found.page.locator(".trace").all_inner_texts() == ["p0 = p1"]
+
+
+def test_time_is_zoomed_in_all_plots(show: Any) -> None:
+    found = show(four_bar())
+    assert found.js("dalembert.board.span") == pytest.approx([0, 0.8])
+    found.js("dalembert.player.seek(0.4)")
+    found.page.click("#zoom-time")
+    assert found.js("dalembert.board.span") == pytest.approx([0.2, 0.6])
+    found.page.locator(".plot .over").first.focus()
+    found.page.keyboard.press("+")
+    assert found.js("dalembert.board.span") == pytest.approx([0.3, 0.5])
+    found.page.keyboard.press("0")
+    assert found.js("dalembert.board.window") is None
+    box = found.page.locator(".plot .over").first.bounding_box()
+    at = [box["x"] + box["width"] * k for k in (0.4, 0.6)]
+    found.page.keyboard.down("Shift")
+    found.page.mouse.move(at[0], box["y"] + 60)
+    found.page.mouse.down()
+    found.page.mouse.move(at[1], box["y"] + 60)
+    found.page.mouse.up()
+    found.page.keyboard.up("Shift")
+    first, last = found.js("dalembert.board.span")
+    assert 0.1 < first < last < 0.7
+
+
+def test_a_plot_runs_over_another_series(show: Any) -> None:
+    found = show(four_bar())
+    before = found.picture(".plot .base")
+    found.page.click(".plot [aria-label='Choose what runs to the right']")
+    found.page.fill("#search", "rocker.angle rad")
+    found.page.locator(".choice:visible").first.click()
+    found.page.keyboard.press("Escape")
+    assert found.js("dalembert.board.plots[0].against.name") == "rocker.angle"
+    assert found.picture(".plot .base") != before
+    assert "over rocker.angle" in found.page.get_attribute(".plot .base", "aria-label")
+
+
+def test_angles_in_degrees_and_back(show: Any) -> None:
+    found = show(four_bar())
+    series = "dalembert.motion.seriesByName.get('crank.angle')"
+    read = f"(({{ unit, values }}) => [unit, values[9]])({series})"
+    unit, value = found.js(read)
+    found.page.click("#degrees")
+    assert found.js(read) == ["°", pytest.approx(np.degrees(value))]
+    assert found.js("dalembert.motion.seriesByName.get('crank.x').unit") == "m"
+    found.page.click("#degrees")
+    assert found.js(read) == [unit, value]
+
+
+def test_pictures_drawings_and_films_are_saved(show: Any) -> None:
+    found = show(four_bar(frames=41), viewport=(1000, 560))
+    png = saved(found, "document.getElementById('save-png').click()")
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    svg = saved(found, "document.getElementById('save-svg').click()").decode()
+    assert svg.startswith("<svg") and "coupler" in svg and "NaN" not in svg
+    found.js("dalembert.player.setSpeed(0.4)")
+    film = saved(found, "document.getElementById('save-film').click()")
+    at = film.index(b"acTL")
+    frames, plays = struct.unpack(">II", film[at + 4 : at + 12])
+    assert (frames, plays) == (40, 0) and film.count(b"fcTL") == 40
+
+
+def test_a_plot_is_saved_with_its_legend(show: Any) -> None:
+    found = show(four_bar())
+    svg = saved(found, "document.querySelectorAll('.plot .menu-item')[2].click()").decode()
+    assert "crank.angle [rad]" in svg and "NaN" not in svg
+    assert saved(found, "document.querySelectorAll('.plot .menu-item')[1].click()")[1:4] == b"PNG"
+
+
+def test_two_runs_on_one_page(show: Any) -> None:
+    other = four_bar(frames=121, duration=1.0)
+    page = compared(four_bar(), other, "other.nc")
+    at = page["series"][0]["other"]
+    expected = np.interp(page["time"], other["time"], other["series"][0]["values"])
+    assert np.allclose(at, expected)
+    assert len(page["scene"]["ghosts"]) == 3
+    found = show(page)
+    assert "other.nc" in found.page.inner_text(".other-run")
+    before = found.picture("#scene")
+    found.page.click("#ghosts")
+    found.frames()
+    assert found.picture("#scene") != before
+
+
+def test_what_cannot_be_compared_is_refused() -> None:
+    with pytest.raises(FileError, match="mechanism and spatial"):
+        compared(four_bar(), four_bar() | {"kind": "spatial"}, "x")
+
+
+def test_every_control_has_a_name(show: Any) -> None:
+    """And is reached in the order of the page, for nothing has a place of its own in it."""
+    found = show(gallery())
+    nameless = found.js("""[...document.querySelectorAll("button, input, select, summary, [tabindex='0']")]
+        .filter((n) => !n.closest("dialog") && !(n.textContent.trim() || n.getAttribute("aria-label")
+            || n.getAttribute("aria-labelledby") || n.closest("label")))
+        .map((n) => n.outerHTML)""")
+    assert nameless == []
+    assert (
+        found.js(
+            'document.querySelectorAll(\'[tabindex]:not([tabindex="0"]):not([tabindex="-1"])\').length'
+        )
+        == 0
+    )
+
+
+def test_sliders_that_do_nothing_are_not_there() -> None:
+    page = render_page(four_bar(frames=3))
+    assert 'type="range"' not in page.split("<script>")[0]
