@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from dalembert.analysis.structural.instant import Instant, Unknown
 from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
 from dalembert.analysis.structural.statics import factorised
-from dalembert.analysis.structural.transient_equation import (
-    EquationOfMotion,
-    Motions,
-    Slopes,
-    factors,
-)
+from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions, factors
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.integrators.newmark_rule import Moving
-from dalembert.sparse.solver import Factors
 
 STARTS = ("rest", "statics")
 MASSLESS = (
@@ -51,11 +46,6 @@ class TransientStart:
                 equation.model.name,
             )
 
-    def mass_factor(self, slopes: Slopes) -> Factors | None:
-        """Factors of the mass matrix where there is mass."""
-        massive = self.equation.massive
-        return factors(slopes.a[massive][:, massive], MASSLESS)
-
     def state(self) -> Moving:
         """Displacements, velocities and accelerations; the method remembers nothing yet.
 
@@ -72,11 +62,46 @@ class TransientStart:
         v[e.held], a[e.held] = held.v, held.a
         u = self._equilibrium(held.u) if self.static else self.initial.displacements.values(p)
         u[e.held] = held.u
-        begin = Motions(u, v, a)
-        rest, factor = e.loads(self.time) - e.forces(begin), self.mass_factor(e.slopes(begin))
-        if factor is not None:
-            a[e.massive] = factor.solve(rest[e.massive])
+        begin = self._accelerations(Instant(e, Motions(u, v, a), self.time))
+        a[e.massive] = begin.correction(begin.value)
         return Moving(u, v, a, np.zeros_like(a))
+
+    def push(self, begin: Instant) -> Moving:
+        """Change of the state with the parameters."""
+        e, changes = self.equation, begin.parameters
+        held = changes.supports(self.time)
+        u = np.zeros_like(begin.own) if self.static else changes.each(self.initial.displacements)
+        v, a = changes.each(self.initial.velocities), np.zeros_like(u)
+        u[e.held], v[e.held], a[e.held] = held
+        if self.static:
+            u[e.free] = self._displacements(begin.at_rest()).moved(Motions(u, 0 * v, 0 * a))
+        a[e.massive] = self._accelerations(begin).moved(Motions(u, v, a))
+        return Moving(u, v, a, np.zeros_like(a))
+
+    def pull(self, begin: Instant, weights: Moving) -> None:
+        """Take weights of the state to the parameters."""
+        e, parameters = self.equation, begin.parameters
+        by_motion = self._accelerations(begin).weighed(weights.a[e.massive])
+        left = begin.freed(weights, by_motion)
+        parameters.pull(self.initial.velocities, left.v)
+        if not self.static:
+            parameters.pull(self.initial.displacements, left.u)
+            return
+        still = self._displacements(begin.at_rest())
+        by_place = still.weighed(left.u[e.free])
+        nothing = np.zeros_like(by_place.u)
+        still.at.freed(Moving(*(nothing,) * 4), Motions(by_place.u, nothing, nothing))
+
+    def _accelerations(self, at: Instant) -> Unknown:
+        """Those where there is mass."""
+        where = self.equation.massive
+        return Unknown(at, where, lambda: factors(at.slopes.a[where][:, where], MASSLESS))
+
+    def _displacements(self, at: Instant) -> Unknown:
+        """The free ones, at rest."""
+        e = self.equation
+        inner = e.assembly.inner
+        return Unknown(at, e.free, lambda: factorised(e.model, inner(at.stiffness)))
 
     def _equilibrium(self, held: np.ndarray) -> np.ndarray:
         e = self.equation
@@ -92,12 +117,6 @@ class TransientStart:
                     path.residual,
                 )
         u[e.held] = held
-        factor = self.static_factor(u)
-        if factor is not None:  # in nonlinear statics this leaves round-off only
-            u[e.free] += factor.solve((e.loads(self.time) - e.internal_forces(u))[e.free])
+        still = self._displacements(Instant(e, Motions(u, 0 * u, 0 * u), self.time))
+        u[e.free] += still.correction(still.value)  # in nonlinear statics round-off is left only
         return u
-
-    def static_factor(self, u: np.ndarray) -> Factors | None:
-        """Factors of the tangent stiffness in the free displacements."""
-        e = self.equation
-        return factorised(e.model, e.assembly.inner(e.tangent(u)))

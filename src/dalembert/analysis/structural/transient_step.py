@@ -7,13 +7,13 @@ where they do not lead fast to the root; what it finds is corrected once more wi
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import scipy
 
 from dalembert.analysis.structural.balance import Balance, relative
+from dalembert.analysis.structural.instant import Instant, Unknown
 from dalembert.analysis.structural.transient_equation import (
     EquationOfMotion,
     Motions,
@@ -61,14 +61,19 @@ class TransientStep:
         )
         self.factorisations = 0
         self._steady = self._factors(equation.slopes(equation.rest)) if equation.linear else None
-        self.kept: Linearised | None = None
+        self.kept: Unknown | None = None
         self.balance, self.iterations = Balance(equation.model, equation.p), 0
 
-    def factor(self, slopes: Slopes) -> Factors | None:
-        """Factors of ``M + κ(h γ C + h² β K)`` in the free displacements."""
-        return self._factors(slopes) if self._steady is None else self._steady
+    def unknown(self, at: Instant) -> Unknown:
+        """The accelerations of the free displacements at the end of the step."""
+
+        def factor() -> Factors | None:
+            return self._factors(at.slopes) if self._steady is None else self._steady
+
+        return Unknown(at, self.equation.free, factor)
 
     def _factors(self, slopes: Slopes) -> Factors | None:
+        """Factors of ``M + κ(h γ C + h² β K)`` in the free displacements."""
         e, rule = self.equation, self.rule
         by_u, by_v = rule.slopes
         matrix = combined((1.0, slopes.a), (by_v, slopes.v), (by_u, slopes.u))
@@ -88,23 +93,39 @@ class TransientStep:
         a = np.zeros_like(x.a)
         if not e.linear:
             a[e.free] = x.a[e.free]
-            found = self._solved(ahead, held, loads, a, FAST)
+            found = self._solved(EndOfStep(self, ahead, held, loads, time, FAST), a)
             if found is None:
-                found = self._solved(ahead, held, loads, a, 0.0)
+                found = self._solved(EndOfStep(self, ahead, held, loads, time, 0.0), a)
             if found is None:
                 return None
             a = found
         motion = moved(self.placed(ahead, held, a))
-        self.kept = Linearised(self, motion)
-        rest = (loads - e.forces(motion))[e.free]
-        a[e.free] += self.kept.solve(rest)  # once more after convergence: round-off only is left
+        self.kept = self.unknown(Instant(e, motion, time))
+        rest = (e.forces(motion) - loads)[e.free]
+        a[e.free] += self.kept.correction(rest)  # after convergence: round-off only is left
         return self.placed(ahead, held, a)
 
-    def _solved(
-        self, ahead: Ahead, held: Motions, loads: np.ndarray, a: np.ndarray, fast: float
-    ) -> np.ndarray | None:
+    def push(self, end: Instant, change: Moving) -> Moving:
+        """Change of what the step ends with, from that of what it begins with."""
+        ahead, held = self.predicted(change), end.parameters.supports(end.time)
+        a = np.zeros_like(change.u)
+        known = moved(self.placed(ahead, held, a))
+        a[self.equation.free] = self.unknown(end).moved(known)
+        return self.placed(ahead, held, a)
+
+    def pull(self, end: Instant, weights: Moving) -> Moving:
+        """Weights of what the step begins with, from those of what it ends with.
+
+        With multipliers ``λ`` of the equations at its end, ``(M + κ(h γ C + h² β K))ᵀ λ`` is the
+        weight of the accelerations there.
+        """
+        by_a = self.rule.weigh_acceleration(weights)[self.equation.free]
+        through = self.unknown(end).weighed(by_a)
+        return self.rule.weigh_start(end.freed(weights, through))
+
+    def _solved(self, end: EndOfStep, a: np.ndarray) -> np.ndarray | None:
         """Accelerations at the end, None where Newton's method fails."""
-        solution = solve(EndOfStep(self, ahead, held, loads, fast), a, self.settings)
+        solution = solve(end, a, self.settings)
         self.iterations += solution.iterations + 1
         return solution.x if solution.accepted else None
 
@@ -138,28 +159,6 @@ class TransientStep:
         return new
 
 
-class Linearised:
-    """The equations of a step near some motion."""
-
-    def __init__(self, step: TransientStep, motion: Motions):
-        self.step, self.motion = step, motion
-        self.stiffness = step.equation.tangent(motion.u)
-
-    @cached_property
-    def sizes(self) -> scipy.sparse.csc_matrix:
-        """Sizes of the entries of the stiffness."""
-        return abs(self.stiffness)
-
-    @cached_property
-    def factor(self) -> Factors | None:
-        """Factors of the equations; None where nothing is free."""
-        return self.step.factor(self.step.equation.slopes(self.motion, self.stiffness))
-
-    def solve(self, rest: np.ndarray) -> np.ndarray:
-        """Accelerations of the free displacements that forces ``rest`` bring."""
-        return np.zeros(0) if self.factor is None else self.factor.solve(rest)
-
-
 class EndOfStep(Equations[np.ndarray]):
     """The equations of motion at the end of a step, in the accelerations (n,) there.
 
@@ -169,29 +168,39 @@ class EndOfStep(Equations[np.ndarray]):
     ahead : its end without acceleration
     held : prescribed motion at its end
     loads : (n,) applied forces there
+    time : instant there [s]
     fast : share of the residual that a step may leave for its factors to be taken again
     """
 
     def __init__(
-        self, by: TransientStep, ahead: Ahead, held: Motions, loads: np.ndarray, fast: float
+        self,
+        by: TransientStep,
+        ahead: Ahead,
+        held: Motions,
+        loads: np.ndarray,
+        time: float,
+        fast: float,
     ):
         self.by, self.ahead, self.held, self.loads, self.fast = by, ahead, held, loads, fast
-        self._near, self._left = by.kept if fast else None, np.inf
+        self.time, self._near, self._left = time, by.kept if fast else None, np.inf
 
     def motion(self, a: np.ndarray) -> Motions:
         """The motion at the end."""
         return moved(self.by.placed(self.ahead, self.held, a))
 
+    def _unknown(self, motion: Motions) -> Unknown:
+        return self.by.unknown(Instant(self.by.equation, motion, self.time))
+
     def residual(self, x: np.ndarray) -> Residual:
         motion, e = self.motion(x), self.by.equation
         if self._near is None:
-            self._near = Linearised(self.by, motion)
-        return self.by.residual(motion, self.loads, e.free, self._near.sizes)
+            self._near = self._unknown(motion)
+        return self.by.residual(motion, self.loads, e.free, self._near.at.sizes)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
         before, self._left = self._left, relative(residual, self.by.settings.tolerance)
         if self._near is None or self._left > self.fast * before:
-            self._near = Linearised(self.by, self.motion(x))
+            self._near = self._unknown(self.motion(x))
         return self._near.solve(residual.value)
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:

@@ -1,8 +1,4 @@
-"""Adjoint gradients through time: the steps that were taken, backwards.
-
-The weight of the state is carried back, ``x̄_k = (∂x_{k+1}/∂x_k)ᵀ x̄_{k+1} + (what the response sees
-at k)``, and the weight of the parameters collected on the way to the initial state.
-"""
+"""Adjoint gradients of dynamics: the steps that were taken, backwards in chunks of the graph."""
 
 from __future__ import annotations
 
@@ -10,41 +6,40 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.analysis.step_outputs import alike
-from dalembert.integrators.march import CHUNK, branches, flagged
+from dalembert.integrators.march import branches, flagged
 from dalembert.integrators.step import Step
-from dalembert.integrators.steps import even_length, run_length
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_adjoint
+from dalembert.sensitivity.marching.walk import BackwardWalk
 from dalembert.symbolic.kernel import Kernel
 from dalembert.symbolic.once import once
 from dalembert.symbolic.prelude import Prelude
 
 
-class AdjointMarch(MarchedSample):
+class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
     """Gradient of one sampled response; its cost does not grow with the parameters."""
 
     def gradient(self) -> np.ndarray:
         """(np,) gradient by one backward march."""
-        steps, n = self.steps, self.size
-        p_bar, stop = np.zeros(self.p.size), steps.count
-        carried = np.append(self._injected(stop, stop, p_bar)[:, 0], np.zeros(self.p.size))
-        while stop > 0:
-            mode = int(steps.mode[stop - 1])
-            count = run_length(steps.mode[:stop][::-1], 0, CHUNK)
-            if self.kernel.fixed.at_once(mode):
-                count = even_length(steps.h[stop - count : stop][::-1])
-            injected = self._injected(stop - count, stop - 1, p_bar)
-            part = np.arange(stop - 1, stop - count - 1, -1)
-            given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
-            carried = self._backward(count, mode, stop, carried, (*given, injected[:, ::-1]))
-            stop -= count
-        return p_bar + carried[n:] + self._through_start(carried[:n])
+        self.p_bar = np.zeros(self.p.size)
+        self.backwards()
+        return self.p_bar
 
-    def _injected(self, first: int, last: int, p_bar: np.ndarray) -> np.ndarray:
+    def depart(self) -> np.ndarray:
+        """``[x̄; p̄]``, which is carried, at the end."""
+        return np.append(self._injected(self.count, self.count)[:, 0], np.zeros(self.p.size))
+
+    def pull(self, begin: int, end: int, weights: np.ndarray) -> np.ndarray:
+        seen = self._injected(begin, end - 1)[:, ::-1]
+        return self._backward(begin, end, weights, (*self.given(begin, end, back=True), seen))
+
+    def pull_start(self, weights: np.ndarray) -> None:
+        self.p_bar += weights[self.size :] + self._through_start(weights[: self.size])
+
+    def _injected(self, first: int, last: int) -> np.ndarray:
         """(n, last − first + 1) weights that the response gives the states with these numbers.
 
         Those of outputs inside steps are moved to where their step begins; what falls to the
-        parameters is added to ``p_bar``.
+        parameters is added to theirs.
         """
         injected = np.zeros((self.size, last - first + 1))
         chosen = self.seen(first, last)
@@ -61,24 +56,18 @@ class AdjointMarch(MarchedSample):
             self.sample.weights[None, chosen],
         )
         x_bar[: seen.shape[0]] = seen
-        p_bar += more.sum(axis=1)
-        length, k = self.branches.length[chosen], self.branches.index[chosen]
-        inside = np.flatnonzero((length != 0) & ~self.ends[chosen])
-        for mode, part in alike(self.steps.mode[k[inside]], inside):
+        self.p_bar += more.sum(axis=1)
+        for mode, part in self.parts_of_steps(chosen):
             x_bar[:, part], more = self.kernel.over(self.step_of(mode).adjoint, part.size)(
-                self.steps.t[k[part]],
-                length[part],
-                self.steps.x[:, k[part]],
-                np.tile(self.p[:, None], part.size),
-                x_bar[:, part],
+                *self.partial(chosen[part]), x_bar[:, part]
             )
-            p_bar += more.sum(axis=1)
+            self.p_bar += more.sum(axis=1)
         np.add.at(injected.T, self.number[chosen] - first, x_bar.T)
         return injected
 
-    def _backward(self, count: int, mode: int, left: int, carried: np.ndarray, given) -> np.ndarray:
-        """What ``count`` of the steps left make of ``[x̄; p̄]``, backwards in one call."""
-        n, p = self.size, self.p
+    def _backward(self, begin: int, end: int, carried: np.ndarray, given) -> np.ndarray:
+        """What the steps between two states make of ``[x̄; p̄]``, backwards in one call."""
+        n, p, count, mode = self.size, self.p, end - begin, int(self.steps.mode[begin])
         if self.kernel.fixed.at_once(mode):
             return _backward_chunk(self.step_of(mode), count)(carried, *given, p)[0].ravel()
         compiled = self.kernel.steps(mode).compiled
@@ -86,7 +75,7 @@ class AdjointMarch(MarchedSample):
         first = np.append(carried[:n], np.zeros(prelude.rate_count))
         values = prelude.values(p).full()
         columns = self.kernel.marched(single, (6,))
-        columns.announce(left)
+        columns.announce(end)
         last = columns(count, first, *given, values)[0][:, -1]
         return np.append(last[:n], carried[n:] + prelude.adjoint(p, last[n:]).full().ravel())
 

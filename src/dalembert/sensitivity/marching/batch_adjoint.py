@@ -48,8 +48,7 @@ class BatchAdjoint:
             return False
         for sample in self.samples:
             seen = MarchedSample(sample)
-            inside = (seen.branches.length != 0) & ~seen.ends
-            if inside.any() or sample.moves_with is not None:
+            if seen.within.any() or sample.moves_with is not None:
                 return False
         return True
 

@@ -1,4 +1,4 @@
-"""Direct gradients through time: ``∂x/∂p`` is carried along with the steps that were taken."""
+"""Direct gradients of dynamics: ``∂x/∂p`` is carried along, in chunks of the graph."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.step_outputs import alike
 from dalembert.integrators.march import CHUNK, branches, flagged
 from dalembert.integrators.step import Step
-from dalembert.integrators.steps import even_length, run_length
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
+from dalembert.sensitivity.marching.walk import ForwardWalk
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.kernel import Kernel
@@ -24,7 +24,7 @@ MOST = 1 << 18
 """Numbers of ``∂x/∂p`` at the steps of a chunk that are held at once."""
 
 
-class DirectMarch:
+class DirectMarch(ForwardWalk[np.ndarray]):
     """Gradients of sampled responses of one run with respect to chosen parameters.
 
     Parameters
@@ -36,11 +36,15 @@ class DirectMarch:
     def __init__(self, samples: Sequence[Sample], columns: Sequence[int]):
         self.seen = [MarchedSample(sample) for sample in samples]
         self.columns = tuple(columns)
-        self.count = len(self.columns)
+        self.width = len(self.columns)
+
+    @property
+    def count(self) -> int:
+        return self.run.count
 
     def gradient(self) -> np.ndarray:
         """(responses, columns) by one march over the steps with all columns."""
-        gradient = np.zeros((len(self.seen), self.count))
+        gradient = np.zeros((len(self.seen), self.width))
 
         def add(row: int, k: int, rates: np.ndarray) -> None:
             gradient[row] += self.seen[row].sample.weights[k] * rates
@@ -50,7 +54,7 @@ class DirectMarch:
 
     def samples(self) -> list[np.ndarray]:
         """(K, columns) derivatives of the samples that have a weight, for each response."""
-        found = [np.zeros((sample.modes.size, self.count)) for sample in self.seen]
+        found = [np.zeros((sample.modes.size, self.width)) for sample in self.seen]
 
         def keep(row: int, k: int, rates: np.ndarray) -> None:
             found[row][k] = rates
@@ -60,26 +64,25 @@ class DirectMarch:
 
     def _march(self, take: Take) -> None:
         """One march over the steps; ``take`` is told row, sample and its derivatives."""
-        if not (self.seen and self.count):
+        if not (self.seen and self.width):
             return
-        self.run = self.seen[0]
-        steps, n, c = self.run.steps, self.run.size, self.count
+        self.run, self._take = self.seen[0], take
         self.unit = self.run.model.tangents(self.run.p, self.columns)
-        longest = int(np.clip(MOST // (n * c), 1, CHUNK))
-        dx, begin = self._at_start(), 0
-        while begin < steps.count:
-            count, mode = run_length(steps.mode, begin, longest), int(steps.mode[begin])
-            if self.run.kernel.fixed.at_once(mode):
-                count = even_length(steps.h[begin : begin + count])
-            part = slice(begin, begin + count)
-            given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
-            out = self._forward(count, mode, dx, given)
-            changes = np.hstack([dx, out]).T.reshape(count + 1, c, n)
-            self._look(take, begin, changes[:-1])
-            dx, begin = out[:, -c:], begin + count
-        self._look(take, steps.count, dx.T.reshape(1, c, n))
+        self.forwards()
 
-    def _look(self, take: Take, first: int, changes: np.ndarray) -> None:
+    def ahead(self, begin: int) -> int:
+        return self.run.ahead(begin, int(np.clip(MOST // (self.run.size * self.width), 1, CHUNK)))
+
+    def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
+        out = self._forward(begin, end, change)
+        changes = np.hstack([change, out]).T.reshape(end - begin + 1, self.width, -1)
+        self._look(begin, changes[:-1])
+        return out[:, -self.width :]
+
+    def arrive(self, change: np.ndarray) -> None:
+        self._look(self.count, change.T.reshape(1, self.width, -1))
+
+    def _look(self, first: int, changes: np.ndarray) -> None:
         """Take what the responses see of ``∂x/∂p``, (states, columns, n), from a state on."""
         n, kernel = self.run.size, self.run.kernel
         for row, sample in enumerate(self.seen):
@@ -88,31 +91,27 @@ class DirectMarch:
                 continue
             states = sample.states_at(chosen)
             moved = changes[sample.number[chosen] - first]
-            k, length = sample.branches.index[chosen], sample.branches.length[chosen]
-            inside = np.flatnonzero((length != 0) & ~sample.ends[chosen])
-            for mode, part in alike(sample.steps.mode[k[inside]], inside):
-                tangents = kernel.over(_inside(sample.step_of(mode), self.count), part.size)
-                begin = sample.steps.t[k[part]], length[part], sample.steps.x[:, k[part]]
-                dx = tangents(*begin, *self._alike(part.size, _beside(moved[part])))[0]
-                moved[part] = dx.reshape(n, part.size, self.count).transpose(1, 2, 0)
+            for mode, part in sample.parts_of_steps(chosen):
+                tangents = kernel.over(_inside(sample.step_of(mode), self.width), part.size)
+                along = _beside(moved[part]), np.tile(self.unit, part.size)
+                dx = tangents(*sample.partial(chosen[part]), *along)[0]
+                moved[part] = dx.reshape(n, part.size, self.width).transpose(1, 2, 0)
             for mode, part in alike(sample.modes[chosen], np.arange(chosen.size)):
                 size = sample.step_of(mode).state_size
-                measured = _measured(sample.measured(kernel.variants[mode]), self.count)
+                measured = _measured(sample.measured(kernel.variants[mode]), self.width)
                 rates = kernel.over(measured, part.size)(
                     sample.motion.time[chosen[part]],
                     states[:size, part],
-                    *self._alike(part.size, _beside(moved[part][:, :, :size])),
+                    np.tile(self.run.p[:, None], part.size),
+                    _beside(moved[part][:, :, :size]),
+                    np.tile(self.unit, part.size),
                 )[0]
                 for j, row_rates in zip(part, rates.reshape(part.size, -1), strict=True):
-                    take(row, int(chosen[j]), row_rates)
+                    self._take(row, int(chosen[j]), row_rates)
 
-    def _alike(self, count: int, dx: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Parameters, changes of the states, and those of the parameters at so many instants."""
-        return np.tile(self.run.p[:, None], count), dx, np.tile(self.unit, count)
-
-    def _at_start(self) -> np.ndarray:
+    def push_start(self) -> np.ndarray:
         """(n, columns) ``∂x/∂p`` of the first state."""
-        run, c = self.run, self.count
+        run, c = self.run, self.width
         p, t = run.p, float(run.steps.t[0])
         y, v = run.assembled()
         unit = self.unit
@@ -127,17 +126,18 @@ class DirectMarch:
         more = memory_tangent(first).map(c)(t, x0, p, memory, 0, dx, unit)
         return np.vstack([dx, more.full()])
 
-    def _forward(self, count: int, mode: int, dx: np.ndarray, given) -> np.ndarray:
-        """Tangents of ``count`` steps in one call."""
-        kernel, p = self.run.kernel, self.run.p
+    def _forward(self, begin: int, end: int, dx: np.ndarray) -> np.ndarray:
+        """Tangents of the steps between two states in one call."""
+        kernel, p, given = self.run.kernel, self.run.p, self.run.given(begin, end)
+        count, mode = end - begin, int(self.run.steps.mode[begin])
         if kernel.fixed.at_once(mode):
-            forward = _forward_chunk(self.run.step_of(mode), count, self.count)
+            forward = _forward_chunk(self.run.step_of(mode), count, self.width)
             return forward(dx, *given, p, self.unit)[0]
-        prelude, single = _forward_step(kernel, mode, self.count)
+        prelude, single = _forward_step(kernel, mode, self.width)
         values = prelude.values(p).full()
-        rates = prelude.tangent.map(self.count)(np.tile(p[:, None], self.count), self.unit).full()
+        rates = prelude.tangent.map(self.width)(np.tile(p[:, None], self.width), self.unit).full()
         columns = kernel.marched(single, (5, 6))
-        columns.announce(self.run.steps.count)
+        columns.announce(self.count)
         return columns(count, dx, *given, values, rates)[0]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
@@ -10,15 +9,15 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.integrators.march import CHUNK, flagged
-from dalembert.integrators.steps import run_length
+from dalembert.integrators.march import flagged
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
+from dalembert.sensitivity.marching.walk import ForwardWalk
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.columns import Columns
 from dalembert.symbolic.once import once
 
 
-class DirectionalMarch(MarchedSample):
+class DirectionalMarch(MarchedSample, ForwardWalk[np.ndarray]):
     """``ẋ`` of the states that a sampled response sees, along one direction.
 
     Parameters
@@ -39,6 +38,9 @@ class DirectionalMarch(MarchedSample):
         found = tangent(t, y, self.p, 0, np.zeros(y.size), self.direction)
         return found[0].full().ravel(), found[1].full().ravel()
 
+    def push_start(self) -> np.ndarray:
+        return self.first
+
     @cached_property
     def first(self) -> np.ndarray:
         """(n, 1) ``ẋ`` at the start, memory included."""
@@ -53,17 +55,18 @@ class DirectionalMarch(MarchedSample):
 
     def changes(self) -> np.ndarray:
         """(n, steps + 1) ``ẋ`` at the ends of all steps."""
-        steps, p, d = self.steps, self.p, self.direction
-        columns, begin = [self.first], 0
-        while begin < steps.count:
-            count = run_length(steps.mode, begin, CHUNK)
-            part = slice(begin, begin + count)
-            given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
-            forward = self._forward(int(steps.mode[begin]))
-            (out,) = forward(count, columns[-1][:, -1], *given, p, d)
-            columns.append(out)
-            begin += count
-        return np.hstack(columns)
+        self._columns = [self.first]
+        self.forwards()
+        return np.hstack(self._columns)
+
+    def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
+        forward, given = self._forward(int(self.steps.mode[begin])), self.given(begin, end)
+        (out,) = forward(end - begin, change[:, -1], *given, self.p, self.direction)
+        self._columns.append(out)
+        return out
+
+    def arrive(self, change: np.ndarray) -> None:
+        """What is seen is taken from all changes, afterwards."""
 
     def _forward(self, mode: int) -> Columns:
         return repeated(self.kernel, _along(self.kernel, mode))
@@ -73,24 +76,12 @@ class DirectionalMarch(MarchedSample):
         k = self.branches.index
         sampled = changes[:, k].copy()
         sampled[:, self.ends] = changes[:, k[self.ends] + 1]
-        for mode, part in self.inside():
+        for mode, part in self.parts_of_steps(np.arange(k.size)):
             along = np.tile(self.direction[:, None], part.size)
             (sampled[:, part],) = self.kernel.over(self.step_of(mode).tangent, part.size)(
                 *self.partial(part), changes[:, k[part]], along
             )
         return sampled
-
-    def inside(self) -> Iterator[tuple[int, np.ndarray]]:
-        """Modes, and the outputs inside steps that were taken in them."""
-        k = self.branches.index
-        inside = np.flatnonzero((self.branches.length > 0) & ~self.ends)
-        for mode in np.unique(self.steps.mode[k[inside]]) if inside.size else ():
-            yield int(mode), inside[self.steps.mode[k[inside]] == mode]
-
-    def partial(self, part: np.ndarray) -> tuple:
-        """Where the partial steps to these outputs begin, and how long they are."""
-        k, p = self.branches.index[part], np.tile(self.p[:, None], part.size)
-        return self.steps.t[k], self.branches.length[part], self.steps.x[:, k], p
 
 
 @once

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 
 import casadi as ca
@@ -9,38 +10,61 @@ import numpy as np
 
 from dalembert.analysis.branches import Branches
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.step_outputs import alike
 from dalembert.analysis.variant import Variant
+from dalembert.integrators.march import CHUNK
 from dalembert.integrators.step import Step
-from dalembert.integrators.steps import Steps
+from dalembert.integrators.steps import even_length, run_length
+from dalembert.sensitivity.marching.sightings import Sightings
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
 
-class MarchedSample:
-    """What direct and adjoint gradients of one sampled response have in common.
-
-    Attributes
-    ----------
-    ends : (K,) whether an output is the end of its step
-    number : (K,) number of the state that an output is, or branches from
-    active : outputs with a weight, in the order of ``number``
-    """
+class MarchedSample(Sightings):
+    """What direct and adjoint gradients of one sampled response have in common."""
 
     def __init__(self, sample: Sample):
-        self.sample, self.motion = sample, sample.motion
-        record = self.motion.record
-        self.kernel: DynamicsKernel = record.kernel
-        self.steps: Steps = record.steps
-        self.branches: Branches = record.branches
+        super().__init__(sample)
+        self.kernel: DynamicsKernel = self.motion.record.kernel
         self.model = self.motion.model
         self.p = self.motion.parameters
         self.modes = self.kernel.modes(self.steps, self.branches)
         self.size = self.steps.x.shape[0]
-        self.ends = self.branches.ends_of(self.steps)
-        self.number = self.branches.index + self.ends
-        active = np.flatnonzero(sample.weights)
-        self.active = active[np.argsort(self.number[active], kind="stable")]
+
+    @property
+    def count(self) -> int:
+        """Number of steps."""
+        return self.steps.count
+
+    def ahead(self, begin: int, longest: int = CHUNK) -> int:
+        """The state up to which the steps from another one are of one kind."""
+        return begin + self._alike(self.steps.mode[begin:], self.steps.h[begin:], longest)
+
+    def behind(self, end: int) -> int:
+        """The same backwards."""
+        return end - self._alike(self.steps.mode[:end][::-1], self.steps.h[:end][::-1], CHUNK)
+
+    def _alike(self, modes: np.ndarray, h: np.ndarray, longest: int) -> int:
+        """How many steps in front are taken in one call."""
+        count = run_length(modes, 0, longest)
+        return even_length(h[:count]) if self.kernel.fixed.at_once(int(modes[0])) else count
+
+    def given(self, begin: int, end: int, back: bool = False) -> tuple[np.ndarray, ...]:
+        """Instants, lengths, corrections and states that steps begin with, maybe backwards."""
+        part = np.arange(end - 1, begin - 1, -1) if back else slice(begin, end)
+        s = self.steps
+        return s.t[part], s.h[part], s.corrected[part], s.x[:, part]
+
+    def parts_of_steps(self, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+        """Modes, and places among chosen outputs of those inside steps of this mode."""
+        places = np.flatnonzero(self.within[chosen])
+        return alike(self.steps.mode[self.branches.index[chosen[places]]], places)
+
+    def partial(self, part: np.ndarray) -> tuple:
+        """Where the parts of steps to these outputs begin, and how long they are."""
+        k, p = self.branches.index[part], np.tile(self.p[:, None], part.size)
+        return self.steps.t[k], self.branches.length[part], self.steps.x[:, k], p
 
     @cached_property
     def states(self) -> np.ndarray:
@@ -51,11 +75,6 @@ class MarchedSample:
         """(n, …) states at some of the outputs."""
         part = Branches(self.branches.index[chosen], self.branches.length[chosen])
         return self.kernel.branch_states(self.steps, part, self.p)
-
-    def seen(self, first: int, last: int) -> np.ndarray:
-        """Active outputs at or after the states of these numbers, before the next state."""
-        begin, end = np.searchsorted(self.number[self.active], [first, last + 1])
-        return self.active[begin:end]
 
     def step_of(self, mode: int) -> Step:
         return self.kernel.variants[mode].step

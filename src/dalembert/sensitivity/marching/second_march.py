@@ -13,16 +13,15 @@ import numpy as np
 
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.march import CHUNK, flagged
-from dalembert.integrators.steps import run_length
+from dalembert.integrators.march import flagged
 from dalembert.sensitivity.marching.directional_march import DirectionalMarch, repeated
 from dalembert.sensitivity.marching.second_step import second_begin, second_step
+from dalembert.sensitivity.marching.walk import BackwardWalk
 from dalembert.sensitivity.samples import Sample, weights_change
-from dalembert.symbolic.columns import Columns
 from dalembert.symbolic.once import once
 
 
-class SecondMarch(DirectionalMarch):
+class SecondMarch(DirectionalMarch, BackwardWalk[np.ndarray]):
     """``H d`` of one sampled response.
 
     Parameters
@@ -59,11 +58,27 @@ class SecondMarch(DirectionalMarch):
                 f"went over {len(crossings)}, first at t = {self.steps.t[crossings[0][0]]:.6g} s; "
                 "smooth the forces, or take differences of gradients"
             )
-        changes = self.changes()
-        pairs, p_bar = self._seen(self.sampled(changes))
-        injected, more = self._inject(pairs, changes)
-        first, marched = self._march_back(injected, changes)
-        return p_bar + more + marched + self._through_start(first)
+        self._moved = self.changes()
+        pairs, self._found = self._seen(self.sampled(self._moved))
+        self._injected, more = self._inject(pairs, self._moved)
+        self._found += more
+        self.backwards()
+        return self._found
+
+    def depart(self) -> np.ndarray:
+        """``[x̄; d x̄; d p̄]``, which is carried, at the end."""
+        return np.concatenate([self._injected[:, -1], np.zeros(self.p.size)])
+
+    def pull(self, begin: int, end: int, weights: np.ndarray) -> np.ndarray:
+        back = repeated(self.kernel, _back(self.kernel, int(self.steps.mode[begin])))
+        given = self.given(begin, end, back=True)
+        along = (x[:, begin:end][:, ::-1] for x in (self._moved, self._injected))
+        (columns,) = back(end - begin, weights, *given, *along, self.p, self.direction)
+        return columns[:, -1]
+
+    def pull_start(self, weights: np.ndarray) -> None:
+        n = 2 * self.size
+        self._found += weights[n:] + self._through_start(weights[:n])
 
     def _seen(self, sampled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """``[x̄; d x̄]`` (2n, K) that the response sees, and ``d p̄`` (np,)."""
@@ -90,7 +105,7 @@ class SecondMarch(DirectionalMarch):
         begins = self.branches.length == 0
         np.add.at(injected.T, k[begins], pairs[:, begins].T)
         np.add.at(injected.T, k[self.ends] + 1, pairs[:, self.ends].T)
-        for mode, part in self.inside():
+        for mode, part in self.parts_of_steps(np.arange(k.size)):
             along = np.tile(self.direction[:, None], part.size)
             *back, more = self.kernel.over(second_step(self.step_of(mode)), part.size)(
                 *self.partial(part), pairs[:n, part], changes[:, k[part]], along, pairs[n:, part]
@@ -98,23 +113,6 @@ class SecondMarch(DirectionalMarch):
             np.add.at(injected.T, k[part], np.vstack(back).T)
             p_bar += more.sum(axis=1)
         return injected, p_bar
-
-    def _march_back(self, injected, changes) -> tuple[np.ndarray, np.ndarray]:
-        n, steps = self.size, self.steps
-        carried = np.concatenate([injected[:, -1], np.zeros(self.p.size)])
-        stop = steps.count
-        while stop > 0:
-            count = run_length(steps.mode[:stop][::-1], 0, CHUNK)
-            part = np.arange(stop - 1, stop - count - 1, -1)
-            given = (steps.t[part], steps.h[part], steps.corrected[part], steps.x[:, part])
-            (columns,) = self._backward(int(steps.mode[stop - 1]))(
-                count, carried, *given, changes[:, part], injected[:, part], self.p, self.direction
-            )
-            carried, stop = columns[:, -1], stop - count
-        return carried[: 2 * n], carried[2 * n :]
-
-    def _backward(self, mode: int) -> Columns:
-        return repeated(self.kernel, _back(self.kernel, mode))
 
     def _through_start(self, pair: np.ndarray) -> np.ndarray:
         """``d p̄`` through the assembled initial state."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dalembert.results.structural.measured_states import Formula
+from dalembert.sensitivity.marching.sightings import Sightings
 from dalembert.sensitivity.samples import Sample
 
 Look = tuple[int, int]
@@ -53,14 +54,14 @@ class Looks:
             self._place(r, sample)
 
     def _place(self, r: int, sample: Sample) -> None:
-        branches = sample.motion.record.branches
-        ends = branches.ends_of(self.record.steps)
-        for k in (int(k) for k in np.flatnonzero(sample.weights)):
-            index, length = int(branches.index[k]), float(branches.length[k])
-            if ends[k] or not length:
-                self.ends.setdefault(index + int(ends[k]), []).append((r, k))
+        sightings = Sightings(sample)
+        for k in (int(k) for k in sightings.active):
+            node = int(sightings.number[k])
+            if sightings.within[k]:
+                length = float(sightings.branches.length[k])
+                self.inside.setdefault(node, {}).setdefault(length, []).append((r, k))
             else:
-                self.inside.setdefault(index, {}).setdefault(length, []).append((r, k))
+                self.ends.setdefault(node, []).append((r, k))
 
     def motion(self, look: Look):
         """The motion that a look looks at."""

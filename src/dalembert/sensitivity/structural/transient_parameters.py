@@ -5,10 +5,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from dalembert.analysis.structural.instant import Instant
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions
 from dalembert.structures.columns import Products, Pulls, Pushes
 from dalembert.structures.kind import ElementKind
@@ -45,6 +47,8 @@ class TimedPull:
 
     def add(self, weights: np.ndarray, time: float) -> None:
         """Add weights (n, rows) at a time."""
+        if not weights.any():
+            return
         if self.source.depends_on_time:
             self._found = self._found + self._pulled(weights, time)
         else:
@@ -58,6 +62,16 @@ class TimedPull:
     def _pulled(self, weights: np.ndarray, time: float) -> np.ndarray:
         columns = [self.source.pull(self.p, w, time) for w in weights.T]
         return np.stack(columns, axis=1)
+
+
+@dataclass
+class Weighed:
+    """Weights (n, rows) of the equations at an instant, and of the applied forces there."""
+
+    motion: Motions
+    time: float
+    equations: np.ndarray
+    loads: np.ndarray
 
 
 class ParameterWeights:
@@ -82,7 +96,7 @@ class ParameterWeights:
         self._supports = [TimedPull(array, e.p) for array in e.supports]
         self._damping = np.zeros((2, rows))
         self._own = np.zeros((e.p.size, rows))
-        self._kept: list[tuple[Motions, np.ndarray]] = []
+        self._kept: list[Weighed] = []
         largest = max((b.degrees.size for b in e.assembly.blocks), default=1)
         self._most = max(1, ENTRIES // (largest * rows))
 
@@ -90,24 +104,27 @@ class ParameterWeights:
         """Add weights (np, rows) of the parameters themselves."""
         self._own += weights
 
-    def equations(self, motion: Motions, multiplier: np.ndarray) -> None:
-        """Add ``ηᵀ ∂g/∂p`` at a motion (n,) with multipliers (n, rows)."""
-        self._kept.append((motion, multiplier))
-        if len(self._kept) >= self._most:
-            self._flush()
+    def pull(self, source: Timed, weights: np.ndarray) -> None:
+        """Add weights (n, rows) of numbers that depend on parameters."""
+        self.own(np.stack([source.pull(self.equation.p, w) for w in weights.T], axis=1))
 
-    def equilibrium(self, u: np.ndarray, multiplier: np.ndarray) -> None:
-        """Add ``ηᵀ ∂f/∂p`` at displacements (n,) with multipliers (n, rows)."""
-        self._exact.forces(u[:, None], multiplier[:, None, :])
-        self._heated.forces(u[:, None], multiplier[:, None, :])
+    def equations(self, at: Instant, weights: np.ndarray) -> None:
+        """Add ``ηᵀ ∂r/∂p`` of the equations at an instant with weights (n, rows)."""
+        there = self._there(at)
+        there.equations += weights
+        there.loads -= weights
 
-    def loads(self, weights: np.ndarray, time: float) -> None:
-        """Add weights (n, rows) of the applied forces."""
-        self._loads.add(weights, time)
+    def loads(self, at: Instant, weights: np.ndarray) -> None:
+        """Add weights (n, rows) of the applied forces alone."""
+        self._there(at).loads += weights
 
-    def expansion(self, weights: np.ndarray, time: float) -> None:
-        """Add weights (n, rows) of the forces of hindered expansion."""
-        self._expansion.add(weights, time)
+    def _there(self, at: Instant) -> Weighed:
+        """What is kept of an instant, which is taken to the parameters once."""
+        if not self._kept or self._kept[-1].motion is not at.motion:
+            if len(self._kept) >= self._most:
+                self._flush()
+            self._kept.append(Weighed(at.motion, at.time, *np.zeros((2, *self._at_rest.shape))))
+        return self._kept[-1]
 
     def supports(self, weights: Motions, time: float) -> None:
         """Add weights (held, rows) of prescribed displacements, velocities, accelerations."""
@@ -134,8 +151,12 @@ class ParameterWeights:
         if not self._kept:
             return
         e = self.equation
-        u, v, a = (np.stack(c, axis=1) for c in zip(*(m for m, _ in self._kept), strict=True))
-        eta = np.stack([multiplier for _, multiplier in self._kept], axis=1)
+        for there in self._kept:
+            self._loads.add(there.loads, there.time)
+            self._expansion.add(-there.equations, there.time)
+        motions = zip(*(there.motion for there in self._kept), strict=True)
+        u, v, a = (np.stack(columns, axis=1) for columns in motions)
+        eta = np.stack([there.equations for there in self._kept], axis=1)
         self._kept = []
         driven = a + e.alpha * v
         self._inertia.add(driven, eta)
@@ -189,15 +210,14 @@ class ParameterChanges:
         strained = m.u + e.beta * m.v if e.linear else e.beta * m.v
         if e.linear or e.beta:
             found = found + (self._stiffness @ strained).reshape(count, -1).T
-        found = found + (self._at_rest if e.linear else self.equilibrium(m.u))
+        if e.linear:
+            found = found + self._at_rest
+        else:
+            found = found + self._exact.forces(m.u) + self._heated.forces(m.u)
         if self._damping.any():
             found = found + np.outer(e.momentum(m.u, m.v), self._damping[0])
             found = found + np.outer(e.stiffness @ m.v, self._damping[1])
         return found
-
-    def equilibrium(self, u: np.ndarray) -> np.ndarray:
-        """(n, c) changes of the internal forces at displacements (n,)."""
-        return self._exact.forces(u) + self._heated.forces(u)
 
     def loads(self, time: float) -> np.ndarray:
         """(n, c) changes of the applied forces."""
