@@ -6,8 +6,10 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
+import casadi as ca
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import planar, spatial, structures
@@ -53,18 +55,29 @@ def solid(s: structures.Structure, modulus) -> None:
     s.add(structures.Tetrahedron("cell", tuple(nodes), **numbers))
 
 
+def space_frame(s: structures.Structure, modulus) -> None:
+    corners = {"A": (0, 0, 0), "C": (0.5, 0.2, 0.1), "D": (1, 0, 0.2)}
+    nodes = {n: s.node(n, *p) for n, p in corners.items()}
+    numbers = {"area": 1e-3, "second_moment_y": 1e-6, "second_moment_z": 2e-6}
+    numbers |= {"torsion_constant": 2e-6, "modulus": modulus, "shear_modulus": modulus / 2.6}
+    for k, (i, j) in enumerate(("AC", "CD")):
+        beam = structures.SpaceFrame(f"beam{k}", nodes[i], nodes[j], density=1000.0, **numbers)
+        s.add(beam)
+
+
 SHAPES: dict[str, tuple[Build, str]] = {
     "bars": (bars, "AB"),
     "frame": (frame, "AB"),
     "plate": (plate, "AB"),
     "solid": (solid, "ABC"),
+    "space frame": (space_frame, "A"),
 }
 
 
 def held(shape: str, load: float) -> da.Model:
     """In a mechanism, with joints at its feet and a force at D."""
     build, feet = SHAPES[shape]
-    system = da.System(shape)
+    system = da.System(shape.replace(" ", "_"))
     modulus = system.parameter("E", SOFT)
     structure = structures.Structure(shape)
     build(structure, modulus)
@@ -77,6 +90,8 @@ def held(shape: str, load: float) -> da.Model:
         point = system.ground.point(*(float(place[k]) for k in range(d)))
         if shape == "frame":
             system.add(planar.Weld(f"hold{foot}", point, body))
+        elif shape == "space frame":
+            system.support(body)
         else:
             joint = planar.Revolute if d == 2 else spatial.Spherical
             system.add(joint(f"hold{foot}", point, body))
@@ -103,7 +118,7 @@ def as_elements(shape: str, load: float) -> da.Model:
     system, drawn = da.System(shape), structures.Structure(shape)
     build(drawn, system.parameter("modulus", SOFT))
     kinds = planar if drawn.dimension == 2 else spatial
-    kind = kinds.Node if shape == "frame" else kinds.PointNode
+    kind = kinds.Node if "frame" in shape else kinds.PointNode
     nodes = {n: system.add(kind(n, position=drawn.nodes[n].position)) for n in drawn.nodes}
     for element in drawn.elements.values():
         ties = [nodes[node.name] for node in element.nodes()]
@@ -121,10 +136,11 @@ def as_elements(shape: str, load: float) -> da.Model:
 @pytest.mark.parametrize("shape", SHAPES)
 def test_elements_between_bodies_are_those_of_the_structure(shape):
     whole, parts = (da.solve_equilibrium(made(shape, 40.0)) for made in (held, as_elements))
-    for axis in "xyz"[: (SHAPES[shape][0] is solid and 3) or 2]:
+    for axis in "xyz"[: 3 if shape in ("solid", "space frame") else 2]:
         np.testing.assert_allclose(parts[f"D.{axis}"], whole[f"S.D.{axis}"], rtol=1e-9, atol=1e-12)
+    integrator = da.RK4() if shape == "space frame" else da.HHT()
     runs = [
-        da.solve_dynamics(made(shape, 40.0), 0.02, step=1e-3, integrator=da.HHT())
+        da.solve_dynamics(made(shape, 40.0), 0.02, step=1e-3, integrator=integrator)
         for made in (held, as_elements)
     ]
     np.testing.assert_allclose(runs[1]["D.y"], runs[0]["S.D.y"], rtol=1e-9, atol=1e-12)
@@ -188,6 +204,9 @@ def test_wrong_nodes_supports_and_loads_are_told():
         placed.build()
     with pytest.raises(da.ModelError, match="a: unknown direction 'rz'; known: ux, uy"):
         system.support(a, rz=0.0)
+    solid_node = system.add(spatial.Node("n", position=(0, 0, 0)))
+    with pytest.raises(da.ModelError, match="n: rx cannot be prescribed alone in space"):
+        system.support(solid_node, rx=0.0)
     with pytest.raises(da.ModelError, match="expected nodes"):
         system.support(body)
     with pytest.raises(da.ModelError, match="a: gets no load; give one of fx, fy"):
@@ -238,6 +257,73 @@ def test_it_turns_as_a_rigid_body_does():
     energy = motion["kinetic_energy"].values
     assert energy[-1] == pytest.approx(energy[0], rel=1e-4)
     assert motion["S.D.angle"].values[-1] == pytest.approx(1.0, abs=2e-3)
+
+
+def test_a_thrown_space_frame_keeps_its_momenta_and_its_energy():
+    system, structure = da.System("thrown"), structures.Structure("frame")
+    space_frame(structure, 2e7)
+    motion = {"velocity": (0.3, 0.1, -0.2), "angular_velocity": (1.0, 2.0, -1.5)}
+    made = system.add(structures.ElasticStructure("S", structure=structure, **motion))
+    model = system.build()
+    run = da.solve_dynamics(model, 0.1, step=1e-4, integrator=da.RK4(), outputs=3)
+    energy = run["energy"].values
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-8)
+    e = model.equations
+    masses = ca.Function("masses", [e.y], [e.inertia.matrix])
+    totals = []
+    for y, v in zip(run.trajectory.y.T, run.trajectory.v.T, strict=True):
+        momenta = (masses(y).full() @ v).reshape(-1, 6)
+        poses = y.reshape(len(made.bodies), 7)
+        axes = Rotation.from_quat(poses[:, [4, 5, 6, 3]])
+        spin = np.cross(poses[:, :3], momenta[:, :3]) + axes.apply(momenta[:, 3:])
+        totals.append([*momenta[:, :3].sum(axis=0), *spin.sum(axis=0)])
+    np.testing.assert_allclose(totals, np.tile(totals[0], (3, 1)), atol=1e-10)
+
+
+def test_a_pinned_bar_turns_on_stretched_by_its_own_pull():
+    """One element about a slanted axis past half a turn.
+
+    With the cubic deflections of an element of length L the pull is
+    ``m ω² (13/35 r − 3/140 L) = E A (r/L − 1)``.
+    """
+    system, omega, modulus, area, density = da.System("bar"), 3.0, 1e6, 1e-4, 1000.0
+    axis, along = np.array([1.0, 2.0, 2.0]) / 3, np.array([2.0, 1.0, -2.0]) / 3
+    pull = density * omega**2 / modulus
+    stretched = (1 - 3 / 140 * pull) / (1 - 13 / 35 * pull)
+    spin = tuple(omega * axis)
+    a, b = (
+        system.add(
+            spatial.Node(
+                name,
+                position=tuple(k * along),
+                velocity=tuple(k * stretched * np.cross(spin, along)),
+                rotation=da.rotation.axis_angle((1, 2 * k, 3), 0.4),
+                angular_velocity=spin,
+            )
+        )
+        for k, name in enumerate("ab")
+    )
+    system.add(
+        structures.SpaceFrame(
+            "bar",
+            a,
+            b,
+            area=area,
+            second_moment_y=area**2 / 12,
+            second_moment_z=area**2 / 12,
+            torsion_constant=area**2 / 6,
+            modulus=modulus,
+            shear_modulus=modulus / 2.6,
+            density=density,
+        )
+    )
+    system.add(spatial.Spherical("O", system.ground.point(0, 0, 0), a.center))
+    for k, name in enumerate("xyz"):
+        system.initial(getattr(b, name), stretched * along[k])
+    motion = da.solve_dynamics(system.build(), 1.2, step=1e-3, integrator=da.RK4(), outputs=5)
+    turns = [Rotation.from_rotvec(omega * now * axis) for now in motion["time"].values]
+    expected = [stretched * turn.apply(along) for turn in turns]
+    np.testing.assert_allclose(motion["b.position"].values, expected, atol=1e-9)
 
 
 @pytest.mark.parametrize("shape", ["bars", "plate", "solid"])

@@ -20,6 +20,8 @@ Held = NodeBody | Sequence[NodeBody]
 def supports(ground: Ground, nodes: Held, displacements: dict[str, Any]) -> Iterator[Constraint]:
     """Constraints that prescribe displacements ``ux, uy, uz`` [m] and ``rz`` [rad] in the plane.
 
+    In space rotations are held all together, with all displacements, or not at all.
+
     Raises
     ------
     ModelError
@@ -35,14 +37,21 @@ def supports(ground: Ground, nodes: Held, displacements: dict[str, Any]) -> Iter
         }
         held = all(_is_zero(given.get(direction, 1.0)) for direction in known)
         place = ground.point(*(Expression(node.natural[k]) for k in range(node.dimension)))
+        turned = [direction for direction in given if direction in ROTATIONS[node.dimension]]
         if held and node.dimension == 2:
             joint = planar.Weld if _body(node).rotates else planar.Revolute
             yield joint(name, place, _body(node).center)
         elif held and not _body(node).rotates:
             yield spatial.Spherical(name, place, _body(node).center)
-        elif not displacements:
-            frame = ground.frame(tuple(place.local[k] for k in range(3)))
+        elif held:
+            stands = _body(node).initial[1]
+            frame = ground.frame(tuple(place.local[k] for k in range(3)), rotation=stands)
             yield spatial.Weld(name, frame, _body(node).frame())
+        elif turned and node.dimension == 3:
+            raise ModelError(
+                f"{node.name}: {turned[0]} cannot be prescribed alone in space; hold all of "
+                f"{', '.join(known)} at zero, or use a joint or a RotationalDriver"
+            )
         else:
             for direction, value in given.items():
                 yield _driver(f"{name}_{direction}", ground, node, direction, value)
@@ -60,7 +69,9 @@ def _driver(name: str, ground: Ground, node: NodeBody, direction: str, value: An
 
 
 def loads(nodes: Held, forces: dict[str, Any], number: int) -> Iterator[ForceElement]:
-    """Forces ``fx, fy, fz`` [N] on each of some nodes, and in the plane the moment ``mz`` [N m].
+    """Forces ``fx, fy, fz`` [N] and moments ``mx, my, mz`` [N m] on each of some nodes.
+
+    In fixed axes. Nodes of the plane have one moment, points have none.
 
     Parameters
     ----------
@@ -81,8 +92,11 @@ def loads(nodes: Held, forces: dict[str, Any], number: int) -> Iterator[ForceEle
         vector = tuple(forces.get(f"f{axis}", 0.0) for axis in "xyz"[: node.dimension])
         if any(not _is_zero(component) for component in vector):
             yield kind.Force(name, _body(node).center, vector)
-        if "mz" in forces:
+        moment = tuple(forces.get(f"m{axis}", 0.0) for axis in "xyz")
+        if node.dimension == 2 and "mz" in forces:
             yield planar.Moment(f"{name}_mz", _body(node), forces["mz"])
+        elif any(not _is_zero(component) for component in moment):
+            yield spatial.Torque(f"{name}_moment", _body(node), moment)
 
 
 def several(nodes: Held) -> list[NodeBody]:
@@ -110,8 +124,8 @@ def _body(node: NodeBody) -> Any:
 
 
 def _directions(node: NodeBody) -> tuple[str, ...]:
-    """Those that can be prescribed one by one."""
-    turns = ROTATIONS[2] if node.dimension == 2 and _body(node).rotates else ()
+    """Those of its motions."""
+    turns = ROTATIONS[node.dimension] if _body(node).rotates else ()
     return TRANSLATIONS[: node.dimension] + turns
 
 

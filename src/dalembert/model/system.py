@@ -74,7 +74,7 @@ class System(Description):
         element: Classes = None,
         *,
         velocity: Any = None,
-        angular_velocity: Any = 0.0,
+        angular_velocity: Any = None,
         **quantities: Any,
     ) -> ElasticStructure:
         """Add a mesh of finite elements, every node of which is a body.

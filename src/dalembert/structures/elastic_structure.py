@@ -22,7 +22,6 @@ from dalembert.elements.base import (
     Powers,
     Rate,
     option,
-    quantity,
 )
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.fem.between_bodies import BetweenBodies
@@ -31,13 +30,14 @@ from dalembert.elements.fem.node import Node
 from dalembert.elements.fem.node_bodies import NodeBody
 from dalembert.elements.look import Strand
 from dalembert.elements.planar import node as planar
+from dalembert.elements.rotation import identity
 from dalembert.elements.spatial import node as spatial
 from dalembert.errors import ModelError, UnsupportedError
 from dalembert.structures.blocks import Part
 from dalembert.structures.description import StructureDescription
 from dalembert.structures.mesh import Mesh
 from dalembert.structures.nodes import Nodes
-from dalembert.symbolic.expression import Expression, as_sx
+from dalembert.symbolic.expression import Expression, as_expression, as_sx
 from dalembert.text import unknown
 
 
@@ -51,25 +51,27 @@ class ElasticStructure(ForceElement):
     ----------
     structure : nodes and elements; its formulas are of parameters of the mechanism
     velocity : of the whole at the start [m/s]
-    angular_velocity : about the origin at the start, in the plane [rad/s]
+    angular_velocity : about the origin at the start, one number in the plane, three in space
+        [rad/s]
 
     Raises
     ------
     ModelError
         The structure has supports, loads or parameters of its own.
     UnsupportedError
-        Elements of one dimension, or that turn nodes in space.
+        Elements of one dimension.
     """
 
     structure: StructureDescription = option("nodes and elements", keyword=True)
     velocity: Any = option("of the whole at the start [m/s]", default=None, keyword=True)
-    angular_velocity: Any = quantity("rad/s", "about the origin", default=0.0, keyword=True)
+    angular_velocity: Any = option("about the origin [rad/s]", default=None, keyword=True)
     conservative = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._check()
         self.dimension = self.structure.dimension
+        self._spin = self._made_spin()
         self.parts_of_structure = [
             Part.of(given, self.structure.numbers) for given in self.structure.elements.values()
         ]
@@ -110,35 +112,42 @@ class ElasticStructure(ForceElement):
         turning = np.zeros(self.places.shape[1], dtype=bool)
         for part in self.parts_of_structure:
             turning[part.nodes] |= part.cls.turns
-        if self.dimension == 3 and turning.any():
-            raise UnsupportedError(
-                f"{self.name}: elements that turn nodes in space are not part of mechanisms yet; "
-                "use spatial.Beam"
-            )
         kinds = planar if self.dimension == 2 else spatial
         found = []
         for name, place, turns in zip(
             self._names(), ca.horzsplit(self.places), turning, strict=True
         ):
             kind = kinds.ElementNode if turns else kinds.ElementPointNode
-            angle = {"angle": 0.0} if turns else {}
-            spin = {"angular_velocity": self.angular_velocity} if turns else {}
+            start = self._standing if turns else {}
             found.append(
                 kind(
                     f"{self.name}.{name}",
                     position=Expression(place),
                     velocity=self._velocity_at(place),
-                    **angle,
-                    **spin,
+                    **start,
                 )
             )
         return found
 
+    def _made_spin(self) -> Expression:
+        """Its angular velocity at the start."""
+        size = 1 if self.dimension == 2 else 3
+        still: Any = 0.0 if size == 1 else (0.0,) * 3
+        given = still if self.angular_velocity is None else self.angular_velocity
+        return as_expression(given, f"{self.name}.angular_velocity", "rad/s", size)
+
+    @property
+    def _standing(self) -> dict[str, Any]:
+        """How nodes that turn stand at the start."""
+        still = {"angle": 0.0} if self.dimension == 2 else {"rotation": identity()}
+        return {**still, "angular_velocity": self._spin}
+
     def _velocity_at(self, place: ca.SX) -> Expression:
         given = ca.SX.zeros(self.dimension) if self.velocity is None else as_sx(self.velocity)
+        spin = self._spin.sx
         if self.dimension == 2:
-            given = given + self.angular_velocity.sx * ca.vertcat(-place[1], place[0])
-        return Expression(given)
+            return Expression(given + spin * ca.vertcat(-place[1], place[0]))
+        return Expression(given + ca.cross(spin, place))
 
     def _names(self) -> list[str]:
         """Those of single nodes, and of sets with their number behind."""

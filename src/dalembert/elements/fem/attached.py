@@ -11,7 +11,7 @@ from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.energies import Named
 from dalembert.elements.fem.nodal import Nodal
-from dalembert.elements.fem.rotations import carried_by_node
+from dalembert.elements.fem.rotations import turn_of, vector_of
 from dalembert.errors import ModelError
 
 AXES = ("x", "y", "z")
@@ -64,13 +64,22 @@ class GroundSpring(Attached):
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        parts = (q[f"stiffness_{a}"] * u[0][k] ** 2 / 2 for a, k in cls.directions(x))
+        moved = cls.moved(u)
+        parts = (q[f"stiffness_{a}"] * moved[k] ** 2 / 2 for a, k in cls.directions(x))
         return sum(parts, ca.SX(0))
+
+    @classmethod
+    def moved(cls, u: list[ca.SX]) -> ca.SX:
+        """Displacement of the node, behind it its rotation, in space as a vector."""
+        if cls.turns and u[0].numel() > 3:
+            return ca.vertcat(u[0][:3], vector_of(u[0]))
+        return u[0]
 
     @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         name, unit = cls.effort
-        return {f"{name}_{a}": (q[f"stiffness_{a}"] * u[0][k], unit) for a, k in cls.directions(x)}
+        moved = cls.moved(u)
+        return {f"{name}_{a}": (q[f"stiffness_{a}"] * moved[k], unit) for a, k in cls.directions(x)}
 
 
 @dataclass(eq=False)
@@ -78,7 +87,7 @@ class GroundRotationSpring(GroundSpring):
     """Springs that hold the rotation of a node, ``W = Σ k r²/2``.
 
     In the plane only ``stiffness_z`` counts. In space ``r`` are the components of the rotation
-    vector.
+    vector, which reaches half a turn in a mechanism and a whole one in a structure.
 
     Parameters
     ----------
@@ -139,7 +148,5 @@ class PointInertia(Attached):
         return sum((q[f"inertia_{a}"] * v[0][k] ** 2 / 2 for a, k in cls.directions(x)), ca.SX(0))
 
     @classmethod
-    def carried(
-        cls, u: list[ca.SX], v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
-    ) -> list[ca.SX]:
-        return [carried_by_node(u[0], v[0])]
+    def own_axes(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX | None:
+        return turn_of(u[0]) if x[0].numel() == 3 else None

@@ -5,7 +5,7 @@ To write a new one: a dataclass with ``name`` first, then its nodes, then its nu
 ``kinetic`` beside it if it has mass. Internal forces ``∂W/∂u``, tangent stiffness ``∂²W/∂u²``, mass
 matrix and all design derivatives follow by differentiation. Structures compile them once per kind
 of element and evaluate them for all elements of the kind at once; in a mechanism they are part of
-its equations. Where the inertia turns with the element, ``carried`` says how: inertia forces
+its equations. Where the inertia turns with the element, ``own_axes`` says how: inertia forces
 ``d/dt ∂T/∂v − ∂T/∂u`` follow from the same kinetic energy.
 """
 
@@ -72,8 +72,8 @@ class StructuralElement(Energies, ForceElement):
             if node not in bodies:
                 raise ModelError(
                     f"{node.name!r} is a node of a structure; in a mechanism take "
-                    "planar.PointNode, planar.Node or spatial.PointNode, or add the structure as "
-                    "a structures.ElasticStructure",
+                    "planar.PointNode, planar.Node, spatial.PointNode or spatial.Node, or add the "
+                    "structure as a structures.ElasticStructure",
                     self.name,
                 )
         options = tuple(self.options().items())

@@ -36,9 +36,9 @@ class BetweenBodies:
     nodes: tuple[NodeBody, ...]
     numbers: ca.SX
 
-    @cached_property
+    @property
     def u(self) -> ca.SX:
-        """Displacements of its nodes."""
+        """Displacements of its nodes, as their coordinates are written now."""
         turns = self.functions.graphs.cls.turns
         return ca.vertcat(*(node.displaced(turns, self.name) for node in self.nodes))
 
@@ -54,15 +54,33 @@ class BetweenBodies:
 
     def powers(self, rate: Rate) -> Powers:
         """The internal forces, ``−∂W/∂u``."""
-        return [(rate(self.u), -self.functions.stored(self.u, self.data)[1])]
+        return [(self.speeds(rate), -self.functions.stored(self.u, self.data)[1])]
+
+    def speeds(self, rate: Rate) -> ca.SX:
+        """Velocities of its nodes; in space with their spins in fixed axes."""
+        if not self.functions.by_spins:
+            return rate(self.u)
+        return ca.vertcat(*(part for n in self.nodes for part in (rate(n.place), n.turning)))
+
+    def accelerations(self, rate: Rate) -> ca.SX:
+        """Rates of the speeds."""
+        if not self.functions.by_spins:
+            return rate(self.speeds(rate))
+        parts = ((rate(rate(n.place)), n.turned(rate(n.spin))) for n in self.nodes)
+        return ca.vertcat(*(part for pair in parts for part in pair))
 
     def inertial_powers(self, rate: Rate) -> Powers:
         """``d/dt ∂T/∂v − ∂T/∂u``."""
         if self.functions.massless:
             return []
-        speed = rate(self.u)
-        force = self.functions.inertia(self.u, speed, rate(speed), self.data)
-        return [] if force.is_zero() else [(speed, force)]
+        speed = self.speeds(rate)
+        motion = [self.u, speed, self.accelerations(rate), self.data]
+        if self.functions.by_spins:
+            effort, spin, couple = self.functions.taken.call(motion)
+            pairs = [(speed, effort), (spin, couple)]
+        else:
+            pairs = [(speed, self.functions.inertia(*motion))]
+        return [pair for pair in pairs if not pair[1].is_zero()]
 
     def masses(self) -> list[tuple[ca.SX, ca.SX]]:
         """(place, mass) of its nodes."""

@@ -9,6 +9,7 @@ import casadi as ca
 
 from dalembert.elements.fem.energies import Rows
 from dalembert.elements.fem.graphs import ElementGraphs
+from dalembert.elements.fem.turning_graphs import TurningGraphs
 
 
 class CellFunctions:
@@ -28,10 +29,10 @@ class CellFunctions:
 
     @cached_property
     def stored(self) -> ca.Function:
-        """``(u, data)`` → strain energy and its slope by displacements."""
+        """``(u, data)`` → strain energy and internal forces."""
         g = self.graphs
         energy = self._summed(g.whole_energy, g.cls.samples)
-        return ca.Function("stored", [g.u, g.data], [energy, ca.gradient(energy, g.u)])
+        return ca.Function("stored", [g.u, g.data], [energy, g.slope(energy)], {"cse": True})
 
     @cached_property
     def inertia(self) -> ca.Function:
@@ -41,14 +42,28 @@ class CellFunctions:
             "inertia", inputs, [self._summed(force, self.graphs.cls.kinetic_samples)]
         )
 
+    @property
+    def by_spins(self) -> bool:
+        """Whether its speeds are no rates of coordinates: those of nodes that turn in space."""
+        return isinstance(self.graphs, TurningGraphs)
+
+    @cached_property
+    def taken(self) -> ca.Function:
+        """Of nodes that turn in space: see ``TurningGraphs.taken``."""
+        assert isinstance(self.graphs, TurningGraphs)
+        inputs, outputs = self.graphs.taken()
+        points = self.graphs.cls.kinetic_samples
+        summed = [self._summed(out, points) for out in (outputs[0], outputs[2])]
+        return ca.Function("taken", inputs, [summed[0], outputs[1], summed[1]], {"cse": True})
+
     @cached_property
     def shares(self) -> ca.Function:
         """``data`` → mass of each node, by the momentum of all of them along x."""
         g = self.graphs
-        per_node = g.u.numel() // g.node_count
+        per_node = g.v.numel() // g.node_count
         energy = self._summed(g.kinetic, g.cls.kinetic_samples)
         along = ca.vertcat(*([1, *[0] * (per_node - 1)] * g.node_count))
-        momentum = ca.substitute(ca.gradient(energy, g.u), g.u, along)
+        momentum = ca.substitute(ca.gradient(energy, g.v), g.v, along)
         return ca.Function("shares", [g.data], [momentum[::per_node]])
 
     @cached_property
@@ -82,4 +97,5 @@ def functions_of(
     cls: Any, dimension: int, node_count: int, options: tuple[tuple[str, Any], ...]
 ) -> CellFunctions:
     """Those of a kind of element, which are made once."""
-    return CellFunctions(ElementGraphs(cls, dimension, node_count, dict(options)))
+    graphs = TurningGraphs if cls.turns and dimension == 3 else ElementGraphs
+    return CellFunctions(graphs(cls, dimension, node_count, dict(options)))

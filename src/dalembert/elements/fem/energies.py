@@ -44,7 +44,8 @@ class Energies(Element):
 
         Parameters
         ----------
-        u : displacements (and rotations) of the nodes
+        u : displacements of the nodes, behind them rotations: an angle in the plane; in space what
+            ``rotations.turn_of`` and ``rotations.vector_of`` read
         x : positions of the nodes
         q : quantities of the element by field name, its options, and the sample ``at``
         """
@@ -79,15 +80,17 @@ class Energies(Element):
         return ca.SX(0)
 
     @classmethod
-    def carried(
-        cls, u: list[ca.SX], v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
-    ) -> list[ca.SX]:
-        """Velocities of the nodes as seen from the displaced element, in its initial axes.
+    def own_axes(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX | None:
+        """(d, d) by columns, axes of the displaced element that its inertia turns with.
 
-        ``kinetic`` of them is the kinetic energy of the displaced element; of elements whose
-        inertia is the same in all directions they are the velocities ``v`` themselves.
+        None where inertia is the same in all directions.
         """
-        return v
+        return None
+
+    @classmethod
+    def kinetic_seen(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        """Kinetic energy of velocities that are given in ``own_axes``."""
+        return cls.kinetic(v, x, q)
 
     @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:

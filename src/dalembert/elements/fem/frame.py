@@ -114,22 +114,22 @@ class Frame(Line):
         return ca.dot(before, after), before[0] * after[1] - before[1] * after[0]
 
     @classmethod
-    def carried(
-        cls, u: list[ca.SX], v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
-    ) -> list[ca.SX]:
-        along, across = cls.chord_turn(u, x)
-        size = ca.sqrt(along**2 + across**2)
-        c, s = along / size, across / size
-        return [ca.vertcat(c * w[0] + s * w[1], c * w[1] - s * w[0], w[2]) for w in v]
+    def own_axes(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        axis = x[1] - x[0] + u[1][:2] - u[0][:2]
+        axis /= ca.norm_2(axis)
+        return ca.horzcat(axis, ca.vertcat(-axis[1], axis[0]))
 
     @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        length = cls.length(x)
-        axis = (x[1] - x[0]) / length
-        across = ca.vertcat(-axis[1], axis[0])
-        mass = q["density"] * q["area"]
-        first, second = (ca.dot(axis, end[:2]) for end in v)
-        ends = [motion for end in v for motion in (ca.dot(across, end[:2]), end[2])]
+        back = cls.own_axes([ca.SX.zeros(2)] * 2, x, q).T
+        own = [ca.vertcat(ca.mtimes(back, end[:2]), end[2]) for end in v]
+        return cls.kinetic_seen(own, x, q)
+
+    @classmethod
+    def kinetic_seen(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        length, mass = cls.length(x), q["density"] * q["area"]
+        first, second = (end[0] for end in v)
+        ends = [motion for end in v for motion in (end[1], end[2])]
         bent = cls.bending(x, q).kinetic(ends, mass, cls.rotary_inertia(q))
         return linear_kinetic(first, second, mass * length) + bent
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 
@@ -24,6 +24,9 @@ class ElementGraphs(InertiaGraphs):
     linear : for small displacements: energies up to the second, measures to the first order
     """
 
+    rotation_numbers: ClassVar[dict[int, int]] = {}
+    """By dimension, how many numbers say how a node is turned, if not as many as rotate it."""
+
     def __init__(
         self,
         cls: type[Energies],
@@ -34,13 +37,15 @@ class ElementGraphs(InertiaGraphs):
     ):
         self.cls, self.dimension, self.node_count = cls, dimension, node_count
         self.linear = linear
-        per_node = dimension + (len(ROTATIONS[dimension]) if cls.turns else 0)
-        self._u = [ca.SX.sym(f"u{k}", per_node) for k in range(node_count)]
+        turns = len(ROTATIONS[dimension]) if cls.turns else 0
+        displaced = dimension + (self.rotation_numbers.get(dimension, turns) if cls.turns else 0)
+        self._u = [ca.SX.sym(f"u{k}", displaced) for k in range(node_count)]
+        self._v = [ca.SX.sym(f"v{k}", dimension + turns) for k in range(node_count)]
         self._x = [ca.SX.sym(f"x{k}", dimension) for k in range(node_count)]
         numbers = {f.name: ca.SX.sym(f.name, f.metadata["size"]) for f in cls.quantity_fields()}
         self.at = ca.SX.sym("at", len(cls.samples[0]))
         self._q: dict[str, Any] = {**numbers, **(options or {}), "at": self.at}
-        self.u = ca.vertcat(*self._u)
+        self.u, self.v = ca.vertcat(*self._u), ca.vertcat(*self._v)
         self.data = ca.vertcat(*self._x, *numbers.values())
 
     @property
@@ -82,6 +87,10 @@ class ElementGraphs(InertiaGraphs):
             along, factorial = ca.jacobian(along, share), factorial * k
             total += ca.substitute(along, share, ca.SX(0)) / factorial
         return total
+
+    def slope(self, energy: ca.SX) -> ca.SX:
+        """Internal forces of an energy."""
+        return ca.gradient(energy, self.u)
 
     def _at_rest(self, value: ca.SX) -> ca.SX:
         return ca.substitute(value, self.u, ca.SX.zeros(self.u.numel()))

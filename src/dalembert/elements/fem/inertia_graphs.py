@@ -8,11 +8,13 @@ from typing import Any
 import casadi as ca
 
 from dalembert.elements.fem.energies import Energies
-from dalembert.elements.fem.rotations import carried_by_node
+from dalembert.elements.fem.rotations import carried_by_node, spin_map
 
 
 class InertiaGraphs:
     """Mass matrices of elements in their initial places, and inertia forces of displaced ones.
+
+    ``v`` are the velocities of nodes, whose number may be less than that of their displacements.
 
     With ``T(u, v)`` the inertia forces are ``d/dt ∂T/∂v − ∂T/∂u``. A lumped inertia is the diagonal
     of a mass matrix, which turns with the nodes.
@@ -21,40 +23,42 @@ class InertiaGraphs:
     cls: type[Energies]
     linear: bool
     u: ca.SX
+    v: ca.SX
     data: ca.SX
     _u: list[ca.SX]
+    _v: list[ca.SX]
     _x: list[ca.SX]
     _q: dict[str, Any]
 
     @cached_property
     def kinetic(self) -> ca.SX:
-        """Kinetic energy of velocities ``u`` in the initial place."""
-        return ca.SX(self.cls.kinetic(self._u, self._x, self._q))
+        """Kinetic energy of velocities ``v`` in the initial place."""
+        return ca.SX(self.cls.kinetic(self._v, self._x, self._q))
 
     @cached_property
     def mass(self) -> ca.SX:
         """Twice the kinetic energy of a unit velocity of the whole."""
-        unit = [ca.vertcat(1, ca.DM.zeros(v.numel() - 1)) for v in self._u]
-        return 2 * ca.substitute(self.kinetic, self.u, ca.vertcat(*unit))
+        unit = [ca.vertcat(1, ca.DM.zeros(v.numel() - 1)) for v in self._v]
+        return 2 * ca.substitute(self.kinetic, self.v, ca.vertcat(*unit))
 
     # mass matrices ------------------------------------------------------------------------
     def _masses(self):
-        return [self.data], [ca.vec(ca.hessian(self.kinetic, self.u)[0])]
+        return [self.data], [ca.vec(ca.hessian(self.kinetic, self.v)[0])]
 
     def _push_mass(self):
         b, change = self._symbols("b", "change")
-        momentum = ca.substitute(ca.gradient(self.kinetic, self.u), self.u, b)
+        momentum = ca.substitute(ca.gradient(self.kinetic, self.v), self.v, b)
         return [b, self.data, change], [ca.jtimes(momentum, self.data, change)]
 
     def _pull_mass(self):
         a, b = self._symbols("a", "b")
-        momentum = ca.substitute(ca.gradient(self.kinetic, self.u), self.u, b)
+        momentum = ca.substitute(ca.gradient(self.kinetic, self.v), self.v, b)
         return [a, b, self.data], [ca.gradient(ca.dot(a, momentum), self.data)]
 
     @property
     def _inertia(self) -> ca.SX:
         """Diagonal of the mass matrix, and the mass."""
-        return ca.vertcat(ca.diag(ca.hessian(self.kinetic, self.u)[0]), self.mass)
+        return ca.vertcat(ca.diag(ca.hessian(self.kinetic, self.v)[0]), self.mass)
 
     def _diagonal(self):
         return [self.data], [self._inertia]
@@ -71,16 +75,36 @@ class InertiaGraphs:
     @cached_property
     def moving(self) -> dict[str, tuple[ca.SX, ca.SX]]:
         """``"consistent"`` and ``"lumped"`` → kinetic energy, and the numbers it is made of."""
-        v = [ca.SX.sym(f"v{k}", u.numel()) for k, u in enumerate(self._u)]
-        self.v, diagonal = ca.vertcat(*v), ca.SX.sym("diagonal", self.u.numel())
-        carried, by_node = v, v
+        v, diagonal = self._v, ca.SX.sym("diagonal", self.v.numel())
+        by_node, whole = v, self.kinetic
         if not self.linear:
-            carried = self.cls.carried(self._u, v, self._x, self._q)
+            whole = self.displaced_kinetic
             by_node = [carried_by_node(*node) for node in zip(self._u, v, strict=True)]
         return {
-            "consistent": (ca.substitute(self.kinetic, self.u, ca.vertcat(*carried)), self.data),
+            "consistent": (whole, self.data),
             "lumped": (ca.dot(diagonal, ca.vertcat(*by_node) ** 2) / 2, diagonal),
         }
+
+    @cached_property
+    def own_axes(self) -> ca.SX | None:
+        """By columns, axes that its inertia turns with."""
+        return self.cls.own_axes(self._u, self._x, self._q)
+
+    @cached_property
+    def displaced_kinetic(self) -> ca.SX:
+        """Kinetic energy of velocities ``v`` where it is displaced."""
+        if self.own_axes is None:
+            return self.kinetic
+        d, back = self._x[0].numel(), self.own_axes.T
+        seen = []
+        for u, v in zip(self._u, self._v, strict=True):
+            spin = v[d:] if d == 2 else ca.mtimes(back, self._spin(u, v))
+            seen.append(ca.vertcat(ca.mtimes(back, v[:d]), spin))
+        return ca.SX(self.cls.kinetic_seen(seen, self._x, self._q))
+
+    def _spin(self, u: ca.SX, v: ca.SX) -> ca.SX:
+        """Angular velocity of a node of space in fixed axes."""
+        return ca.mtimes(spin_map(u[3:]), v[3:])
 
     def turning(self, kind: str) -> bool:
         """Whether the inertia depends on the displacements."""

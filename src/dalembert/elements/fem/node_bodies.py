@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
@@ -10,14 +11,19 @@ from dalembert.elements.base import Look
 from dalembert.elements.body import BodyElement
 from dalembert.elements.fem.nodal import Nodal
 from dalembert.elements.look import Ball
-from dalembert.errors import ModelError, UnsupportedError
+from dalembert.errors import ModelError
 
 
 class NodeBody(Nodal):
     """A node of finite elements, ahead of the body that it is in the plane or in space.
 
-    Elements are free of stress where its ``position`` says, and turned by its ``angle``.
+    Elements are free of stress where its ``position`` says, and turned as its ``angle`` or
+    ``rotation`` does.
     """
+
+    turning: ca.SX
+    spin: ca.SX
+    turned: Callable[[ca.SX], ca.SX]
 
     @property
     def natural(self) -> ca.SX:  # type: ignore[override]
@@ -45,22 +51,22 @@ class NodeBody(Nodal):
 
         Raises
         ------
-        ModelError, UnsupportedError
-            It does not turn; or in space, where no element turns bodies.
+        ModelError
+            It is a point, which does not turn.
         """
         body: Any = self
         moved = self.place - self.natural
         if not turns:
             return moved
-        if self.dimension == 3:
-            raise UnsupportedError(
-                f"{entity}: elements that turn nodes in space are not part of mechanisms yet; use "
-                "spatial.Beam"
-            )
         if not body.rotates:
-            raise ModelError(f"turns its node {self.name}, a point; take planar.Node", entity)
-        angle = body.initial[1]
-        return ca.vertcat(moved, body.pose[2] - (0 if angle is None else angle.sx))
+            kind = "planar.Node" if self.dimension == 2 else "spatial.Node"
+            raise ModelError(f"turns its node {self.name}, a point; take {kind}", entity)
+        return ca.vertcat(moved, self.turned_by)
+
+    @property
+    def turned_by(self) -> ca.SX:
+        """How it has turned: the angle in the plane, the entries of the matrix in space."""
+        raise NotImplementedError
 
     def look(self) -> list[Look]:
         body: BodyElement = self  # type: ignore[assignment]

@@ -42,6 +42,16 @@ def spin_map(r: ca.SX) -> ca.SX:
     return ca.SX.eye(3) + versine * cross + lag * ca.mtimes(cross, cross)
 
 
+def turn_of(u: ca.SX) -> ca.SX:
+    """(3, 3) rotation of a node of space, whose vector or matrix is behind its displacement."""
+    return ca.reshape(u[3:], 3, 3) if u.numel() == 12 else rotation_matrix(u[3:])
+
+
+def vector_of(u: ca.SX) -> ca.SX:
+    """The same as a rotation vector; of a matrix the shortest one, by less than π."""
+    return rotation_vector(ca.reshape(u[3:], 3, 3)) if u.numel() == 12 else u[3:]
+
+
 def carried_by_node(u: ca.SX, v: ca.SX) -> ca.SX:
     """Velocity of a node with its spin in axes that turn with it; ``v`` itself but in space."""
     if v.numel() < 6:

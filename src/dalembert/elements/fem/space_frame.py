@@ -2,8 +2,9 @@
 
 Co-rotational as in the plane: the element's own axes turn with its chord and, about the chord, with
 the mean of its ends (Crisfield; Battini and Pacoste, Computer Methods in Applied Mechanics and
-Engineering 191, 2002), and its inertia with them. Rotations of nodes are rotation vectors, of any
-size below 2π.
+Engineering 191, 2002), and its inertia with them. Rotations of nodes are of any size: matrices in a
+mechanism, rotation vectors shorter than 2π in a structure. Against the axes of the element its ends
+turn by less than π.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from dalembert.elements.base import Scalar, Vector, quantity
 from dalembert.elements.fem.beams import Bending, linear_kinetic
 from dalembert.elements.fem.energies import Named
 from dalembert.elements.fem.lines import Line
-from dalembert.elements.fem.rotations import rotation_matrix, rotation_vector, spin_map
+from dalembert.elements.fem.rotations import rotation_vector, turn_of
 from dalembert.errors import ModelError
 
 UPRIGHT = 1e-3
@@ -106,7 +107,7 @@ class SpaceFrame(Line):
     ) -> tuple[ca.SX, list[ca.SX]]:
         """Its own axes after displacement, and those of its ends, by columns."""
         before = cls.axes(x, q)
-        ends = [ca.mtimes(rotation_matrix(end[3:]), before) for end in u]
+        ends = [ca.mtimes(turn_of(end), before) for end in u]
         chord = x[1] - x[0] + u[1][:3] - u[0][:3]
         along = chord / ca.norm_2(chord)
         third = ca.cross(along, ends[0][:, 1] + ends[1][:, 1])
@@ -170,20 +171,18 @@ class SpaceFrame(Line):
         )
 
     @classmethod
-    def carried(
-        cls, u: list[ca.SX], v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
-    ) -> list[ca.SX]:
-        back = ca.mtimes(cls.axes(x, q), cls.turned_axes(u, x, q)[0].T)
-        spins = [ca.mtimes(spin_map(end[3:]), w[3:]) for end, w in zip(u, v, strict=True)]
-        return [
-            ca.vertcat(ca.mtimes(back, w[:3]), ca.mtimes(back, spin))
-            for w, spin in zip(v, spins, strict=True)
-        ]
+    def own_axes(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return cls.turned_axes(u, x, q)[0]
 
     @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        length, axes = cls.length(x), cls.axes(x, q)
-        own = [(ca.mtimes(axes.T, end[:3]), ca.mtimes(axes.T, end[3:])) for end in v]
+        back = cls.axes(x, q).T
+        own = [ca.vec(ca.mtimes(back, ca.reshape(end, 3, 2))) for end in v]
+        return cls.kinetic_seen(own, x, q)
+
+    @classmethod
+    def kinetic_seen(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        length, own = cls.length(x), [(end[:3], end[3:]) for end in v]
         mass = q["density"] * q["area"]
         polar = q["density"] * (q["second_moment_y"] + q["second_moment_z"])
         (speed_i, spin_i), (speed_j, spin_j) = own

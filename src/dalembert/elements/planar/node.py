@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import casadi as ca
+
 from dalembert.elements.fem.node_bodies import NodeBody
 from dalembert.elements.flexible.nodes import OwnNode
 from dalembert.elements.planar.body import Body, Particle
@@ -13,6 +15,11 @@ class Node(NodeBody, Body):
     It takes what a ``Body`` takes. Elements are free of stress where ``position`` says, and turned
     by ``angle``.
     """
+
+    @property
+    def turned_by(self) -> ca.SX:
+        angle = self.initial[1]
+        return self.pose[2] - (0 if angle is None else angle.sx)
 
 
 class PointNode(NodeBody, Particle):
