@@ -136,14 +136,20 @@ def test_both_laws_agree_without_friction():
     assert impulses[0] == pytest.approx(impulses[1], rel=1e-13)
 
 
-def test_laws_are_not_mixed():
-    system = da.System("two")
-    for name, poisson in (("a", True), ("b", False)):
-        ball = system.add(planar.Particle(name, mass=1.0, position=(0, 1)))
+def balls(*laws: bool) -> da.System:
+    system = da.System("balls")
+    for k, poisson in enumerate(laws):
+        ball = system.add(planar.Particle(f"b{k}", mass=1.0, position=(0, 1)))
         law = {"restitution": 0.5, "poisson": poisson}
-        system.add(planar.UnilateralConstraint(f"floor_{name}", ball.y, **law))
-    model = system.build()
-    with pytest.raises(da.UnsupportedError, match="floor_a has restitution by Poisson's law"):
-        da.solve_dynamics(model, 1.0, step=0.01)
+        system.add(planar.UnilateralConstraint(f"floor{k}", ball.y, **law))
+    return system
+
+
+def test_laws_are_not_mixed():
+    with pytest.raises(da.ModelError, match="floor0: has restitution by Poisson's law and floor1"):
+        balls(True, False).build()
     with pytest.raises(da.UnsupportedError, match="leave out poisson=True"):
-        da.solve_nonsmooth(model, 1.0, step=0.01)
+        da.solve_nonsmooth(balls(True).build(), 1.0, step=0.01)
+    law = {"restitution": 0.5, "tangential_restitution": 0.5, "poisson": True}
+    with pytest.raises(da.ModelError, match="Poisson's law has none"):
+        planar.UnilateralConstraint("floor", da.t, **law)

@@ -7,8 +7,8 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import (
-    SaddleSolver,
     Formulation,
+    SaddleSolver,
     dynamic_equations,
     sizes_of,
     state_rate,

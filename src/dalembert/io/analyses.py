@@ -52,7 +52,8 @@ def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
 def _check(file: ModelFile, model: Any, analysis: Analysis) -> None:
     """What shows before a run that it cannot work is told as a slip of the file."""
     for option, check in analysis.checks(model).items():
-        with file.located("analysis", option), suppress(SingularityError):
+        where = ("analysis", option) if option else ("analysis",)
+        with file.located(*where), suppress(SingularityError):
             check()  # where the position is at fault, the run may begin at another one
 
 
