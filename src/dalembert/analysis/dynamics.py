@@ -11,6 +11,7 @@ import numpy as np
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.branches import Branches, outputs_of, place_outputs
+from dalembert.analysis.contact.start import refuse_overlap
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics_run import DynamicsRun
 from dalembert.analysis.energy_balance import check_balance
@@ -20,6 +21,7 @@ from dalembert.analysis.over_time import OverTime
 from dalembert.analysis.served import need_model
 from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.analysis.structural.transient import Transient
+from dalembert.analysis.timeline import checked_span
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.analysis.variant import Variant
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -125,9 +127,10 @@ class Dynamics(OverTime[Motion]):
         return {
             **super().checks(model),
             "stabilization": lambda: self.stabilization.check(self.formulation),
-            "coordinates": lambda: self.kernel(model),
+            "coordinates": lambda: self.coordinates.view(model, self.formulation.every_equation),
             "formulation": definite,
             "integrator": lambda: self.integrator.check(definite().problem),
+            "": lambda: refuse_overlap(model, checked_span(self.duration, self.t_span)[0]),
         }
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:

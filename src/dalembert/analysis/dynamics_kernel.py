@@ -100,7 +100,7 @@ class DynamicsKernel(StepOutputs):
         self.variants: list[Variant] = []
         self.contacts: ContactModes | None = None
         if self.equations.contacts:
-            check_contacts(self.equations, formulation, integrator)
+            check_contacts(self.equations, formulation)
             self.contacts = ContactModes(self.view, self.variants, self._mode)
         self._transitions: dict[tuple[int, int, bool], int] = {}
         self.fixed = FixedMarch(

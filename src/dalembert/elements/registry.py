@@ -195,6 +195,7 @@ SHAPES = {
         planar.contact.HalfPlane,
         planar.contact.Polygon,
         planar.contact.Rectangle,
+        planar.contact.Sprocket,
         planar.contact.Profile,
     ),
     3: named(

@@ -60,7 +60,8 @@ def _made(file: ModelFile, model: Any, cls: type, table: Any, *where: str) -> An
     with file.located(*where):
         analysis = cls(**_options(file, model, cls, table, where))
     for option, check in analysis.checks(model).items():
-        with file.located(*where, option), suppress(SingularityError):
+        place = (*where, option) if option else where
+        with file.located(*place), suppress(SingularityError):
             check()  # where the position is at fault, the run may begin at another one
     return analysis
 

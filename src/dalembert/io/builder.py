@@ -176,7 +176,7 @@ class Builder:
     def value(self, field: FileField, given: Any, scope: Scope, where: tuple[str, ...]) -> Any:
         readers: dict[Any, Callable[[], Any]] = {
             Quantity: lambda: self.formulas.read(given, scope),
-            Quantities: lambda: self.vector(given, scope),
+            Quantities: lambda: self.vector(_listed(given), scope),
             Points: lambda: {n: self.vector(at, Scope.PARAMETERS) for n, at in given.items()},
             Frames: lambda: {n: read_frame(at, self.formulas) for n, at in given.items()},
             Orientation: lambda: read_orientation(given, self.formulas),
@@ -247,6 +247,10 @@ def _formula_texts(cls: type, table: BaseModel) -> list[str]:
     for field in written(cls):
         if field.holds in (Quantity, Quantities, ForceLaw):
             given = getattr(table, field.name)
-            entries = given if isinstance(given, list) else [given]
-            found += [entry for entry in entries if isinstance(entry, str)]
+            found += [entry for entry in _listed(given) if isinstance(entry, str)]
     return found
+
+
+def _listed(given: Any) -> list:
+    """Where a single entry is enough, it may stand alone."""
+    return given if isinstance(given, list) else [given]

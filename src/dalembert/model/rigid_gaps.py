@@ -11,6 +11,7 @@ import casadi as ca
 from dalembert.elements.base import Element
 from dalembert.elements.contact.unilateral import Gap, Impact, Unilateral
 from dalembert.elements.coordinates import Coordinates, rate_of
+from dalembert.errors import ModelError
 from dalembert.symbolic.expression import stack, t
 
 
@@ -41,7 +42,13 @@ class RigidGap:
 
 
 def rigid_gaps(elements: Sequence[Element], everything: list[Coordinates]) -> tuple[RigidGap, ...]:
-    """The gaps of all elements that are rigid."""
+    """The gaps of all elements that are rigid.
+
+    Raises
+    ------
+    ModelError
+        Their laws of restitution cannot act in one impact.
+    """
     found: list[RigidGap] = []
     for element in elements:
         law = element.impact() if isinstance(element, Unilateral) else None
@@ -52,6 +59,13 @@ def rigid_gaps(elements: Sequence[Element], everything: list[Coordinates]) -> tu
             RigidGap(element.name, gap.distance, gap.slip, law, *forces, _heading(gap, law))
             for gap, forces in zip(gaps, element.pressing, strict=True)
         ]
+    first = {gap.impact.poisson: gap.name for gap in found}
+    if len(first) > 1:
+        raise ModelError(
+            f"has restitution by Poisson's law and {first[False]} by Newton's, and both may act in "
+            "one impact; give poisson=True to all rigid contacts or to none",
+            first[True],
+        )
     return tuple(found)
 
 

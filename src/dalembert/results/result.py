@@ -187,7 +187,10 @@ class Analysis(ABC, Generic[M, R]):
         """The result for a model, with some parameters replaced or all given."""
 
     def checks(self, model: M) -> Mapping[str, Callable[[], object]]:
-        """Option → what tells, before a run and without compiling it, that it cannot work."""
+        """Option → what tells, before a run and without compiling it, that it cannot work.
+
+        What is no fault of one option stands under an empty name.
+        """
         return {}
 
     def replay(self, result: R, p: np.ndarray) -> R:

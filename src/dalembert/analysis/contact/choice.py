@@ -12,12 +12,10 @@ from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import Pattern, Place
 from dalembert.analysis.contact.quantities import ContactState, slip_rows
 from dalembert.analysis.contact.ruling import Ruling
+from dalembert.analysis.contact.start import TOUCHING, refuse_negative
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.errors import AnalysisError
 from dalembert.model.contacts import Phase, Phases
 
-TOUCHING = 1e-9
-"""Gap, in natural lengths, that counts as none."""
 RESTING = 1e-9
 """Speed, relative to what it is the sum of, that counts as none."""
 ZENO = 1e-9
@@ -48,11 +46,7 @@ class ContactChoice:
     def at_start(self, t: float, x: np.ndarray, mode: int) -> Ruling:
         """Phases at the start; what closes there is left to the first step."""
         state = self._state(t, x, mode)
-        for k in np.flatnonzero(state.distance < -self.near):
-            raise AnalysisError(
-                f"{self.gaps[k].name}: its gap is {state.distance[k]:.6g} at the start; it must "
-                "not be negative, so move the bodies apart"
-            )
+        refuse_negative(self.gaps, state.distance, self.near)
         apart = (Phase.APART,) * len(self.gaps)
         resting = np.abs(state.speed) <= RESTING * state.size
         touching = [k for k in range(len(self.gaps)) if state.distance[k] <= self.near]

@@ -19,7 +19,6 @@ import numpy as np
 from dalembert.analysis.contact.pattern import Place
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import Formulation, state_symbols
-from dalembert.integrators.base import Integrator
 from dalembert.model.contacts import Phase, touching
 from dalembert.model.equations import Equations
 
@@ -119,7 +118,7 @@ def places_of(e: Equations, gaps: Sequence[int]) -> list[Place]:
     return [Place(k, tuple(slips[k])) for k in gaps]
 
 
-def check_contacts(e: Equations, formulation: Formulation, integrator: Integrator) -> None:
+def check_contacts(e: Equations, formulation: Formulation) -> None:
     """Refuse what cannot be stopped at impacts.
 
     Raises
@@ -127,16 +126,8 @@ def check_contacts(e: Equations, formulation: Formulation, integrator: Integrato
     UnsupportedError
         Names what works.
     """
-    name = e.contacts[0].name
     if formulation.every_equation:
         raise UnsupportedError(
-            f"{type(formulation).__name__} does not hold the rigid contact {name} exactly; use "
-            "formulation=RangeSpace()"
-        )
-    by_poisson = [gap.name for gap in e.contacts if gap.impact.poisson]
-    others = [gap.name for gap in e.contacts if not gap.impact.poisson]
-    if by_poisson and others:
-        raise UnsupportedError(
-            f"{by_poisson[0]} has restitution by Poisson's law and {others[0]} by Newton's, and both "
-            "may act in one impact; give poisson=True to all rigid contacts or to none"
+            f"{type(formulation).__name__} does not hold the rigid contact {e.contacts[0].name} "
+            "exactly; use formulation=RangeSpace()"
         )

@@ -14,6 +14,7 @@ from dalembert.elements.contact.shapes import Vertex
 from dalembert.elements.planar.contact.polygon import Polygon, Rectangle
 from dalembert.elements.planar.contact.profile import Profile
 from dalembert.elements.planar.contact.shapes import Bore, Circle, HalfPlane
+from dalembert.elements.planar.contact.sprocket import Sprocket
 
 __all__ = [
     "Bore",
@@ -30,6 +31,7 @@ __all__ = [
     "Profile",
     "Rectangle",
     "Restitution",
+    "Sprocket",
     "Stribeck",
     "Vertex",
     "achieved_restitution",
