@@ -6,7 +6,7 @@ calls ``solve_dynamics`` for each design; ``without lanes`` is a batch in C with
 All are told per design, after everything is compiled, with the time of the processors beside:
 on a machine that does other things, too, that is the one to compare.
 
-    pip install "dalembert[bench]" && python benchmarks/batches.py
+    pip install "dalembert[bench]" && python -m benchmarks.batches
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from n_four_bar import build, run_exudyn
 
 import dalembert as da
+from benchmarks.mechanisms import four_bars
+from benchmarks.solvers import exudyn as peer, ours
 
 RUN = {"duration": 1.0, "step": 1e-3, "outputs": 11}
 
@@ -40,9 +41,10 @@ def drawn(model: da.Model, count: int) -> dict[str, np.ndarray]:
 
 
 def measured(count: int, few: int, repeats: int, exudyn: bool) -> None:
-    model = build(1)
+    mechanism, _ = four_bars(1)
+    model = ours.build(mechanism)
     designs, some = drawn(model, count), drawn(model, few)
-    force = da.maximum("O0.force_norm")
+    force = da.maximum("j0.force_norm")
 
     def single() -> None:
         for k in range(few):
@@ -61,8 +63,8 @@ def measured(count: int, few: int, repeats: int, exudyn: bool) -> None:
     cases: dict[str, tuple[Callable[[], object], int]] = {
         "one by one": (single, few),
         "without lanes, 1 thread": (lambda: batch(1, "c"), count),
-        "4 lanes, 1 thread": (lambda: batch(1), count),
-        "4 lanes, 2 threads": (lambda: batch(2), count),
+        "lanes, 1 thread": (lambda: batch(1), count),
+        "lanes, 2 threads": (lambda: batch(2), count),
     }
     batch_of_two = da.solve_dynamics(model, parameters=some, backend="jit", workers=2, **RUN)
     gradients()
@@ -70,8 +72,8 @@ def measured(count: int, few: int, repeats: int, exudyn: bool) -> None:
     print(batch_of_two, batch_of_two.statistics)
     cases["adjoint gradients, 2 threads"] = gradients, count
     if exudyn:
-        run_exudyn(1, 100)
-        cases["Exudyn, solver alone"] = (lambda: run_exudyn(1, 1000), 1)
+        peer.run(mechanism, 1.0, 100)
+        cases["Exudyn, solver alone"] = (lambda: peer.run(mechanism, 1.0, 1000), 1)
     for name, (call, size) in cases.items():
         wall, cpu = timed(call, size, repeats)
         print(f"{name:<30} {wall:>10.3f} {cpu:>12.3f}", flush=True)

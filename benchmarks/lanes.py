@@ -1,9 +1,10 @@
 """Time per step and design when several designs of N four-bars march side by side.
 
-RK4, range space and projection as in ``n_four_bar.py``; one call for one design beside one call for
-several, each lane of the processor with one of them. Numbers agree to the last bit.
+RK4, range space and projection as in ``mechanisms.py``; one call for one design beside one call for
+several, each lane of the processor with one of them. Numbers agree to the last
+digits of sines and cosines.
 
-    python benchmarks/lanes.py
+    python -m benchmarks.lanes
 """
 
 from __future__ import annotations
@@ -15,13 +16,16 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from n_four_bar import build
 
 import dalembert as da
+from benchmarks.mechanisms import four_bars
+from benchmarks.solvers import ours
 from dalembert.symbolic.backends import BACKENDS
-from dalembert.symbolic.lanes import LANES, LaneColumns
+from dalembert.symbolic.lanes import LaneColumns
+from dalembert.symbolic.native.llvm import lane_count
 
 STEPS = 200
+LANES = lane_count()
 
 
 def best(call: Callable[[], object], repeats: int) -> float:
@@ -34,7 +38,7 @@ def best(call: Callable[[], object], repeats: int) -> float:
 
 
 def measured(count: int, repeats: int) -> None:
-    model = build(count)
+    model = ours.build(four_bars(count)[0])
     kernel = da.Dynamics(1.0, step=1e-3).kernel(model)
     x, mode = kernel.initial(model.start, 0.0, model.nominal)
     step = kernel.fixed.prepared(mode)

@@ -74,7 +74,8 @@ def test_designs_are_their_single_runs(model, choice):
     assert np.isnan(batch.values("A.force")[len(LENGTHS) :]).all()
 
 
-def test_neither_workers_nor_lanes_nor_neighbours_change_a_number(model):
+def test_neither_workers_nor_neighbours_change_a_number(model):
+    """Lanes only the last digits of sines and cosines."""
     rng = np.random.default_rng(1)
     designs = {"l1": rng.uniform(0.2, 0.9, 13), "m2": rng.uniform(2, 8, 13)}
     found = [
@@ -84,8 +85,8 @@ def test_neither_workers_nor_lanes_nor_neighbours_change_a_number(model):
     fewer = {name: column[3:6] for name, column in designs.items()}
     part = da.solve_dynamics(model, parameters=fewer, backend="jit", outputs=5, **RUN)
     values = found[0].values("A.force")
-    for other in found[1:]:
-        np.testing.assert_array_equal(other.values("A.force"), values)
+    np.testing.assert_array_equal(found[1].values("A.force"), values)
+    np.testing.assert_allclose(found[2].values("A.force"), values, rtol=1e-11)
     np.testing.assert_array_equal(part.values("A.force"), values[3:6])
 
 

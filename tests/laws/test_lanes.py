@@ -1,4 +1,4 @@
-"""Each lane gets what it would get alone, to the last bit."""
+"""Each lane gets what it would get alone, to the last bit, or to that of its sines and cosines."""
 
 from __future__ import annotations
 
@@ -11,8 +11,12 @@ import pytest
 import dalembert as da
 from dalembert import planar
 from dalembert.symbolic.backends import VirtualMachine
-from dalembert.symbolic.lanes import LANES, LaneColumns
+from dalembert.symbolic.lanes import LaneColumns
 from dalembert.symbolic.native import llvm
+from dalembert.symbolic.native.llvm import lane_count
+
+LANES = lane_count()
+LAST = 4 * np.finfo(float).eps
 
 
 @pytest.fixture(autouse=True)
@@ -30,8 +34,10 @@ def pendulum() -> da.Model:
     return system.build()
 
 
-def check(function: ca.Function, given, count: int, in_lanes: bool, **options) -> None:
-    """Every set alone, and all of them side by side."""
+def check(
+    function: ca.Function, given, count: int, in_lanes: bool, within: float = 0.0, **options
+) -> None:
+    """Every set alone, and all of them side by side; equal within a relative difference."""
     lanes = LaneColumns(function, **options)
     assert (lanes.side_by_side is not None) is in_lanes
     found, sets = lanes(count, *given), max(g.shape[0] for g in given)
@@ -39,7 +45,7 @@ def check(function: ca.Function, given, count: int, in_lanes: bool, **options) -
     for s in range(sets):
         expected = alone(count, *(g[min(s, g.shape[0] - 1)] for g in given))
         for result, wanted in zip(found, expected, strict=True):
-            np.testing.assert_array_equal(result[s], wanted)
+            np.testing.assert_allclose(result[s], wanted, rtol=within, atol=within)
 
 
 @pytest.mark.parametrize("sets", [1, 2, LANES, 2 * LANES + 1])
@@ -57,7 +63,15 @@ def test_steps_of_several_designs(sets, called):
     sizes = x.size, 1, 1, values.shape[1]
     s, now, length, q = (kind.sym(name, n) for name, n in zip("sthq", sizes, strict=True))
     function = ca.Function("march", [s, now, length, q], [function(now, length, s, q)])
-    check(function, [np.tile(x, (sets, 1)), t, h, values], 50, True, carried=True, fixed=(3,))
+    check(
+        function,
+        [np.tile(x, (sets, 1)), t, h, values],
+        50,
+        True,
+        50 * LAST,
+        carried=True,
+        fixed=(3,),
+    )
 
 
 def test_every_kind_of_operation():
@@ -66,7 +80,34 @@ def test_every_kind_of_operation():
     more = ca.vertcat(ca.sign(y), ca.logic_not(x[0] > 0), ca.erf(y), ca.fmax(x[1], y) ** y)
     function = ca.Function("kinds", [x, y], [chosen, more])
     rng = np.random.default_rng(4)
-    check(function, [rng.normal(size=(5, 2, 3)), rng.uniform(size=(5, 1, 3))], 3, True)
+    check(function, [rng.normal(size=(5, 2, 3)), rng.uniform(size=(5, 1, 3))], 3, True, LAST)
+
+
+def turned() -> LaneColumns:
+    x = ca.SX.sym("x")
+    return LaneColumns(ca.Function("turned", [x], [ca.vertcat(ca.sin(x), ca.cos(x))]))
+
+
+def test_sines_and_cosines_are_right_within_a_unit_in_the_last_place():
+    rng = np.random.default_rng(7)
+    near = rng.integers(-600_000, 600_000, 4000) * (np.pi / 2)
+    spread = [rng.uniform(-size, size, 4000) for size in (1.0, 10.0, 1e6)]
+    x = np.concatenate([near, *spread, 10.0 ** rng.uniform(-300, -1, 4000)]).reshape(4, -1)
+    (found,) = turned()(x.shape[1], x[:, None])
+    for k, function in enumerate((np.sin, np.cos)):
+        exact = function(x.astype(np.longdouble))
+        assert (np.abs(found[:, k] - exact) <= np.spacing(np.abs(found[:, k]))).all()
+
+
+def test_far_angles_are_left_to_the_library_and_change_no_neighbour():
+    x = np.array([0.3, 1e9, -0.0, np.inf, np.nan, -2e6, 7.0, 1.0])
+    with np.errstate(invalid="ignore"):
+        expected = np.array([np.sin(x), np.cos(x)])
+    (together,) = turned()(1, x[:, None, None])
+    np.testing.assert_allclose(together[:, :, 0].T, expected, rtol=LAST)
+    np.testing.assert_array_equal(np.signbit(together[2, 0]), True)
+    (alone,) = turned()(1, np.repeat(x[:1], 2)[:, None, None])
+    np.testing.assert_array_equal(alone[0], together[0])
 
 
 def test_graphs_of_matrices():

@@ -84,7 +84,13 @@ class ExplicitStep(Step):
         t, h, x, p = self._symbols(ca.SX)
         _, slopes = self.stages(t, h, x, p, self.needed)
         new = self.correct(t + h, self.advance(h, x, slopes), p)
-        return ca.Function("step", [t, h, x, p], [new], {"cse": True})
+        return ca.Function("step", [t, h, x, p], [new], self._shared)
+
+    @cached_property
+    def _shared(self) -> dict[str, Any]:
+        """Stages have nothing in common but what depends on time alone; looking for it is slow."""
+        moving = any(f.function.jac_sparsity(0, 0).nnz() for f in self._functions)
+        return {"cse": True} if moving else {}
 
     @cached_property
     def marching(self) -> Marching:
@@ -103,7 +109,7 @@ class ExplicitStep(Step):
         new = self.advance(h, x, slopes)
         if self.finish is not None:
             new = parts[1][1](t + h, new, q[cut:])
-        options: Any = {"cse": True} if kind is ca.SX else {}
+        options: Any = self._shared if kind is ca.SX else {}
         return ca.Function("step", [t, h, x, q], [new], options)
 
     @cached_property

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.symbolic.backends import Backend
 from dalembert.symbolic.columns import Columns
-from dalembert.symbolic.lanes import LANES, LaneColumns
+from dalembert.symbolic.lanes import LaneColumns
 
 MEMORY = 1 << 20
 """Bytes of states of one call, so that they stay near the processor."""
@@ -39,7 +39,7 @@ class LaneMarch:
     @property
     def width(self) -> int:
         """Sets in one call."""
-        return 1 if self._lanes is None else LANES
+        return 1 if self._lanes is None else self._lanes.lanes
 
     @property
     def threaded(self) -> bool:
@@ -48,13 +48,13 @@ class LaneMarch:
 
     @property
     def report(self) -> str:
-        return self._alone.report if self._lanes is None else f"LLVM, {LANES} lanes"
+        return self._alone.report if self._lanes is None else f"LLVM, {self.width} lanes"
 
     def shared(self, *columns: np.ndarray) -> list[np.ndarray]:
         """(count,) columns that all sets have, as ``run`` takes them."""
         if self._lanes is None:
             return list(columns)
-        return [np.repeat(column, LANES).reshape(-1, LANES).T for column in columns]
+        return [np.repeat(column, self.width).reshape(-1, self.width).T for column in columns]
 
     def run(
         self, x: np.ndarray, shared: list[np.ndarray], q: np.ndarray, chosen: np.ndarray
@@ -92,7 +92,7 @@ class LaneMarch:
                 own = [column if column.ndim == 1 else column[k] for column in shared]
                 found.append(self._alone(count, x[k], *own, q[k])[0][:, wanted].T)
             return np.array(found)
-        lanes = np.minimum(np.arange(LANES), len(x) - 1)
+        lanes = np.minimum(np.arange(self.width), len(x) - 1)
         same = [column if column.ndim == 2 else column[lanes] for column in shared]
         (states,) = self._lanes.group(count, [x[lanes], *same, q[lanes]], wanted)
         return states[: len(x)].transpose(0, 2, 1)

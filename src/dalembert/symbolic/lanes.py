@@ -1,9 +1,10 @@
 """A function of the graph called for several sets of arguments side by side.
 
 Machine code computes with as many numbers at once as the processor has lanes, one for each set.
-Each lane gets what it would get alone, to the last bit. Functions whose course depends on their
-numbers, such as equations solved by Newton's method, have no common course; they are called set by
-set.
+Each lane gets what it would get alone, to the last bit, but for sines and cosines, which are within
+a unit in the last place here and there; what is in other lanes changes nothing. Functions whose
+course depends on their numbers, such as equations solved by Newton's method, have no common course;
+they are called set by set.
 """
 
 from __future__ import annotations
@@ -20,11 +21,8 @@ from dalembert.symbolic.backends import Automatic
 from dalembert.symbolic.columns import Columns, NativeColumns, dense
 from dalembert.symbolic.kernel import flattened
 from dalembert.symbolic.native.code_cache import made
-from dalembert.symbolic.native.llvm import find_llvm
+from dalembert.symbolic.native.llvm import find_llvm, lane_count
 from dalembert.symbolic.native.source import c_source, hindrance
-
-LANES = 4
-"""Sets of arguments side by side."""
 
 
 class LaneColumns:
@@ -46,12 +44,13 @@ class LaneColumns:
         text, found = c_source(self.function), find_llvm()
         if text is None or hindrance(text) or found is None:
             return None
-        toolchain = type(found)(LANES)
+        toolchain = type(found)(lane_count())
         try:
             loop = made(text, toolchain)
         except UnsupportedError:
             return None
-        return _SideBySide(self.function, loop, toolchain.name, self.carried, self.fixed)
+        made_for = self.function, loop, toolchain.name, self.carried, self.fixed
+        return _SideBySide(toolchain.lanes, *made_for)
 
     @cached_property
     def alone(self) -> Columns:
@@ -82,10 +81,11 @@ class LaneColumns:
         parts: list[list[np.ndarray]] = []
         begin = 0
         if sets > 1 and self.side_by_side is not None:
+            width = self.side_by_side.lanes
             while begin < sets:
-                chosen = np.minimum(np.arange(begin, begin + LANES), sets - 1)
+                chosen = np.minimum(np.arange(begin, begin + width), sets - 1)
                 parts.append(self.side_by_side.group(count, [a[chosen] for a in given]))
-                begin += LANES
+                begin += width
         else:
             parts = [
                 [r[None] for r in self.alone(count, *(a[s] for a in given))] for s in range(sets)
@@ -96,7 +96,9 @@ class LaneColumns:
 class _SideBySide(NativeColumns):
     """Machine code in which every number is a row of as many numbers as there are lanes."""
 
-    lanes = LANES
+    def __init__(self, lanes: int, *made_for: Any):
+        self.lanes = lanes
+        super().__init__(*made_for)
 
     def group(
         self, count: int, arguments: Sequence[np.ndarray], chosen: np.ndarray | None = None
@@ -107,26 +109,28 @@ class _SideBySide(NativeColumns):
         ----------
         chosen : numbers of the columns that are wanted, where columns are no matrices; else all
         """
-        wanted = [n * (1 if i in self.once else count) * LANES for i, n in enumerate(self.sizes)]
+        wanted = [
+            n * (1 if i in self.once else count) * self.lanes for i, n in enumerate(self.sizes)
+        ]
         given = [
             flattened(self.function.name(), i, a.T, n, "C")
             for i, (a, n) in enumerate(zip(arguments, wanted, strict=True))
         ]
-        results = [np.empty(rows * columns * count * LANES) for rows, columns in self.shapes]
+        results = [np.empty(rows * columns * count * self.lanes) for rows, columns in self.shapes]
         if self.carried:
-            first = self.sizes[0] * LANES
+            first = self.sizes[0] * self.lanes
             whole = np.empty(first * (count + 1))
             whole[:first] = given[0]
             given[0], results[0] = whole, whole[first:]
         self._call(count, given, results)  # what is in lanes does not fail
         if chosen is not None:
             return [
-                r.reshape(count, rows, LANES)[chosen].transpose(2, 1, 0)
+                r.reshape(count, rows, self.lanes)[chosen].transpose(2, 1, 0)
                 for r, (rows, _) in zip(results, self.shapes, strict=True)
             ]
         return [
-            np.ascontiguousarray(r.reshape(-1, LANES).T)
-            .reshape(LANES, columns * count, rows)
+            np.ascontiguousarray(r.reshape(-1, self.lanes).T)
+            .reshape(self.lanes, columns * count, rows)
             .transpose(0, 2, 1)
             for r, (rows, columns) in zip(results, self.shapes, strict=True)
         ]

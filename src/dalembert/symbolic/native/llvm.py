@@ -18,7 +18,7 @@ from dalembert.symbolic.native.loop import ENTRY, SIGNATURE
 from dalembert.symbolic.native.real import LIBRARY
 from dalembert.symbolic.native.toolchain import Call, NotTranslated, Toolchain
 
-VERSION = 1
+VERSION = 2
 """Raised when the same text makes other instructions."""
 OPTIMISED = 1
 """Level of code generation; none changes how a number is rounded."""
@@ -71,6 +71,14 @@ class Llvm(Toolchain):
 def find_llvm() -> Llvm | None:
     """LLVM where its package is installed."""
     return Llvm() if find_spec("llvmlite") and find_spec("pycparser") else None
+
+
+@lru_cache
+def lane_count() -> int:
+    """Numbers that this processor computes with at once."""
+    import llvmlite.binding as llvm
+
+    return 8 if llvm.get_host_cpu_features().get("avx512f") else 4
 
 
 def needed_llvm() -> Llvm:

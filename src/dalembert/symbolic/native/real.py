@@ -5,6 +5,8 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 
+from dalembert.symbolic.native.sines import sines
+
 INTRINSICS = {
     **{name: name for name in ("sin", "cos", "exp", "log", "sqrt", "floor", "ceil", "pow")},
     **{"fabs": "fabs", "casadi_fabs": "fabs", "copysign": "copysign"},
@@ -52,7 +54,9 @@ class Real:
 
     def call(self, name: str, given: list[str]) -> str | None:
         """The call of a mathematical function; None for one that is not known."""
-        if name in INTRINSICS:
+        if self.lanes > 1 and name in TURNING:
+            callee = f"{name}.{self.suffix}"
+        elif name in INTRINSICS:
             callee = f"llvm.{INTRINSICS[name]}.{self.suffix}"
         elif name in LIBRARY:
             callee = LIBRARY[name] + ("" if self.lanes == 1 else f".{self.suffix}")
@@ -60,9 +64,21 @@ class Real:
             return None
         return f"call {self.ir} @{callee}({', '.join(f'{self.ir} {value}' for value in given)})"
 
+    @property
+    def both(self) -> str:
+        """The type of a sine and a cosine."""
+        return f"{{{self.ir}, {self.ir}}}"
+
+    def turned(self, value: str) -> str:
+        """The call that gives both of an angle in lanes."""
+        return f"call {self.both} @sincos.{self.suffix}({self.ir} {value})"
+
     def declarations(self, text: str) -> list[str]:
         """Declarations of the mathematical functions that a text calls."""
         made: list[str] = []
+        if any(f"@{name}.{self.suffix}(" in text for name in ("sincos", *TURNING)):
+            made = sines(self.ir, self.lanes, self.constant)
+            text = "\n".join([text, *made])
         for name in sorted(set(INTRINSICS.values())):
             if f"@llvm.{name}.{self.suffix}(" in text:
                 made.append(f"declare {self.ir} @llvm.{name}.{self.suffix}({self._given(name)})")
@@ -93,6 +109,8 @@ class Real:
         return [*lines, f"  ret {self.ir} {last}", "}"]
 
 
+TURNING = ("sin", "cos")
+"""Functions that lanes have of their own."""
 TWO = frozenset(
     ["pow", "copysign", "minnum", "maxnum", "fmod", "remainder", "atan2", "hypot"],
 )

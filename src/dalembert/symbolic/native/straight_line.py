@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator
 
 from dalembert.symbolic.native.c_text import CFunction
-from dalembert.symbolic.native.real import Real
+from dalembert.symbolic.native.real import TURNING, Real
 from dalembert.symbolic.native.toolchain import NotTranslated
 
 PIECE = 1000
@@ -123,6 +123,7 @@ class _Piece:
         self.first: list[str] = []
         self.values: dict[str, str] = {}
         self.flags: dict[str, str] = {}
+        self.turned: dict[str, str] = {}
         self.arguments: dict[str, str] = {}
         self.outputs: dict[str, list[tuple[str, str]]] = {}
         self.written: set[str] = set()
@@ -207,6 +208,11 @@ class _Piece:
             return self.new(f"select {chosen}, {ir} {self.real.constant(0)}")
         if what in COMPARISONS or what in JUNCTIONS or what == "!.":
             return self.told(what, values)
+        if what in TURNING and self.real.lanes > 1:
+            if values[0] not in self.turned:
+                self.turned[values[0]] = self.new(self.real.turned(values[0]))
+            pair = f"{self.real.both} {self.turned[values[0]]}"
+            return self.new(f"extractvalue {pair}, {TURNING.index(what)}")
         call = self.real.call(what, values)
         if call is None:
             raise _unknown(f"{what}()")
