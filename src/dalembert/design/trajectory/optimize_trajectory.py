@@ -19,8 +19,8 @@ from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.control import Control
 from dalembert.design.trajectory.defects import largest_defect
 from dalembert.design.trajectory.guess import guessed
-from dalembert.design.trajectory.optimal import OptimalTrajectory
 from dalembert.design.trajectory.ipopt import judged, solved
+from dalembert.design.trajectory.optimal import OptimalTrajectory
 from dalembert.design.trajectory.physics import Physics, speed_basis
 from dalembert.design.trajectory.quantities import (
     Conditions,
