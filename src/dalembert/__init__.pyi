@@ -94,13 +94,29 @@ from dalembert.design.studies.surfaces import (
 )
 from dalembert.design.studies.sweep import sweep as sweep
 from dalembert.design.synthesis.cam import FlatFaceCam as FlatFaceCam, RollerCam as RollerCam
+from dalembert.design.synthesis.chains import (
+    INVERSIONS as INVERSIONS,
+    from_chain as from_chain,
+    geared_five_bar as geared_five_bar,
+    six_bar as six_bar,
+)
 from dalembert.design.synthesis.dead_centre import dead_centre_four_bar as dead_centre_four_bar
 from dalembert.design.synthesis.four_bar import FourBar as FourBar
+from dalembert.design.synthesis.precision_points import (
+    five_point_four_bars as five_point_four_bars,
+)
 from dalembert.design.synthesis.slider_crank import SliderCrank as SliderCrank
+from dalembert.design.synthesis.swinging_cam import (
+    SwingingFlatCam as SwingingFlatCam,
+    SwingingRollerCam as SwingingRollerCam,
+)
 from dalembert.design.synthesis.synthesize import (
     Solution as Solution,
     Synthesis as Synthesis,
     synthesize as synthesize,
+)
+from dalembert.design.synthesis.synthesize_mechanism import (
+    synthesize_mechanism as synthesize_mechanism,
 )
 from dalembert.design.synthesis.target import Target as Target
 from dalembert.design.tolerance import tolerance as tolerance

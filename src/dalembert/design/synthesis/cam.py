@@ -1,6 +1,7 @@
 """Disc cams from a law of the follower.
 
-The cam turns by ``θ`` against the clock; the follower goes along y, at ``x = offset``, by ``s(θ)``.
+The cam turns by ``θ`` against the clock; the follower goes along y, at ``x = offset``, by ``s(θ)``,
+or swings by it.
 Source: R. L. Norton, *Cam Design and Manufacturing Handbook*, ch. 7.
 """
 
@@ -116,14 +117,67 @@ class FlatFaceCam(Cam):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class RollerCam(Cam):
-    """A follower with a roller of radius ``r`` and an offset ``e``.
+class RolledCam(Cam):
+    """A cam on which a roller rolls, whatever leads it.
 
-    Its centre goes along the pitch curve ``e^{−iθ}(e + i h)``, ``h = √((R + r)² − e²) + s``; the
-    pressure angle is ``atan((s' − e)/h)``. With ``r = 0`` the follower has a knife edge.
+    With the centre of the roller at ``p(θ)`` in the plane of complex numbers, the pitch curve is
+    ``e^{−iθ} p`` in the axes of the cam, its derivatives, turned, ``p' − i p`` and
+    ``p'' − 2i p' − p``.
     """
 
     roller_radius: float = 0.0
+
+    @abstractmethod
+    def centre(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``p`` and its first two derivatives by the angle of the cam."""
+
+    @abstractmethod
+    def way(self, theta: np.ndarray) -> np.ndarray:
+        """Direction in which the follower leads the centre where it rises."""
+
+    def pitch(self, theta: Any = None) -> np.ndarray:
+        """(n, 2) places of the centre of the roller in the axes of the cam."""
+        angles = self._angles(theta)
+        return _plane(np.exp(-1j * angles) * self.centre(angles)[0])
+
+    def profile(self, theta: Any = None) -> np.ndarray:
+        angles = self._angles(theta)
+        place, along = self.centre(angles)[0], self._along(angles)
+        inward = -1j * along / abs(along)
+        return _plane(np.exp(-1j * angles) * (place + self.roller_radius * inward))
+
+    def _along(self, angles: np.ndarray) -> np.ndarray:
+        place, rate, _ = self.centre(angles)
+        return rate - 1j * place
+
+    def pressure_angle(self, theta: Any = None) -> np.ndarray:
+        angles = self._angles(theta)
+        return np.angle(1j * self._along(angles) / self.way(angles))
+
+    def pitch_radius(self, theta: Any = None) -> np.ndarray:
+        """(n,) radius of curvature of the pitch curve [m]."""
+        angles = self._angles(theta)
+        place, rate, second = self.centre(angles)
+        along, bend = rate - 1j * place, second - 2j * rate - place
+        with np.errstate(divide="ignore"):  # the cam is on the right of the curve
+            return abs(along) ** 3 / -(along.conj() * bend).imag
+
+    def radius(self, theta: Any = None) -> np.ndarray:
+        return self.pitch_radius(theta) - self.roller_radius
+
+    def undercut(self) -> bool:
+        pitch = self.pitch_radius()
+        return bool(np.any((pitch > 0) & (pitch <= self.roller_radius)))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RollerCam(RolledCam):
+    """A follower that goes straight, with a roller of radius ``r`` and an offset ``e``.
+
+    ``p = e + i h``, ``h = √((R + r)² − e²) + s``; the pressure angle is ``atan((s' − e)/h)``. With
+    ``r = 0`` the follower has a knife edge.
+    """
+
     offset: float = 0.0
 
     def __post_init__(self) -> None:
@@ -138,39 +192,12 @@ class RollerCam(Cam):
     def _height(self) -> float:
         return math.sqrt((self.base_radius + self.roller_radius) ** 2 - self.offset**2)
 
-    def pitch(self, theta: Any = None) -> np.ndarray:
-        """(n, 2) places of the centre of the roller in the axes of the cam."""
-        angles = self._angles(theta)
-        height = self._height + self.lift(angles)[0]
-        return _plane(np.exp(-1j * angles) * (self.offset + 1j * height))
+    def centre(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        s, rate, second = self.lift(theta)
+        return self.offset + 1j * (self._height + s), 1j * rate, 1j * second
 
-    def profile(self, theta: Any = None) -> np.ndarray:
-        angles = self._angles(theta)
-        s, rate, _ = self.lift(angles)
-        centre = self.offset + 1j * (self._height + s)
-        along = self._height + s + 1j * (rate - self.offset)
-        inward = -1j * along / abs(along)
-        return _plane(np.exp(-1j * angles) * (centre + self.roller_radius * inward))
-
-    def pressure_angle(self, theta: Any = None) -> np.ndarray:
-        s, rate, _ = self.lift(self._angles(theta))
-        return np.arctan2(rate - self.offset, self._height + s)
-
-    def pitch_radius(self, theta: Any = None) -> np.ndarray:
-        """(n,) radius of curvature of the pitch curve [m]."""
-        s, rate, second = self.lift(self._angles(theta))
-        height, across = self._height + s, rate - self.offset
-        # the pitch curve's first two derivatives are (h, s' − e) and (2s' − e, s'' − h), turned
-        area = height**2 + across * (rate + across) - height * second
-        with np.errstate(divide="ignore"):
-            return (height**2 + across**2) ** 1.5 / area
-
-    def radius(self, theta: Any = None) -> np.ndarray:
-        return self.pitch_radius(theta) - self.roller_radius
-
-    def undercut(self) -> bool:
-        pitch = self.pitch_radius()
-        return bool(np.any((pitch > 0) & (pitch <= self.roller_radius)))
+    def way(self, theta: np.ndarray) -> np.ndarray:
+        return np.full(theta.shape, 1j)
 
     @classmethod
     def smallest(

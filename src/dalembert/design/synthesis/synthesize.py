@@ -55,6 +55,11 @@ def synthesize(
     """
     if not isinstance(target, Target):
         raise AnalysisError(f"give a target such as da.Target.path(points); got {target!r:.60}")
+    if not isinstance(linkage, type):
+        raise AnalysisError(
+            "synthesize knows FourBar and SliderCrank; for a model of your own take "
+            "da.synthesize_mechanism(target, model, point=...)"
+        )
     size, at = _frame(target)
     scaled = _scaled(target, size, at)
     polish = Polish(

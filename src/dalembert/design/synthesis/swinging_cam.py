@@ -1,0 +1,226 @@
+"""Disc cams whose follower swings about a pivot, by an angle that a law tells.
+
+The pivot is at ``x = distance``, the cam turns about the origin by ``θ`` against the clock, and
+``ψ = ψ_0 + s(θ)`` is the angle between the line from the pivot to the cam and the arm.
+Source: R. L. Norton, *Cam Design and Manufacturing Handbook*, ch. 7; J. E. Shigley, J. J. Uicker,
+*Theory of Machines and Mechanisms*, ch. 5.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+
+from dalembert.design.synthesis.cam import Cam, RolledCam
+from dalembert.errors import AnalysisError
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SwingingRollerCam(RolledCam):
+    """A follower that swings, with a roller at the end of its arm.
+
+    ``p = c − a e^{−iψ}`` with the arm a and the distance c of the pivot; ``|p| = R + r`` at the
+    start. The pressure angle is ``atan((a (1 + ψ') − c cos ψ)/(c sin ψ))``.
+
+    Parameters
+    ----------
+    arm : from the pivot to the centre of the roller [m]
+    distance : of the pivot from the axis of the cam [m]
+    """
+
+    arm: float
+    distance: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        reach = self.base_radius + self.roller_radius
+        if self.roller_radius < 0 or not abs(self.distance - self.arm) < reach:
+            raise AnalysisError(
+                f"an arm of {self.arm:g} at a distance of {self.distance:g} does not bring its "
+                f"roller, of radius {self.roller_radius:g}, on to the base circle, "
+                f"{self.base_radius:g}"
+            )
+        if reach >= self.distance + self.arm:
+            raise AnalysisError(
+                f"the base circle, {self.base_radius:g}, is out of reach of the arm"
+            )
+        highest = self.start + float(self.lift(self.turn)[0].max())
+        if highest >= math.pi:
+            raise AnalysisError(f"the arm would swing through the pivot line, to {highest:.3g} rad")
+
+    @cached_property
+    def start(self) -> float:
+        """``ψ_0`` [rad]."""
+        a, c, reach = self.arm, self.distance, self.base_radius + self.roller_radius
+        return math.acos((c**2 + a**2 - reach**2) / (2 * c * a))
+
+    def centre(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        s, rate, second = self.lift(theta)
+        arm = self.arm * np.exp(-1j * (self.start + s))
+        return self.distance - arm, 1j * rate * arm, (1j * second + rate**2) * arm
+
+    def way(self, theta: np.ndarray) -> np.ndarray:
+        return 1j * np.exp(-1j * (self.start + self.lift(theta)[0]))
+
+    @classmethod
+    def smallest(
+        cls,
+        law: Any,
+        pressure_angle: float,
+        arm: float,
+        roller_radius: float = 0.0,
+        least_radius: float = 0.0,
+    ) -> Self:
+        """The least base circle, and the distance of the pivot, that keep the pressure angle [rad]
+        and leave a radius of curvature of at least ``least_radius`` where the profile is convex.
+
+        Raises
+        ------
+        AnalysisError
+            The angle is not between 0 and π/2, or no cam for this arm keeps it.
+        """
+        from scipy.optimize import minimize_scalar
+
+        if not 0 < pressure_angle < math.pi / 2:
+            raise AnalysisError(f"the pressure angle is between 0 and π/2, got {pressure_angle:g}")
+        given = _Demands(cls, law, pressure_angle, arm, roller_radius, least_radius)
+        tried = np.linspace(0.4, 2.5, 64) * arm
+        sizes = [given.size(c) for c in tried]
+        k = int(np.argmin(sizes))
+        if not np.isfinite(sizes[k]):
+            raise AnalysisError(
+                f"no cam keeps a pressure angle of {pressure_angle:g} with an arm of {arm:g}; "
+                "give a longer arm or a larger angle"
+            )
+        ends = tried[max(k - 1, 0)], tried[min(k + 1, tried.size - 1)]
+        found = minimize_scalar(
+            lambda c: min(given.size(c), 1e3 * arm),
+            bounds=ends,
+            method="bounded",
+            options={"xatol": 1e-5 * arm},
+        )
+        distance = float(found.x) if found.fun <= sizes[k] else float(tried[k])
+        return cls(
+            law=law,
+            base_radius=given.size(distance),
+            arm=arm,
+            distance=distance,
+            roller_radius=roller_radius,
+        )
+
+
+class _Demands:
+    """What the smallest cam has to keep, for many starts of the arm at once."""
+
+    def __init__(
+        self,
+        kind: type[SwingingRollerCam],
+        law: Any,
+        pressure_angle: float,
+        arm: float,
+        roller: float,
+        least: float,
+    ):
+        unit = kind(law=law, base_radius=arm, arm=arm, distance=arm)
+        self.motion = unit.lift(unit.turn[::2])
+        self.tangent, self.arm, self.roller = math.tan(pressure_angle), arm, roller
+        self.pitch = roller + least
+
+    def size(self, distance: float) -> float:
+        """The least base radius with the pivot there; infinite where there is none."""
+        low, high = 0.01, math.pi - 0.05 - float(self.motion[0].max())
+        for _ in range(5):  # the first start that is kept, looked for ever closer
+            starts = np.linspace(low, high, 41)
+            kept = self._kept(distance, starts)
+            if not kept.any():
+                return math.inf
+            k = int(np.argmax(kept))
+            low, high = starts[max(k - 1, 0)], starts[k]
+        a, c = self.arm, distance
+        return math.sqrt(a**2 + c**2 - 2 * a * c * math.cos(high)) - self.roller
+
+    def _kept(self, c: float, starts: np.ndarray) -> np.ndarray:
+        """(n,) whether pressure angle and curvature are kept from these starts on."""
+        s, rate, second = self.motion
+        a, psi = self.arm, starts[:, None] + s
+        tangent = (a * (1 + rate) - c * np.cos(psi)) / (c * np.sin(psi))
+        arm = a * np.exp(-1j * psi)
+        along = 1j * (rate * arm - (c - arm))
+        bend = (1j * second + rate**2) * arm + 2 * rate * arm - (c - arm)
+        with np.errstate(divide="ignore"):
+            pitch = abs(along) ** 3 / -(along.conj() * bend).imag
+        wide = np.where(pitch > 0, pitch, np.inf).min(axis=1) >= self.pitch * (1 + 1e-9)
+        reach = np.sqrt(a**2 + c**2 - 2 * a * c * np.cos(starts))
+        return (abs(tangent).max(axis=1) <= self.tangent) & wide & (reach > self.roller)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SwingingFlatCam(Cam):
+    """A follower that swings, with a flat face parallel to its arm, ``offset`` towards the cam.
+
+    The face is ``H = c sin ψ − f`` away from the axis of the cam, in a direction that turns by
+    ``ψ + θ``: the profile is ``e^{−i(ψ+θ)} (c cos ψ ψ'/(1 + ψ') + i H)``.
+
+    Parameters
+    ----------
+    distance : of the pivot from the axis of the cam [m]
+    offset : of the face from the pivot, towards the cam [m]
+    """
+
+    distance: float
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 <= self.base_radius + self.offset < self.distance:
+            raise AnalysisError(
+                f"a pivot at a distance of {self.distance:g} and a face offset by {self.offset:g} "
+                f"do not touch the base circle, {self.base_radius:g}"
+            )
+        s, rate, _ = self.lift(self.turn)
+        if self.start + float(s.max()) >= math.pi / 2:
+            raise AnalysisError("the face would swing beyond the square to the pivot line")
+        if float(rate.min()) <= -1:
+            raise AnalysisError("the follower falls as fast as the cam turns; give it more time")
+
+    @cached_property
+    def start(self) -> float:
+        """``ψ_0`` [rad]."""
+        return math.asin((self.base_radius + self.offset) / self.distance)
+
+    def profile(self, theta: Any = None) -> np.ndarray:
+        angles = self._angles(theta)
+        s, rate, _ = self.lift(angles)
+        psi = self.start + s
+        along = self.distance * np.cos(psi) * rate / (1 + rate)
+        away = self.distance * np.sin(psi) - self.offset
+        z = np.exp(-1j * (psi + angles)) * (along + 1j * away)
+        return np.stack([z.real, z.imag], axis=-1)
+
+    def radius(self, theta: Any = None) -> np.ndarray:
+        """``ρ = H + d²H/dβ²`` with ``β = ψ + θ``."""
+        s, rate, second = self.lift(self._angles(theta))
+        psi, c, speed = self.start + s, self.distance, 1 + rate
+        bend = c * np.cos(psi) * second / speed**2 - c * np.sin(psi) * rate**2 / speed
+        return c * np.sin(psi) - self.offset + bend / speed
+
+    def undercut(self) -> bool:
+        return bool(self.radius().min() <= 0)
+
+    def contact(self, theta: Any = None) -> np.ndarray:
+        """(n,) where on the face the cam touches, from the foot of the pivot [m]."""
+        s, rate, _ = self.lift(self._angles(theta))
+        return self.distance * np.cos(self.start + s) / (1 + rate)
+
+    def pressure_angle(self, theta: Any = None) -> np.ndarray:
+        return np.arctan2(self.offset, self.contact(theta))
+
+    @property
+    def face(self) -> tuple[float, float]:
+        """Between which distances from the foot of the pivot the cam touches [m]."""
+        places = self.contact()
+        return float(places.min()), float(places.max())
