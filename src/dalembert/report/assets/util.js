@@ -19,6 +19,10 @@ function floats(values, n) {
 // The same of one number that stays.
 const steady = (value, n) => floats(Array.isArray(value) ? value : Array(n).fill(isNum(value) ? value : 0), n);
 
+// What the page shows; read once.
+let carried = null;
+const payloadOf = () => (carried ??= JSON.parse(document.getElementById("data").textContent));
+
 // The smallest and largest of some columns, or null when there is no number.
 function extent(columns) {
   let lo = Infinity, hi = -Infinity;
@@ -59,6 +63,12 @@ function number(x, digits = 4) {
   return minus(x.toFixed(clamp(digits - whole, 0, 7)));
 }
 
+function tidy(x, digits = 6) {
+  if (!isNum(x)) return "–";
+  const short = +x.toPrecision(digits), size = Math.abs(short);
+  return minus(size && (size < 1e-3 || size >= 1e6) ? short.toExponential() : String(short));
+}
+
 const decimalsOf = (step) => clamp(-Math.floor(Math.log10(step) + 1e-9), 0, 12);
 const fixed = (x, decimals) => {
   const text = x.toFixed(decimals);
@@ -91,8 +101,15 @@ const PALETTE = {
 };
 const DASHES = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
 
+class Signal {
+  constructor() { this.listeners = []; }
+  on(listener) { this.listeners.push(listener); }
+  emit(...args) { for (const listener of this.listeners) listener(...args); }
+}
+
 const Theme = {
   name: "light",
+  listeners: new Signal(),
   read() {
     const style = getComputedStyle(document.documentElement);
     this.name = document.documentElement.dataset.theme === "dark" ? "dark" : "light";
@@ -170,11 +187,6 @@ function fitCanvas(canvas, ratio = window.devicePixelRatio || 1) {
   return { ctx, w, h };
 }
 
-class Signal {
-  constructor() { this.listeners = []; }
-  on(listener) { this.listeners.push(listener); }
-  emit(...args) { for (const listener of this.listeners) listener(...args); }
-}
 
 function download(name, text, type) {
   const url = URL.createObjectURL(new Blob([text], { type }));
