@@ -184,7 +184,7 @@ class BarsChart extends Chart {
         shape("rect", { x: Math.min(x(0), x(v)), y, width: Math.max(1.5, Math.abs(x(v) - x(0))), height: 17, rx: 3, class: v < 0 ? "less" : "more" }, hint(`${row.name}: ${text}`)),
         written(v < 0 ? x(v) - 6 : x(v) + 6, y + 13, text, { "text-anchor": v < 0 ? "end" : "start", class: "value" }));
     });
-    this.svg.append(shape("line", { x1: x(0), x2: x(0), y1: 4, y2: this.height - 6, class: "zero" }));
+    this.svg.prepend(shape("line", { x1: x(0), x2: x(0), y1: this.stacked ? 22 : 4, y2: this.height - 6, class: "zero" }));
   }
 }
 

@@ -31,4 +31,4 @@ let before = null;
 window.addEventListener("beforeprint", () => { before ??= Theme.name; document.documentElement.classList.add("paper"); setTheme("light"); });
 window.addEventListener("afterprint", () => { document.documentElement.classList.remove("paper"); setTheme(before || Theme.name); before = null; });
 
-window.dalembert = { choice };
+window.dalembert = { choice: choosing };

@@ -158,7 +158,7 @@ class ParallelChart extends DesignChart {
     const value = (e) => { const box = this.svg.getBoundingClientRect(); return scale.value(clamp((bottom - (e.clientY - box.top)) / (bottom - top), 0, 1)); };
     let begun = null;
     const grip = shape("rect", { x: x - 10, y: top - 4, width: 20, height: bottom - top + 8, class: "grip" }, hint("Drag to keep a range; double click to let it go"));
-    grip.addEventListener("pointerdown", (e) => { begun = value(e); this.dragged = grip; e.preventDefault(); const move = (m) => { const v = value(m); if (Math.abs(scale.share(v) - scale.share(begun)) > 0.02) this.choice.limit(i, [Math.min(begun, v), Math.max(begun, v)]); }; const end = () => { removeEventListener("pointermove", move); removeEventListener("pointerup", end); }; addEventListener("pointermove", move); addEventListener("pointerup", end); });
+    grip.addEventListener("pointerdown", (e) => { begun = value(e); const move = (m) => { const v = value(m); if (Math.abs(scale.share(v) - scale.share(begun)) > 0.02) this.choice.limit(i, [Math.min(begun, v), Math.max(begun, v)]); }; const end = () => { removeEventListener("pointermove", move); removeEventListener("pointerup", end); }; addEventListener("pointermove", move); addEventListener("pointerup", end); });
     grip.addEventListener("dblclick", () => this.choice.limit(i, null));
     return grip;
   }
@@ -215,13 +215,13 @@ class DesignTable {
       return el("th", { scope: "col", class: "right", "aria-sort": this.by === i ? (this.down ? "descending" : "ascending") : "none" },
         el("button", { type: "button", class: "sort", onclick: () => { this.down = this.by === i && !this.down; this.by = i; this.fill(); } }, choice.title(c) + mark));
     }));
-    let rows = [...Array(choice.count).keys()].filter((k) => choice.kept(k) || choice.failed(k));
+    let rows = [...Array(choice.count).keys()];
     if (this.by !== null) {
       const sign = this.down ? -1 : 1, at = (k) => choice.columns[this.by].values[k];
       rows.sort((p, q) => (isNum(at(p)) ? (isNum(at(q)) ? sign * (at(p) - at(q)) : -1) : 1));
     }
     choice.order = rows.filter((k) => !choice.failed(k));
-    rows = rows.slice(0, 400);
+    rows = rows.filter((k) => choice.kept(k) || choice.failed(k)).slice(0, 400);
     this.body.replaceChildren(...rows.map((k) => el("tr", { "data-design": String(k), class: choice.failed(k) ? "failed" : "pickable", title: text(k), onclick: () => choice.choose(k) },
       el("th", { scope: "row" }, choice.label(k)), choice.columns.map((c) => el("td", { class: `right ${c.role}` }, isNum(c.values[k]) ? tidy(c.values[k], 5) : "–")))));
     this.mark();

@@ -56,7 +56,7 @@ function buildFrame() {
 }
 
 function buildPanels() {
-  const statistics = list(payload.statistics), below = viewPanels(false);
+  const statistics = payload.designs ? [] : list(payload.statistics), below = viewPanels(false);
   byId("panels").append(...below.filter((node) => node.classList.contains("wide")));
   const columns = [
     [optimumPanel(payload.optimum), ...half(below, 0), diagnosisPanel(payload.diagnosis), valuePanel(motion), payload.optimum || payload.designs ? null : parameterPanel(payload.parameters)],
@@ -74,7 +74,7 @@ const half = (cards, side) => cards.filter((node) => !node.classList.contains("w
 
 // Another design is shown in place of this one: at once in the plane, by opening the page anew in space.
 function showDesign(k) {
-  const next = choice.alternatives[k];
+  const next = choosing.alternatives[k];
   if (!next?.scene) return;
   history.replaceState(null, "", `#design=${k}`);
   if (!scene.renew) { location.reload(); return; }
@@ -123,7 +123,7 @@ buildToolbar();
 buildFrame();
 buildPanels();
 if (motion.moves) buildPlayer(byId("player"), player);
-choice?.onChoose.on(showDesign);
+choosing?.onChoose.on(showDesign);
 if (board) {
   const wanted = list(payload.default_plots).map((names) => list(names).filter((n) => motion.seriesByName.has(n))).filter((names) => names.length);
   for (const names of wanted.length ? wanted : fallbackPlots(motion)) board.add(names);
@@ -137,5 +137,5 @@ setTheme(Theme.name);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (e) => setTheme(e.matches ? "dark" : "light"));
 player.seek(motion.start);
 
-window.dalembert = { player, motion, scene, board, choice };
+window.dalembert = { player, motion, scene, board, choice: choosing };
 if (motion.moves && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();

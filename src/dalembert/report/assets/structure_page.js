@@ -142,7 +142,7 @@ function buildFrame() {
 }
 
 function buildPanels() {
-  const statistics = list(payload.statistics), below = viewPanels(false), beside = viewPanels(true);
+  const statistics = payload.designs ? [] : list(payload.statistics), below = viewPanels(false), beside = viewPanels(true);
   byId("panels").append(...below.filter((node) => node.classList.contains("wide")));
   const columns = [
     [optimumPanel(payload.optimum), ...half(below, 0), diagnosisPanel(payload.diagnosis), payload.optimum || payload.designs ? null : parameterPanel(payload.parameters)],
@@ -161,7 +161,7 @@ const half = (cards, side) => cards.filter((node) => !node.classList.contains("w
 
 // Another design is shown in place of this one.
 function showDesign(k) {
-  const next = choice.alternatives[k];
+  const next = choosing.alternatives[k];
   if (!next?.drawing) return;
   history.replaceState(null, "", `#design=${k}`);
   const { onState, state } = structure, field = state.field?.name;
@@ -169,7 +169,7 @@ function showDesign(k) {
   state.case = Math.min(state.case, structure.cases.length - 1);
   structure.set({ field: structure.fields.find((f) => f.name === field) ?? null });
 }
-choice?.onChoose.on(showDesign);
+choosing?.onChoose.on(showDesign);
 
 function setTheme(name) {
   document.documentElement.dataset.theme = name;
@@ -215,4 +215,4 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (e) => set
 structure.set({});
 scene.fit();
 
-window.dalembert = { structure, scene, player, choice };
+window.dalembert = { structure, scene, player, choice: choosing };

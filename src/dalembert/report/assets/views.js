@@ -1,7 +1,7 @@
 // Cards of a decision: each view of the payload in one.
 
 const begun = payloadOf().designs ? other(payloadOf().designs) : null;
-const choice = payloadOf().designs ? new Choice(payloadOf().designs) : null;
+const choosing = payloadOf().designs ? new Choice(payloadOf().designs) : null;
 
 function rowsTable(view) {
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": view.title }, el("table", { class: "figures" },
@@ -15,20 +15,20 @@ const VIEWS = {
   notes: (view) => el("ul", { class: "messages" }, view.texts.map((text) => el("li", { class: "warning" }, el("span", {}, text)))),
   bars: (view) => new BarsChart(view).node,
   histogram: (view) => new HistogramChart(view).node,
-  curves: (view) => new CurvesChart(view, choice).node,
+  curves: (view) => new CurvesChart(view, choosing).node,
   ellipses: (view) => new EllipsesChart(view).node,
-  front: (view) => new FrontChart(view, choice).node,
-  parallel: (view) => new ParallelChart(view, choice).node,
-  matrix: (view) => new MatrixChart(view, choice).node,
-  table: (view) => new DesignTable(view, choice).node,
+  front: (view) => new FrontChart(view, choosing).node,
+  parallel: (view) => new ParallelChart(view, choosing).node,
+  matrix: (view) => new MatrixChart(view, choosing).node,
+  table: (view) => new DesignTable(view, choosing).node,
 };
 
 const TONED = ["front", "parallel", "matrix"];
 
 function viewPanel(view, k) {
   const make = VIEWS[view.kind];
-  if (!make || (["front", "parallel", "matrix", "table"].includes(view.kind) && !choice?.count)) return null;
-  const toned = TONED.includes(view.kind) && el("span", { class: "tones" }, el("span", {}, tidy(choice.tones.lo, 3)), el("i", {}), el("span", {}, tidy(choice.tones.hi, 3)), el("span", { class: "name" }, choice.title(choice.toned)));
+  if (!make || (["front", "parallel", "matrix", "table"].includes(view.kind) && !choosing?.count)) return null;
+  const toned = TONED.includes(view.kind) && el("span", { class: "tones" }, el("span", {}, tidy(choosing.tones.lo, 3)), el("i", {}), el("span", {}, tidy(choosing.tones.hi, 3)), el("span", { class: "name" }, choosing.title(choosing.toned)));
   const node = panel(view.title, `view-${k}`, make(view), toned, view.note && el("p", { class: "caption note" }, view.note));
   if (view.wide) node.classList.add("wide");
   return node;
@@ -37,7 +37,7 @@ function viewPanel(view, k) {
 // Those beside the drawing, and those below it.
 function viewPanels(beside) {
   const made = list(payloadOf().views).map((view, k) => ((view.place === "board") === beside ? viewPanel(view, k) : null)).filter(Boolean);
-  if (beside && choice?.count) made.unshift(chosenCard(choice));
+  if (beside && choosing?.count) made.unshift(chosenCard(choosing));
   return made;
 }
 
