@@ -98,6 +98,18 @@ def test_processes_find_the_same():
     assert np.array_equal(one.values, two.values)
 
 
+def test_side_by_side_is_one_by_one():
+    """The same numbers to round-off, and the same designs fail."""
+    design = da.Design.table({"length": [0.5, 0.8, -1.0, 1.1, 1.4, 2.0]})
+    numbers = np.arange(len(design))
+    tasks = [StudyTask(pendulum(), SHORT, RESPONSES, together=t) for t in (True, False)]
+    assert [task.batched for task in tasks] == [True, False]
+    found = [task.answers(numbers, design.names, design.values) for task in tasks]
+    together, alone = (np.array([a.values for a in answers]) for answers in found)
+    np.testing.assert_allclose(together, alone, rtol=1e-11)
+    assert [bool(a.reason) for a in found[0]] == [bool(a.reason) for a in found[1]]
+
+
 class Deadly(StudyTask):
     """Design 3 takes its process down; design 5 the first time it is run."""
 
@@ -114,7 +126,7 @@ class Deadly(StudyTask):
 def test_dead_workers(tmp_path):
     design = da.Design.sobol(RANGES, 8, rng=0)
     Deadly.once = tmp_path / "died"
-    task = Deadly(pendulum(), SHORT, RESPONSES)
+    task = Deadly(pendulum(), SHORT, RESPONSES, together=False)
     whole = Chunk(np.arange(8), design.names, design.values)
     chunks = [Chunk(np.r_[[2 * k, 2 * k + 1]], design.names, design.values[2 * k : 2 * k + 2])
               for k in range(4)]  # fmt: skip

@@ -51,6 +51,7 @@ class Asked:
         read: Callable[[ModelFile, Any], Run],
         show: Callable[[dict[str, Any]], None],
         assembled: bool = True,
+        write: Callable[[Any], list[Path]] | None = None,
     ) -> int:
         """Read the file, do the task, write and tell what was found; returns the exit code.
 
@@ -59,20 +60,21 @@ class Asked:
         read : ``(file, model) →`` what does the task; errors in it are those of the input
         show : prints the numbers found
         assembled : whether the task is on the file's model
+        write : writes what was found; by default data, numbers and page into ``output``
         """
         file, model = loaded(self.path, self.settings) if assembled else (self._read(), None)
         with wrong_input():
             run = read(file, model)
-        folder = output_folder(self.output) if self.output else None
+        folder = output_folder(self.output) if self.output and write is None else None
         found = run(not (self.quiet or self.as_json))
-        files = (
-            found.write(folder / file.path.stem, **self._first_view(file, model)) if folder else []
-        )
+        files = [] if write is None else write(found)
+        if folder is not None:
+            files = found.write(folder / file.path.stem, **self._first_view(file, model))
         made = {"name": file.name, **found.summary(), "files": [str(f) for f in files]}
         if self.as_json:
             emit(made)
         else:
-            tell(f"{file.name}: {found.message}", "green" if found.ok else "red")
+            tell(f"{file.name}: {found.sentence}", "green" if found.ok else "red")
             show(made)
             written(files)
         if found.interrupted:

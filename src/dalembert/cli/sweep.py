@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from cyclopts import Parameter
 
-from dalembert.cli.console import DONE, FAILED, AsJson, Quiet, Settings, emit, tell, wrong_input
+from dalembert.cli.console import AsJson, Quiet, Settings, tell, wrong_input
+from dalembert.cli.decision import Asked, Run
 from dalembert.cli.loading import loaded, output_folder
 
 if TYPE_CHECKING:
     from dalembert.design.studies.study import Study
     from dalembert.design.studies.task import StudyTask
+    from dalembert.io.model_file import ModelFile
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ def sweep(
         Model file with [analysis], [responses] and [sweep].
     output
         Folder of the study: answers are written there as they come, and a study that was ended
-        goes on there. The whole is table.parquet. By default the name of the file and '.study'.
+        goes on there. The whole is table.parquet, its page report.html. By default the name of
+        the file and '.study'.
     workers
         Processes; 0 for all cores.
     scheduler
@@ -62,61 +65,31 @@ def sweep(
     chunk
         Designs that a worker is given at once.
     """
-    from dalembert.design.studies.sweep import run_study
-    from dalembert.io.tasks import make_sweep
-
-    file, built = loaded(model, settings)
-    with wrong_input():
-        design, _ = make_sweep(file, built)
-    folder = output_folder(output or model.with_name(f"{model.stem}.study"))
+    folder = output or model.with_name(f"{model.stem}.study")
     make = FileTask(model.resolve(), tuple(settings or ()))
-    found = run_study(
-        make,
-        design,
-        folder,
-        workers=workers or None,
-        scheduler=scheduler,
-        chunk=chunk,
-        progress=not (quiet or as_json),
-    )
-    if as_json:
-        emit(_document(found))
-    else:
-        _print(found)
-    return DONE if found.success.any() else FAILED
+
+    def read(file: ModelFile, built: Any) -> Run:
+        from dalembert.design.studies.sweep import run_study
+        from dalembert.io.tasks import make_sweep
+
+        design, _ = make_sweep(file, built)
+        output_folder(folder)
+        how = {"workers": workers or None, "scheduler": scheduler, "chunk": chunk}
+        return lambda show: run_study(make, design, folder, progress=show, **how)  # type: ignore[arg-type]
+
+    def write(found: Study) -> list[Path]:
+        return [found.report(folder / "report.html")]
+
+    return Asked(model, settings, folder, quiet, as_json).decide(read, _show, write=write)
 
 
-def _document(found: Study) -> dict[str, Any]:
-    return {
-        "ok": bool(found.success.any()),
-        "designs": len(found.design),
-        "reused": found.reused,
-        "failed": found.failures,
-        "responses": {
-            name: {
-                "minimum": column.min(),
-                "mean": column.mean(),
-                "maximum": column.max(),
-                "deviation": column.std(),
-            }
-            for name in found.responses
-            if (column := found.column(name)[found.success]).size
-        },
-        "folder": str(found.folder),
-        "table": str(found.folder / "table.parquet") if found.folder else None,
-    }
-
-
-def _print(found: Study) -> None:
-    made = _document(found)
-    done = len(found.design) - len(found.failures)
-    tell(f"{found.name}: {done} of {made['designs']} designs", "green" if made["ok"] else "red")
-    if found.reused:
-        tell(f"  {found.reused} were there already")
+def _show(made: dict[str, Any]) -> None:
+    if made["reused"]:
+        tell(f"  {made['reused']} were there already")
     for name, numbers in made["responses"].items():
         told = ", ".join(f"{key} {value:.6g}" for key, value in numbers.items())
         tell(f"  {name}: {told}")
-    reasons, counts = np.unique(list(found.failures.values()), return_counts=True)
+    reasons, counts = np.unique(list(made["failed"].values()), return_counts=True)
     for k in np.argsort(-counts)[:3]:
         tell(f"  {counts[k]} failed: {reasons[k]}", "red")
     tell(f"  written {made['table']}")

@@ -36,6 +36,11 @@ class Decision(ABC):
         """Whether there is something to decide by; of a study, any design."""
         return bool(np.any(self.success))
 
+    @property
+    def sentence(self) -> str:
+        """What was found, in a line."""
+        return self.message
+
     @abstractmethod
     def summary(self) -> dict[str, Any]:
         """Everything found, as plain data."""

@@ -89,6 +89,10 @@ class Front(Decision):
         """The run of a point; None where the front knows no runs."""
         return None if self.rerun is None else self.rerun(k)
 
+    @property
+    def sentence(self) -> str:
+        return f"{len(self)} designs, none better in all aims ({self.message})"
+
     def summary(self) -> dict[str, Any]:
         return {
             "ok": self.success,

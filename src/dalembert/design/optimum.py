@@ -80,6 +80,12 @@ class Optimum(Decision):
         """Of the model of the objective."""
         return str(self.motion.model.name)
 
+    @property
+    def sentence(self) -> str:
+        first, unit = self.history[0].objective, f" {self.unit}" if self.unit else ""
+        state = "optimal" if self.success else "not optimal"
+        return f"{self.label} {first:.4g} → {self.fun:.4g}{unit}, {state}"
+
     def summary(self) -> dict[str, Any]:
         return {
             "ok": self.success,

@@ -22,6 +22,7 @@ from dalembert.symbolic.parameter import Parameter
 
 REMEMBERED = 64
 """Designs whose runs are kept in memory."""
+NOT_FINITE = "a response is not finite"
 
 
 @dataclass
@@ -165,7 +166,7 @@ class DesignProblem:
                 rows, responses = self.responses(case)
                 terms[rows] = [evaluate(result, r) for r in responses]
                 if not np.all(np.isfinite(terms[rows])):
-                    raise AnalysisError("a response is not finite")
+                    raise AnalysisError(NOT_FINITE)
             except (AnalysisError, ModelError) as error:
                 self.failures.append(str(error))
                 return None

@@ -73,7 +73,7 @@ def make_limits(file: ModelFile, made: Any, tables: list[Any], *where: str) -> l
     """Limits on responses; ``made.checked(name, …)`` gives each response."""
     limits = []
     for k, table in enumerate(tables):
-        here = (*where, k)
+        here: tuple[str | int, ...] = (*where, k)
         response = made.checked(table.response, *here, "response")
         with file.located(*here):
             limits.append(Limit(response, table.lower, table.upper))

@@ -27,10 +27,11 @@ def make_inversion(file: ModelFile, model: Any, data: list[Path] | None = None) 
     ModelError
         No ``[invert]``, no histories, or names that cannot work, with their place.
     """
-    asked: Any = getattr(file.document, "invert", None)
+    document: Any = file.document
+    asked = getattr(document, "invert", None)
     if asked is None:
         raise file.located.error("is missing; add [invert] with data and measures", "invert")
-    if not file.document.histories:
+    if not document.histories:
         cure = "is missing; add e.g. [histories.push] with knots = { end = 1.0, count = 20 }"
         raise file.located.error(cure, "histories")
     if asked.data is None and not data:
@@ -48,7 +49,7 @@ def make_inversion(file: ModelFile, model: Any, data: list[Path] | None = None) 
     made: dict[str, Any] = {
         "data": str(data[0]) if data else str(file.path.parent / asked.data),
         "measures": measures or None,
-        "histories": [_history(file, model, name) for name in file.document.histories],
+        "histories": [_history(file, model, name) for name in document.histories],
         "vary": list(asked.vary),
         "smoothing": _smoothing(file, asked.smoothing),
         "noise": dict(asked.noise),

@@ -25,16 +25,8 @@ from dalembert.text import visible
 __all__ = ["as_json", "render_page", "write_page"]
 
 #: The scripts of each kind of page, in the order in which they are joined into one scope.
-_FRAME = (
-    "svg.js",
-    "share.js",
-    "player.js",
-    "plots.js",
-    "picker.js",
-    "panels.js",
-    "optimum.js",
-    "page.js",
-)
+_VIEWS = ("panels.js", "optimum.js", "charts.js", "designs.js", "views.js")
+_FRAME = ("svg.js", "share.js", "player.js", "plots.js", "picker.js", *_VIEWS, "page.js")
 SCRIPTS = {
     "mechanism": (
         "util.js",
@@ -73,13 +65,13 @@ SCRIPTS = {
     "structure": (
         "util.js",
         "unpack.js",
-        "panels.js",
-        "optimum.js",
+        *_VIEWS,
         "structure.js",
         "structure_scene.js",
         "structure_tables.js",
         "structure_page.js",
     ),
+    "decision": ("util.js", "unpack.js", *_VIEWS, "decision.js"),
 }
 
 #: Significant digits kept of every number (the page is for reading, not for archiving).

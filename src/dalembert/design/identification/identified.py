@@ -155,6 +155,11 @@ class Identification(Decision):
 
         return plot_fit(self.misfit, self.predicted)
 
+    @property
+    def sentence(self) -> str:
+        state = "converged" if self.success else self.message
+        return f"{len(self.x)} unknowns from {self.samples} samples, {state}"
+
     def summary(self) -> dict[str, Any]:
         return {
             "ok": self.success,

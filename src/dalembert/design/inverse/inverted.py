@@ -61,6 +61,11 @@ class Inversion(Decision):
         knots = next(h.knots for h in self.histories if h.name == name)
         return CubicSpline(knots, self.values[name], bc_type="natural")(times)
 
+    @property
+    def sentence(self) -> str:
+        state = "converged" if self.success else self.message
+        return f"{', '.join(self.values)} from {self.misfit.size} samples, {state}"
+
     def summary(self) -> dict[str, Any]:
         return {
             "ok": self.success,

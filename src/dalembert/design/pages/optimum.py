@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.plain import plain_page
+from dalembert.design.pages.plain import plain_page, verdict
 from dalembert.report import views
 
+FLAT = 1e-6
+"""Change of the objective, relative, that is none: an optimum inside of its bounds."""
 STILL = ("name", "node", "shapes")
 
 
@@ -20,7 +22,7 @@ def optimum_page(best: Any, **first_view: Any) -> dict[str, Any]:
     page = best.motion.page(**first_view)
     page["title"] = f"{page['title']}: optimum"
     page["optimum"] = told(best)
-    page["views"] = best.views()
+    page["views"], page["verdict"] = best.views(), verdict(best)
     first = best.initial.page() if best.initial.has_page else {}
     if "scene" in page and page.get("time"):
         page["scene"]["ghosts"] = _ghosts(first, np.array(page["time"]))
@@ -49,14 +51,11 @@ def optimum_views(best: Any) -> list[dict[str, Any]]:
     """What each parameter still does to the objective, the way there, and other optima."""
     width = {one.name: _room(one) for one in best.variables}
     reach = {n: slope * width[n] for n, slope in best.gradient.items()}
-    made = [
-        views.bars(
-            f"What each parameter does to {best.label}",
-            reach,
-            best.unit,
-            "Slope at the best design, times a tenth of the range of the parameter.",
-        )
-    ]
+    made = []
+    if max(map(abs, reach.values()), default=0.0) > FLAT * abs(best.fun):
+        title = f"What each parameter does to {best.label}"
+        note = "Slope at the best design, times a tenth of the range of the parameter."
+        made.append(views.bars(title, reach, best.unit, note))
     if len(best.history) > 1:
         names = list(best.history[0].parameters)
         way = np.array([[i.parameters[n] for n in names] for i in best.history])

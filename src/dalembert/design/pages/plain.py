@@ -9,7 +9,7 @@ from typing import Any
 def plain_page(decision: Any) -> dict[str, Any]:
     """The page of a decision without a mechanism or structure beside it."""
     return {
-        **{"format": 1, "kind": "decision", "title": decision.name, "subtitle": decision.message},
+        **{"format": 1, "kind": "decision", "title": decision.name, "subtitle": decision.sentence},
         "verdict": verdict(decision),
         "designs": decision.table_of_designs(),
         "views": decision.views(),
@@ -18,7 +18,7 @@ def plain_page(decision: Any) -> dict[str, Any]:
 
 def verdict(decision: Any) -> dict[str, Any]:
     """How it ended, for the head of a page."""
-    return {"success": decision.ok, "text": decision.message}
+    return {"success": decision.ok, "text": decision.sentence}
 
 
 def with_views(page: dict[str, Any], decision: Any, title: str) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from typing import Any
 
@@ -11,6 +12,8 @@ from dalembert.report import views
 
 MOST = 2000
 """Designs that a page draws; of more some are left out, evenly."""
+NUMBER = re.compile(r"[-−]?\d[\d.]*(?:e[-+]?\d+)?")
+"""What tells reasons of one kind apart."""
 MATRIX = 7
 """Columns of which all pairs are drawn."""
 
@@ -54,12 +57,12 @@ def study_views(study: Any) -> list[dict[str, Any]]:
         if column.size:
             marks = {"mean": float(column.mean())}
             made.append(views.histogram(name, label, column, marks))
-    counted = Counter(study.failures.values()).most_common(12)
+    counted = Counter(NUMBER.sub("…", text) for text in study.failures.values()).most_common(12)
     if counted:
-        rows = {reason: float(count) for reason, count in counted}
+        reasons = {reason: float(count) for reason, count in counted}
         note = f"{len(study.failures)} of {len(study.design)} designs failed."
-        made.append(views.bars("Failed designs", rows, "designs", note))
-    rows = [("designs", len(study.design)), ("failed", len(study.failures))]
+        made.append(views.bars("Failed designs", reasons, "designs", note))
+    rows: list[tuple[str, Any]] = [("designs", len(study.design)), ("failed", len(study.failures))]
     if len(study.design) > MOST:
         rows.append(("drawn", f"{MOST} of them, evenly"))
     made.append(views.of_designs("table", "Designs", wide=True))

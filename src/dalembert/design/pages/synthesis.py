@@ -85,12 +85,14 @@ def synthesis_views(found: Any) -> list[dict[str, Any]]:
         views.of_designs("table", "Candidates", place="board", note="Click a row, or use ↑ ↓."),
     ]
     if target.points is not None:
-        lines = [views.line("target", *np.asarray(target.points).T, "dots")]
+        lines = [views.line("target", target.points[:, 0], target.points[:, 1], "dots")]
         for k, s in enumerate(some):
             path = s.linkage.path(TURN if s.linkage.crank_turns else np.sort(s.crank_angles))
-            lines.append(views.line("obtained", *path.T, design=k))
+            lines.append(views.line("obtained", path[:, 0], path[:, 1], design=k))
             at = s.linkage.path(s.crank_angles)
-            lines.append(views.line("at the entries", *at.T, "dots", design=k, open=True))
+            lines.append(
+                views.line("at the entries", at[:, 0], at[:, 1], "dots", design=k, open=True)
+            )
         made.append(
             {
                 **views.curves("Target and path", "x", "y", lines, equal=True, follows="design"),
@@ -104,7 +106,7 @@ def synthesis_views(found: Any) -> list[dict[str, Any]]:
         for k, s in enumerate(some)
     ]
     made.append(views.curves("Distance at each entry", "entry", "distance", off, follows="design"))
-    made.append(views.of_designs("parallel", "Dimensions"))
+    made.append(views.of_designs("parallel", "Dimensions", wide=True))
     return made
 
 

@@ -170,6 +170,10 @@ class Reliability(Decision):
         x = np.array(list(self.point.x.values()))
         return self.searches[0].limits.result(x)
 
+    @property
+    def sentence(self) -> str:
+        return f"β = {self.beta:.4g}, failure {self.probability:.3g}; {self.message}"
+
     def summary(self) -> dict[str, Any]:
         return {
             "ok": self.success,

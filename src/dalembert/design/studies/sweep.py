@@ -22,6 +22,8 @@ from dalembert.symbolic.parametric_model import ParametricModel
 
 ModelSource = ParametricModel | Callable[[], ParametricModel]
 LARGEST_CHUNK = 256
+LEAST_BATCH = 128
+"""Designs that are run side by side at once, where there are so many."""
 
 
 def sweep(
@@ -81,7 +83,7 @@ def run_study(
         place = Cluster(scheduler, make, task, identity)
     else:
         place = Here(task) if count == 1 else Processes(make, task, count)
-    size = chunk or max(1, min(LARGEST_CHUNK, len(design) // (16 * count)))
+    size = chunk or _size(task, len(design), count)
     labels = [response.label for response in task.responses]
     about = {"model": task.model.name, "designs": len(design), "responses": labels}
     kept = None if folder is None else StudyFolder(folder, identity, about)
@@ -115,7 +117,7 @@ def _study(
     values = np.array([a.values for a in listed])
     reasons = tuple(a.reason for a in listed)
     where = None if folder is None else Path(folder)
-    return Study(task.model.name, design, labels, values, reasons, where, reused)
+    return Study(task.model.name, design, labels, values, reasons, where, reused, task.units)
 
 
 def _chunks(design: Design, done: dict[int, Answer], size: int) -> list[Chunk]:
@@ -123,6 +125,12 @@ def _chunks(design: Design, done: dict[int, Answer], size: int) -> list[Chunk]:
     left = np.array([k for k in range(len(design)) if k not in done], dtype=int)
     pieces = [left[k : k + size] for k in range(0, left.size, size)]
     return [Chunk(piece, design.names, design.values[piece]) for piece in pieces]
+
+
+def _size(task: StudyTask, designs: int, count: int) -> int:
+    """Designs of a chunk: enough that a batch is worth it, few enough that answers keep coming."""
+    even = max(1, min(LARGEST_CHUNK, designs // (16 * count)))
+    return max(even, min(LEAST_BATCH, -(-designs // count))) if task.batched else even
 
 
 def _workers(count: int | None) -> int:

@@ -5,20 +5,29 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.batch.solve import solve_batch
 from dalembert.design.optimization import design_problem
+from dalembert.design.problem import NOT_FINITE
 from dalembert.design.studies.design import Design
 from dalembert.errors import AnalysisError, DalembertError
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
+from dalembert.responses.batch import batch_responses
+from dalembert.results.designs import Designs
 from dalembert.results.result import Analysis
+from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parameter import parameter_vector
 from dalembert.symbolic.parametric_model import ParametricModel
+
+FEWEST = 4
+"""Designs from which it is worth to run them side by side: as many as lanes."""
 
 
 @dataclass(frozen=True)
@@ -44,10 +53,61 @@ class StudyTask:
     model: ParametricModel
     analysis: Analysis
     responses: Sequence[Response]
+    together: bool = True
+    """Designs go through the batch engine where that serves the analysis."""
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of every parameter and response."""
+        made = {name: p.unit for name, p in self.model.parameters.items()}
+        for response in self.responses:
+            unit = self.model.expression(response.measure).unit
+            made[response.label] = response.unit(unit)
+        return made
 
     def failed(self, number: int, reason: str) -> Answer:
         """The answer of a design that has none."""
         return Answer(number, (float("nan"),) * len(self.responses), reason)
+
+    @cached_property
+    def batched(self) -> bool:
+        """Whether designs are run side by side."""
+        engine = getattr(self.analysis, "batched", None)
+        try:
+            return self.together and engine is not None and engine.serves(self.analysis, self.model)
+        except DalembertError:  # the nominal design fails; others need not
+            return False
+
+    def answers(
+        self, numbers: np.ndarray, names: Sequence[str], values: np.ndarray
+    ) -> list[Answer]:
+        """Run some designs, side by side where the analysis allows it."""
+        if len(numbers) >= FEWEST and self.batched:
+            try:
+                return self._side_by_side(numbers, names, values)
+            except DalembertError:  # all fail for one reason, or there is no room for so many
+                pass
+        pairs = zip(numbers, values, strict=True)
+        return [self.answer(int(number), names, row) for number, row in pairs]
+
+    def _side_by_side(
+        self, numbers: np.ndarray, names: Sequence[str], values: np.ndarray
+    ) -> list[Answer]:
+        columns = dict(zip(names, values.T, strict=True))
+        designs = Designs.of(self.model, columns)
+        batch = solve_batch(self.analysis, self.model, designs, False, 1)
+        if Outcome.INTERRUPTED in batch.counts:
+            raise KeyboardInterrupt
+        found = batch_responses(batch, self.responses)
+        table = np.column_stack([found[r.label].values for r in self.responses])
+        made = []
+        for number, status, row in zip(numbers, batch.statuses, table, strict=True):
+            reason = _reason(status)
+            if not reason and not np.all(np.isfinite(row)):
+                reason = NOT_FINITE
+            kept = tuple(map(float, row))
+            made.append(self.failed(int(number), reason) if reason else Answer(int(number), kept))
+        return made
 
     def answer(self, number: int, names: Sequence[str], values: np.ndarray) -> Answer:
         """Run one design; what fails is told, not raised."""
@@ -90,6 +150,14 @@ class StudyTask:
         for text in (*map(described, about), model_text(self.model)):
             digest.update(text.encode() + b"\0")
         return digest.hexdigest()
+
+
+def _reason(status: Status) -> str:
+    """Why a design of a batch failed, in the words of a run of its own."""
+    if status.success:
+        return ""
+    begun = status.outcome not in (Outcome.NOT_ASSEMBLED, Outcome.REFUSED)
+    return str(status) if begun else status.message
 
 
 def model_text(model: ParametricModel) -> str:

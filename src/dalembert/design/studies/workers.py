@@ -51,9 +51,8 @@ class Workers(Protocol):
 
 
 def answer_chunk(task: StudyTask, chunk: Chunk) -> list[Answer]:
-    """Run the designs of a chunk one after the other."""
-    pairs = zip(chunk.numbers, chunk.values, strict=True)
-    return [task.answer(int(number), chunk.names, row) for number, row in pairs]
+    """Run the designs of a chunk."""
+    return task.answers(chunk.numbers, chunk.names, chunk.values)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,11 +1,5 @@
 // What an optimisation came to: its objective, limits and prices, the way there.
 
-function tidy(x, digits = 6) {
-  if (!isNum(x)) return "–";
-  const short = +x.toPrecision(digits), size = Math.abs(short);
-  return minus(size && (size < 1e-3 || size >= 1e6) ? short.toExponential() : String(short));
-}
-
 function optimumPanel(optimum) {
   if (!optimum) return null;
   const unit = optimum.unit ? ` ${optimum.unit}` : "";

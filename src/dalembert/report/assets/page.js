@@ -1,7 +1,7 @@
 // Puts the page together.
 
 const byId = (id) => document.getElementById(id);
-const payload = await unpacked(JSON.parse(byId("data").textContent));
+if (begun) Object.assign(payload, begun);
 byId("subtitle").textContent = payload.subtitle || "";
 byId("subtitle").hidden = !payload.subtitle;
 
@@ -67,13 +67,35 @@ function buildFrame() {
 }
 
 function buildPanels() {
-  const statistics = list(payload.statistics);
+  const statistics = payload.designs ? [] : list(payload.statistics), below = viewPanels(false);
+  byId("panels").append(...below.filter((node) => node.classList.contains("wide")));
   const columns = [
-    [optimumPanel(payload.optimum), diagnosisPanel(payload.diagnosis), valuePanel(motion), payload.optimum ? null : parameterPanel(payload.parameters)],
-    [convergencePanel(payload.optimum), statistics.length ? panel("Statistics", "statistics", pairs(statistics)) : null, eventPanel(motion, player)],
+    [optimumPanel(payload.optimum), ...half(below, 0), diagnosisPanel(payload.diagnosis), valuePanel(motion), payload.optimum || payload.designs ? null : parameterPanel(payload.parameters)],
+    [convergencePanel(payload.optimum), ...half(below, 1), statistics.length ? panel("Statistics", "statistics", pairs(statistics)) : null, eventPanel(motion, player)],
   ].map((column) => column.filter(Boolean)).filter((column) => column.length);
   byId("panels").append(...columns.map((column) => el("div", { class: "column" }, column)));
   verdict(byId("verdict"), payload.diagnosis);
+  decisionVerdict(byId("verdict"));
+  const beside = viewPanels(true);
+  byId("board").prepend(...(beside.length ? [el("div", { class: "beside" }, beside)] : []));
+}
+
+// The cards of one of two columns; wide ones stand over both.
+const half = (cards, side) => cards.filter((node) => !node.classList.contains("wide")).filter((_, k) => k % 2 === side);
+
+// Another design is shown in place of this one: at once in the plane, by opening the page anew in space.
+function showDesign(k) {
+  const next = choosing.alternatives[k];
+  if (!next?.scene) return;
+  history.replaceState(null, "", `#design=${k}`);
+  if (!scene.renew) { location.reload(); return; }
+  const after = readMotion({ ...payload, ...next }), traced = new Set(motion.points.filter((p) => p.traced).map((p) => p.name)), { now } = motion;
+  for (const point of after.points) point.swatch = motion.points.find((p) => p.name === point.name)?.swatch;
+  Object.assign(motion, after);
+  scene.renew(traced);
+  for (const plot of board?.plots ?? []) plot.setSeries(plot.series.map((s) => motion.seriesByName.get(s.name)).filter(Boolean));
+  setTheme(Theme.name);
+  player.seek(clamp(now, motion.start, motion.end));
 }
 
 function setTheme(name) {
@@ -82,6 +104,7 @@ function setTheme(name) {
   for (const point of motion.points) point.swatch?.style.setProperty("--c", scene.pointColour(point));
   scene.restyle();
   board?.restyle();
+  Theme.listeners.emit();
 }
 
 // On paper: light, sharp, at rest, and drawn in the size of the sheet.
@@ -111,10 +134,11 @@ buildToolbar();
 buildFrame();
 buildPanels();
 if (motion.moves) buildPlayer(byId("player"), player);
+choosing?.onChoose.on(showDesign);
 if (board) {
   const wanted = list(payload.default_plots).map((names) => list(names).filter((n) => motion.seriesByName.has(n))).filter((names) => names.length);
   for (const names of wanted.length ? wanted : fallbackPlots(motion)) board.add(names);
-} else {
+} else if (!list(payload.views).some((view) => view.place === "board")) {
   byId("board").hidden = true;
   document.body.classList.add("single");
 }
@@ -124,5 +148,5 @@ setTheme(Theme.name);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (e) => setTheme(e.matches ? "dark" : "light"));
 player.seek(motion.start);
 
-window.dalembert = { player, motion, scene, board };
+window.dalembert = { player, motion, scene, board, choice: choosing };
 if (motion.moves && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();

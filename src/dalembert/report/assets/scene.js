@@ -23,6 +23,20 @@ class Scene {
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
 
+  // The motion has become that of another design: all that was read off it is read again.
+  renew(traced) {
+    const { motion, box } = this, next = motion.envelope();
+    this.box = { x0: Math.min(box.x0, next.x0), x1: Math.max(box.x1, next.x1), y0: Math.min(box.y0, next.y0), y1: Math.max(box.y1, next.y1) };
+    this.guides = this.findGuides();
+    this.teeth = this.findTeeth();
+    this.bundles = this.bundleLinks();
+    this.scaleForces();
+    motion.chooseTraces(this.box.x1 - this.box.x0);
+    for (const point of motion.points) point.traced = traced.has(point.name);
+    this.tracesKey = null;
+    if (this.fitted) this.fit(); else this.invalidate();
+  }
+
   // Half the width of a bar in metres: small against the picture and against the bars.
   symbolSize() {
     const { x0, x1, y0, y1 } = this.box;

@@ -16,6 +16,7 @@ class Structure {
     this.shapes = (key) => list(drawing[key]).map((s) => ({ size: s.size, vertices: list(s.vertices), owners: list(s.owners) }));
     [this.lines, this.faces, this.points] = ["lines", "faces", "points"].map(this.shapes);
     this.outline = list(drawing.outline);
+    this.ghost = payload.ghost ? this.otherDesign(payload.ghost) : null;
     this.nodes = list(payload.nodes);
     this.elements = list(payload.elements);
     const table = list(payload.table), names = list(payload.directions);
@@ -34,6 +35,19 @@ class Structure {
     this.drop = this.dimension === 1 ? 0.12 * this.extent() + this.height() : 0;
     this.state = { case: 0, field: null, factor: AUTO };
     this.onState = new Signal();
+  }
+
+  // Lines and edges of another design, at rest and displaced.
+  otherDesign({ drawing, moved }) {
+    const n = list(drawing.rest).length;
+    return { rest: floats(drawing.rest, n), moved: list(moved).map((m) => floats(m, n)), lines: list(drawing.lines), outline: list(drawing.outline) };
+  }
+
+  // Its places in the current case, displaced by a factor.
+  ghostPlaces(factor) {
+    const out = new Float64Array(this.ghost.rest), moved = this.ghost.moved[this.state.case];
+    if (moved) for (let i = 0; i < out.length; i++) out[i] += factor * moved[i];
+    return out;
   }
 
   // The size of the displacement of every vertex is a field too.

@@ -1,7 +1,7 @@
 // Puts the page of a structure together.
 
 const byId = (id) => document.getElementById(id);
-const payload = await unpacked(JSON.parse(byId("data").textContent));
+if (begun) Object.assign(payload, begun);
 byId("subtitle").textContent = payload.subtitle || "";
 byId("subtitle").hidden = !payload.subtitle;
 
@@ -27,6 +27,7 @@ function buildToolbar() {
   const toggle = (key, text, title) => toggleButton(text, scene.show[key], (on) => { scene.show[key] = on; scene.invalidate(); }, { id: `show-${key}`, title });
   scene.show.labels = structure.nodes.length <= 12;
   const chips = [toggle("rest", "At rest"), toggle("loads", "Loads"), toggle("supports", "Supports"), toggle("labels", "Names")];
+  if (structure.ghost) chips.unshift(toggle("ghost", "First design"));
   if (structure.faces.length) chips.push(toggle("mesh", "Mesh"));
   byId("toolbar").append(el("div", { class: "chips" }, choosers), el("div", { class: "chips" }, chips));
 }
@@ -140,21 +141,40 @@ function buildFrame() {
 }
 
 function buildPanels() {
-  const statistics = list(payload.statistics);
+  const statistics = payload.designs ? [] : list(payload.statistics), below = viewPanels(false), beside = viewPanels(true);
+  byId("panels").append(...below.filter((node) => node.classList.contains("wide")));
   const columns = [
-    [optimumPanel(payload.optimum), diagnosisPanel(payload.diagnosis), payload.optimum ? null : parameterPanel(payload.parameters)],
-    [convergencePanel(payload.optimum), statistics.length ? panel("Statistics", "statistics", pairs(statistics)) : null],
+    [optimumPanel(payload.optimum), ...half(below, 0), diagnosisPanel(payload.diagnosis), payload.optimum || payload.designs ? null : parameterPanel(payload.parameters)],
+    [convergencePanel(payload.optimum), ...half(below, 1), statistics.length ? panel("Statistics", "statistics", pairs(statistics)) : null],
   ].map((column) => column.filter(Boolean)).filter((column) => column.length);
   byId("panels").append(...columns.map((column) => el("div", { class: "column" }, column)));
   byId("board").setAttribute("aria-label", "Tables");
+  if (beside.length) byId("board").append(el("div", { class: "beside" }, beside));
   byId("board").append(el("div", { class: "tables" }, structureTables(structure)));
   verdict(byId("verdict"), payload.diagnosis);
+  decisionVerdict(byId("verdict"));
 }
+
+// The cards of one of two columns; wide ones stand over both.
+const half = (cards, side) => cards.filter((node) => !node.classList.contains("wide")).filter((_, k) => k % 2 === side);
+
+// Another design is shown in place of this one.
+function showDesign(k) {
+  const next = choosing.alternatives[k];
+  if (!next?.drawing) return;
+  history.replaceState(null, "", `#design=${k}`);
+  const { onState, state } = structure, field = state.field?.name;
+  Object.assign(structure, new Structure({ ...payload, ...next }), { onState, state });
+  state.case = Math.min(state.case, structure.cases.length - 1);
+  structure.set({ field: structure.fields.find((f) => f.name === field) ?? null });
+}
+choosing?.onChoose.on(showDesign);
 
 function setTheme(name) {
   document.documentElement.dataset.theme = name;
   Theme.read();
   scene.restyle();
+  Theme.listeners.emit();
 }
 
 function bindStructureKeys(player) {
@@ -194,4 +214,4 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (e) => set
 structure.set({});
 scene.fit();
 
-window.dalembert = { structure, scene, player };
+window.dalembert = { structure, scene, player, choice: choosing };

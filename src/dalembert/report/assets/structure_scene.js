@@ -5,7 +5,7 @@ const LIGHT = [0.35, 0.5, 0.79];
 class StructureScene {
   constructor(structure, canvas, tip) {
     Object.assign(this, { structure, canvas, tip });
-    this.show = { rest: true, loads: true, supports: true, mesh: true, labels: false };
+    this.show = { ghost: true, rest: true, loads: true, supports: true, mesh: true, labels: false };
     this.turn = structure.solid ? { a: -0.6, b: -1.15 } : null;
     this.view = { x: 0, y: 0, s: 1 };
     this.fitted = true;
@@ -94,6 +94,7 @@ class StructureScene {
     this.ramp = structure.field ? new Ramp(structure.range(structure.field)) : null;
     ctx.lineJoin = ctx.lineCap = "round";
     if (this.show.rest) this.drawRest(ctx, rest);
+    if (structure.ghost && this.show.ghost) this.drawGhost(ctx, flat(structure.ghostPlaces(factor)));
     this.drawFaces(ctx, now);
     this.drawLines(ctx, now);
     this.drawPoints(ctx, now);
@@ -120,6 +121,22 @@ class StructureScene {
     for (let i = 0; i < structure.outline.length; i += 2) this.path(ctx, p, structure.outline, i, 2);
     ctx.stroke();
     ctx.setLineDash([]);
+  }
+
+  // Another design behind this one, wide and pale.
+  drawGhost(ctx, p) {
+    const { ghost } = this.structure;
+    ctx.globalAlpha = 0.45;
+    ctx.strokeStyle = Theme.muted;
+    ctx.lineWidth = 6;
+    ctx.beginPath();
+    for (const { size, vertices } of ghost.lines) for (let i = 0; i < vertices.length; i += size) this.path(ctx, p, vertices, i, size);
+    ctx.stroke();
+    ctx.lineWidth = 2.4;
+    ctx.beginPath();
+    for (let i = 0; i < ghost.outline.length; i += 2) this.path(ctx, p, ghost.outline, i, 2);
+    ctx.stroke();
+    ctx.globalAlpha = 1;
   }
 
   // The value of one shape: of its element, or the mean of its vertices.

@@ -103,7 +103,12 @@ function structureTables(structure) {
   };
   const total = el("p", { class: "caption note" });
   let last = -1;
-  structure.onState.on(() => { if (structure.state.case !== last) { last = structure.state.case; refresh(); } });
+  let shown = structure.displacements;  // others where another design is chosen
+  structure.onState.on(() => {
+    if (structure.state.case === last && structure.displacements === shown) return;
+    [last, shown] = [structure.state.case, structure.displacements];
+    refresh();
+  });
   refresh();
   return [
     panel("Displacements", "displacements", displacements.node),

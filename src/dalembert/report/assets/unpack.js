@@ -108,3 +108,6 @@ async function unpacked(payload) {
   };
   return put({ ...payload, columns: undefined });
 }
+
+// What the page shows.
+const payload = await unpacked(JSON.parse(document.getElementById("data").textContent));

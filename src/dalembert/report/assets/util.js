@@ -60,6 +60,12 @@ function number(x, digits = 4) {
   return minus(x.toFixed(clamp(digits - whole, 0, 7)));
 }
 
+function tidy(x, digits = 6) {
+  if (!isNum(x)) return "–";
+  const short = +x.toPrecision(digits), size = Math.abs(short);
+  return minus(size && (size < 1e-3 || size >= 1e6) ? short.toExponential() : String(short));
+}
+
 const decimalsOf = (step) => clamp(-Math.floor(Math.log10(step) + 1e-9), 0, 12);
 const fixed = (x, decimals) => {
   const text = x.toFixed(decimals);
@@ -92,8 +98,15 @@ const PALETTE = {
 };
 const DASHES = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
 
+class Signal {
+  constructor() { this.listeners = []; }
+  on(listener) { this.listeners.push(listener); }
+  emit(...args) { for (const listener of this.listeners) listener(...args); }
+}
+
 const Theme = {
   name: "light",
+  listeners: new Signal(),
   read() {
     const style = getComputedStyle(document.documentElement);
     this.name = document.documentElement.dataset.theme === "dark" ? "dark" : "light";
@@ -172,11 +185,6 @@ function fitCanvas(canvas, ratio = window.devicePixelRatio || 1) {
   return { ctx, w, h };
 }
 
-class Signal {
-  constructor() { this.listeners = []; }
-  on(listener) { this.listeners.push(listener); }
-  emit(...args) { for (const listener of this.listeners) listener(...args); }
-}
 
 function download(name, text, type) {
   const url = URL.createObjectURL(text instanceof Blob ? text : new Blob([text], { type }));

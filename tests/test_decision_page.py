@@ -1,0 +1,192 @@
+"""The pages of decisions in a browser: views draw, a choice is shared, keys work, all is quiet."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from browser import browser, show  # noqa: F401
+
+import dalembert as da
+from dalembert import planar, structures
+from dalembert.report import views
+from dalembert.report.page import render_page
+
+HOSTILE = "</script><img src=x onerror=document.title='bad'>"
+
+
+@pytest.fixture(scope="module")
+def slider():
+    """A crank and slider; its radius trades stroke for force."""
+    system = da.System("crank slider")
+    r = system.parameter("r", 0.1, "m", bounds=(0.05, 0.2))
+    rod = system.parameter("l", 0.4, "m", bounds=(0.3, 0.6))
+    mass = system.parameter("mass", 2.0, "kg")
+    crank = system.add(planar.Bar("crank", length=r, mass=1.0, angle=0.0))
+    link = system.add(planar.Bar("rod", length=rod, mass=1.0))
+    block = system.add(planar.Body("block", mass=mass, inertia=0.01, position=(0.5, 0)))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
+    system.add(planar.Revolute("A", crank.end, link.start))
+    system.add(planar.Revolute("B", link.end, block.center))
+    system.add(planar.Translational("rail", system.ground.point(0, 0), block.center))
+    system.add(planar.RotationalDriver("motor", system.ground, crank, 10 * da.t))
+    return system.build()
+
+
+ANALYSIS = da.InverseDynamics(duration=0.6, step=0.02)
+FORCE = da.rms("O.force_norm", name="force")
+REACH = da.rms("block.vx", name="speed")
+
+
+@pytest.fixture(scope="module")
+def front(slider):
+    return da.pareto(slider, [FORCE], maximize=[REACH], analysis=ANALYSIS, points=5)
+
+
+def chosen(found) -> int:
+    return found.js("dalembert.choice.chosen")
+
+
+def test_a_point_of_the_front_is_a_mechanism(show, front):  # noqa: F811
+    found = show(front, still=True)
+    assert len(front) >= 4
+    dots = "#view-0 circle.design"
+    assert found.page.locator(dots).count() == len(front)
+    assert "design" in found.js("document.querySelector('.chosen-design h2').textContent").lower()
+    before = found.picture("#scene")
+    found.page.locator(f"{dots}[data-design='0']").click()
+    found.frames(3)
+    assert chosen(found) == 0 and found.picture("#scene") != before
+    length = "Math.hypot(...dalembert.motion.bodies[0].shapes[0].to.map((v, k) => v - dalembert.motion.bodies[0].shapes[0].from[k]))"  # noqa: E501
+    assert found.js(length) == pytest.approx(front.design(0)["r"])
+    found.page.locator("#view-0 svg").focus()
+    for key, k in (("ArrowRight", 1), ("End", len(front) - 1), ("ArrowLeft", len(front) - 2)):
+        found.page.keyboard.press(key)
+        assert chosen(found) == k
+    assert found.js(length) == pytest.approx(front.design(len(front) - 2)["r"])
+    marked = found.js("[...document.querySelectorAll('.chart .chosen')].map(n => n.dataset.design)")
+    assert set(marked) == {str(len(front) - 2)} and len(marked) >= 2
+    found.page.click("#view-2 tbody tr:first-child")
+    assert chosen(found) == 0
+    found.page.click("#next-design")
+    assert chosen(found) == 1
+    found.page.click("#play")
+    found.until("dalembert.player.time > 0.02")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
+def test_draws(show, front, viewport, scheme):  # noqa: F811
+    found = show(front, viewport=viewport, scheme=scheme)
+    assert found.js("document.documentElement.scrollWidth <= innerWidth")
+    assert found.js("document.documentElement.dataset.theme") == scheme
+    assert found.js("[...document.querySelectorAll('svg.chart')].every(s => s.children.length)")
+
+
+def test_a_range_of_an_axis_keeps_designs(show, slider):  # noqa: F811
+    design = da.Design.grid({"r": [0.06, 0.1, 0.14, 0.45], "l": [0.4, 0.5]})
+    study = da.sweep(slider, design, analysis=ANALYSIS, responses=[FORCE, REACH])
+    assert 0 < len(study.failures) < len(design)
+    found = show(study)
+    done = int(study.success.sum())
+    assert found.page.locator("#view-0 path.design").count() == done
+    grips = found.page.locator("#view-0 .grip")
+    box = grips.nth(2).bounding_box()  # the radius
+    x = box["x"] + box["width"] / 2
+    found.page.mouse.move(x, box["y"] + box["height"] - 2)
+    found.page.mouse.down()
+    found.page.mouse.move(x, box["y"] + 0.7 * box["height"], steps=4)
+    found.page.mouse.up()
+    low, high = found.js("[...dalembert.choice.ranges.get(2)]")
+    kept = (design.values[:, 0] >= low) & (design.values[:, 0] <= high) & study.success
+    assert 0 < kept.sum() < done
+    assert found.page.locator("#view-0 path.design:not(.left)").count() == kept.sum()
+    found.page.locator("#view-0 svg").focus()
+    found.page.keyboard.press("Home")
+    assert kept[chosen(found)]
+    box = grips.nth(2).bounding_box()
+    found.page.mouse.dblclick(x, box["y"] + box["height"] / 2)
+    assert found.page.locator("#view-0 path.design:not(.left)").count() == done
+    assert "failed" in found.page.inner_text("#panels").lower()
+
+
+def test_structures_are_chosen_too(show):  # noqa: F811
+    structure = da.Structure("two bars")
+    h = structure.parameter("h", 0.4, "m", bounds=(0.3, 2.0))
+    area = structure.parameter("area", 4e-4, "m^2", bounds=(1e-4, 2e-3))
+    a, b, c = (structure.node(n, *at) for n, at in (("a", (0, 0)), ("b", (2, 0)), ("c", (1, h))))
+    for name, end in (("left", a), ("right", b)):
+        structure.add(structures.Truss(name, end, c, area=area, modulus=2e11, density=7850))
+    structure.support(a)
+    structure.support(b)
+    structure.load(c, fy=-5e4)
+    model = structure.build()
+    mass, sag = da.final("mass", name="mass"), da.final("-c.uy", name="sag")
+    front = da.pareto(model, [mass, sag], analysis=da.Statics(), points=4)
+    found = show(front)
+    before = found.picture("#scene"), found.page.inner_text("#displacements")
+    found.js("dalembert.choice.choose(0)")
+    found.frames(3)
+    assert found.picture("#scene") != before[0]
+    assert found.page.inner_text("#displacements") != before[1]
+    best = da.optimize(
+        model,
+        mass,
+        subject_to=[da.Limit(da.final("left.stress", name="stress"), lower=-1e8)],
+        analysis=da.Statics(),
+    )
+    ghost = show(best)
+    before = ghost.picture("#scene")
+    ghost.page.click("#show-ghost")
+    ghost.frames(3)
+    assert ghost.picture("#scene") != before
+
+
+def test_all_other_decisions_draw(show, slider, tmp_path):  # noqa: F811
+    """On paper and on a screen, with every view that they have."""
+    random = {"mass": da.Normal(2.0, 0.2), "r": da.Lognormal(0.1, 0.005)}
+    reliable = da.reliability(slider, da.Limit(FORCE, upper=40.0), random, analysis=ANALYSIS)
+    tolerances = {"r": 1e-3, "l": 1e-3}
+    scattered = da.tolerance(slider, FORCE, tolerances, analysis=ANALYSIS, samples=25)
+    run = ANALYSIS.run(slider, {"r": 0.12, "mass": 2.3})
+    noisy = run.values("motor.effort") + np.random.default_rng(0).normal(0, 0.05, run.time.size)
+    data = {"time": run.time, "torque": noisy}
+    found = da.identify(slider, data, {"torque": "motor.effort"}, ["r", "mass"], analysis=ANALYSIS)
+    linkages = da.synthesize(da.Target.path([[0, 0], [1, 0.2], [2, 1], [0.2, 1.5]]), starts=3)
+    for decision in (reliable, scattered, found, linkages):
+        page = show(decision)
+        kinds = {view["kind"] for view in decision.views()}
+        assert page.page.locator("section[id^=view-]").count() == len(decision.views()), kinds
+        assert page.js("[...document.querySelectorAll('svg.chart')].every(s => s.children.length)")
+        page.js("window.dispatchEvent(new Event('beforeprint'))")
+        assert page.js("document.documentElement.classList.contains('paper')")
+        page.js("window.dispatchEvent(new Event('afterprint'))")
+
+
+def test_notebooks_show_the_page(slider, front):
+    shown = front._repr_html_()
+    assert shown.count("<iframe") == 1 and "srcdoc=" in shown
+    assert "<script" not in shown  # all of it is the text of the frame
+    assert not re.search(r"https?://(?!www\.w3\.org)", shown)
+    found = da.reliability(None, "2 - a", {"a": da.Normal(0, 1)})
+    assert "2 - a" in found._repr_html_()
+
+
+def test_names_stay_text(show):  # noqa: F811
+    columns = [(HOSTILE, HOSTILE, "aim", [1.0, np.nan]), ("b", "", "parameter", [1.0, 2.0])]
+    payload = {
+        **{"format": 1, "kind": "decision", "title": HOSTILE, "subtitle": HOSTILE},
+        "designs": views.designs(columns, reasons=["", HOSTILE]),
+        "views": [
+            views.of_designs("parallel", HOSTILE),
+            views.of_designs("table", HOSTILE),
+            views.bars(HOSTILE, {HOSTILE: np.nan, "b": -1.0}, HOSTILE),
+            views.histogram(HOSTILE, HOSTILE, np.zeros(0), {HOSTILE: 1.0}, (1.0, 0.1)),
+            views.curves(HOSTILE, "x", "y", [views.line(HOSTILE, [0, np.nan], [1, 2])]),
+        ],
+    }
+    assert "<img" not in render_page(payload)
+    found = show(payload)
+    assert found.js("document.title") == HOSTILE
+    assert found.page.locator("img").count() == 0
