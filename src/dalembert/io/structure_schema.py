@@ -33,7 +33,7 @@ _RESPONSE = one_of(
 class StructureDocument(ModelDocument):
     """A model file of dalembert: a structure, and what is to be computed on it."""
 
-    sections = ("parameters", "nodes", "elements", "meshes")
+    sections = ("parameters", "tables", "nodes", "elements", "meshes")
     analyses = STRUCTURAL_ANALYSES
     usual_analysis = "Statics"
 
