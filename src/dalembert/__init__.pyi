@@ -265,6 +265,7 @@ from dalembert.symbolic.functions import (
     tanh as tanh,
     where as where,
 )
+from dalembert.symbolic.interpolation import Interpolation as Interpolation, table as table
 from dalembert.symbolic.native.code_cache import clear_cache as clear_cache
 from dalembert.symbolic.parameter import Parameter as Parameter
 

@@ -40,7 +40,7 @@ CONSTANTS = {"pi": math.pi, "e": math.e}
 
 
 Functions = Mapping[str, tuple[Callable[..., Any], int]]
-OF_AMOUNTS = {"atan2", "hypot", "max", "min", "smooth_abs", "where"}
+OF_AMOUNTS = {"atan2", "interp", "hypot", "max", "min", "smooth_abs", "where"}
 """Functions of numbers that may have units."""
 _OF_ONE = "sqrt sin cos tan asin acos atan sinh cosh tanh exp log floor".split()
 PLAIN_FUNCTIONS: Functions = {
@@ -185,7 +185,7 @@ class Grammar:
         except ExpressionError as error:
             raise self.fail(error.message) from None
         except TypeError:
-            raise self.fail("numbers with units have no such operation") from None
+            raise self.fail("numbers with units, and tables, have no such operation") from None
         if isinstance(value, complex):
             raise self.fail("a root of a negative number")
         return float(value) if isinstance(value, (bool, int, float)) else value
@@ -203,6 +203,8 @@ class Grammar:
                 raise self.fail(f"{node.func.id} takes a plain number or an angle, got {value}")
         try:
             return function(*given)
+        except ExpressionError as error:
+            raise self.fail(str(error)) from None
         except (ValueError, OverflowError):
             raise self.fail(f"{node.func.id} has no value there") from None
 

@@ -11,6 +11,7 @@ from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.analysis.dynamics_truth import DynamicsTruth
 from dalembert.analysis.singular_positions import LOST, SingularPosition, near_singular_position
 from dalembert.integrators.steps import Steps
+from dalembert.model.table_ranges import left_table
 from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.once import once
@@ -68,6 +69,9 @@ class Ending:
         residual = float(np.max(self.violations, initial=0.0))
         if steps.interrupted:
             return self._ends(Outcome.INTERRUPTED, f"stopped at t = {self.time:g} s")
+        lacking = self.left_table() if steps.message and not steps.explained else ""
+        if lacking:
+            return self._ends(Outcome.DIVERGED, f"after t = {steps.end:.9g} s {lacking}")
         if steps.explained:
             text = f"after t = {steps.end:.9g} s {steps.message}"
             return self._ends(Outcome.DIVERGED, text)
@@ -95,6 +99,12 @@ class Ending:
             text = f"{ended_by.name} at t = {ended_by.time:.9g} s"
             return self._ends(Outcome.TERMINATED, text)
         return self._ends(Outcome.COMPLETED, f"reached t = {self.time:g} s")
+
+    def left_table(self) -> str:
+        """Which table ends where the run does; empty if none does."""
+        model, s = self.kernel.model, self.s
+        states = [(s.t[k], s.y[:, k], s.v[:, k]) for k in range(max(0, s.t.size - 2), s.t.size)]
+        return left_table(model.parts, model.all_equations, states, self.p)
 
     def unsolved(self) -> str:
         """What Newton's method left open in the step that failed, or nothing."""

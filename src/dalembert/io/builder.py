@@ -42,7 +42,7 @@ from dalembert.io.mesh_reader import MeshReader
 from dalembert.io.messages import explain
 from dalembert.io.order import dependency_order
 from dalembert.io.orientations import read_frame, read_orientation
-from dalembert.io.parameters import declare_parameters
+from dalembert.io.parameters import declare_parameters, declare_tables
 from dalembert.io.reading import read_document
 from dalembert.io.references import References
 from dalembert.io.schema import DerivedTable, Document
@@ -83,6 +83,7 @@ class Builder:
             With file, place, value and cure.
         """
         declare_parameters(self.system, self.document, self.located)
+        declare_tables(self.system, self.document, self.located, self.formulas)
         self.derived()
         self.histories()
         if self.document.gravity is not None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
-from typing import Protocol
+from typing import Any, Protocol
 
 from dalembert.errors import ExpressionError
 from dalembert.symbolic.expression import Expression, as_expression, t
+from dalembert.symbolic.interpolation import Interpolation
 from dalembert.symbolic.parser import parse_formula
 
 
@@ -28,7 +29,10 @@ class Names(Protocol):
     @property
     def derived_parameters(self) -> Mapping[str, Expression]: ...
 
-    def lookup(self, name: str) -> Expression | None: ...
+    @property
+    def tables(self) -> Mapping[str, Interpolation]: ...
+
+    def lookup(self, name: str) -> Any: ...
 
     def measure_names(self) -> list[str]: ...
 
@@ -39,15 +43,22 @@ class ParameterNames:
     Parameters
     ----------
     parameters : name → Parameter
+    tables : name → table
     """
 
-    def __init__(self, parameters: Mapping[str, Expression]):
+    def __init__(
+        self,
+        parameters: Mapping[str, Expression],
+        tables: Mapping[str, Interpolation] | None = None,
+    ):
         self.parameters = parameters
+        self.tables: Mapping[str, Interpolation] = {} if tables is None else tables
         self.derived_parameters: Mapping[str, Expression] = {}
 
-    def lookup(self, name: str) -> Expression | None:
-        """The parameter, or time."""
-        return self.parameters.get(name, t if name == "t" else None)
+    def lookup(self, name: str) -> Any:
+        """The parameter, the table, or time."""
+        found = self.parameters.get(name, t if name == "t" else None)
+        return self.tables.get(name) if found is None else found
 
     def measure_names(self) -> list[str]:
         """There are none before anything is built."""
@@ -84,7 +95,7 @@ class Formulas:
             return value
         own = dict(local or {})
 
-        def lookup(name: str) -> Expression | None:
+        def lookup(name: str) -> Any:
             if name in own:
                 return own[name]
             if name in self.histories and scope is not Scope.PARAMETERS:
@@ -101,7 +112,8 @@ class Formulas:
         return found if found.is_parameter else as_expression(found, "")
 
     def _parameters(self) -> list[str]:
-        return [*self.system.parameters, *self.system.derived_parameters]
+        known = self.system
+        return [*known.parameters, *known.derived_parameters, *known.tables]
 
     def _allowed(self, name: str, scope: Scope) -> bool:
         if scope is Scope.MOTION or name in self._parameters():

@@ -9,6 +9,7 @@ from pydantic import Field, PlainValidator, WithJsonSchema, create_model
 
 from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
+from dalembert.io.curve_tables import CurveTable
 from dalembert.io.decision_tables import (
     RANDOM,
     CombinedTable,
@@ -112,6 +113,9 @@ class ModelDocument(Record):
     name: Text = Field(default=None, description="name of the model; the file name by default")
     description: Text = ""
     parameters: dict[str, _PARAMETER] = Field(default_factory=dict)  # type: ignore[valid-type]
+    tables: dict[str, CurveTable] = Field(
+        default_factory=dict, description="functions through measured values"
+    )
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
     combined: dict[str, CombinedTable] = Field(default_factory=dict)
     optimize: OptimizeTable = None  # type: ignore[assignment]
@@ -127,7 +131,7 @@ class Document(ModelDocument):
     """A model file of dalembert: a mechanism, and what is to be computed on it."""
 
     sections = (
-        *("parameters", "derived", "histories", "bodies", "beams", "elements", "meshes"),
+        *("parameters", "tables", "derived", "histories", "bodies", "beams", "elements", "meshes"),
         *("joints", "drivers", "forces"),
     )
     analyses = ANALYSES

@@ -11,7 +11,7 @@ from dalembert.errors import ModelError
 from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.location import Located
 from dalembert.io.mesh_reader import MeshReader
-from dalembert.io.parameters import declare_parameters
+from dalembert.io.parameters import declare_parameters, declare_tables
 from dalembert.io.structure_schema import StructureDocument
 from dalembert.io.structure_tables import (
     DISPLACEMENTS,
@@ -40,7 +40,7 @@ class StructureBuilder:
         self.document, self.source = document, source
         self.located = Located(source, document)
         self.structure = Structure(document.name or visible(source.stem), document.description)
-        self.formulas = Formulas(ParameterNames(self.structure.parameters))
+        self.formulas = Formulas(ParameterNames(self.structure.parameters, self.structure.tables))
         self.reader = MeshReader(source, self.located, self.formulas)
 
     def build(self) -> Structure:
@@ -52,6 +52,7 @@ class StructureBuilder:
             With file, place, value and cure.
         """
         declare_parameters(self.structure, self.document, self.located)
+        declare_tables(self.structure, self.document, self.located, self.formulas)
         for name, place in self.document.nodes.items():
             with self.located("nodes", name):
                 self.structure.node(name, *(self.formulas.read(x) for x in place))

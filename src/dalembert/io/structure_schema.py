@@ -48,7 +48,7 @@ class StructuralCaseTable(CaseTable):
 class StructureDocument(ModelDocument):
     """A model file of dalembert: a structure, and what is to be computed on it."""
 
-    sections = ("parameters", "nodes", "elements", "meshes")
+    sections = ("parameters", "tables", "nodes", "elements", "meshes")
     analyses = STRUCTURAL_ANALYSES
     usual_analysis = "Statics"
 

@@ -16,6 +16,7 @@ from dalembert.errors import ModelError
 from dalembert.model.measures import element_measures, find_measure
 from dalembert.model.parameter_space import ParameterSpace
 from dalembert.symbolic.expression import Expression, as_expression, stack, t
+from dalembert.symbolic.interpolation import Interpolation
 from dalembert.symbolic.parameter import Parameter
 from dalembert.symbolic.parser import parse_formula
 from dalembert.text import plain_text
@@ -38,6 +39,7 @@ class Description:
         self.ground = Ground()
         self.parameters: dict[str, Parameter] = {}
         self.derived_parameters: dict[str, Expression] = {}
+        self.tables: dict[str, Interpolation] = {}
         self.elements: dict[str, Element] = {}
         self.initial_conditions: list[tuple[Expression, Expression]] = []
 
@@ -47,6 +49,7 @@ class Description:
         made.ground = self.ground
         made.parameters = dict(self.parameters)
         made.derived_parameters = dict(self.derived_parameters)
+        made.tables = dict(self.tables)
         made.elements = dict(self.elements)
         made.initial_conditions = list(self.initial_conditions)
         return made
@@ -114,8 +117,10 @@ class Description:
             raise ModelError(f"unknown body {name!r} (known: ground, {known})")
         return found
 
-    def lookup(self, name: str) -> Expression | None:
-        """The parameter, time or measure behind a name of a formula."""
+    def lookup(self, name: str) -> Any:
+        """The parameter, table, time or measure behind a name of a formula."""
+        if name in self.tables:
+            return self.tables[name]
         if name == "t":
             return t
         if name in self.parameters:
@@ -127,7 +132,7 @@ class Description:
     def formula(self, text: str, local: dict[str, Expression] | None = None) -> Expression:
         """Parse the text of a formula in parameters, ``t`` and measures."""
 
-        def lookup(name: str) -> Expression | None:
+        def lookup(name: str) -> Any:
             return local[name] if local and name in local else self.lookup(name)
 
         known = [*self.parameters, *self.derived_parameters, "t", *(local or {})]

@@ -166,7 +166,7 @@ class Model(ParametricModel):
         found = self._system_measure(name)
         if found is None:
             found = self.parts.lookup(name)
-        return None if found is None else self._grounded(found)
+        return self._grounded(found) if isinstance(found, Expression) else found
 
     def _grounded(self, measure: Expression) -> Expression:
         return Expression(self.at_ground(measure.sx), measure.name, measure.unit)

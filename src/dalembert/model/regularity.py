@@ -14,6 +14,7 @@ from dalembert.model.assembly import Assembler
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
 from dalembert.model.independence import Echelon, columns_of, independent_rows
+from dalembert.model.table_ranges import left_table
 from dalembert.symbolic.expression import free_symbols, stack, t
 
 Owners = list[tuple[Constraint, int]]
@@ -114,6 +115,9 @@ class Definedness:
             return
         for element in (*self.d.constraints, *self.d.forces):
             if not self._is_finite(self._definition(element)):
+                state = (0.0, self.y, np.zeros(self.e.speed_count))
+                if left := left_table(self.d, self.e, [state], self.p):
+                    raise ModelError(f"at the start {left}", element.name)
                 raise ModelError(
                     "has no defined direction or value at the assembled position (two points that "
                     "coincide, a root or a division by zero?); move its points or mend its formula",

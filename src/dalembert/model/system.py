@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from dalembert.elements.base import Constraint, Element, ForceElement
@@ -14,6 +15,7 @@ from dalembert.structures.elastic_structure import ElasticStructure
 from dalembert.structures.mesh import Classes
 from dalembert.structures.structure import Structure
 from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.symbolic.interpolation import Interpolation
 from dalembert.symbolic.parameter import Parameter
 
 RESERVED = {"t", "u", "pi", "e", "ground", "system", "extension", "rate"}
@@ -53,6 +55,24 @@ class System(Description):
         made = as_expression(formula, name, unit)
         made.name = name
         self.derived_parameters[name] = made
+        return made
+
+    def table(
+        self,
+        name: str,
+        x: Sequence[Any],
+        y: Sequence[Any],
+        kind: str = "spline",
+        outside: str = "error",
+        units: tuple[str, str] = ("", ""),
+    ) -> Interpolation:
+        """Declare a table of values, to be called like a function, see ``Interpolation``.
+
+        Texts of formulas name it: ``interp(piston.x, gas)``.
+        """
+        self._claim(name)
+        made = Interpolation(x, y, kind, outside, units, name)
+        self.tables[name] = made
         return made
 
     def add(self, element):
@@ -136,7 +156,8 @@ class System(Description):
     def _claim(self, name: str) -> None:
         if name in RESERVED:
             raise ModelError(f"the name {name!r} is reserved; choose another", self.name)
-        if name in self.parameters or name in self.derived_parameters or name in self.elements:
+        known = (self.parameters, self.derived_parameters, self.tables, self.elements)
+        if any(name in section for section in known):
             raise ModelError("the name is already used; choose a different one", name)
 
     # freezing ------------------------------------------------------------------

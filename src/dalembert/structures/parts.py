@@ -14,6 +14,7 @@ from dalembert.structures.elements import Elements
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.spans import Spans
 from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.symbolic.interpolation import Interpolation
 from dalembert.symbolic.parameter import Parameter
 from dalembert.text import plain_text
 
@@ -31,6 +32,7 @@ class StructureParts:
         self.name = plain_text(name, "name of the structure")
         self.description = plain_text(description, "description of the structure")
         self.parameters: dict[str, Parameter] = {}
+        self.tables: dict[str, Interpolation] = {}
         self.nodes: dict[str, Node | Nodes] = {}
         self.numbers = Spans()
         self.elements: dict[str, StructuralElement | Elements] = {}
@@ -42,6 +44,21 @@ class StructureParts:
         self._claim(name)
         made = Parameter(name, value, unit, bounds, description)
         self.parameters[name] = made
+        return made
+
+    def table(
+        self,
+        name: str,
+        x: Any,
+        y: Any,
+        kind: str = "spline",
+        outside: str = "error",
+        units: tuple[str, str] = ("", ""),
+    ) -> Interpolation:
+        """Declare a table of values, to be called like a function, see ``Interpolation``."""
+        self._claim(name)
+        made = Interpolation(x, y, kind, outside, units, name)
+        self.tables[name] = made
         return made
 
     def node(self, name: str, *position) -> Node:
@@ -153,5 +170,6 @@ class StructureParts:
         return tuple(as_expression(v, entity, unit) for v in values)
 
     def _claim(self, name: str) -> None:
-        if name in self.parameters or name in self.nodes or name in self.elements:
+        known = (self.parameters, self.tables, self.nodes, self.elements)
+        if any(name in section for section in known):
             raise ModelError("the name is already used; choose a different one", name)

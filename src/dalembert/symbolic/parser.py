@@ -7,9 +7,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from dalembert.amounts import Amount
+from dalembert.errors import ExpressionError
 from dalembert.grammar import Grammar
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.functions import FORMULA_FUNCTIONS
+from dalembert.symbolic.interpolation import Interpolation, interp
+
+FUNCTIONS = {**FORMULA_FUNCTIONS, "interp": (interp, 2)}
+"""Functions of formulas."""
 
 
 def parse_formula(
@@ -31,7 +36,11 @@ def parse_formula(
     ExpressionError
         With the text, the place and a cure; ``UnknownNameError`` where a name is unknown.
     """
-    value = Grammar(text, lookup, known, FORMULA_FUNCTIONS).run()
+    value = Grammar(text, lookup, known, FUNCTIONS).run()
     if isinstance(value, Amount):
         return Expression(value.value, "", value.si)
+    if isinstance(value, Interpolation):
+        raise ExpressionError(
+            f"in formula {text[:60]!r}: a table is no number; write interp(x, {value.name})"
+        )
     return value if isinstance(value, Expression) else Expression(value)

@@ -30,6 +30,8 @@ class CubicSpline:
     values : n numbers or formulas
     periodic : the last value equals the first and the spline repeats
     entity : name used in messages
+    lookup : large tables may be looked up instead of written out; not in what depends on a state,
+        whose adjoint cannot look through a call
 
     Raises
     ------
@@ -38,15 +40,27 @@ class CubicSpline:
         that does not close.
     """
 
-    def __init__(self, knots: Sequence, values: Sequence, periodic: bool, entity: str):
+    least = 3
+    """Rows that it needs."""
+
+    def __init__(
+        self,
+        knots: Sequence,
+        values: Sequence,
+        periodic: bool,
+        entity: str,
+        lookup: bool = True,
+    ):
         self.periodic, self.entity = periodic, entity
         self.knots = _scalars(knots, entity, "abscissa")
         self.values = _scalars(values, entity, "value")
         if len(self.knots) != len(self.values):
             text = f"{len(self.knots)} abscissae but {len(self.values)} values"
             raise ModelError(text, entity)
-        if len(self.knots) < 3:
-            raise ModelError(f"a spline needs at least 3 rows, got {len(self.knots)}", entity)
+        if len(self.knots) < self.least:
+            raise ModelError(
+                f"a curve needs at least {self.least} rows, got {len(self.knots)}", entity
+            )
         self.steps = [b - a for a, b in zip(self.knots, self.knots[1:], strict=False)]
         for k, step in enumerate(self.steps):
             if isinstance(step, float) and not step > 0:
@@ -57,13 +71,14 @@ class CubicSpline:
                 )
         if periodic:
             self._check_closed()
+        self._inside, self._slopes = self._made(lookup)
+
+    def _made(self, lookup: bool) -> Any:
+        """The curve between its ends, and its slopes there."""
         constant = all(isinstance(x, float) for x in (*self.knots, *self.values))
-        if constant and len(self.knots) > LARGE:
-            self._inside, slopes = self._looked_up()
-        else:
-            curvatures = _curvatures(self.steps, self.values, periodic)
-            self._inside, slopes = self._written_out(curvatures)
-        self._slopes = slopes
+        if lookup and constant and len(self.knots) > LARGE:
+            return self._looked_up()
+        return self._written_out(_curvatures(self.steps, self.values, self.periodic))
 
     def conditions(self) -> list[tuple[ca.SX, str]]:
         """(formula that must not be negative, what is wrong if it is) of knots by formulas."""
@@ -78,7 +93,7 @@ class CubicSpline:
         first, last = self.knots[0], self.knots[-1]
         if self.periodic:
             return self._inside(x - (last - first) * ca.floor((x - first) / (last - first)))
-        begun, over = _reached(x, first), _reached(x, last)
+        begun, over = reached(x, first), reached(x, last)
         before = self.values[0] + self._slopes[0] * (x - first)
         after = self.values[-1] + self._slopes[1] * (x - last)
         inside = self._inside(ca.if_else(begun, ca.if_else(over, last, x), first))
@@ -100,16 +115,9 @@ class CubicSpline:
             return (v[k + 1] - v[k]) / h[k] + h[k] * (left * m[k] + right * m[k + 1]) / 6
 
         def inside(x: ca.SX) -> ca.SX:
-            reached = [_reached(x, knot) for knot in self.knots[1:-1]]
-
-            def pick(rows: list[Scalar]) -> ca.SX:  # the one of the piece in which x lies
-                if all(isinstance(r, float) and r == rows[0] for r in rows):
-                    return ca.SX(rows[0])
-                jumps = [b - a for a, b in itertools.pairwise(rows)]
-                return ca.SX(rows[0]) + sum(j * r for j, r in zip(jumps, reached, strict=True))
-
-            left, right = pick(self.knots[:-1]), pick(self.knots[1:])
-            v0, v1, m0, m1 = pick(v[:-1]), pick(v[1:]), pick(m[:-1]), pick(m[1:])
+            beyond = [reached(x, knot) for knot in self.knots[1:-1]]
+            ends = (self.knots[:-1], self.knots[1:], v[:-1], v[1:], m[:-1], m[1:])
+            left, right, v0, v1, m0, m1 = (self.pick(rows, beyond) for rows in ends)
             width, a, b = right - left, right - x, x - left
             return (
                 (m0 * a**3 + m1 * b**3) / (6 * width)
@@ -118,6 +126,14 @@ class CubicSpline:
             )
 
         return inside, (slope(0, -2, -1), slope(len(h) - 1, 1, 2))
+
+    @staticmethod
+    def pick(rows: list[Scalar], beyond: list[ca.SX]) -> ca.SX:
+        """The row of the piece in which x lies, which is beyond some of the inner knots."""
+        if all(isinstance(r, float) and r == rows[0] for r in rows):
+            return ca.SX(rows[0])
+        jumps = [b - a for a, b in itertools.pairwise(rows)]
+        return ca.SX(rows[0]) + sum(j * r for j, r in zip(jumps, beyond, strict=True))
 
     def _looked_up(self):
         """The same by bisection in a function of its own: the graph has one node, not all rows."""
@@ -134,7 +150,7 @@ class CubicSpline:
         return table, (float(slopes[0]), float(slopes[1]))
 
 
-def _reached(x: ca.SX, knot: Scalar) -> ca.SX:
+def reached(x: ca.SX, knot: Scalar) -> ca.SX:
     """1 from the knot on, else 0; no comparison, for at knots the spline is smooth."""
     return (1 + ca.copysign(1, x - knot)) / 2
 

@@ -1,0 +1,229 @@
+"""Tables as functions: values, derivatives, ranges, and one and the same run by every backend."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+import dalembert as da
+from dalembert import planar
+from dalembert.io.analyses import make_analysis
+from dalembert.io.model_file import load_model_file
+
+RNG = np.random.default_rng(5)
+X = np.sort(RNG.uniform(0.0, 1.0, 12))
+Y = np.sin(5 * X)
+BETWEEN = np.linspace(X[0], X[-1], 41)
+
+
+def test_the_spline_is_the_natural_one_and_the_line_the_straight_one():
+    spline, line = CubicSpline(X, Y, bc_type="natural"), da.table(X, Y, kind="linear")
+    made = da.table(X, Y)
+    for x in BETWEEN:
+        assert float(made(x)) == pytest.approx(spline(x), abs=1e-14)
+        assert float(line(x)) == pytest.approx(np.interp(x, X, Y), abs=1e-14)
+
+
+@pytest.mark.parametrize("kind", ["spline", "linear"])
+def test_beyond_the_ends(kind):
+    slope = CubicSpline(X, Y, bc_type="natural")(X[-1], 1)
+    if kind == "linear":
+        slope = (Y[-1] - Y[-2]) / (X[-1] - X[-2])
+    beyond = X[-1] + 0.25
+    assert np.isnan(float(da.table(X, Y, kind)(beyond).sx))
+    assert float(da.table(X, Y, kind, "clamp")(beyond)) == pytest.approx(Y[-1])
+    straight = Y[-1] + 0.25 * slope
+    assert float(da.table(X, Y, kind, "extrapolate")(beyond)) == pytest.approx(straight)
+    for x in (X[0], X[-1]):  # the ends themselves are inside
+        assert np.isfinite(float(da.table(X, Y, kind)(x)))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"x": [0, 1]}, "table gas: 2 abscissae but 3 values"),
+        ({"x": [0, 2, 1]}, "abscissae must increase, but row 3"),
+        ({"x": [0, 1, "b"]}, "row 3: expected a number"),
+        ({"x": [0, 1, float("nan")]}, "not a finite number"),
+        ({"kind": "cubic"}, "unknown kind 'cubic'"),
+        ({"outside": "clmp"}, "unknown outside 'clmp' .did you mean 'clamp'"),
+        ({"units": ("mmm", "")}, "unknown unit 'mmm'"),
+        ({"x": range(2000), "y": range(2000)}, "has 2000 rows; thin it out"),
+    ],
+)
+def test_tables_that_are_none(given, message):
+    with pytest.raises(da.ModelError, match=message):
+        da.Interpolation(**{"x": [0, 1, 2], "y": [1, 2, 3], "name": "gas", **given})
+
+
+def pendulum(rows=30, kind="spline", outside="error", top=4.0, angle=0.5):
+    """A pendulum under a torque by a table of its angle, two of whose numbers are parameters."""
+    system = da.System("x", gravity=(0.0, -9.81))
+    size, level = system.parameter("size", 2.0), system.parameter("level", 0.3)
+    bob = system.add(planar.Bar("bob", length=0.5, mass=1.0, angle=angle))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), bob.start))
+    x = np.linspace(-top, top, rows)
+    values = [*np.sin(3 * x[:-1]), level]
+    torque = system.table("torque", x, values, kind=kind, outside=outside)
+    system.add(planar.Moment("M", bob, size * torque(bob.angle)))
+    return system.build()
+
+
+@pytest.mark.parametrize("kind", ["spline", "linear"])
+def test_gradients_are_those_of_the_run(kind):
+    model = pendulum(kind=kind)
+    motion = da.solve_dynamics(model, 0.3, step=0.01)
+    final = da.final("bob.angle")
+    found = {
+        method: da.sensitivity(motion, final, method=method).values.ravel()
+        for method in ("adjoint", "direct", "finite-difference")
+    }
+    assert found["adjoint"] == pytest.approx(found["direct"], rel=1e-9, abs=1e-15)
+    assert found["adjoint"] == pytest.approx(found["finite-difference"], rel=1e-5, abs=1e-9)
+    assert np.abs(found["adjoint"][0]) > 1e-3
+
+
+def test_large_tables_have_an_adjoint_too():
+    motion = da.solve_dynamics(pendulum(rows=301), 0.02, step=0.01, backend="vm")
+    adjoint = da.sensitivity(motion, da.final("bob.angle"), method="adjoint")
+    direct = da.sensitivity(motion, da.final("bob.angle"), method="direct")
+    assert adjoint.values == pytest.approx(direct.values, rel=1e-9, abs=1e-15)
+
+
+@pytest.mark.parametrize("backend", ["jit", "c"])
+def test_every_backend_runs_the_same(backend):
+    model = pendulum(rows=8)
+    usual = da.solve_dynamics(model, 0.2, step=0.01, backend="vm")
+    other = da.solve_dynamics(model, 0.2, step=0.01, backend=backend)
+    assert other.values("bob.angle") == pytest.approx(usual.values("bob.angle"), abs=1e-12)
+
+
+def test_a_batch_is_its_runs():
+    model = pendulum(rows=8)
+    sizes = [0.0, 1.0, 2.5]
+    batch = da.solve_dynamics(model, 0.2, step=0.01, parameters={"size": sizes})
+    for k, size in enumerate(sizes):
+        one = da.solve_dynamics(model, 0.2, step=0.01, parameters={"size": size})
+        found = batch["bob.angle"].values[k, -1]
+        assert found == pytest.approx(one.values("bob.angle")[-1], abs=1e-12)
+
+
+@pytest.mark.parametrize("integrator", [da.RK4(), da.DormandPrince(), da.Radau()])
+def test_a_run_that_leaves_a_table_ends_and_names_it(integrator):
+    motion = da.solve_dynamics(pendulum(top=0.6, angle=0.0), 1.0, step=0.01, integrator=integrator)
+    assert not motion.status.success
+    assert "the table 'torque' goes from -0.6 to 0.6" in motion.status.message
+    assert abs(motion.values("bob.angle")[-1]) <= 0.6 + 1e-6
+
+
+def test_a_start_outside_of_a_table_is_refused():
+    with pytest.raises(da.ModelError, match=r"at the start the table 'torque' goes from -0.6"):
+        pendulum(top=0.6, angle=2.0)
+
+
+GAS = (
+    "stroke [mm],force [kN],temperature\n# measured\n0,2,300\n10,1.5,310\n20,0.9,320\n30,0.3,330\n"
+)
+SLIDER = """
+format = 1
+
+[parameters]
+bore = 1.5
+
+[tables.gas]
+file = "gas.csv"
+x = "stroke"
+y = "force"
+
+[tables.ramp]
+x = ["0 ms", "10 ms", 0.02]
+y = [0, 1, "bore"]
+kind = "linear"
+outside = "clamp"
+
+[bodies.piston]
+mass = "2 kg"
+inertia = 0
+
+[bodies.piston.points]
+pin = ["10 mm", 0]
+
+[joints.guide]
+type = "Translational"
+connect = [{ body = "ground", at = [0, 0] }, "piston.pin"]
+
+[forces.push]
+type = "Force"
+connect = ["piston.pin"]
+vector = ["interp(piston.pin.x, gas)*interp(t, ramp)", 0]
+
+[analysis]
+type = "Dynamics"
+duration = "5 ms"
+step = "0.1 ms"
+
+[responses.pressure]
+type = "Final"
+measure = "interp(piston.pin.x, gas)"
+"""
+
+
+def written(tmp_path, text=SLIDER, gas=GAS):
+    (tmp_path / "gas.csv").write_text(gas, encoding="utf-8")
+    path = tmp_path / "slider.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_tables_of_a_file(tmp_path):
+    file = load_model_file(written(tmp_path))
+    model = file.model()
+    motion = make_analysis(file, model).run(model)
+    x = motion.values("piston.pin.x")[-1]
+    gas = CubicSpline([0, 0.01, 0.02, 0.03], [2000, 1500, 900, 300], bc_type="natural")
+    assert motion.values("push.force.x")[-1] == pytest.approx(gas(x) * 0.5, rel=1e-12)
+    assert motion.values("interp(piston.pin.x, gas)")[-1] == pytest.approx(gas(x), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('x = "stroke"', 'x = "strok"', r"tables.gas.*unknown column 'strok'.*'stroke'"),
+        ('file = "gas.csv"', 'file = "air.csv"', r"tables.gas"),
+        ('kind = "linear"', 'kind = "lineal"', r"tables.ramp.*unknown kind 'lineal'"),
+        ('y = [0, 1, "bore"]', "y = [0, 1]", r"tables.ramp.*3 abscissae but 2 values"),
+        ('y = [0, 1, "bore"]', "", r"tables.ramp.*give x and y as lists"),
+        ("interp(t, ramp)", "interp(t, rmp)", r"forces.push.*unknown name 'rmp'.*'ramp'"),
+        ("interp(t, ramp)", "ramp", r"forces.push.*tables, have no such operation"),
+        ("interp(t, ramp)", "interp(ramp, t)", r"forces.push"),
+        ("interp(piston.pin.x, gas)*", "interp(3 kg, gas)*", r"3 kg does not fit, expected m"),
+        ("interp(piston.pin.x, gas)*", "interp(t, gas)*", r"t \[s\] does not fit, expected m"),
+        ("[tables.ramp]", "[tables.bore]", r"the name is already used"),
+    ],
+)
+def test_a_file_is_told_what_is_wrong(tmp_path, old, new, message):
+    assert old in SLIDER
+    path = written(tmp_path, SLIDER.replace(old, new))
+    with pytest.raises(da.DalembertError, match=message):
+        load_model_file(path).model()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("a,b\n", "no rows"), ("a,b\n1,2\n3\n", "line 3: has 1 columns"), ("1,2\nx,3\n", "line 2")],
+)
+def test_files_that_are_no_tables(tmp_path, text, message):
+    path = written(tmp_path, gas=text)
+    with pytest.raises(da.FileError, match=message):
+        load_model_file(path).build()
+
+
+def test_a_load_of_a_structure_by_a_table(tmp_path):
+    structure = da.Structure("bar")
+    a, b = structure.node("a", 0, 0), structure.node("b", 1, 0)
+    structure.add(da.structures.Truss("r", a, b, area=1e-4, modulus=2e11, density=7850))
+    structure.support(a)
+    structure.support(b, uy=0)
+    ramp = structure.table("ramp", ["0 s", "1 s"], [0, "3 kN"], kind="linear", outside="clamp")
+    structure.load(b, fx=ramp(da.t))
+    motion = da.solve_transient(structure.build(), 1e-3, step=1e-5)
+    assert motion.status.success
