@@ -73,6 +73,10 @@ SCRIPTS = {
     "structure": (
         "util.js",
         "unpack.js",
+        "symbols.js",
+        "loads.js",
+        "svg.js",
+        "share.js",
         "panels.js",
         "optimum.js",
         "structure.js",

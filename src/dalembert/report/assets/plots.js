@@ -103,8 +103,6 @@ class Board {
   }
 }
 
-const fileName = (text) => text.replace(/[^\p{L}\p{N}._-]+/gu, "-").replace(/^-+|-+$/g, "").slice(0, 60) || "dalembert";
-
 class Plot {
   constructor(board, series) {
     this.board = board;
