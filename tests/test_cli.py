@@ -306,3 +306,48 @@ def test_interrupted_optimisations(model, tmp_path, capsys, monkeypatch, call, k
     told = capsys.readouterr()
     assert "interrupted" in (told.out if kept else told.err) and "Traceback" not in told.err
     assert (tmp_path / "o" / "four_bar.optimum.nc").exists() == kept
+
+
+def test_all_examples_are_listed_and_bring_what_they_need(tmp_path, capsys):
+    assert main(["examples", "--json"]) == 0
+    listed = told(capsys)["examples"]
+    folder = FOUR_BAR.parent
+    wanted = {p.stem for p in folder.glob("*.toml")} | {p.name for p in folder.glob("*.ipynb")}
+    wanted |= {p.name for p in folder.glob("*.py")} - {"style.py"}
+    assert wanted | {"start.ipynb"} <= listed.keys() and all(listed.values())
+    for name in ("robot_arm", "carts.py", "start.ipynb"):
+        assert main(["examples", name, "--output", str(tmp_path)]) == 0
+    assert {p.name for p in tmp_path.iterdir()} >= {"robot_arm.py", "style.py", "start.ipynb"}
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shells_can_complete(shell, capsys):
+    assert main(["completion", shell]) == 0
+    script = capsys.readouterr().out
+    assert all(command in script for command in COMMANDS)
+
+
+def test_two_runs_are_reported_together_and_filmed(model, tmp_path, capsys, monkeypatch):
+    seen: list[str] = []
+    monkeypatch.setattr("webbrowser.open", seen.append)
+    for name, setting in (("a", "l1=0.3"), ("b", "l1=0.28")):
+        made = ["--output", str(tmp_path / name), "--set", setting, "--no-report", "--quiet"]
+        assert main(["run", str(model), *made]) == 0
+    one, other = (tmp_path / name / "four_bar.nc" for name in "ab")
+    assert main(["report", str(one), str(other), "--open"]) == 0
+    page = one.with_suffix(".report.html")
+    assert 'b/four_bar.nc"' in page.read_text(encoding="utf-8")
+    assert seen == [page.resolve().as_uri()]
+    assert main(["film", str(one), "--seconds", "0.3", "--fps", "10", "--width", "200"]) == 0
+    assert one.with_suffix(".gif").read_bytes()[:4] == b"GIF8"
+    capsys.readouterr()
+    assert main(["film", str(one), "--output", str(tmp_path / "x.avi")]) == 2
+    assert ".gif or .mp4" in capsys.readouterr().err
+
+
+def test_a_report_drawn_again_is_the_one_that_was_written(model, tmp_path):
+    assert main(["run", str(model), "--output", str(tmp_path), "--quiet"]) == 0
+    page = tmp_path / "four_bar.report.html"
+    first = page.read_text(encoding="utf-8")
+    assert main(["report", str(tmp_path / "four_bar.nc")]) == 0
+    assert page.read_text(encoding="utf-8") == first

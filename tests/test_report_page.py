@@ -257,7 +257,8 @@ def test_plots_scrub_hover_and_change(show: Any, tmp_path: Path) -> None:
     )
     found.frames(3)
     with page.expect_download() as saved:
-        page.locator(".plot >> nth=3").get_by_label("Download these series as CSV").click()
+        page.locator(".plot >> nth=3").locator("[aria-label='Save this plot']").click()
+        page.locator(".plot >> nth=3").get_by_text("Numbers (CSV)").click()
     saved.value.save_as(tmp_path / "series.csv")
     rows = (tmp_path / "series.csv").read_text(encoding="utf-8").splitlines()
     assert rows[0] == "time [s],rocker.angle_acceleration [rad/s²]"

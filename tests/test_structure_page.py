@@ -133,7 +133,7 @@ def test_modes_have_scales_of_their_own(show) -> None:
     structure.elements["beam"].density = da.Expression(7850.0)
     modes = da.Modal(count=2).run(structure.build())
     page = show(modes)
-    assert page.js("dalembert.structure.field.name") == "displacement"
+    assert page.js("dalembert.structure.field.name") == "shape"
     assert page.js("document.querySelector('#reactions')") is None
     page.page.select_option("#case", label=modes.cases[1])
     assert page.js("dalembert.structure.state.case") == 1
@@ -177,3 +177,36 @@ def test_of_many_cases_some_are_left_out(monkeypatch, tmp_path: Path) -> None:
     assert 1 < len(made["cases"]) < 21
     assert made["cases"][-1] == "0.01 s"
     assert "are left out of this page" in json.dumps(made["diagnosis"])
+
+
+def test_loads_and_members_tell_their_values(show) -> None:
+    page = show(result := da.solve_statics(cantilever().build()))
+    before = page.picture("#scene")
+    page.js("document.querySelector('#show-values').click()")
+    page.frames()
+    assert page.picture("#scene") != before
+    rows = page.page.locator("#elements tbody tr").count()
+    assert rows == sum(block.count for block in result.model.blocks)
+
+
+def test_shapes_have_no_size(show) -> None:
+    """What is told of a mode is in parts of the largest."""
+    structure = cantilever()
+    structure.elements["beam"].density = da.Expression(7850.0)
+    page = show(da.solve_modes(structure.build(), 2))
+    most = page.js("Math.max(...dalembert.structure.fields[0].values[1])")
+    assert most == pytest.approx(1)
+    assert page.page.locator("#true-scale").count() == 0
+    assert "m]" not in page.page.inner_text("#displacements thead").replace("rad/m]", "")
+
+
+def test_what_is_clamped_in_space_is_no_pin() -> None:
+    structure = da.Structure("mast")
+    foot, top = structure.node("foot", 0, 0, 0), structure.node("top", 0, 0, 3)
+    given = {"area": 1e-3, "second_moment_y": 1e-6, "second_moment_z": 1e-6}
+    given |= {"torsion_constant": 1e-6, "modulus": 210e9, "shear_modulus": 80e9}
+    structure.add(structures.SpaceFrame("mast", foot, top, **given))
+    structure.support(foot)
+    structure.load(top, fx=100.0)
+    (support,) = da.solve_statics(structure.build()).page()["supports"]
+    assert support["turns"] and not support["roller"]

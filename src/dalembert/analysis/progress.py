@@ -21,7 +21,8 @@ def progress_reporter(progress: Reported, text: str) -> Iterator[Callable[[float
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    # as on a terminal in notebooks too: their own bars need a package that may be missing
+    with Progress(console=Console(stderr=True, force_jupyter=False), transient=True) as bar:
         task = bar.add_task(text, total=1.0, visible=False)
         begin = time.monotonic()
 

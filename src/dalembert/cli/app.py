@@ -28,8 +28,10 @@ COMMANDS = {
     "identify": "Find the parameter values that explain measured time series.",
     "invert": "Find the forces and drives that explain measured motion.",
     "sweep": "Run the analysis of a model file at many designs; goes on where it was ended.",
-    "report": "Write the interactive report of a result file.",
+    "report": "Write the interactive report of a result file, or of two beside each other.",
+    "film": "Write the motion of a result file as a film, GIF or MP4.",
     "cache": "Show the compiled functions that are kept on disk, or delete them.",
+    "completion": "Print what a shell needs to complete commands: bash, zsh or fish.",
     "schema": "Print the JSON Schema of model files, for editors.",
 }
 

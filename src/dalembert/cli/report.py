@@ -36,7 +36,7 @@ def report(
     with wrong_input():
         payload = report_of(load_results(results))
         if other is not None:
-            payload = compared(payload, report_of(load_results(other)), other.name)
+            payload = compared(payload, report_of(load_results(other)), str(other))
         page = output or results.with_suffix(".report.html")
         for read in (results, *([] if other is None else [other])):
             refuse_replacing(read, [page])

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.cards import card, table
 from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
@@ -53,6 +54,20 @@ class Description:
         made.elements = dict(self.elements)
         made.initial_conditions = list(self.initial_conditions)
         return made
+
+    def _repr_html_(self) -> str:
+        counted = f"{len(self.elements)} elements, {len(self.parameters)} parameters"
+        kinds = [(e.name, type(e).__name__) for e in self.elements.values()]
+        parts = (table(kinds, ("element", "kind")), self.parameter_table())
+        return card(f"{type(self).__name__} {self.name}", counted, *parts)
+
+    def parameter_table(self) -> str:
+        """The parameters, as notebooks show them."""
+        rows = [
+            (p.name, float(p.value), p.unit or "–", _told(p.bounds), p.description)
+            for p in self.parameters.values()
+        ]
+        return table(rows, ("parameter", "value", "unit", "bounds", ""))
 
     @property
     def bodies(self) -> list[Any]:
@@ -151,3 +166,8 @@ def _field(gravity) -> Expression:
     """Gravity in the plane, or in space by three components."""
     size = gravity.sx.numel() if isinstance(gravity, Expression) else np.size(gravity)
     return as_expression(gravity, "gravity", "m/s^2", 3 if size == 3 else 2)
+
+
+def _told(bounds: tuple[float | None, float | None]) -> str:
+    low, high = ("" if value is None else f"{value:g}" for value in bounds)
+    return f"{low} … {high}" if low or high else "–"

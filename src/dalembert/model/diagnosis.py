@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 import scipy
 
+from dalembert.cards import card, messages, table
 from dalembert.elements.driver import Driver
 from dalembert.model.checks import doubts_of
 from dalembert.model.closure import Closure
@@ -117,6 +119,19 @@ class Diagnosis:
             listed = ", ".join(f"{n} by {c:+.3g}" for n, c in self.velocity_corrections.items())
             found.append(("warning", f"initial speeds were inconsistent and projected: {listed}"))
         return found
+
+    def _repr_html_(self) -> str:
+        return card("Diagnosis", self.summary, messages(self.messages), table(self.rows))
+
+    @property
+    def rows(self) -> list[tuple[str, Any]]:
+        """What the mechanism consists of, by kind."""
+        kinds = ("bodies", "joints", "drivers", "forces")
+        listed = [(kind, ", ".join(getattr(self, kind))) for kind in kinds]
+        counted = f"{self.coordinates} coordinates − {self.joint_equations} joint equations"
+        loops = "; ".join("–".join(loop) for loop in self.topology.loops)
+        rows = [("Grübler's count", f"{counted} = {self.gruebler}"), ("loops", loops), *listed]
+        return [(name, text) for name, text in rows if text]
 
     def to_dict(self) -> dict:
         """Plain data, for JSON."""

@@ -10,6 +10,7 @@ from time import perf_counter
 import casadi as ca
 import numpy as np
 
+from dalembert.cards import card, messages, table
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.absolute import absolute_equations, at_ground
@@ -201,3 +202,8 @@ class Model(ParametricModel):
 
     def __repr__(self) -> str:
         return f"<Model {self.name!r}: {self.diagnosis.summary}>"
+
+    def _repr_html_(self) -> str:
+        told = self.diagnosis
+        parts = (messages(told.messages), table(told.rows), self.parts.parameter_table())
+        return card(f"Model {self.name}", told.summary, *parts)

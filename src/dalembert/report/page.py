@@ -65,6 +65,10 @@ SCRIPTS = {
     "structure": (
         "util.js",
         "unpack.js",
+        "symbols.js",
+        "loads.js",
+        "svg.js",
+        "share.js",
         *_VIEWS,
         "structure.js",
         "structure_scene.js",

@@ -12,6 +12,9 @@ from dalembert.errors import AnalysisError
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.picture import Picture
 
+SHORT = 5.0
+"""Length of a film [s] for which no speed was asked."""
+
 
 class Film(FuncAnimation):
     """Animation that notebooks show by themselves, with a player."""
@@ -30,12 +33,18 @@ def still(motion: LabelledRecording, time: float, ax: Any = None) -> Any:
 
 
 def animate(
-    motion: LabelledRecording, *, fps: int = 30, speed: float = 1.0, ax: Any = None
+    motion: LabelledRecording, *, fps: int = 20, speed: float | None = None, ax: Any = None
 ) -> Film:
-    """Matplotlib animation in real time (times ``speed``); ``save`` writes it as a film."""
+    """Matplotlib animation; ``save`` writes it as a film.
+
+    Parameters
+    ----------
+    fps : frames a second
+    speed : times real time; by default what makes a film of five seconds at most
+    """
     _need_outputs(motion)
     span = motion.time[-1] - motion.time[0]
-    frames = int(np.clip(fps * span / speed, 2, 600))
+    frames = int(np.clip(fps * (min(span, SHORT) if speed is None else span / speed), 2, 600))
     wanted = np.linspace(motion.time[0], motion.time[-1], frames)
     keep = np.clip(np.searchsorted(motion.time, wanted), 0, motion.time.size - 1)
     picture = Picture(motion, keep, ax)

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dalembert.cards import card, folded, messages, table
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.expression import Expression
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from dalembert.report.inline import InlinePage
     from dalembert.results.structural.recovered import RecoveredStates
 
 
@@ -101,5 +103,22 @@ class Motion(LabelledRecording):
 
         return report_payload(self, plots, trace)
 
+    def show(  # type: ignore[override]
+        self, height: int = 680, plots: Groups = None, trace: Names = None
+    ) -> InlinePage:
+        """Its report in a notebook, with player and plots; ``plots`` and ``trace`` as there."""
+        return super().show(height, plots=plots, trace=trace)
+
     def _repr_html_(self) -> str:
-        return self.data._repr_html_()
+        told, some = self.summary(), bool(self.time.size)
+        span = f"{self.time[0]:g} … {self.time[-1]:g} s" if some else "none"
+        rows: list[tuple[str, Any]] = [("status", told["status"])]
+        rows += [("instants", f"{self.time.size}, {span}"), *self.statistics.items()]
+        rows += [(f"final {n.replace('_', ' ')} [J]", v) for n, v in told["final"].items()]
+        rows += [(f"largest {n.replace('_', ' ')}", v) for n, v in told["largest"].items()]
+        rows += [(event["name"], f"t = {event['time']:.6g} s") for event in told["events"][:12]]
+        doubts = messages(("warning", text) for text in self.warnings)
+        data = folded("all data", self.data._repr_html_())
+        named = [(str(name).replace("_", " "), value) for name, value in rows]
+        title = f"Motion of {self.model.name}"
+        return card(title, "show() plays it here", doubts, table(named), data)

@@ -93,8 +93,11 @@ def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]
             along = where | ({} if axis is None else {"axis": axis})
             put(f"{owner}.{quantity.format(axis or '')}".rstrip("."), variable, group, **along)
 
+    turning = {body.name for body in motion.model.bodies if body.rotates}
     for body in data.labels("body"):
         for quantity, variable, group in BODY_SERIES:
+            if body not in turning and variable.startswith("ang"):
+                continue
             put_all(body, quantity, variable, group, body=body)
     for point in data.labels("point"):
         for quantity, variable in POINT_SERIES:

@@ -18,24 +18,25 @@ THICK = {"bar": 4.0, "capsule": 4.0, "line": 1.5}
 """Widths of lines; what has an outline is thin."""
 
 
-class Picture:
+class ScenePicture:
     """``show(k)`` moves the mechanism to instant ``k``.
 
     Parameters
     ----------
-    motion : what is drawn
-    keep : its instants
+    scene : what is drawn, as pages have it
+    spatial : in space
+    count : number of instants
+    title : above it
     ax : axes, in three dimensions for a mechanism in space; new ones if None
     """
 
-    def __init__(self, motion: LabelledRecording, keep: np.ndarray, ax: Any = None):
-        self.scene = motion_scene(motion, keep, loads=False)
-        self.spatial = is_spatial(motion.model)
+    def __init__(self, scene: dict[str, Any], spatial: bool, count: int, title: str, ax: Any):
+        self.scene, self.spatial = scene, spatial
         self.dimension = 3 if self.spatial else 2
         self.ax = ax if ax is not None else self._axes()
         self.poses = {body["name"]: pose_of(body) for body in self.scene["bodies"]}
-        places = np.zeros((len(keep), self.dimension))
-        self.poses["ground"] = np.stack([np.eye(self.dimension)] * len(keep)), places
+        places = np.zeros((count, self.dimension))
+        self.poses["ground"] = np.stack([np.eye(self.dimension)] * count), places
         self.parts: list[tuple[Any, str, np.ndarray]] = []
         for shape in self.scene["ground"]["shapes"]:
             self._add("ground", shape, "0.6")
@@ -53,7 +54,7 @@ class Picture:
             (self._line(color="0.35", lw=1, ls="--"), link) for link in self.scene["links"]
         ]
         self._limits()
-        self.ax.set_title(motion.model.name)
+        self.ax.set_title(title)
 
     def _axes(self) -> Any:
         projection = {"projection": "3d"} if self.spatial else {}
@@ -112,6 +113,21 @@ class Picture:
     def _set(self, line: Any, points: np.ndarray) -> None:
         place = line.set_data_3d if self.spatial else line.set_data
         place(*points.T)
+
+
+class Picture(ScenePicture):
+    """A motion at some of its instants.
+
+    Parameters
+    ----------
+    motion : what is drawn
+    keep : its instants
+    ax : axes, in three dimensions for a mechanism in space; new ones if None
+    """
+
+    def __init__(self, motion: LabelledRecording, keep: np.ndarray, ax: Any = None):
+        scene = motion_scene(motion, keep, loads=False)
+        super().__init__(scene, is_spatial(motion.model), len(keep), motion.model.name, ax)
 
 
 def pose_of(body: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:

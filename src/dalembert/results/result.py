@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVa
 
 import numpy as np
 
+from dalembert.cards import card, messages, table
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.contents import Contents
 from dalembert.results.status import Status
@@ -19,6 +20,8 @@ from dalembert.symbolic.expression import Expression
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+    from dalembert.report.inline import InlinePage
 
 
 class Result(Protocol):
@@ -133,6 +136,22 @@ class Result(Protocol):
         from dalembert.report.page import write_page
 
         return write_page(self.page(**first_view), path)
+
+    def show(self, height: int = 680, **first_view: Any) -> InlinePage:
+        """Its report in a notebook, with player and plots, where ``has_page``."""
+        from dalembert.report.inline import InlinePage
+
+        return InlinePage(self.page(**first_view), height)
+
+    def _repr_html_(self) -> str:
+        told = {k: v for k, v in self.summary().items() if isinstance(v, str | int | float)}
+        rows = [(name.replace("_", " "), value) for name, value in told.items()]
+        rows += [(name.replace("_", " "), value) for name, value in self.statistics.items()]
+        name = getattr(self.model, "name", "")
+        doubts = messages(("warning", text) for text in self.warnings)
+        seen = "show() draws it here" if self.has_page else ""
+        kind = type(self).__name__
+        return card(f"{kind} of {name}", seen, doubts, table(rows))
 
     def write(self, base: Path, report: bool, csv: bool, **first_view: Any) -> list[Path]:
         """Results (.nc), and if asked for a table (.csv) and a report (.report.html)."""

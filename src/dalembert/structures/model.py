@@ -9,6 +9,7 @@ from time import perf_counter
 import casadi as ca
 import numpy as np
 
+from dalembert.cards import card, table
 from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.errors import ModelError
 from dalembert.structures.assembly import Assembly
@@ -78,6 +79,12 @@ class StructuralModel(ParametricModel):
         return self if self.linear else StructuralModel(self.structure, linear=True)
 
     # supports and loads -------------------------------------------------------------------
+    def _repr_html_(self) -> str:
+        rows = [(block.kind.cls.__name__, block.count) for block in self.blocks]
+        rows += [("load cases", ", ".join(name or "unnamed" for name in self.loads) or "none")]
+        counted = f"{len(self.degrees.nodes)} nodes, {len(self.degrees)} displacements"
+        return card(f"Structure {self.name}", counted, table(rows))
+
     def _refuse_loose_nodes(self, tied: np.ndarray) -> None:
         if not tied.all():
             raise ModelError(

@@ -36,6 +36,7 @@ function menu(name, rows, more = {}) {
   const { class: look = "chip", "aria-label": label, title, ...rest } = more;
   const box = el("details", { ...rest, class: "menu" }, el("summary", { class: look, "aria-label": label, title }, name), el("div", { class: "menu-box card" }, rows));
   box.addEventListener("keydown", (e) => { if (e.key === "Escape" && box.open) { box.open = false; box.firstChild.focus(); } });
+  box.addEventListener("click", (e) => { if (e.target.closest(".menu-item") && !e.target.closest("#save-film")) box.open = false; });
   document.addEventListener("pointerdown", (e) => { if (!box.contains(e.target)) box.open = false; });
   return box;
 }

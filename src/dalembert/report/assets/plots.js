@@ -12,9 +12,9 @@ class Board {
       el("div", { class: "board-head" }, el("h2", {}, "Plots"), this.count, this.views(),
         el("button", { type: "button", class: "button", id: "add-plot", onclick: () => this.add([], true) }, icon("plus"), "Add plot"),
         el("button", { type: "button", class: "button", title: "All series as one CSV file", onclick: () => this.save(motion.series, "series") }, icon("save"), "All data")),
+      motion.other ? el("p", { class: "caption other-run" }, el("i", { class: "dashes" }), `Dashed: ${motion.other}`) : "",
       this.stack);
     this.count.textContent = `${motion.series.length} series`;
-    if (motion.other) root.append(el("p", { class: "caption other-run" }, el("i", { class: "dashes" }), `Dashed: ${motion.other}`));
     player.onTime.on(() => this.refresh());
   }
 
@@ -102,8 +102,6 @@ class Board {
     download(`${fileName(this.motion.title)}-${fileName(name)}.csv`, rows.join("\r\n") + "\r\n", "text/csv");
   }
 }
-
-const fileName = (text) => text.replace(/[^\p{L}\p{N}._-]+/gu, "-").replace(/^-+|-+$/g, "").slice(0, 60) || "dalembert";
 
 class Plot {
   constructor(board, series) {

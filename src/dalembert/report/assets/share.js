@@ -1,5 +1,7 @@
 // Pictures and films of the drawing, to be kept as files.
 
+const fileName = (text) => text.replace(/[^\p{L}\p{N}._-]+/gu, "-").replace(/^-+|-+$/g, "").slice(0, 60) || "dalembert";
+
 const FILM = { most: 150, rate: 20, wide: 800 };  // frames, frames a second, pixels
 
 // The drawing and what is written over it, on one canvas of a width.

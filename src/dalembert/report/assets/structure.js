@@ -23,13 +23,16 @@ class Structure {
     const used = [...names.keys()].filter((k) => this.nodes.some((_, n) => table[n * names.length + k] >= 0));
     this.directions = used.map((k) => names[k]);
     this.table = this.nodes.flatMap((_, n) => used.map((k) => table[n * names.length + k]));
-    this.displacements = list(payload.displacements);
-    this.fields = list(payload.fields).map((f) => ({ ...f, unit: unitOf(f), values: f.values.map((v) => floats(v, this.elements.length)) }));
+    this.displacements = list(payload.displacements).map((u) => list(u));
+    this.relative = Boolean(payload.shapes_only);  // shapes have no size: the largest displacement is one
+    if (this.relative) this.normalise();
+    this.fields = list(payload.fields).map((f) => ({ ...f, unit: /strain|^e[xyz]{2}$|^g(xy|yz|zx|xz)$/.test(f.name) && unitOf(f) === "1" ? "strain" : unitOf(f), values: f.values.map((v) => floats(v, this.elements.length)) }));
+    if (this.relative) for (const f of this.fields) Object.assign(f, { unit: "1", values: f.values.map(relativeTo) });
     this.fields.unshift(this.sizes());
     this.supports = list(payload.supports);
     this.loads = list(payload.loads);
     this.reactions = list(payload.reactions);
-    this.scales = list(payload.scales);
+    this.scales = list(payload.scales).map((s, k) => s * (this.factors?.[k] ?? 1));
     this.sequence = Boolean(payload.sequence) && this.cases.length > 1;
     this.kindOfState = String(payload.kind_of_state ?? "case");
     this.drop = this.dimension === 1 ? 0.12 * this.extent() + this.height() : 0;
@@ -49,11 +52,25 @@ class Structure {
     if (moved) for (let i = 0; i < out.length; i++) out[i] += factor * moved[i];
     return out;
   }
+  // Shapes in parts of their largest displacement.
+  normalise() {
+    this.moved.forEach((m, k) => {
+      let most = 0;
+      for (let i = 0; i < 3 * this.count; i += 3) most = Math.max(most, Math.hypot(m[i], m[i + 1], m[i + 2]));
+      if (!(most > 0)) return;
+      this.moved[k] = m.map((v) => v / most);
+      this.displacements[k] = Array.from(this.displacements[k], (v) => v / most);
+      this.factors = [...(this.factors || []), most];
+    });
+  }
+
+  // Units of displacements and turns.
+  unitOf(name) { return this.relative ? (name[0] === "r" ? "rad/m" : "") : name[0] === "r" ? "rad" : "m"; }
 
   // The size of the displacement of every vertex is a field too.
   sizes() {
     const values = this.moved.map((m) => Float64Array.from({ length: this.count }, (_, k) => Math.hypot(m[3 * k], m[3 * k + 1], m[3 * k + 2])));
-    return { name: "displacement", unit: "m", values, atVertices: true };
+    return { name: this.relative ? "shape" : "displacement", unit: this.unitOf("u"), values, atVertices: true };
   }
 
   spread(axis) {
@@ -88,6 +105,7 @@ class Structure {
   range(field) {
     const [lo, hi] = extent(this.sequence ? field.values : [field.values[this.state.case] || []]) || [0, 0];
     if (lo < 0 && hi > 0) { const most = Math.max(-lo, hi); return [-most, most]; }
+    if (lo > 0 && lo < 1e-4 * hi) return [0, hi];
     return hi > lo ? [lo, hi] : [lo, lo + (Math.abs(lo) || 1)];
   }
 
@@ -102,9 +120,15 @@ class Structure {
     const width = this.directions.length;
     return this.directions.map((name, k) => {
       const degree = this.table[node * width + k];
-      return degree >= 0 ? { name, unit: name[0] === "r" ? "rad" : "m", value: u[degree] } : null;
+      return degree >= 0 ? { name, unit: this.unitOf(name), value: u[degree] } : null;
     });
   }
+}
+
+// In parts of the largest of them.
+function relativeTo(values) {
+  const most = values.reduce((m, v) => (isNum(v) ? Math.max(m, Math.abs(v)) : m), 0);
+  return most > 0 ? values.map((v) => v / most) : values;
 }
 
 // Colours after viridis for one sign, blue over white to red for both.
@@ -131,6 +155,7 @@ class Ramp {
 
 // Power of ten and unit for a size: kN, MPa, mm, where the unit takes prefixes.
 function prefixed(size, unit) {
+  if (unit === "strain") return { power: -6, unit: "µm/m", most: size };
   const takes = ["N", "Pa", "J", "m", "N m"].includes(unit) && size > 0;
   const power = takes ? clamp(3 * Math.floor(Math.log10(size * (1 + 1e-9)) / 3), -9, 9) : 0;
   const prefix = { "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G" }[power];

@@ -20,7 +20,7 @@ function buildToolbar() {
   const label = structure.kindOfState === "load case" ? "Case" : structure.kindOfState[0].toUpperCase() + structure.kindOfState.slice(1);
   if (structure.cases.length > 1 && !structure.sequence) choosers.push(choice("case", label, structure.cases, 0, (k) => structure.set({ case: k })));
   const names = ["none", ...structure.fields.map((f) => f.name.replaceAll("_", " "))];
-  const usual = payload.shapes_only ? ["displacement"] : ["von_mises", "stress", "force"];
+  const usual = payload.shapes_only ? ["shape"] : ["von_mises", "stress", "force"];
   const first = structure.fields.findIndex((f) => usual.includes(f.name));
   structure.state.field = structure.fields[Math.max(first, 0)] || null;
   choosers.push(choice("field", "Colours", names, Math.max(first, 0) + 1, (k) => structure.set({ field: k ? structure.fields[k - 1] : null })));
@@ -28,6 +28,8 @@ function buildToolbar() {
   scene.show.labels = structure.nodes.length <= 12;
   const chips = [toggle("rest", "At rest"), toggle("loads", "Loads"), toggle("supports", "Supports"), toggle("labels", "Names")];
   if (structure.ghost) chips.unshift(toggle("ghost", "First design"));
+  const members = structure.lines.reduce((sum, s) => sum + s.owners.length, 0);
+  if (members && members <= FEW_MEMBERS && structure.fields.some((f) => !f.atVertices)) chips.push(toggle("values", "Values", "Values of the members"));
   if (structure.faces.length) chips.push(toggle("mesh", "Mesh"));
   byId("toolbar").append(el("div", { class: "chips" }, choosers), el("div", { class: "chips" }, chips));
 }
@@ -50,12 +52,12 @@ function buildScale() {
   const track = slider("scale", "Scale of the displacements", 3, 0.01, (factor) => structure.set({ factor }));
   structure.onState.on(() => {
     const { factor } = structure.state;
-    told.textContent = `× ${+(factor * structure.scale).toPrecision(3)}`;
+    told.textContent = structure.relative ? `up to ${metres(factor * structure.scale)}` : `× ${+(factor * structure.scale).toPrecision(3)}`;
     track.show(Math.min(3, factor), told.textContent);
   });
   const chip = (id, text, title, factor) => el("button", { type: "button", class: "chip", id, title, onclick: () => structure.set({ factor: factor() }) }, text);
   return [el("span", { class: "caption" }, "Displacements"), track.node, told,
-    chip("true-scale", "1 : 1", "As large as they are", () => 1 / structure.scale),
+    ...(structure.relative ? [] : [chip("true-scale", "1 : 1", "As large as they are", () => 1 / structure.scale)]),
     chip("auto-scale", "auto", "As large as shows well", () => AUTO)];
 }
 
@@ -130,6 +132,7 @@ function buildFrame() {
     iconButton("minus", "Zoom out (−)", () => scene.zoom(0.8)),
     iconButton("fit", "Fit (F)", () => scene.fit(), { id: "fit" }));
   byId("tools").append(
+    shareMenu(scene, structure, null),
     iconButton("theme", "Light or dark", () => setTheme(Theme.name === "dark" ? "light" : "dark"), { id: "theme" }),
     iconButton("print", "Print", () => window.print()));
   byId("stage").setAttribute("aria-label", "Structure");

@@ -1,11 +1,12 @@
 // The drawing of a structure: view in two or three dimensions, layers, what is under the pointer.
 
 const LIGHT = [0.35, 0.5, 0.79];
+const FEW_MEMBERS = 60;  // members up to which their values can be written on them
 
 class StructureScene {
   constructor(structure, canvas, tip) {
     Object.assign(this, { structure, canvas, tip });
-    this.show = { ghost: true, rest: true, loads: true, supports: true, mesh: true, labels: false };
+    this.show = { ghost: true, rest: true, loads: true, supports: true, mesh: true, labels: false, values: false };
     this.turn = structure.solid ? { a: -0.6, b: -1.15 } : null;
     this.view = { x: 0, y: 0, s: 1 };
     this.fitted = true;
@@ -77,9 +78,10 @@ class StructureScene {
   }
 
   // drawing ----------------------------------------------------------------------------
-  draw() {
+  // On the canvas, or on paper of the same size that takes the same calls.
+  draw(paper = null) {
     const { structure, view } = this;
-    const { ctx, w, h } = fitCanvas(this.canvas, this.ratio);
+    const { ctx, w, h } = paper ? { ctx: paper, w: paper.w, h: paper.h } : fitCanvas(this.canvas, this.ratio);
     const factor = structure.state.factor * structure.scale * this.share;
     const flat = (places) => {
       const p = this.projected(places);
@@ -101,6 +103,42 @@ class StructureScene {
     if (this.show.supports) this.drawSupports(ctx, this.show.rest ? rest : now);
     if (this.show.loads) this.drawLoads(ctx, now);
     if (this.show.labels) this.drawLabels(ctx, now);
+    if (this.show.values) this.drawValues(ctx, now);
+    this.drawTriad(ctx, h);
+  }
+
+  // The axes, as they are seen, in a corner.
+  drawTriad(ctx, h) {
+    const colours = { light: ["#c0392b", "#1e8449", "#1f5fbf"], dark: ["#ff7b6b", "#58d68d", "#6aa9ff"] }[Theme.name], c = [44, h - 40];
+    ["x", "y", "z"].slice(0, Math.max(2, this.structure.dimension)).map((name, k) => ({ name, colour: colours[k], way: this.way([0, 1, 2].map((i) => +(i === k))) }))
+      .sort((a, b) => a.way[2] - b.way[2]).forEach(({ name, colour, way }) => {
+        const [u, v] = [28 * way[0], -28 * way[1]];
+        ctx.strokeStyle = ctx.fillStyle = colour;
+        ctx.lineWidth = 2;
+        this.arrow(ctx, c[0], c[1], c[0] + u, c[1] + v);
+        this.write(ctx, name, c[0] + 1.35 * u - 3, c[1] + 1.35 * v + 4, colour);
+      });
+  }
+
+  write(ctx, text, x, y, colour) {
+    ctx.font = `600 11.5px ${Theme.font}`;
+    Object.assign(ctx, { textAlign: "left", textBaseline: "alphabetic", lineWidth: 3.5, strokeStyle: Theme.surface, fillStyle: colour });
+    ctx.strokeText(text, x, y);
+    ctx.fillText(text, x, y);
+  }
+
+  // What the colours stand for, in numbers on the members.
+  drawValues(ctx, p) {
+    const { structure, structure: { field } } = this;
+    if (!field || field.atVertices) return;
+    ctx.font = `600 11.5px ${Theme.font}`;
+    const most = field.values[structure.state.case].reduce((m, v) => (isNum(v) ? Math.max(m, Math.abs(v)) : m), 0);
+    for (const { size, vertices, owners } of structure.lines) owners.forEach((own, row) => {
+      const value = structure.valueOf(field, own), [a, b] = [vertices[row * size], vertices[(row + 1) * size - 1]];
+      if (!isNum(value)) return;
+      const text = Math.abs(value) < 1e-9 * most ? "0" : quantity(value, field.unit, 3), wide = ctx.measureText(text).width;
+      this.write(ctx, text, (p[3 * a] + p[3 * b] - wide) / 2, (p[3 * a + 1] + p[3 * b + 1]) / 2 + 4, Theme.ink);
+    });
   }
 
   path(ctx, p, vertices, from, size, close) {
@@ -201,7 +239,7 @@ class StructureScene {
       const trace = (row) => this.path(ctx, p, shape.vertices, row * shape.size, shape.size);
       if (ramp) {  // pale colours stay visible on a darker core
         ctx.strokeStyle = mix(Theme.ink, Theme.surface, 0.25);
-        ctx.lineWidth = width + 1.2;
+        ctx.lineWidth = width + (many ? 1.2 : 2);
         ctx.beginPath();
         rows.forEach(trace);
         ctx.stroke();
@@ -256,9 +294,10 @@ class StructureScene {
         const at = (along, across) => [p[3 * node] + size * (along * wx - across * wy), p[3 * node + 1] + size * (along * wy + across * wx)];
         const line = (...points) => { ctx.moveTo(...at(...points[0])); points.slice(1).forEach((q) => ctx.lineTo(...at(...q))); };
         ctx.beginPath();
-        if (support.turns && !this.structure.solid) {
+        if (support.turns) {  // held fast: a wall, in space the top of a block
           line([0, -0.9], [0, 0.9]);
           for (let h = -0.7; h <= 0.9; h += 0.32) line([0, h], [0.4, h - 0.25]);
+          if (this.structure.solid) { line([0, -0.9], [0.75, -0.9], [0.75, 0.9], [0, 0.9]); }
         } else {
           line([0, 0], [1, -0.6], [1, 0.6], [0, 0]);
           ctx.fill();
@@ -282,6 +321,12 @@ class StructureScene {
       const [x, y] = [p[3 * node], p[3 * node + 1]];
       const [x0, y0] = presses ? [x - dx, y - dy] : [x, y];
       this.arrow(ctx, x0, y0, x0 + dx, y0 + dy);
+      if (loads.length > READABLE) continue;
+      const size = Math.hypot(...force), up = presses ? -1 : 1;
+      if (size > 0) this.write(ctx, quantity(size, "N", 3), (presses ? x0 : x0 + dx) + 6, (presses ? y0 : y0 + dy) + (up * dy > 0 ? 10 : -2), Theme.force);
+      if (moment) this.write(ctx, quantity(Math.abs(moment), "N m", 3), x + 18, y - 14, Theme.force);
+      ctx.strokeStyle = ctx.fillStyle = Theme.force;
+      ctx.lineWidth = 2;
     }
   }
 
@@ -327,6 +372,7 @@ class StructureScene {
     });
   }
 
+  get vector() { return true; }
   restyle() { this.invalidate(); }
 
   // pointer ------------------------------------------------------------------------------

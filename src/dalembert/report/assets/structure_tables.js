@@ -84,7 +84,7 @@ function reactionRows(structure, forces, k) {
 }
 
 function structureTables(structure) {
-  const displacements = new SortedTable("Displacements", [{ name: "node" }, ...structure.directions.map((name) => ({ name, unit: name[0] === "r" ? "rad" : "m" }))]);
+  const displacements = new SortedTable(structure.relative ? "Shape" : "Displacements", [{ name: "node" }, ...structure.directions.map((name) => ({ name, unit: structure.unitOf(name) }))]);
   const forces = ["fx", "fy", "fz", "mx", "my", "mz"].filter((name) => structure.reactions.some((r) => r.name === name));
   const reactions = new SortedTable("Reactions", [{ name: "node" }, ...forces.map((name) => ({ name, unit: name[0] === "m" ? "N m" : "N" }))]);
   const caption = el("span", { class: "count" });
@@ -99,9 +99,12 @@ function structureTables(structure) {
       const sum = rows.reduce((s, row) => s + (row[1 + forces.indexOf(name)] || 0), 0);
       return `${name} ${quantity(Math.abs(sum) < 1e-10 * most ? 0 : sum, "N")}`;
     });
+    elements.fill(structure.elements.map((name, k) => [name, ...measured.map((f) => structure.valueOf(f, k))]));
     total.textContent = `sum: ${sums.join(", ")}`;
   };
   const total = el("p", { class: "caption note" });
+  const measured = structure.fields.filter((f) => !f.atVertices);
+  const elements = new SortedTable("Elements", [{ name: "element" }, ...measured.map((f) => ({ name: f.name.replaceAll("_", " "), unit: f.unit === "1" ? "" : f.unit }))]);
   let last = -1;
   let shown = structure.displacements;  // others where another design is chosen
   structure.onState.on(() => {
@@ -111,7 +114,8 @@ function structureTables(structure) {
   });
   refresh();
   return [
-    panel("Displacements", "displacements", displacements.node),
+    panel(structure.relative ? "Shape" : "Displacements", "displacements", displacements.node, structure.relative && el("p", { class: "caption note" }, "In parts of the largest displacement; a shape has no size. Values of elements are in parts of the largest as well.")),
+    measured.length ? panel("Elements", "elements", elements.node) : null,
     structure.reactions.length ? panel("Reactions", "reactions", reactions.node, total) : null,
   ].filter(Boolean);
 }

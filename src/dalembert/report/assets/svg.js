@@ -41,7 +41,7 @@ class SvgContext {
     }
   }
   clip() {
-    this.parts.push(`<clipPath id="clip${++this.clips}"><path d="${this.d}"/></clipPath><g clip-path="url(#clip${this.clips})">`);
+    this.parts.push(`<clipPath id="clip${++this.clips}"><path d="${this.d}" transform="${this.transform}"/></clipPath><g clip-path="${"url"}(#clip${this.clips})">`);
     this.open++;
   }
 

@@ -93,12 +93,14 @@ class Timeline {
 
   // Points that are one place all the time share a name; the first stands for them.
   joinPoints(size) {
-    const known = new Map();
+    const firsts = [];
     for (const point of this.points) {
       const stride = Math.max(1, Math.floor(point.way.length / 24));
-      const key = point.way.filter((_, k) => k % stride === 0).map(({ p }) => (p ? p.map((v) => Math.round(v / (1e-6 * size))) : "")).join();
-      const first = known.get(key);
-      if (first && this.moves) { point.same = first; first.names.push(point.name); } else { known.set(key, point); point.names = [point.name]; }
+      point.some = point.way.filter((_, k) => k % stride === 0).map(({ p }) => p);
+      const near = (p, q) => (p && q ? Math.hypot(...p.map((v, k) => v - q[k])) < 1e-4 * size : p === q);
+      const first = this.moves && firsts.find((other) => other.some.every((p, k) => near(p, point.some[k])));
+      point.names = [point.name];
+      if (first) { point.same = first; first.names.push(point.name); } else firsts.push(point);
     }
   }
 

@@ -73,7 +73,8 @@ def _marker(drawing: StructuralDrawing, way: tuple[int, int], held: set[str]) ->
         way = (0, way[1] or -1)
     elif moves == ["uy"]:
         way = (way[0] or -1, 0)
-    return (0, -1) if drawing.dimension == 1 else way, len(moves) == 1, "rz" in held
+    turns = {"rx", "ry", "rz"} if drawing.dimension == 3 else {"rz"}
+    return (0, -1) if drawing.dimension == 1 else way, len(moves) == 1, turns <= held
 
 
 def _symbol(way: np.ndarray, roller: bool, turns: bool) -> Any:
