@@ -27,7 +27,7 @@ from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.result import Analysis
-from dalembert.results.status import Outcome, Status
+from dalembert.results.status import eigenpairs_status
 
 ABSOLUTE = AbsoluteCoordinates()
 STEADY = 1e-3
@@ -165,7 +165,7 @@ def modes_of(analysis: Any, state: Linearized, earlier: Modes | None = None) -> 
         state.eigenvalues[positions],
         state.displacements(positions),
         state.matrix,
-        Status(Outcome.COMPLETED, f"{numbers.size} mode(s)", state.time, state.residual),
+        eigenpairs_status(f"{numbers.size} mode(s)", state.left, state.time, state.residual),
         positions,
         state,
         warnings=_doubts(state),

@@ -18,6 +18,7 @@ from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import Kkt
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
+from dalembert.sparse.eigenvalues import coinciding, leading, residual
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
@@ -164,14 +165,33 @@ class Linearized:
         return self.basis.T @ self.alike[0] @ self.basis
 
     @cached_property
-    def _spectrum(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _pairs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Eigenvalues with their left and right vectors in the basis."""
         from scipy.linalg import eig
 
         if not self.matrix.size:
-            return np.zeros(0, complex), *(np.zeros((self.x.size, 0), complex),) * 2
+            return np.zeros(0, complex), *(np.zeros((0, 0), complex),) * 2
         values, left, right = eig(self.matrix, left=True)
+        return values, left, right
+
+    @cached_property
+    def _spectrum(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        values, left, right = self._pairs
         states = self.sizes[0][:, None]
         return values, self.basis @ left / states, self.basis @ right * states
+
+    @property
+    def left(self) -> float:
+        """What is left of the equation of the eigenpairs."""
+        values, _, right = self._pairs
+        size = np.abs(self.matrix).max(initial=0.0)  # vectors have the length one
+        return residual(self.matrix, np.eye(values.size), values, right, size)
+
+    @cached_property
+    def groups(self) -> list[list[int]]:
+        """Positions of eigenvalues, those together that coincide."""
+        values = self.eigenvalues
+        return coinciding(values, np.abs(values).max(initial=0.0))
 
     @property
     def eigenvalues(self) -> np.ndarray:
@@ -208,7 +228,9 @@ class Linearized:
                 ).full()
                 @ shapes
             )
-        peak = np.array([s[np.argmax(np.abs(s))] if s.size else 1 for s in shapes.T])
+        if not shapes.size:
+            return shapes
+        peak = shapes[leading(shapes), np.arange(shapes.shape[1])]
         return shapes / np.where(peak == 0, 1, peak)
 
 

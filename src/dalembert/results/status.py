@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from dalembert.sparse.eigenvalues import CONVERGED
+
 
 class Outcome(StrEnum):
     """Ways in which a run ends."""
@@ -48,3 +50,20 @@ class Status:
 
     def __str__(self) -> str:
         return f"{self.outcome.value}: {self.message}" if self.message else self.outcome.value
+
+
+def eigenpairs_status(
+    message: str, left: float, time: float = 0.0, residual: float | None = None
+) -> Status:
+    """Of modes, by what is left of the equation of the eigenpairs.
+
+    Parameters
+    ----------
+    message : what was found
+    left : relative residual of the eigenpairs
+    time : [s]
+    residual : that of the state they are about, told where the pairs are right; theirs by default
+    """
+    if not left < CONVERGED:
+        return Status(Outcome.NOT_CONVERGED, f"residual {left:.3g}", time, left)
+    return Status(Outcome.COMPLETED, message, time, left if residual is None else residual)

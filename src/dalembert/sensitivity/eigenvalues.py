@@ -24,13 +24,12 @@ from dalembert.analysis.linearization_kernel import Linearized
 from dalembert.errors import SingularityError
 from dalembert.results.mechanism_modes import IMAG, REAL
 from dalembert.sensitivity.engine import Engine
-from dalembert.sensitivity.invariant import COINCIDE, coinciding, invariant_subspaces
+from dalembert.sensitivity.invariant import invariant_subspaces
 from dalembert.sensitivity.samples import Sample
+from dalembert.sparse.eigenvalues import COINCIDE, coincidence, told_apart
 from dalembert.symbolic.implicit import ImplicitFunction
 
 PARTS = ca.vertcat(REAL, IMAG)
-EQUAL = 1e-8
-"""Relative difference of weights that still counts as none."""
 
 
 @dataclass(frozen=True)
@@ -111,10 +110,10 @@ class EigenvalueGradient:
             else:
                 weights[position] += slope
         looked_at = self.modes.positions[self.sample.weights != 0]
-        found = []
-        for group in coinciding(values):
+        found, largest = [], np.abs(weights).max(initial=0.0)
+        for group in self.state.groups:
             mean = weights[group].mean()
-            if np.abs(weights[group] - mean).max() > EQUAL * np.abs(weights).max(initial=0.0):
+            if told_apart(weights[group], largest):
                 raise SingularityError(self._refusal(group))
             if not values[group].imag.any():  # real ones stay real
                 mean = mean.real
@@ -124,14 +123,8 @@ class EigenvalueGradient:
 
     def _refusal(self, group: list[int]) -> str:
         pairs = self.state.one_of_each_pair()
-        numbers = [str(k + 1) for k in np.flatnonzero(np.isin(pairs, group))]
-        alone = f"mode {numbers[0]} coincides with its conjugate"
-        listed = f"modes {', '.join(numbers[:-1])} and {numbers[-1]} coincide"
-        return (
-            f"{alone if len(numbers) == 1 else listed} "
-            f"(s = {self.state.eigenvalues[group].mean():.6g} 1/s): one of several equal "
-            "eigenvalues has no gradient, only their mean has"
-        )
+        numbers = [int(k) + 1 for k in np.flatnonzero(np.isin(pairs, group))]
+        return coincidence(numbers, f"s = {self.state.eigenvalues[group].mean():.6g} 1/s")
 
     def _point(self) -> tuple:
         return self.state.time, self.state.x, self.state.p

@@ -1,26 +1,10 @@
-"""Eigenvalues that coincide, and the invariant subspaces that belong to them."""
+"""Invariant subspaces that belong to eigenvalues which coincide."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from dalembert.errors import SingularityError
-
-COINCIDE = 1e-6
-"""Distance, relative to the largest eigenvalue, below which eigenvalues cannot be told apart.
-
-Rounding splits a defective pair by the square root of the machine's accuracy."""
-
-
-def coinciding(values: np.ndarray) -> list[list[int]]:
-    """Groups of eigenvalues in which each is next to another one."""
-    tolerance = COINCIDE * np.abs(values).max(initial=0.0)
-    groups: list[list[int]] = []
-    for k, value in enumerate(values):
-        near = [g for g in groups if np.abs(values[g] - value).min() <= tolerance]
-        groups = [g for g in groups if g not in near]
-        groups.append(sorted([k, *(i for g in near for i in g)]))
-    return groups
 
 
 def invariant_subspaces(

@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 
 from dalembert.errors import AnalysisError
+from dalembert.sparse.eigenvalues import leading
 
 Solve = Callable[[np.ndarray], np.ndarray]
 Pairs = tuple[np.ndarray, np.ndarray]
@@ -98,6 +99,5 @@ def _iterated(a, count: int, **options) -> Pairs:
 def _normalised(vectors: np.ndarray, b) -> np.ndarray:
     """``φᵀ B φ = 1``, and the largest entry positive (the first one of equals)."""
     vectors = vectors / np.sqrt(np.einsum("fk,fk->k", vectors, b @ vectors))
-    size = np.abs(vectors)
-    first = np.argmax(size >= (1 - 1e-6) * size.max(axis=0), axis=0)
-    return vectors * np.where(vectors[first, np.arange(first.size)] < 0, -1.0, 1.0)
+    largest = vectors[leading(vectors), np.arange(vectors.shape[1])]
+    return vectors * np.where(largest < 0, -1.0, 1.0)

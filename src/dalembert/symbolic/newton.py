@@ -74,6 +74,11 @@ class Residual:
         rounding = ROUNDING * self.scale if self.rounding is None else self.rounding
         return np.broadcast_to(tolerance * self.scale + rounding, self.value.shape)
 
+    def relative(self, tolerance: float) -> float:
+        """Largest residual relative to its scale with rounding."""
+        with np.errstate(all="ignore"):
+            return _largest(self.value, self.zero(tolerance)) * tolerance
+
 
 class Equations(ABC, Generic[X]):
     """What ``solve`` solves; unknowns and steps are arrays unless ``retract`` says otherwise."""
@@ -213,7 +218,7 @@ class _Iteration(Generic[X]):
     def _look(self, x: X) -> _Point[X]:
         residual = self.equations.residual(x)
         zero = residual.zero(self.settings.tolerance)
-        return _Point(x, residual, zero, float(np.max(_relative(residual.value, zero), initial=0)))
+        return _Point(x, residual, zero, _largest(residual.value, zero))
 
     def _ended(self, ending: Ending, count: int) -> Solution[X]:
         found = self.here if ending is Ending.CONVERGED else self.best
@@ -235,6 +240,10 @@ class _Point(Generic[X]):
 def _relative(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
     """``|value| / zero``, where nothing is left of nothing: 0."""
     return np.where(value == 0, 0.0, np.abs(value) / zero)
+
+
+def _largest(value: np.ndarray, zero: np.ndarray) -> float:
+    return float(np.max(_relative(value, zero), initial=0.0))
 
 
 def _norm(value: np.ndarray, zero: np.ndarray) -> float:

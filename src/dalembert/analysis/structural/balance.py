@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.newton import Residual
+from dalembert.symbolic.newton import NewtonSettings, Residual
 
 ROUNDING = 1e-13
 """Part of the numbers a force is made of, row by row, that counts as rounding."""
@@ -62,8 +62,12 @@ class Balance:
         return Balanced(rest[where], scale, noise, stiffness=stiffness)
 
 
-def relative(residual: Residual, tolerance: float) -> float:
-    """Largest residual relative to its scale with rounding."""
-    zero = residual.zero(tolerance)
-    left = np.divide(residual.value, zero, out=np.zeros_like(zero), where=residual.value != 0)
-    return float(np.abs(left).max(initial=0.0) * tolerance)
+def full_steps(strategy: Any) -> NewtonSettings:
+    """Newton's method of an analysis with tolerance and iterations: steps that are not shortened.
+
+    Residuals of slender structures grow on the way to equilibrium; a load or a step in time that
+    is too long is divided instead.
+    """
+    return NewtonSettings(
+        tolerance=strategy.tolerance, max_iterations=strategy.max_iterations, halvings=0
+    )

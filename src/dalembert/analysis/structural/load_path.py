@@ -14,6 +14,7 @@ import numpy as np
 from dalembert.analysis.keywords import ArcLengthKeywords
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.served import need_structure
+from dalembert.analysis.structural.balance import full_steps
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.path_equations import Crossing, PathEquations
 from dalembert.analysis.times import analysis_of
@@ -23,7 +24,7 @@ from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult, Plane
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.newton import NewtonSettings, solve
+from dalembert.symbolic.newton import solve
 
 QUICK = 4
 """Iterations after which a step keeps its length."""
@@ -213,11 +214,8 @@ class Walk:
         self._keep(point, plane)
 
     def _newton(self, plane: Plane, near: np.ndarray) -> np.ndarray | None:
-        options, crossing = self.analysis, Crossing(self.equations, plane)
-        settings = NewtonSettings(
-            tolerance=options.tolerance, max_iterations=options.max_iterations, halvings=0
-        )
-        solution = solve(crossing, near, settings)
+        crossing = Crossing(self.equations, plane)
+        solution = solve(crossing, near, full_steps(self.analysis))
         self.iterations += solution.iterations + 1
         if not solution.accepted:
             return None

@@ -8,15 +8,16 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.structural.balance import Balance, Balanced
+from dalembert.analysis.structural.balance import Balanced, full_steps
 from dalembert.analysis.structural.numbers import require
-from dalembert.analysis.structural.statics import StaticsRecord, factorised
+from dalembert.analysis.structural.static_equations import StaticEquations
+from dalembert.analysis.structural.statics import StaticsRecord
 from dalembert.options import options
 from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.newton import Ending, Equations, NewtonSettings, Residual, solve
+from dalembert.symbolic.newton import Ending, Equations, Residual, solve
 from dalembert.timing import Timing
 
 SHORTEST = 1e-6
@@ -79,12 +80,8 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
         if interrupted:
             text = f"load case {worst.case!r}: stopped at {worst.reached:.4g} of the load"
             status = Status(Outcome.INTERRUPTED, text, worst.reached, residual)
-        elif worst.reached < 1.0:
-            text = (
-                f"load case {worst.case!r}: no equilibrium beyond {worst.reached:.4g} of the load "
-                "(a limit point?); lower the load or take more steps"
-            )
-            status = Status(Outcome.NOT_CONVERGED, text, worst.reached, residual)
+        elif worst.lost:
+            status = Status(Outcome.NOT_CONVERGED, worst.lost, worst.reached, residual)
         else:
             status = Status(Outcome.COMPLETED, "nonlinear statics", 1.0, residual)
         timing.lap("loading")
@@ -107,13 +104,22 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
 class LoadPath:
     """One load case on its way from rest."""
 
-    def __init__(self, analysis: NonlinearStatics, model: StructuralModel, p: np.ndarray, case):
-        self.analysis, self.model, self.p, self.case = analysis, model, p, case
-        self.assembly = model.assembly
-        self.applied, self.moving = model.loads[case].values(p), model.loads[case].configuration
-        self.held = model.prescribed.values(p)
-        self.balance, self.u = Balance(model, p), np.zeros(len(model.degrees))
+    def __init__(
+        self, analysis: NonlinearStatics, model: StructuralModel, p: np.ndarray, case: str
+    ):
+        self.analysis, self.equations = analysis, StaticEquations(model, p, case)
+        self.case, self.u = case, np.zeros(len(model.degrees))
         self.reached, self.iterations, self.residual = 0.0, 0, 0.0
+
+    @property
+    def lost(self) -> str:
+        """What is said where there is no equilibrium under the whole load; nothing otherwise."""
+        if self.reached >= 1.0:
+            return ""
+        return (
+            f"load case {self.case!r}: no equilibrium beyond {self.reached:.4g} of the load "
+            "(a limit point?); lower the load or take more steps"
+        )
 
     def follow(self) -> Iterator[float]:
         """Shares of the load with an equilibrium, up to the whole or to where the path is lost."""
@@ -137,13 +143,10 @@ class LoadPath:
         SingularityError
             The structure is a mechanism before any load acts.
         """
-        u, options = self.u.copy(), self.analysis
-        u[self.assembly.prescribed] = share * self.held
-        settings = NewtonSettings(
-            tolerance=options.tolerance, max_iterations=options.max_iterations, halvings=0
-        )
-        equilibrium = Equilibrium(self, share)
-        solution = solve(equilibrium, u, settings)
+        u, equations = self.u.copy(), self.equations
+        u[equations.held] = share * equations.given
+        equilibrium = Equilibrium(equations, share)
+        solution = solve(equilibrium, u, full_steps(self.analysis))
         self.iterations += solution.iterations
         if solution.ending is Ending.SINGULAR and self.reached == 0 and not self.iterations:
             equilibrium.step(u, equilibrium.residual(u))  # tells what can move
@@ -152,54 +155,31 @@ class LoadPath:
         self.residual = solution.residual
         return solution.x
 
-    def internal(self, u: np.ndarray, share: float) -> tuple[list[np.ndarray], Any]:
-        """Forces (n,) that hold the displaced elements, those of a share of what grows among them.
-
-        Their stiffness comes along.
-        """
-        forces = [self.assembly.internal_forces(u, self.p)]
-        stiffness = self.assembly.stiffness(u, self.p)
-        if self.moving:
-            forces.append(share * self.moving.forces(u, self.p))
-            stiffness = stiffness + share * self.moving.stiffness(u, self.p)
-        return forces, stiffness
-
     def forces(self) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
-        found = self.reached * self.applied
-        internal = sum(self.internal(self.u, self.reached)[0], np.zeros_like(found))
-        held = self.assembly.prescribed
-        found[held] = (internal - found)[held]
-        return found
+        return self.equations.forces(self.u, self.reached)
 
     def record(self) -> StaticsRecord:
         """Tangent stiffness at the end, for gradients; no factors where the path was lost."""
-        matrix = self.internal(self.u, self.reached)[1]
-        whole = self.reached >= 1.0
-        return StaticsRecord(
-            factorised(self.model, self.assembly.inner(matrix)) if whole else None, matrix
-        )
+        matrix = self.equations.stiffness(self.u, self.reached)
+        return StaticsRecord(None if self.lost else self.equations.factor(matrix), matrix)
 
 
 class Equilibrium(Equations[np.ndarray]):
-    """``s P − ∂W/∂u = 0`` of the free displacements under a share ``s`` of the load."""
+    """Of the free displacements under a share of the load."""
 
-    def __init__(self, path: LoadPath, share: float):
-        self.path, self.share, self.applied = path, share, share * path.applied
+    def __init__(self, equations: StaticEquations, share: float):
+        self.equations, self.share = equations, share
 
     def residual(self, x: np.ndarray) -> Balanced:
-        path = self.path
-        internal, stiffness = path.internal(x, self.share)
-        made_of, free = abs(stiffness) @ np.abs(x), path.assembly.free
-        terms = [self.applied, *(-part for part in internal)]
-        return path.balance.residual(terms, made_of, free, stiffness)
+        return self.equations.residual(x, self.share)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
         assert isinstance(residual, Balanced)
-        factor = factorised(self.path.model, self.path.assembly.inner(residual.stiffness))
+        factor = self.equations.factor(residual.stiffness)
         return np.zeros(0) if factor is None else factor.solve(residual.value)
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         found = x.copy()
-        found[self.path.assembly.free] += step
+        found[self.equations.free] += step
         return found

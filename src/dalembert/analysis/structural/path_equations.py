@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import scipy
 
-from dalembert.analysis.structural.balance import Balance, Balanced
+from dalembert.analysis.structural.balance import Balanced
+from dalembert.analysis.structural.static_equations import StaticEquations
 from dalembert.analysis.structural.statics import factorised
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.results.structural.load_path import Plane
@@ -33,19 +34,17 @@ class PathEquations:
     """
 
     def __init__(self, model: StructuralModel, p: np.ndarray, case: str):
-        self.model, self.p, self.assembly = model, p, model.assembly
-        self.free, self.held = self.assembly.free, self.assembly.prescribed
+        self.model, self.p, self.statics = model, p, StaticEquations(model, p, case)
+        self.free, self.held = self.statics.free, self.statics.held
         self.size = int(self.free.size)
         model.loads[case].refuse_fixed_axes(
             "a load path, which counts negative eigenvalues,",
             "take solve_statics(…, nonlinear=True)",
         )
-        self.applied, self.moving = model.loads[case].values(p), model.loads[case].configuration
-        self.given, self.balance = model.prescribed.values(p), Balance(model, p)
         stiffness, load, _ = self.matrix(np.zeros(self.size + 1))
         factor = factorised(model, stiffness)
         self._slope = factor.solve(load) if factor is not None else np.zeros(0)
-        arms = self.balance.arms[self.free]
+        arms = self.statics.balance.arms[self.free]
         length = float(np.linalg.norm(arms * self._slope))
         self.scale = length / arms
         if not length > 0:
@@ -61,44 +60,28 @@ class PathEquations:
 
     def displaced(self, point: np.ndarray) -> np.ndarray:
         """(n,) all displacements."""
-        u = np.zeros(self.assembly.size)
-        u[self.free], u[self.held] = point[:-1], point[-1] * self.given
+        u = np.zeros(self.statics.assembly.size)
+        u[self.free], u[self.held] = point[:-1], point[-1] * self.statics.given
         return u
 
     def forces(self, point: np.ndarray) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
-        found = point[-1] * self.applied
-        internal = self.internal(point)
-        found[self.held] = (internal - found)[self.held]
-        return found
-
-    def internal(self, point: np.ndarray) -> np.ndarray:
-        """(n,) forces that hold the displaced elements, heated by their share."""
-        u = self.displaced(point)
-        found = self.assembly.internal_forces(u, self.p)
-        return found + point[-1] * self.moving.forces(u, self.p) if self.moving else found
-
-    def stiffness(self, point: np.ndarray) -> Any:
-        """(n, n) their derivative."""
-        u = self.displaced(point)
-        found = self.assembly.stiffness(u, self.p)
-        return found + point[-1] * self.moving.stiffness(u, self.p) if self.moving else found
+        return self.statics.forces(self.displaced(point), point[-1])
 
     def residual(self, point: np.ndarray) -> Balanced:
         """Force left over on the free displacements."""
-        u, internal, stiffness = self.displaced(point), self.internal(point), self.stiffness(point)
-        terms = [point[-1] * self.applied, -internal]
-        return self.balance.residual(terms, abs(stiffness) @ np.abs(u), self.free, stiffness)
+        return self.statics.residual(self.displaced(point), point[-1])
 
     def matrix(self, point: np.ndarray, known: Any = None) -> tuple[Any, np.ndarray, Any]:
         """``K_ff``, ``q`` and the whole stiffness, which may be known."""
+        statics = self.statics
         if known is None:
-            known = self.stiffness(point)
-        whole, growing = known.tocsr(), self.applied
-        if self.moving:
-            growing = growing - self.moving.forces(self.displaced(point), self.p)
+            known = statics.stiffness(self.displaced(point), point[-1])
+        whole, growing = known.tocsr(), statics.applied
+        if statics.moving:
+            growing = growing - statics.moving.forces(self.displaced(point), self.p)
         rows = whole[self.free]
-        load = growing[self.free] - rows[:, self.held] @ self.given
+        load = growing[self.free] - rows[:, self.held] @ statics.given
         return rows[:, self.free].tocsc(), load, whole
 
     def factor(self, point: np.ndarray, plane: Plane, known: Any = None) -> Factors:

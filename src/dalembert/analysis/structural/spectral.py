@@ -10,13 +10,10 @@ from dalembert.analysis.structural.pencil import Pencil
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.errors import UnsupportedError
 from dalembert.results.result import Analysis, Given
-from dalembert.results.status import Outcome, Status
+from dalembert.results.status import Status, eigenpairs_status
 from dalembert.results.structural.eigenmodes import EigenModes
 from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
-
-CONVERGED = 1e-6
-"""Largest residual of eigenpairs that counts as none."""
 
 E = TypeVar("E", bound=EigenModes)
 
@@ -76,7 +73,4 @@ class SpectralAnalysis(Analysis[StructuralModel, E]):
 
     def _status(self, spectrum: Spectrum, count: int) -> Status:
         """How well the eigenpairs fulfil their equation."""
-        residual = spectrum.residual
-        if not residual < CONVERGED:
-            return Status(Outcome.NOT_CONVERGED, f"residual {residual:.3g}", 0.0, residual)
-        return Status(Outcome.COMPLETED, f"{self.spoken}: {count} mode(s)", 0.0, residual)
+        return eigenpairs_status(f"{self.spoken}: {count} mode(s)", spectrum.residual)

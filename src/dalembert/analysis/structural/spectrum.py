@@ -9,11 +9,10 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.structural.pencil import Pencil
+from dalembert.sparse.eigenvalues import coinciding, residual
 from dalembert.sparse.factorise import indefinite_factors
 from dalembert.structures.eigenpairs import Solve
 
-COINCIDE = 1e-7
-"""Relative distance below which eigenvalues cannot be told apart."""
 VANISHES = 1e-13
 """An eigenvalue is zero where it is this share of what its terms would add up to, or less."""
 
@@ -50,16 +49,7 @@ class Spectrum:
     @cached_property
     def groups(self) -> list[list[int]]:
         """Positions of eigenvalues, those together that coincide."""
-        found: list[list[int]] = []
-        for k in np.argsort(self.values):
-            value = self.values[k]
-            if found:
-                last = self.values[found[-1][-1]]
-                if abs(value - last) <= COINCIDE * max(abs(value), abs(last)):
-                    found[-1].append(int(k))
-                    continue
-            found.append([int(k)])
-        return [sorted(group) for group in found]
+        return coinciding(self.values, np.abs(self.values))
 
     def scaled(self, shapes: np.ndarray) -> np.ndarray:
         """(n, k) ``B φ`` of shapes (n, k), the free displacements only."""
@@ -102,8 +92,5 @@ class Spectrum:
 
     @property
     def residual(self) -> float:
-        """Largest entry of ``A φ − λ B φ``, relative to what its terms would add up to."""
-        (a, b), v = self.matrices, self.vectors
-        left = np.abs(a @ v - (b @ v) * self.values).max(axis=0, initial=0.0)
-        size = (abs(a) @ abs(v) + (abs(b) @ abs(v)) * abs(self.values)).max(axis=0, initial=1e-300)
-        return float((left / size).max(initial=0.0))
+        """What is left of the equation of the pairs."""
+        return residual(*self.matrices, self.values, self.vectors)

@@ -10,7 +10,6 @@ import numpy as np
 
 from dalembert.analysis.branches import Branches, outputs_of
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.structural.balance import relative
 from dalembert.analysis.structural.rotation_charts import RotationCharts
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, moved
 from dalembert.analysis.structural.transient_start import TransientStart
@@ -188,7 +187,7 @@ class TransientRun:
         where = e.free if march.steps.count else e.massive
         step = march.step(h)
         sizes = abs(e.tangent(last.u))
-        left = relative(step.residual(last, e.loads(end), where, sizes), step.settings.tolerance)
+        left = step.residual(last, e.loads(end), where, sizes).relative(step.settings.tolerance)
         return Status(outcome, message or "transient", end, left)
 
 

@@ -110,12 +110,8 @@ class TransientStart:
             path = LoadPath(NonlinearStatics(), e.model, e.p, self.case)
             for _ in path.follow():
                 u = path.u
-            if path.reached < 1.0:
-                raise AnalysisError(
-                    f"there is no static equilibrium beyond {path.reached:.4g} of the load at the "
-                    "start; use start='rest' or lower loads",
-                    path.residual,
-                )
+            if path.lost:
+                raise AnalysisError(f"at the start, {path.lost}, or start='rest'", path.residual)
         u[e.held] = held
         still = self._displacements(Instant(e, Motions(u, 0 * u, 0 * u), self.time))
         u[e.free] += still.correction(still.value)  # in nonlinear statics round-off is left only

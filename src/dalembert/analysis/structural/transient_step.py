@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from dalembert.analysis.structural.balance import Balance, relative
+from dalembert.analysis.structural.balance import Balance, full_steps
 from dalembert.analysis.structural.instant import Instant, Unknown
 from dalembert.analysis.structural.transient_equation import (
     EquationOfMotion,
@@ -25,7 +25,7 @@ from dalembert.integrators.newmark import NewmarkFamily
 from dalembert.integrators.newmark_rule import Course, Moving, StepRule
 from dalembert.sparse.solver import Factors
 from dalembert.structures.pattern import combined
-from dalembert.symbolic.newton import Equations, NewtonSettings, Residual, solve
+from dalembert.symbolic.newton import Equations, Residual, solve
 
 SINGULAR = (
     "the equations of a step are singular: some displacement has neither mass nor stiffness; give "
@@ -56,9 +56,7 @@ class TransientStep:
 
     def __init__(self, equation: EquationOfMotion, integrator: NewmarkFamily, h: float):
         self.equation, self.rule = equation, StepRule.of(integrator.coefficients, h)
-        self.settings = NewtonSettings(
-            tolerance=integrator.tolerance, max_iterations=integrator.max_iterations, halvings=0
-        )
+        self.settings = full_steps(integrator)
         self.factorisations = 0
         self._steady = self._factors(equation.slopes(equation.rest)) if equation.linear else None
         self.kept: Unknown | None = None
@@ -198,7 +196,7 @@ class EndOfStep(Equations[np.ndarray]):
         return self.by.residual(motion, self.loads, e.free, self._near.at.sizes)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
-        before, self._left = self._left, relative(residual, self.by.settings.tolerance)
+        before, self._left = self._left, residual.relative(self.by.settings.tolerance)
         if self._near is None or self._left > self.fast * before:
             self._near = self._unknown(self.motion(x))
         return self._near.solve(residual.value)

@@ -22,9 +22,7 @@ from dalembert.errors import SingularityError
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.samples import Sample
 from dalembert.sensitivity.structural.loaded_pencil import PencilTangent
-
-EQUAL = 1e-7
-"""Relative difference of weights that still counts as none."""
+from dalembert.sparse.eigenvalues import ALIKE, coincidence, told_apart
 
 
 @dataclass(frozen=True)
@@ -128,16 +126,16 @@ class EigenpairGradient:
         """A response must not tell coinciding modes apart."""
         if len(group.places) == 1:
             return
-        apart = np.abs(values - group.value).max() > EQUAL * np.abs(values).max()
         h = group.turning
         size = np.linalg.norm(group.phi) * np.linalg.norm(group.shapes)
-        if apart or np.abs(h - h.T).max() > EQUAL * size:
-            numbers = [str(k + 1) for k in group.places]
+        turned = np.abs(h - h.T).max() > ALIKE * size
+        if turned or told_apart(values, float(np.abs(values).max())):
+            numbers = [k + 1 for k in group.places]
+            said = coincidence(numbers, f"eigenvalue {group.eigenvalues.mean():.9g}")
             raise SingularityError(
-                f"{self.sample.response.label}: modes {' and '.join(numbers)} coincide (eigenvalue "
-                f"{group.eigenvalues.mean():.9g}), and a single one of them has no gradient; take "
-                "a response that does not tell them apart, such as the mean over these modes "
-                "(solve for all of them), or eigenvalue_slopes for their one-sided derivatives"
+                f"{self.sample.response.label}: {said}; take a response that does not tell them "
+                "apart, such as the mean over these modes (solve for all of them), or "
+                "eigenvalue_slopes for their one-sided derivatives"
             )
 
 
