@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from twins import Frame, complex_step, turn
+from twins import Frame, complex_step, rate, second_rate, turn
 
 import dalembert as da
 from dalembert import planar
@@ -36,8 +36,11 @@ class MechanismTwin:
     poses : name → (x, y, φ) of every body
     bodies : in the order of their coordinates; the twin of all that is noted below takes a
         dictionary of their frames and the time
-    contacts : parameters of curves, coordinates that follow those of the bodies
+    own : (name, how many) of coordinates that elements bring along, behind those of the bodies:
+        parameters of curves, poses of nodes of beams
     masses : per coordinate of the bodies
+    spread : (places and angles, their mass matrix) of masses between bodies
+    gaps : what must not be negative
     residuals : per equation set, in the order of the model
     energies : potential energies
     loads : (coordinate, force along it), the force of (frames, rate of the coordinate, t)
@@ -48,8 +51,10 @@ class MechanismTwin:
     gravity: np.ndarray
     poses: dict[str, np.ndarray] = field(default_factory=dict)
     bodies: dict[str, planar.Body] = field(default_factory=dict)
-    contacts: list[str] = field(default_factory=list)
+    own: list[tuple[str, int]] = field(default_factory=list)
     masses: list[float] = field(default_factory=list)
+    spread: list[tuple[Callable, np.ndarray]] = field(default_factory=list)
+    gaps: list[Callable] = field(default_factory=list)
     residuals: list[Callable] = field(default_factory=list)
     energies: list[Callable] = field(default_factory=list)
     loads: list[tuple[Callable, Callable]] = field(default_factory=list)
@@ -125,14 +130,18 @@ class MechanismTwin:
 
     # twin ------------------------------------------------------------------------------
     def frames(self, y: np.ndarray) -> dict[str, Frame]:
-        """Of all bodies; and the parameters of curves."""
+        """Of all bodies and nodes; and the parameters of curves."""
         found, k = {"ground": GROUND}, 0
         for name in self.bodies:
             if name != "ground":
                 n = 3 if self.turns(name) else 2
                 found[name] = Frame(y[k : k + n])
                 k += n
-        return found | dict(zip(self.contacts, y[k:], strict=True))
+        for name, n in self.own:
+            found[name] = Frame(y[k : k + n]) if n > 1 else y[k]
+            k += n
+        assert k == y.size
+        return found
 
     def constraints(self, y: np.ndarray, t) -> np.ndarray:
         f = self.frames(y)
@@ -148,11 +157,24 @@ class MechanismTwin:
 
     @property
     def inertia(self) -> np.ndarray:
-        """Per coordinate; those of contacts have none."""
-        return np.array(self.masses + [0.0] * len(self.contacts))
+        """Of bodies, per coordinate."""
+        return np.array(self.masses + [0.0] * sum(n for _, n in self.own))
 
-    def kinetic(self, v: np.ndarray) -> float:
-        return float(self.inertia @ v**2 / 2)
+    def kinetic(self, y: np.ndarray, v: np.ndarray) -> float:
+        total = self.inertia @ v**2 / 2
+        for moved, mass in self.spread:
+            speed = rate(lambda s, moved=moved: moved(self.frames(y + s * v)))
+            total += speed @ mass @ speed / 2
+        return float(total)
+
+    def taken(self, y: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        """Forces that accelerate: ``m a``, and ``Jᵀ M (J a + J̇ v)`` of what lies between bodies."""
+        total, way = self.inertia * a, 2e-3 / (1 + np.abs(v).max(initial=0.0))
+        for moved, mass in self.spread:
+            slope = complex_step(lambda x, moved=moved: moved(self.frames(x)), y)
+            drift = second_rate(lambda s, moved=moved: moved(self.frames(y + s * v)), way)
+            total = total + slope.T @ mass @ (slope @ a + drift)
+        return total
 
     def forces(self, y: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
         """All but constraint forces: −∂V/∂y, and loads along their coordinates."""

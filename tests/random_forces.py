@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from random_joints import JointTwin
+from random_beams import BeamTwin
 from twins import length, turn
 
 import dalembert as da
 from dalembert import cos, planar
 
 
-class Mechanism(JointTwin):
+class Mechanism(BeamTwin):
     """Every force of the plane, with its energy or its load by hand."""
 
     def damped(self, along: Callable, damping: float) -> None:
@@ -157,6 +157,14 @@ class Mechanism(JointTwin):
         law = planar.contact.Hertz(stiffness=k)
         self.add(planar.ClearanceRevolute, p, q, radius=0.1, clearance=play, law=law)
         self.pressed(lambda f: apart(f) - play, k, 1.5)
+
+    def unilateral(self, j: str) -> None:
+        """A body bounces off a level that it may reach soon, and loses nothing."""
+        sense = self._side()
+        limit = self.poses[j][1] + sense * self.rng.uniform(0.002, 0.05)
+        distance = sense * (limit - self.bodies[j].y)
+        self.add(planar.UnilateralConstraint, distance, restitution=1.0)
+        self.gaps.append(lambda f: sense * (limit - f[j].r[1]))
 
     def any_touch(self, i: str, j: str) -> None:
         kinds = self.cable, self.contact, self.clearance

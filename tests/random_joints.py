@@ -103,7 +103,7 @@ class JointTwin(MechanismTwin):
             self.point(j, place),
         )
         made = self.add(planar.PointOnCurve, self.bodies[i], q, curve, radius=roller, parameter=at)
-        self.contacts.append(made.name)
+        self.own.append((made.name, 1))
         self.residuals.append(
             lambda f, t: turn(-f[i].phi, at_q(f) - f[i].r) - (x, y) - round_(f[made.name])
         )

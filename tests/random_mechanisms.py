@@ -210,4 +210,9 @@ def random_mechanism(seed: int) -> tuple[str, Mechanism]:
     rng = m.rng = np.random.default_rng((seed, 1))  # so that all else stays as it was
     if rng.random() < 0.2:
         m.any_touch(*pair())
+    rng = m.rng = np.random.default_rng((seed, 2))
+    if rng.random() < 0.1:
+        m.beam(*pair())
+    elif rng.random() < 0.1:
+        m.unilateral(pair()[1])
     return make.__name__, m

@@ -97,7 +97,7 @@ def faults(m: Mechanism, motion) -> list[str]:
         k = int(np.argmax(shares))
         if not shares[k] <= limit:
             found.append(f"{name} open by {shares[k]:.2g} at {s.t[k]:g} s")
-    return found + energy_faults(m, motion)
+    return found + gap_faults(m, motion) + energy_faults(m, motion)
 
 
 def limits(motion) -> tuple[float, ...]:
@@ -121,14 +121,20 @@ def sizes_of_what_moves(motion, sizes: np.ndarray, level: int) -> np.ndarray:
     return scales.rows * max((sizes / scales.rows).max(), least)
 
 
+def gap_faults(m: Mechanism, motion) -> list[str]:
+    open_by = [float(gap(m.frames(y))) for gap in m.gaps for y in motion.trajectory.y.T]
+    return [f"gap open by {least:.2g} m" for least in open_by if not least >= -EXACT]
+
+
 def energy_faults(m: Mechanism, motion) -> list[str]:
     found, s = [], motion.trajectory
-    energy = np.array([m.kinetic(v) + m.potential(y) for y, v in zip(s.y.T, s.v.T, strict=True)])
+    states = list(zip(s.y.T, s.v.T, strict=True))
+    energy = np.array([m.kinetic(y, v) + m.potential(y) for y, v in states])
     told = motion.values("kinetic_energy") + motion.values("potential_energy")
     if not np.allclose(energy, told, rtol=1e-9, atol=1e-9):
         found.append(f"energy is {energy - told} off")
     total = energy - energy[0] + s.work[0] - s.work[1]
-    kinetic = max(m.kinetic(v) for v in s.v.T)
+    kinetic = max(m.kinetic(y, v) for y, v in states)
     moved = kinetic + np.abs(energy - energy[0]).max() + np.abs(s.work).sum(axis=0).max()
     if not np.abs(total).max() <= 0.5 * moved + 1e-6:
         found.append(f"energy balance open by {np.abs(total).max():.2g} of {moved:.2g} J")
@@ -139,6 +145,9 @@ def terms_of(m: Mechanism, motion, k: int) -> list[tuple[np.ndarray, np.ndarray]
     """Residuals of positions, speeds, accelerations, those as fed back, and forces; their terms."""
     s, feedback = motion.trajectory, motion.analysis.stabilization.feedback or (0.0, 0.0)
     t, y, v, a, multiplier = s.t[k], s.y[:, k], s.v[:, k], s.a[:, k], s.multiplier[:, k]
+    rows = multiplier.size - len(m.gaps)  # the pressures of gaps are behind them
+    multiplier, pressure = multiplier[:rows], multiplier[rows:]
+    assert not pressure.any()  # nothing stays on a level that it bounces off
     jacobian = complex_step(lambda x: m.constraints(x, t), y).reshape(multiplier.size, y.size)
     size = np.abs(jacobian)
     positions = m.constraints(y, t)
@@ -147,7 +156,7 @@ def terms_of(m: Mechanism, motion, k: int) -> list[tuple[np.ndarray, np.ndarray]
     xi = -second_rate(lambda s: m.constraints(y + s * v, t + s), way)
     accelerations = jacobian @ a - xi
     drawn = size @ np.abs(a) + np.abs(xi)
-    force, pull, push = m.forces(y, v, t), jacobian.T @ multiplier, m.inertia * a
+    force, pull, push = m.forces(y, v, t), jacobian.T @ multiplier, m.taken(y, v, a)
     return [
         (positions, np.zeros(multiplier.size)),
         (speeds, size @ np.abs(v)),

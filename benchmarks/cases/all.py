@@ -1,10 +1,20 @@
 """All cases, in the order of the table."""
 
-from benchmarks.cases import build, cold_start, gradients, memory, motions, plate, soft_pendulum
+from benchmarks.cases import (
+    build,
+    cold_start,
+    flexible_bar,
+    gradients,
+    memory,
+    motions,
+    plate,
+    soft_pendulum,
+)
 
 CASES = [
     *motions.CASES,
     soft_pendulum.CASE,
+    flexible_bar.CASE,
     plate.CASE,
     gradients.CASE,
     build.CASE,

@@ -23,8 +23,6 @@ from dalembert.elements.base import Constraint, ForceElement
 
 MECHANISMS, PARTS = int(os.environ.get("DALEMBERT_RANDOM_MECHANISMS", "1000")), 20
 EQUATIONS_OR_FORCES = (Constraint, ForceElement)
-BESIDE = {"Beam", "UnilateralConstraint"}
-"""Elements with nodes or rigid gaps, which have laws of their own."""
 GRAVITY = (0.3, -9.81)
 counts = st.integers(2, 5)
 seeds = st.integers(0, 10_000)
@@ -153,7 +151,7 @@ def test_what_is_completed_is_right(part):
 def test_every_joint_and_force_takes_part():
     seen = {kind for seed in range(60) for kind in random_mechanism(seed)[1].kinds}
     elements = {n for n in planar.__all__ if issubclass(getattr(planar, n), EQUATIONS_OR_FORCES)}
-    assert elements - BESIDE == seen
+    assert elements == seen
 
 
 @pytest.mark.parametrize(

@@ -57,17 +57,22 @@ class BetweenBodies:
         return [(self.speeds(rate), -self.functions.stored(self.u, self.data)[1])]
 
     def speeds(self, rate: Rate) -> ca.SX:
-        """Velocities of its nodes; in space with their spins in fixed axes."""
-        if not self.functions.by_spins:
+        """Velocities of its nodes; where they turn, with their spins in fixed axes."""
+        if not self._with_spins:
             return rate(self.u)
         return ca.vertcat(*(part for n in self.nodes for part in (rate(n.place), n.turning)))
 
     def accelerations(self, rate: Rate) -> ca.SX:
         """Rates of the speeds."""
-        if not self.functions.by_spins:
+        if not self._with_spins:
             return rate(self.speeds(rate))
         parts = ((rate(rate(n.place)), n.turned(rate(n.spin))) for n in self.nodes)
         return ca.vertcat(*(part for pair in parts for part in pair))
+
+    @property
+    def _with_spins(self) -> bool:
+        """Whether its speeds are no rates of its displacements."""
+        return self.functions.by_spins and self.functions.graphs.dimension == 3
 
     def inertial_powers(self, rate: Rate) -> Powers:
         """``d/dt ∂T/∂v − ∂T/∂u``."""

@@ -44,12 +44,12 @@ class CellFunctions:
 
     @property
     def by_spins(self) -> bool:
-        """Whether its speeds are no rates of coordinates: those of nodes that turn in space."""
+        """Whether speeds are velocities and spins of nodes: where they turn."""
         return isinstance(self.graphs, TurningGraphs)
 
     @cached_property
     def taken(self) -> ca.Function:
-        """Of nodes that turn in space: see ``TurningGraphs.taken``."""
+        """Of nodes that turn: see ``TurningGraphs.taken``."""
         assert isinstance(self.graphs, TurningGraphs)
         inputs, outputs = self.graphs.taken()
         points = self.graphs.cls.kinetic_samples
@@ -97,5 +97,5 @@ def functions_of(
     cls: Any, dimension: int, node_count: int, options: tuple[tuple[str, Any], ...]
 ) -> CellFunctions:
     """Those of a kind of element, which are made once."""
-    graphs = TurningGraphs if cls.turns and dimension == 3 else ElementGraphs
+    graphs = TurningGraphs if cls.turns else ElementGraphs
     return CellFunctions(graphs(cls, dimension, node_count, dict(options)))

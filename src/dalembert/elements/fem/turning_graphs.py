@@ -1,8 +1,8 @@
-"""One finite element whose nodes turn in space, as part of a mechanism.
+"""One finite element whose nodes turn, as part of a mechanism.
 
-A node is displaced by ``u`` and turned by a matrix ``R``, so that no rotation is too large for it.
-Speeds are ``w = (u̇, ω)`` in fixed axes, no rates of coordinates: with momenta ``(P, H) = ∂T/∂w``
-and the spin ``Ω`` of the axes that the inertia turns with,
+A node is displaced by ``u`` and turned by an angle, in space by a matrix ``R``, so that no rotation
+is too large for it. Speeds are ``w = (u̇, ω)`` in fixed axes, in space no rates of coordinates: with
+momenta ``(P, H) = ∂T/∂w`` and the spin ``Ω`` of the axes that the inertia turns with,
 
     δT = P·δu̇ + H·δω + δΘ·Σ (P × u̇ + H × ω),      δω = δφ̇ + δφ × ω,
 
@@ -20,7 +20,10 @@ from dalembert.elements.fem.graphs import ElementGraphs
 
 
 class TurningGraphs(ElementGraphs):
-    """Energies of one element between nodes with places and rotation matrices."""
+    """Energies of one element between nodes with places and rotations.
+
+    Vectors of the plane are those of space across its z axis.
+    """
 
     rotation_numbers = {3: 9}
 
@@ -30,6 +33,8 @@ class TurningGraphs(ElementGraphs):
     @cached_property
     def rates(self) -> ca.SX:
         """``u̇`` and ``Ṙ = ω̃ R``."""
+        if self.dimension == 2:
+            return self.v
         parts = []
         for u, v in zip(self._u, self._v, strict=True):
             parts += [v[:3], ca.vec(ca.mtimes(ca.skew(v[3:]), ca.reshape(u[3:], 3, 3)))]
@@ -46,35 +51,52 @@ class TurningGraphs(ElementGraphs):
         the change ``ẇ' = ẇ − Ω × w`` that is seen in them.
         """
         a, spin = ca.SX.sym("a", self.v.numel()), self._own_spin
-        speeds, accelerations = (ca.reshape(s, 3, -1) for s in (self.v, a))
+        speeds, accelerations = self._vectors(self.v), self._vectors(a)
         momenta = self._momenta(speeds)
         efforts = self._momenta(accelerations - _across(spin, speeds)) + _across(spin, momenta)
-        turning = ca.horzcat(*(_across(w, p) for w, p in _pairs(speeds, momenta)))
-        efforts[:, 1::2] -= turning[:, 1::2]  # of spins
-        return [self.u, self.v, a, self.data], [ca.vec(efforts), spin, ca.sum2(turning)]
+        pairs = zip(ca.horzsplit(speeds), ca.horzsplit(momenta), strict=True)
+        turning = ca.horzcat(*(_across(w, p) for w, p in pairs))
+        efforts[:, 1::2] = efforts[:, 1::2] - turning[:, 1::2]  # of spins
+        return [self.u, self.v, a, self.data], [self._column(efforts), spin, ca.sum2(turning)]
+
+    @cached_property
+    def _inertia_axes(self) -> ca.SX:
+        """(3, 3) axes of its inertia."""
+        if self.own_axes is None:
+            return ca.SX.eye(3)
+        return self.own_axes if self.dimension == 3 else ca.diagcat(self.own_axes, 1)
 
     def _momenta(self, speeds: ca.SX) -> ca.SX:
         """Of speeds, by columns."""
-        turn = ca.SX.eye(3) if self.own_axes is None else self.own_axes
-        seen = ca.SX(self.cls.kinetic_seen(self._v, self._x, self._q))
-        masses = ca.hessian(seen, self.v)[0]
-        seen = ca.mtimes(masses, ca.vec(ca.mtimes(turn.T, speeds)))
-        return ca.mtimes(turn, ca.reshape(seen, 3, -1))
+        energy = ca.SX(self.cls.kinetic_seen(self._v, self._x, self._q))
+        seen = self._column(ca.mtimes(self._inertia_axes.T, speeds))
+        pushed = ca.mtimes(ca.hessian(energy, self.v)[0], seen)
+        return ca.mtimes(self._inertia_axes, self._vectors(pushed))
 
-    @property
+    @cached_property
     def _own_spin(self) -> ca.SX:
         """Angular velocity of the axes of its inertia."""
-        if self.own_axes is None:
-            return ca.SX.zeros(3)
-        turning = ca.jtimes(ca.vec(self.own_axes), self.u, self.rates)
-        return ca.inv_skew(ca.mtimes(ca.reshape(turning, 3, 3), self.own_axes.T))
+        turning = ca.jtimes(ca.vec(ca.densify(self._inertia_axes)), self.u, self.rates)
+        return ca.inv_skew(ca.mtimes(ca.reshape(turning, 3, 3), self._inertia_axes.T))
+
+    def _vectors(self, column: ca.SX) -> ca.SX:
+        """(3, 2 nodes) what is of displacements and of rotations, beside each other."""
+        if self.dimension == 3:
+            return ca.reshape(column, 3, -1)
+        parts = (
+            ca.horzcat(ca.vertcat(node[:2], 0), ca.vertcat(0, 0, node[2]))
+            for node in ca.vertsplit(column, 3)
+        )
+        return ca.horzcat(*parts)
+
+    def _column(self, vectors: ca.SX) -> ca.SX:
+        """The same one below the other."""
+        if self.dimension == 3:
+            return ca.vec(vectors)
+        nodes = ca.horzsplit(vectors, 2)
+        return ca.vertcat(*(ca.vertcat(node[:2, 0], node[2, 1]) for node in nodes))
 
 
 def _across(spin: ca.SX, columns: ca.SX) -> ca.SX:
     """``Ω ×`` each column."""
     return ca.mtimes(ca.skew(spin), columns)
-
-
-def _pairs(first: ca.SX, second: ca.SX) -> zip[tuple[ca.SX, ca.SX]]:
-    """Columns beside each other."""
-    return zip(ca.horzsplit(first), ca.horzsplit(second), strict=True)
