@@ -69,6 +69,8 @@ class Ending:
         if steps.interrupted:
             return self._ends(Outcome.INTERRUPTED, f"stopped at t = {self.time:g} s")
         if steps.explained:
+            if singular := self.singular_position():
+                return self._ends(Outcome.SINGULAR, singular)
             text = f"after t = {steps.end:.9g} s {steps.message}"
             return self._ends(Outcome.DIVERGED, text)
         unsolved = self.unsolved() if steps.message else ""
@@ -118,7 +120,9 @@ class Ending:
         lost = ~(self.violations < self.lost)
         lost_at = float(self.s.t[np.argmax(lost)] if lost.any() else self.s.t[-1])
         variant = self.kernel.variants[self.steps.mode[-1] if self.steps.count else -1]
-        found = near_singular_position(variant.equations, self.steps, self.p, lost_at)
+        found = near_singular_position(
+            variant.equations, self.steps, self.p, lost_at, self.following
+        )
         if found is None:
             return ""
         time, smallest, place = found

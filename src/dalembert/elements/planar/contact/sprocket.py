@@ -116,4 +116,3 @@ class Sprocket(Pointed):
 def _turn(angle: float) -> ca.SX:
     c, s = ca.cos(angle), ca.sin(angle)
     return ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c))
-
