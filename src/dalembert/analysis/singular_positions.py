@@ -116,8 +116,8 @@ def near_singular_position(
         looks = np.linspace(low, high, count)
         ahead = [seen(good, after) for after in looks[1:]]
         found += ahead
-        k = 1 + min(range(count - 1), key=lambda one: ahead[one][:2])
-        low, high = looks[k - 1], looks[min(k + 1, count - 1)]
+        least = 1 + ahead.index(min(ahead, key=lambda one: one[:2]))
+        low, high = looks[least - 1], looks[min(least + 1, count - 1)]
     smallest, time, place = min(found, key=lambda one: one[:2])
     return (time, smallest, place) if smallest < NEAR * seen(0)[0] else None
 
