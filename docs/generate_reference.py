@@ -130,7 +130,7 @@ REFUSED = {
     "Particle": {"inertia", "angle", "angular_velocity", "rotation", "center_of_mass"},
 }
 """Keys that a class inherits and refuses."""
-COUNTS = {2: "two", 3: "three", 6: "six"}
+COUNTS = {1: "one", 2: "two", 3: "three", 6: "six"}
 FIELD = re.compile(r"^(\w+(?:, \w+)*) : (.*)$")
 
 

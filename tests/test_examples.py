@@ -433,6 +433,15 @@ def test_geneva_wheel_goes_on_by_quarters(pictures: Path) -> None:
     assert found["off"] < 2 * play
 
 
+def test_chain_drive_keeps_the_ratio_of_its_teeth(pictures: Path) -> None:
+    """Mean speeds and torques of rigid links; the polygon's effect but for what vibrates."""
+    found = numbers("chain_drive", pictures)
+    assert found["ratio"] == pytest.approx(9 / 14, rel=1e-3)
+    assert found["torque"] == pytest.approx(3.0, rel=0.03)
+    assert found["motor"] == pytest.approx(3.0 * 9 / 14, rel=0.01)
+    assert found["ripple"] == pytest.approx(1 - math.cos(math.pi / 9), abs=0.01)
+
+
 def test_synthesis_beats_the_literature(pictures):
     """4.08e-5 is the least sum of squares printed for the six points; cognates draw one curve."""
     found = numbers("straight_line_synthesis", pictures)

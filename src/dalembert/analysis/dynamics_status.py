@@ -73,6 +73,8 @@ class Ending:
         if lacking:
             return self._ends(Outcome.DIVERGED, f"after t = {steps.end:.9g} s {lacking}")
         if steps.explained:
+            if singular := self.singular_position():
+                return self._ends(Outcome.SINGULAR, singular)
             text = f"after t = {steps.end:.9g} s {steps.message}"
             return self._ends(Outcome.DIVERGED, text)
         unsolved = self.unsolved() if steps.message else ""
@@ -128,7 +130,9 @@ class Ending:
         lost = ~(self.violations < self.lost)
         lost_at = float(self.s.t[np.argmax(lost)] if lost.any() else self.s.t[-1])
         variant = self.kernel.variants[self.steps.mode[-1] if self.steps.count else -1]
-        found = near_singular_position(variant.equations, self.steps, self.p, lost_at)
+        found = near_singular_position(
+            variant.equations, self.steps, self.p, lost_at, self.following
+        )
         if found is None:
             return ""
         time, smallest, place = found

@@ -19,7 +19,7 @@ AT_ONCE = 2000
 LOST = 1e-6
 """Violation of a constraint, by its natural size, from which on a state tells nothing and a
 corrected run has failed."""
-SAMPLES = 200
+SAMPLES, FINER = 200, 21
 SHARE = 0.1
 """Share in the combination of equations that vanishes from which on a joint is named."""
 
@@ -72,7 +72,7 @@ class SingularPosition:
 
 
 def near_singular_position(
-    e: Equations, steps: Steps, p: np.ndarray, lost_at: float
+    e: Equations, steps: Steps, p: np.ndarray, lost_at: float, following: float
 ) -> tuple[float, float, np.ndarray] | None:
     """Time, smallest singular value of ``C`` and position where the run lost its constraints.
 
@@ -86,8 +86,9 @@ def near_singular_position(
     steps : steps taken, ``x = [y; v; …]``
     p : (np,) parameters
     lost_at : time of the first output that violates the constraints
+    following : length of the step that would have come next
     """
-    if not e.constraint_count or not steps.count or not np.all(np.isfinite(steps.x[:, 0])):
+    if not e.constraint_count or not np.all(np.isfinite(steps.x[:, 0])):
         return None
     sizes = e.scales
     alike = ca.mtimes([ca.diag(1 / sizes.rows), e.jacobian, ca.diag(sizes.displacements)])
@@ -109,10 +110,16 @@ def near_singular_position(
 
     before = int(np.searchsorted(times, lost_at)) - 1
     good = max(min(_last_good(function, steps, times, n, k, p), before), 0)
-    length = steps.h[min(good, steps.count - 1)]
+    length = steps.h[min(good, steps.count - 1)] if steps.count else following
     found = [seen(j) for j in range(max(good - 2, 0), good + 1)]
     # twice the step: a fold is approached like a square root, so a straight line comes late
-    found += [seen(good, after) for after in np.linspace(0.0, 2 * length, 2 * SAMPLES - 1)[1:]]
+    low, high = 0.0, 2 * length
+    for count in (2 * SAMPLES - 1, FINER, FINER):  # a line that begins near one crosses it steeply
+        looks = np.linspace(low, high, count)
+        ahead = [seen(good, after) for after in looks[1:]]
+        found += ahead
+        least = 1 + ahead.index(min(ahead, key=lambda one: one[:2]))
+        low, high = looks[least - 1], looks[min(least + 1, count - 1)]
     smallest, time, place = min(found, key=lambda one: one[:2])
     return (time, smallest, place) if smallest < NEAR * seen(0)[0] else None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos, sin
 
 import casadi as ca
 
@@ -114,5 +115,5 @@ class Sprocket(Pointed):
 
 
 def _turn(angle: float) -> ca.SX:
-    c, s = ca.cos(angle), ca.sin(angle)
+    c, s = ca.SX(cos(angle)), ca.SX(sin(angle))
     return ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c))
