@@ -198,6 +198,7 @@ from dalembert.integrators.runge_kutta import (
 )
 from dalembert.integrators.sundials import Cvodes as Cvodes, Ida as Ida
 from dalembert.io.model_file import load_model as load_model
+from dalembert.model.automatic_coordinates import AutomaticCoordinates as AutomaticCoordinates
 from dalembert.model.coordinates import AbsoluteCoordinates as AbsoluteCoordinates
 from dalembert.model.joint_coordinates import JointCoordinates as JointCoordinates
 from dalembert.model.model import Model as Model

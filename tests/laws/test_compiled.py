@@ -216,6 +216,7 @@ def test_long_bodies_are_cut_into_pieces_that_hand_on_their_values(monkeypatch):
     from dalembert.symbolic.native import straight_line
 
     monkeypatch.setattr(straight_line, "PIECE", 7)
+    monkeypatch.setattr(straight_line, "SHORT", 7)
     x = ca.SX.sym("x", 6)
     value = x
     for k in range(12):

@@ -65,7 +65,8 @@ class Dynamics(OverTime[Motion]):
     ----------
     step : step length of fixed-step integrators, by default a thousandth of the run; first step
         of adaptive ones [s]
-    coordinates : in which coordinates the equations are integrated
+    coordinates : in which coordinates the equations are integrated; ``AutomaticCoordinates()``
+        takes those that need fewer operations
     formulation : how accelerations and multipliers are found
     stabilization : how violations of the constraints are kept small
     integrator : how time advances
@@ -226,8 +227,11 @@ def _kernel(
     integrator: Integrator,
     backend: str,
 ) -> DynamicsKernel:
-    chosen = BACKENDS[backend]()
-    return DynamicsKernel(model, coordinates, formulation, stabilization, integrator, chosen)
+    strategies = formulation, stabilization, integrator
+    chosen = coordinates.chosen(lambda one: _kernel(model, one, *strategies, backend).operations)
+    if chosen is not coordinates:
+        return _kernel(model, chosen, *strategies, backend)
+    return DynamicsKernel(model, chosen, *strategies, BACKENDS[backend]())
 
 
 @overload

@@ -51,6 +51,10 @@ class DynamicsRecord:
     quadrature: StepQuadrature | None = None
 
 
+STAGES = 4
+"""Accelerations of a step, about."""
+
+
 class DynamicsKernel(StepOutputs):
     """Compiled functions of one model under one choice of strategies.
 
@@ -207,6 +211,25 @@ class DynamicsKernel(StepOutputs):
             if following != mode:
                 return Switch(kept, following)
         return everything
+
+    @cached_property
+    def operations(self) -> int:
+        """What a step costs where the model starts: of its accelerations and its correction.
+
+        Raises
+        ------
+        UnsupportedError
+            The formulation gives no accelerations.
+        """
+        if not self.formulation.gives_accelerations:
+            kind = type(self.formulation).__name__
+            raise UnsupportedError(f"{kind} gives no accelerations whose operations could count")
+        start, p = self.model.start, self.model.nominal
+        x = self.start.function(0.0, start.y, start.v, p).full().ravel()
+        variant = self.variants[self.choose(0.0, x, p)]
+        correction = variant.problem.correction
+        corrected = 0 if correction is None else correction.function.n_instructions()
+        return int(STAGES * variant.rate.function.n_instructions() + corrected)
 
     def over(self, function: ca.Function, count: int) -> Callable[..., list[np.ndarray]]:
         """The function for ``count`` columns at once."""

@@ -99,7 +99,7 @@ def _components(powers: Powers) -> Powers:
 def _elastic(model: Model) -> tuple[list[str], ca.Function | None]:
     """Names of what stores energy; ``(t, y, v, p) → ∇s, [c k], [M Cᵀ; C 0]``."""
     e = model.all_equations
-    known = free_symbols(ca.vertcat(e.t, e.y, e.v, e.p))
+    known, places = free_symbols(ca.vertcat(e.t, e.y, e.v, e.p)), free_symbols(e.y)
     names, slopes, stiffness, damping = [], [], [], []
     for element in model.forces:
         if element.potential() is None:
@@ -111,6 +111,8 @@ def _elastic(model: Model) -> tuple[list[str], ca.Function | None]:
 
         for u, q in _components(element.touching(rate, model.scales.energy)):
             u, q = (model.at_ground(x) for x in (u, q))
+            if not free_symbols(q) & places:  # as a weight: no derivative has to tell
+                continue
             by_place, by_speed = (ca.sparsify(ca.jacobian(q, x)) for x in (e.y, e.v))
             if not by_place.nnz() or free_symbols(ca.vertcat(u, q)) - known:
                 continue

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
@@ -74,6 +75,10 @@ class CoordinateView:
 @dataclass(frozen=True)
 class Coordinates:
     """Strategy object: the choice of coordinates."""
+
+    def chosen(self, cost: Callable[[Coordinates], int]) -> Coordinates:
+        """Those it stands for: itself, unless it is left to their ``cost``."""
+        return self
 
     def view(self, model: Model, every_equation: bool = False) -> CoordinateView:
         """The model in these coordinates.

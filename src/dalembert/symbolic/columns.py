@@ -206,7 +206,7 @@ class NativeColumns(Columns):
         raise SolverFailure(NO_SOLUTION)
 
 
-LONG = 8000
+LONG = 6000
 """Operations from which parts that occur several times are compiled once and called: steps of
 fewer are compiled quickly, and a tenth faster where nothing is called."""
 

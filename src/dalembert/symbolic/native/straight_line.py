@@ -15,8 +15,8 @@ from dalembert.symbolic.native.c_text import CFunction
 from dalembert.symbolic.native.real import TURNING, Real
 from dalembert.symbolic.native.toolchain import NotTranslated
 
-PIECE = 1000
-"""Operations that are compiled together."""
+PIECE, SHORT = 1000, 6000
+"""Operations that are compiled together; of functions as short as this all."""
 ZEROS = "zeros"
 """The array that stands for arguments that are not given."""
 OPERAND = r"(a\d+|-?\d+\.\d*(?:e[+-]?\d+)?)"
@@ -38,7 +38,8 @@ Line = tuple[str, str, tuple[str, ...]]
 def straight_line(function: CFunction, real: Real) -> list[str]:
     """IR of a function ``i32 (arg, res, iw, w, mem)`` with such a body."""
     lines = list(_parsed(function))
-    pieces = [lines[k : k + PIECE] for k in range(0, len(lines), PIECE)]
+    size = PIECE if len(lines) > SHORT else SHORT
+    pieces = [lines[k : k + size] for k in range(0, len(lines), size)]
     alive, text, calls = _alive(pieces), list[str](), list[str]()
     for k, piece in enumerate(pieces):
         name = f"{function.name}.{k}"

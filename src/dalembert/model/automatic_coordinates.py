@@ -1,0 +1,34 @@
+"""The choice of coordinates left to what they cost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dalembert.errors import DalembertError, UnsupportedError
+from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates, CoordinateView
+from dalembert.model.joint_coordinates import JointCoordinates
+from dalembert.model.model import Model
+
+CANDIDATES: tuple[Coordinates, ...] = (AbsoluteCoordinates(), JointCoordinates())
+
+
+@dataclass(frozen=True)
+class AutomaticCoordinates(Coordinates):
+    """Absolute or joint coordinates, whichever need fewer operations for accelerations and
+    corrections: joints for open chains, bodies for long loops. What refuses the model is out."""
+
+    def chosen(self, cost: Callable[[Coordinates], int]) -> Coordinates:
+        costs: dict[Coordinates, int] = {}
+        for candidate in CANDIDATES:
+            try:
+                costs[candidate] = cost(candidate)
+            except DalembertError:  # where all refuse, a run in the first one tells why
+                continue
+        return min(costs, key=costs.__getitem__, default=CANDIDATES[0])
+
+    def view(self, model: Model, every_equation: bool = False) -> CoordinateView:
+        raise UnsupportedError(
+            "AutomaticCoordinates() are chosen for runs of solve_dynamics; give "
+            "AbsoluteCoordinates() or JointCoordinates() here"
+        )
