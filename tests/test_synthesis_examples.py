@@ -69,7 +69,7 @@ def test_toe_of_the_wheel_by_its_eight_equations(pictures: Path) -> None:  # noq
             ]
         )
 
-    x = fsolve(open_by, np.r_[rest + [0, 0, 0.08], np.zeros(5)], xtol=1e-13)
+    x = fsolve(open_by, np.r_[rest + np.array([0, 0, 0.08]), np.zeros(5)], xtol=1e-13)
     toe = math.degrees(math.asin(Rotation.from_rotvec(x[3:6]).apply([0, 0.1, 0])[0] / 0.1))
     assert found["toe at full bump [deg]"] == pytest.approx(toe, abs=1e-6)
     assert found["toe after [deg rms]"] < 0.4 * found["toe without bump steer at rest [deg rms]"]

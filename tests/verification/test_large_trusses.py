@@ -1,9 +1,9 @@
 """Lightest trusses in space, against the best weights of the literature; inch and kip.
 
-25 bars: G. G. Goble and P. V. DeSantis (1966), data and limits as in L. A. Schmit, B. Farshi (1974);
-72 bars: the same, first of its two sets of limits. Best weights of feasible designs in the survey
-of C. V. Camp and M. Farshchin (2014), *Design of space trusses using modified teaching–learning based
-optimization*, Engineering Structures 62-63: 545.175 lb and 379.632 lb.
+Data and limits as in L. A. Schmit and B. Farshi, *Some approximation concepts for structural
+synthesis* (1974). Best weights of C. V. Camp and M. Farshchin, *Design of space trusses using
+modified teaching–learning based optimization*, Engineering Structures 62-63 (2014): 545.175 lb and
+379.632 lb.
 """
 
 from __future__ import annotations
