@@ -96,11 +96,8 @@ from dalembert.design.synthesis.cam import FlatFaceCam as FlatFaceCam, RollerCam
 from dalembert.design.synthesis.dead_centre import dead_centre_four_bar as dead_centre_four_bar
 from dalembert.design.synthesis.four_bar import FourBar as FourBar
 from dalembert.design.synthesis.slider_crank import SliderCrank as SliderCrank
-from dalembert.design.synthesis.synthesize import (
-    Solution as Solution,
-    Synthesis as Synthesis,
-    synthesize as synthesize,
-)
+from dalembert.design.synthesis.synthesis import Solution as Solution, Synthesis as Synthesis
+from dalembert.design.synthesis.synthesize import synthesize as synthesize
 from dalembert.design.synthesis.target import Target as Target
 from dalembert.design.tolerance import tolerance as tolerance
 from dalembert.design.toleranced import Toleranced as Toleranced
