@@ -20,6 +20,7 @@ from pathlib import Path
 
 import dalembert
 from dalembert.analysis.events import Event, Events
+from dalembert.design.reliability.distribution import Distribution
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
@@ -45,7 +46,7 @@ from dalembert.elements.springs import ForceLaw
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
-from dalembert.io import fields, orientations, schema, tables, task_tables
+from dalembert.io import decision_tables, fields, orientations, schema, tables, task_tables
 from dalembert.io.fields import FROM_FILE, connected, written
 from dalembert.io.strategies import (
     ANALYSES,
@@ -97,6 +98,7 @@ HOLDS: dict[object, str] = {
     Stabilization: "stabilisation",
     Integrator: "integrator",
     Events: "table of events",
+    Distribution: "distribution",
 }
 NEEDED = {
     "Bar.length",
@@ -290,6 +292,14 @@ FIXED = {
             "analysis": "what `dalembert run` computes",
             "compare": "what `dalembert compare` combines",
             "responses": "name → response",
+            "cases": "name → another run that a design is judged by",
+            "combined": "name → formula of responses",
+            "pareto": "between which aims `dalembert pareto` lets choose",
+            "random": "list of random parameters",
+            "reliability": "which limits `dalembert reliability` looks at",
+            "tolerance": "which tolerances `dalembert tolerance` follows",
+            "invert": "from what `dalembert invert` finds the histories",
+            "synthesis": "what linkages `dalembert synthesize` finds",
             "sensitivity": "what `dalembert sensitivity` computes",
             "optimize": "what `dalembert optimize` computes",
             "identify": "what `dalembert identify` finds",
@@ -345,11 +355,10 @@ FIXED = {
         {"type": '`"Grid"`, `"LatinHypercube"`, `"MonteCarlo"`, `"Sobol"` or `"Table"`'},
     ),
     "optimize": (
-        task_tables.OptimizeTable,
+        decision_tables.OptimizeTable,
         {
             "minimize": "name of the response to make small; this or `maximize`",
             "maximize": "name of the response to make large",
-            "subject_to": "list of limits, tables as below",
             "method": "how it is searched for, see [methods](optimization.md#methods)",
             "gradient": "method of the gradients",
             "max_iterations": "of the optimiser",
@@ -357,7 +366,7 @@ FIXED = {
         },
     ),
     "limit": (
-        task_tables.LimitTable,
+        decision_tables.LimitTable,
         {
             "response": "name of a response",
             "lower": "it must not be below",
@@ -381,6 +390,36 @@ FIXED = {
             "name": "in results; its number by default",
         },
     ),
+    "case": (schema.CaseTable, {}),
+    "combined": (decision_tables.CombinedTable, {}),
+    "pareto": (
+        decision_tables.ParetoTable,
+        {
+            "method": "how it is searched for, see [several aims](optimization.md#several-aims)",
+            "gradient": "method of the gradients",
+            "max_iterations": "of each point",
+            "tolerance": "on the relative change of the objective",
+        },
+    ),
+    "reliability": (
+        decision_tables.ReliabilityTable,
+        {
+            "method": '`"improved-hlrf"` or `"hlrf"`',
+            "tolerance": "on residual and distance of the design point",
+            "max_iterations": "of each search",
+        },
+    ),
+    "tolerance": (decision_tables.ToleranceTable, {}),
+    "allot": (
+        decision_tables.AllotTable,
+        {
+            "exponent": "of the tolerance in its cost",
+            "worst_case": "all tolerances used up at once; statistical by default",
+        },
+    ),
+    "synthesis": (decision_tables.SynthesisTable, {}),
+    "history": (task_tables.HistoryTable, {}),
+    "invert": (task_tables.InvertTable, {"max_iterations": "of least squares"}),
     "report": (task_tables.ReportTable, {}),
 }
 
@@ -477,6 +516,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "stabilizations": lambda: records(STABILIZATIONS),
     "integrators": lambda: records(INTEGRATORS),
     "responses": lambda: records(RESPONSES),
+    "distributions": lambda: records(decision_tables.DISTRIBUTIONS, "####"),
     "functions": functions,
     "api": api,
     "gallery": gallery,

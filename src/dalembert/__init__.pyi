@@ -118,6 +118,8 @@ from dalembert.design.synthesis.synthesize import (
 from dalembert.design.synthesis.synthesize_mechanism import (
     synthesize_mechanism as synthesize_mechanism,
 )
+from dalembert.design.synthesis.synthesis import Solution as Solution, Synthesis as Synthesis
+from dalembert.design.synthesis.synthesize import synthesize as synthesize
 from dalembert.design.synthesis.target import Target as Target
 from dalembert.design.tolerance import tolerance as tolerance
 from dalembert.design.toleranced import Toleranced as Toleranced

@@ -129,7 +129,7 @@ class ReliabilityTable(Record):
     samples: Integer = Field(default=0, description="of an estimate beside; none by default")
     sampling: one_name("dalembert.design.reliability.reliable:SAMPLINGS") = Field(  # type: ignore[valid-type]
         default="importance-sampling",
-        description="how they are drawn; or `monte-carlo`, `subset-simulation`",
+        description="how they are drawn; or `monte-carlo`, `subset-simulation`, `openturns-subset`",
     )
     rng: Integer = Field(default=0, description="seed of starts and samples")
 

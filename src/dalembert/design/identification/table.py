@@ -8,10 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.design.identification.c3d import read_markers
 from dalembert.errors import AnalysisError
 
 READERS = {".csv": "read_csv", ".txt": "read_csv", ".parquet": "read_parquet"}
 """Ending of a file → what of pandas reads it."""
+MARKERS = ".c3d"
+"""That of markers of motion capture."""
 
 
 def read_table(source: Any) -> dict[str, np.ndarray]:
@@ -19,7 +22,8 @@ def read_table(source: Any) -> dict[str, np.ndarray]:
 
     Parameters
     ----------
-    source : pandas or polars DataFrame, mapping of columns, or path of a .csv or .parquet file
+    source : pandas or polars DataFrame, mapping of columns, or path of a .csv, .parquet or .c3d
+        file
 
     Raises
     ------
@@ -56,10 +60,13 @@ def _file(path: Path) -> Any:
     import pandas as pd
 
     reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        raise AnalysisError(f"{path}: is none of {', '.join(READERS)}; convert it to CSV")
+    if reader is None and path.suffix.lower() != MARKERS:
+        known = ", ".join((*READERS, MARKERS))
+        raise AnalysisError(f"{path}: is none of {known}; convert it to CSV")
     if not path.is_file():
         raise AnalysisError(f"{path}: there is no such file of data")
+    if reader is None:
+        return read_markers(path)
     try:
         return getattr(pd, reader)(path)
     except ImportError:

@@ -54,7 +54,8 @@ def reliability(
     starts : number of starts for each limit state, to find further design points
     tolerance : on residual and distance of the design point
     samples : of an estimate beside, ``result.sampled``; none by default
-    sampling : ``"importance-sampling"``, ``"monte-carlo"`` or ``"subset-simulation"``
+    sampling : ``"importance-sampling"``, ``"monte-carlo"``, ``"subset-simulation"`` or
+        ``"openturns-subset"``
     rng : seed or generator of the starts, and of the samples
     progress : True for a bar, or a function of the fraction done
 

@@ -27,6 +27,7 @@ SAMPLINGS = {
     "monte-carlo": "monte_carlo",
     "importance-sampling": "importance_sampling",
     "subset-simulation": "subset_simulation",
+    "openturns-subset": "openturns_subset",
 }
 """Name of a sampling → what of ``Reliability`` does it."""
 
@@ -154,6 +155,25 @@ class Reliability(Decision):
         """Probability of failure by subsets, with so many samples on each level."""
         generator = np.random.default_rng(rng)
         return subset_simulation(self._system, self.nataf.size, samples, generator)
+
+    def openturns_subset(self, samples: int = 1000, rng: Any = 0) -> Estimate:
+        """The same by OpenTURNS: ``pip install dalembert[reliability]``."""
+        from dalembert.design.reliability.openturns_event import subsets
+
+        return subsets(self._system, self.nataf.size, samples, rng)
+
+    @property
+    def openturns_event(self) -> Any:
+        """Failure as an event of OpenTURNS, of independent standard normal variables.
+
+        Raises
+        ------
+        UnsupportedError
+            OpenTURNS is not there.
+        """
+        from dalembert.design.reliability.openturns_event import event_of
+
+        return event_of(self._system, self.nataf.size)
 
     def _system(self, u: np.ndarray) -> np.ndarray:
         """(N,) ``G`` of the system."""

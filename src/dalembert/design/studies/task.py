@@ -26,9 +26,6 @@ from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parameter import parameter_vector
 from dalembert.symbolic.parametric_model import ParametricModel
 
-FEWEST = 4
-"""Designs from which it is worth to run them side by side: as many as lanes."""
-
 
 @dataclass(frozen=True)
 class Answer:
@@ -82,7 +79,7 @@ class StudyTask:
         self, numbers: np.ndarray, names: Sequence[str], values: np.ndarray
     ) -> list[Answer]:
         """Run some designs, side by side where the analysis allows it."""
-        if len(numbers) >= FEWEST and self.batched:
+        if self.batched:  # even one, so that chunks of any size find the same numbers
             try:
                 return self._side_by_side(numbers, names, values)
             except DalembertError:  # all fail for one reason, or there is no room for so many
