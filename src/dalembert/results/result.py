@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+Instants = float | Sequence[float] | np.ndarray
+"""An instant or several; of load cases and modes a number or several."""
+
+
 class Result(Protocol):
     """States at instants, or by number, and any measure of them.
 
@@ -54,7 +58,7 @@ class Result(Protocol):
         @property
         def time(self) -> np.ndarray: ...
 
-    def at(self, times: np.ndarray) -> Self:
+    def at(self, times: Instants) -> Self:
         """The same at other instants, or some of the numbers."""
         ...
 

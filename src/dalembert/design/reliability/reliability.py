@@ -14,11 +14,13 @@ from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.reliable import Reliability
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 
 SYSTEMS = ("series", "parallel")
 
 
+@spelled
 def reliability(
     model: ParametricModel | None,
     limit_state: Any,

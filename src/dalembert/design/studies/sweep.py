@@ -18,12 +18,14 @@ from dalembert.design.studies.workers import Chunk, Here, Processes, Workers
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Analysis
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 
 ModelSource = ParametricModel | Callable[[], ParametricModel]
 LARGEST_CHUNK = 256
 
 
+@spelled
 def sweep(
     model: ModelSource,
     design: Design,

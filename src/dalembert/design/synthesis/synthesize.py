@@ -14,6 +14,7 @@ from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.problem import Polish
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
+from dalembert.spelling import spelled
 from dalembert.text import unknown
 
 
@@ -51,6 +52,7 @@ class Synthesis:
         return f"<Synthesis: {len(self.solutions)} linkages, least error {self.best.error:.3g}>"
 
 
+@spelled
 def synthesize(
     target: Target,
     linkage: type[Linkage] = FourBar,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.results.result import Analysis
+from dalembert.results.result import Analysis, Instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
@@ -52,9 +52,9 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
         """(cases,) numbers of the load cases: what instants are to a motion."""
         return np.arange(len(self.cases), dtype=float)
 
-    def at(self, cases: np.ndarray) -> StructuralResult:
+    def at(self, cases: Instants) -> StructuralResult:
         """The result of some load cases, by number."""
-        index = np.asarray(cases, dtype=int)
+        index = np.atleast_1d(np.asarray(cases, dtype=int))
         return replace(
             self,
             cases=[self.cases[k] for k in index],
