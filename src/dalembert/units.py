@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -175,3 +175,16 @@ def _nearest(name: str) -> str:
 
 def _without_angle(dimension: Mapping[str, float]) -> dict[str, float]:
     return {base: n for base, n in dimension.items() if base != "rad"}
+
+
+def shown_in(si: str, wanted: Sequence[str]) -> tuple[float, str]:
+    """Factor and name of the first wanted unit of the same dimension; 1 and its own if none is."""
+    try:
+        own = unit(si)
+    except ExpressionError:  # a label that is no unit, such as "N or N m"
+        return 1.0, si
+    for text in wanted:
+        other = unit(text)
+        if dict(other.dimension) == dict(own.dimension):
+            return other.factor / own.factor, text
+    return 1.0, si

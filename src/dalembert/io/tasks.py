@@ -21,6 +21,7 @@ from dalembert.io.schema import Document
 from dalembert.io.strategies import RESPONSES, STRATEGIES
 from dalembert.responses.base import Response
 from dalembert.responses.events import AtEvent
+from dalembert.results.headings import checked_units
 from dalembert.results.labelled import DATA_ONLY
 from dalembert.text import nearest, unknown
 
@@ -263,7 +264,9 @@ def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
     for k, point in enumerate(report.trace):
         if point not in points:
             raise file.located.error(unknown("point", point, points), "report", "trace", k)
-    return {"plots": report.plots or None, "trace": report.trace or None}
+    with file.located("report", "units"):
+        units = checked_units(report.units)
+    return {"plots": report.plots or None, "trace": report.trace or None, "units": units}
 
 
 def check_tasks(file: ModelFile, model: Any) -> None:

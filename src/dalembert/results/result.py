@@ -118,11 +118,19 @@ class Result(Protocol):
         """A table of ``data``."""
         return self.data.to_dataframe()
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write ``to_dataframe`` as CSV."""
+    def to_csv(self, path: str | Path, units: Sequence[str] = ()) -> Path:
+        """Write ``to_dataframe`` as CSV; headings tell the units.
+
+        Parameters
+        ----------
+        units : wanted, such as ``["mm", "deg"]``; each serves what has its dimension
+        """
+        from dalembert.results.headings import headed
         from dalembert.results.store import save_table
 
-        return save_table(self.to_dataframe(), path)
+        table = self.to_dataframe()
+        known = {str(name): v.attrs.get("units", "") for name, v in self.data.data_vars.items()}
+        return save_table(headed(table, known | table.attrs.get("units", {}), units), path)
 
     def report(self, path: str | Path, **first_view: Any) -> Path:
         """Write the interactive report, one self-contained HTML file, where ``has_page``."""
@@ -134,7 +142,8 @@ class Result(Protocol):
         """Results (.nc), and if asked for a table (.csv) and a report (.report.html)."""
         files = [self.save(base.with_name(f"{base.name}.nc"))]
         if csv:
-            files.append(self.to_csv(base.with_name(f"{base.name}.csv")))
+            units = first_view.get("units", ())
+            files.append(self.to_csv(base.with_name(f"{base.name}.csv"), units))
         if report and self.has_page:
             files.append(self.report(base.with_name(f"{base.name}.report.html"), **first_view))
         return files

@@ -16,6 +16,7 @@ from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.expression import Expression
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 
@@ -76,18 +77,31 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
 
     @property
     def data(self) -> xr.Dataset:
-        """Displacements and forces with names."""
+        """Displacements and forces of nodes, stresses and forces of elements, with names."""
         import xarray as xr
 
+        from dalembert.results.structural.measure_table import element_variables
+
         coords = {"degree": self.model.degrees.names, "case": self.cases}
+        measured = {}
+        for name, (elements, rows, unit) in element_variables(self).items():
+            coords[f"{name}_of"] = elements
+            measured[name] = ((f"{name}_of", "case"), np.array(rows), {"units": unit})
         return xr.Dataset(
             {
                 "displacement": (("degree", "case"), self.displacements, {"units": "m or rad"}),
                 "external_force": (("degree", "case"), self.forces, {"units": "N or N m"}),
+                **measured,
             },
             coords,
             attrs={"model": self.model.name, "status": str(self.status)},
         )
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """One row per load case, one column per measure, by name; their units are in ``attrs``."""
+        from dalembert.results.structural.measure_table import measure_table
+
+        return measure_table(self)
 
     def __repr__(self) -> str:
         count = len(self.cases)
