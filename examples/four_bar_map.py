@@ -31,8 +31,8 @@ def build() -> da.System:
             "crank", length=CRANK, mass=1.0, inertia=1.0, angle=np.pi / 2, angular_velocity=SPEED
         )
     )
-    coupler = system.add(planar.Bar("link", length=b, mass=b))
-    rocker = system.add(planar.Bar("lever", length=c, mass=c, angle=1.4))
+    coupler = system.add(planar.Bar("link", length=b, mass=PER_LENGTH * b))
+    rocker = system.add(planar.Bar("lever", length=c, mass=PER_LENGTH * c, angle=1.4))
     system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(planar.Revolute("A", crank.end, coupler.start))
     system.add(planar.Revolute("B", coupler.end, rocker.end))

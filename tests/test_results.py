@@ -57,9 +57,9 @@ def test_netcdf_round_trip(motion, tmp_path):
 def test_table_and_csv(motion, tmp_path):
     table = motion.to_dataframe()
     assert table.index.name == "time"
-    assert table["angle[crank]"].iloc[-1] == pytest.approx(0.3 + 6.0 * 0.5)
+    assert table["crank.angle"].iloc[-1] == pytest.approx(0.3 + 6.0 * 0.5)
     written = np.genfromtxt(motion.to_csv(tmp_path / "run.csv"), delimiter=",", names=True)
-    np.testing.assert_allclose(written["time"], motion.time)
+    np.testing.assert_allclose(written["time_s"], motion.time)
 
 
 def test_energy_balance_converges_with_the_integrator(motion):

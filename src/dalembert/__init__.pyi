@@ -110,6 +110,7 @@ from dalembert.design.synthesis.swinging_cam import (
     SwingingFlatCam as SwingingFlatCam,
     SwingingRollerCam as SwingingRollerCam,
 )
+from dalembert.design.synthesis.synthesis import Solution as Solution, Synthesis as Synthesis
 from dalembert.design.synthesis.synthesize import (
     Solution as Solution,
     Synthesis as Synthesis,
@@ -118,8 +119,6 @@ from dalembert.design.synthesis.synthesize import (
 from dalembert.design.synthesis.synthesize_mechanism import (
     synthesize_mechanism as synthesize_mechanism,
 )
-from dalembert.design.synthesis.synthesis import Solution as Solution, Synthesis as Synthesis
-from dalembert.design.synthesis.synthesize import synthesize as synthesize
 from dalembert.design.synthesis.target import Target as Target
 from dalembert.design.tolerance import tolerance as tolerance
 from dalembert.design.toleranced import Toleranced as Toleranced

@@ -31,6 +31,10 @@ class ExpressionError(ModelError):
     """A formula is not in the allowed grammar or names something unknown."""
 
 
+class KeywordError(ModelError, TypeError):
+    """Nothing takes this keyword; tells the nearest one."""
+
+
 class UnknownNameError(ExpressionError, KeyError):
     """Nothing has this name; tells the nearest names that there are."""
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from dalembert.budget import LARGEST, afford, numeral
 from dalembert.errors import UnsupportedError
+from dalembert.spelling import OfInit, spelled_fields
 
 Class = TypeVar("Class", bound=type)
 ROUNDS = {"max_iterations", "steps", "max_points", "repeat"}
@@ -47,6 +48,8 @@ def options(cls: Class | None = None, /, **how: bool) -> Any:
             demands(self)
 
     cls.__post_init__ = __post_init__  # type: ignore[attr-defined]
+    setattr(cls, "__new__", spelled_fields)  # noqa: B010
+    setattr(cls, "__signature__", OfInit())  # noqa: B010
     return dataclasses.dataclass(frozen=True, **how)(cls)  # type: ignore[call-overload]
 
 

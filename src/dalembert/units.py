@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -47,10 +47,9 @@ OWN = {
 }
 """Lines of pint's definitions, and what stands here instead."""
 SYMBOL = r"(?:[^\W\d_]\w*|[°%]\w*)"
-UNIT = rf"{SYMBOL}(?:\^-?\d+|\*\*-?\d+|[²³⁴])?"
-_TOKEN = re.compile(
-    rf"\s*(?:(?P<by>[*·/](?!\*))|(?P<name>1|{SYMBOL})(?P<power>\^-?\d+|\*\*-?\d+|[²³⁴])?)\s*"
-)
+POWER = r"(?:(?:\^|\*\*)-?\d+(?:\.\d+)?|[²³⁴])"
+UNIT = rf"{SYMBOL}{POWER}?"
+_TOKEN = re.compile(rf"\s*(?:(?P<by>[*·/](?!\*))|(?P<name>1|{SYMBOL})(?P<power>{POWER})?)\s*")
 _RAISED = {"²": 2, "³": 3, "⁴": 4}
 
 
@@ -103,13 +102,13 @@ def unit(text: str) -> Unit:
             sign = -1 if found["by"] == "/" else 1
             continue
         power = found["power"] or "1"
-        exponent = sign * (_RAISED.get(power) or int(power.lstrip("^*")))
+        exponent = sign * (_RAISED.get(power) or float(power.lstrip("^*")))
         one = _named(found["name"])
         factor *= one.factor**exponent
         for base, n in one.dimension.items():
             dimension[base] = dimension.get(base, 0) + n * exponent
         spelled += "/" if sign < 0 else " " if spelled else ""
-        spelled += (one.si or "1") + (f"^{abs(exponent)}" if abs(exponent) != 1 else "")
+        spelled += (one.si or "1") + (f"^{abs(exponent):g}" if abs(exponent) != 1 else "")
         simple = simple and one.si.isalnum()
         sign = 1
     kept = {base: n for base, n in dimension.items() if n}
@@ -176,3 +175,16 @@ def _nearest(name: str) -> str:
 
 def _without_angle(dimension: Mapping[str, float]) -> dict[str, float]:
     return {base: n for base, n in dimension.items() if base != "rad"}
+
+
+def shown_in(si: str, wanted: Sequence[str]) -> tuple[float, str]:
+    """Factor and name of the first wanted unit of the same dimension; 1 and its own if none is."""
+    try:
+        own = unit(si)
+    except ExpressionError:  # a label that is no unit, such as "N or N m"
+        return 1.0, si
+    for text in wanted:
+        other = unit(text)
+        if dict(other.dimension) == dict(own.dimension):
+            return other.factor / own.factor, text
+    return 1.0, si

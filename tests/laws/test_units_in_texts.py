@@ -7,11 +7,13 @@ import pytest
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.amounts import Amount
+from dalembert.design.identification.table import read_table
 from dalembert.elements.base import Element
 from dalembert.elements.registry import SPACES
 from dalembert.grammar import amount_of
 from dalembert.io.analyses import make_analysis
 from dalembert.io.model_file import load_model_file
+from dalembert.results.labelled import DATA_ONLY
 from dalembert.symbolic.parser import parse_formula
 from dalembert.units import unit
 
@@ -308,3 +310,53 @@ def test_units_in_a_structure(tmp_path):
     wrong = STRUCTURE.replace('"84 kN"', '"84 kN m"')
     with pytest.raises(da.ModelError, match=r"loads\[0\].*84000 N m does not fit, expected N"):
         load_model_file(written(tmp_path, wrong)).build()
+
+
+def test_tables_are_headed_by_measures_in_the_units_wanted(tmp_path):
+    motion = da.solve_dynamics(pendulum(), 0.1, step=0.01)
+    table = motion.to_dataframe("bob.angle", "bob.end.position")
+    assert list(table.columns) == ["bob.angle", "bob.end.position.x", "bob.end.position.y"]
+    assert table.attrs["units"]["bob.angle"] == "rad"
+    everything = motion.to_dataframe()
+    named = set(motion.model.measure_names) | set(DATA_ONLY)
+    assert {name.removesuffix(".x").removesuffix(".y") for name in everything.columns} <= named | {
+        name.removesuffix(".x").removesuffix(".y") for name in named
+    }
+    path = motion.to_csv(tmp_path / "run.csv", units=["mm", "deg", "ms"])
+    heading, *_, last = path.read_text(encoding="utf-8").splitlines()
+    found = dict(zip(heading.split(","), map(float, last.split(",")), strict=True))
+    assert found["time [ms]"] == pytest.approx(100.0)
+    assert found["bob.angle [deg]"] == pytest.approx(math.degrees(motion.values("bob.angle")[-1]))
+    assert found["bob.end.x [mm]"] == pytest.approx(1e3 * motion.values("bob.end.x")[-1])
+    assert "bob.vx [m/s]" in found  # no unit of velocities was asked for
+    with pytest.raises(da.AnalysisError, match="units: unknown unit 'mmm'"):
+        motion.to_csv(path, units=["mmm"])
+
+
+def test_measurements_with_units_are_read_in_si(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("time [ms],bob.angle [deg]\n0,0\n10,90\n", encoding="utf-8")
+    read = read_table(path)
+    assert read["time"] == pytest.approx([0.0, 0.01])
+    assert read["bob.angle"] == pytest.approx([0.0, math.pi / 2])
+
+
+def test_the_page_shows_the_units_asked_for():
+    motion = da.solve_dynamics(pendulum(), 0.1, step=0.01)
+    series = {s["name"]: s for s in motion.page(units=["deg"])["series"]}
+    assert series["bob.angle"]["unit"] == "deg"
+    degrees = math.degrees(motion.values("bob.angle")[-1])
+    assert series["bob.angle"]["values"][-1] == pytest.approx(degrees)
+    assert series["bob.x"]["unit"] == "m"
+
+
+def test_members_of_structures_are_in_data_and_tables(tmp_path):
+    result = da.solve_statics(load_model_file(written(tmp_path, STRUCTURE)).model())
+    table = result.to_dataframe()
+    assert table["bar.force"].iloc[0] == pytest.approx(84e3)
+    assert table["bar.stress"].iloc[0] == pytest.approx(84e3 / 4e-4)
+    assert table["b.ux"].iloc[0] == result.values("b.ux")[0]
+    force = result.data["element_force"].sel(element_force_of="bar")
+    assert float(force[0]) == pytest.approx(84e3) and force.attrs["units"] == "N"
+    text = result.to_csv(tmp_path / "r.csv", units=["MPa", "kN"]).read_text(encoding="utf-8")
+    assert "bar.stress [MPa]" in text and "bar.force [kN]" in text

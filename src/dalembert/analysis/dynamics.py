@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from dalembert.analysis.dynamics_run import DynamicsRun
 from dalembert.analysis.energy_balance import check_balance
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.instants import end_by_event, ended_again, instant_of
+from dalembert.analysis.keywords import DynamicsKeywords, TransientKeywords
 from dalembert.analysis.over_time import OverTime
 from dalembert.analysis.served import need_model
 from dalembert.analysis.step_quadrature import StepQuadrature
@@ -241,7 +242,7 @@ def solve_dynamics(
     *,
     parameters: Mapping[str, float] | None = None,
     progress: bool | Callable[[float], None] = False,
-    **options: Any,
+    **options: Unpack[DynamicsKeywords],
 ) -> Motion: ...
 
 
@@ -252,19 +253,31 @@ def solve_dynamics(
     *,
     parameters: Mapping[str, float] | None = None,
     progress: bool | Callable[[float], None] = False,
-    **options: Any,
+    **options: Unpack[TransientKeywords],
 ) -> StructuralMotion: ...
 
 
 @overload
 def solve_dynamics(
-    model: Model | StructuralModel,
+    model: Model,
     duration: Time | None = None,
     *,
     parameters: ManyDesigns,
     progress: bool | Callable[[float], None] = False,
     workers: int | None = None,
-    **options: Any,
+    **options: Unpack[DynamicsKeywords],
+) -> Batch: ...
+
+
+@overload
+def solve_dynamics(
+    model: StructuralModel,
+    duration: Time | None = None,
+    *,
+    parameters: ManyDesigns,
+    progress: bool | Callable[[float], None] = False,
+    workers: int | None = None,
+    **options: Unpack[TransientKeywords],
 ) -> Batch: ...
 
 

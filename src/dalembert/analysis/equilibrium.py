@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.contact.unseen import unseen_contacts
+from dalembert.analysis.keywords import EquilibriumKeywords, NonlinearStaticsKeywords
 from dalembert.analysis.model_truth import MOTION, ModelTruth
 from dalembert.analysis.served import need_model
 from dalembert.analysis.static_balance import (
@@ -161,23 +162,39 @@ class _Search:
 
 @overload
 def solve_equilibrium(
-    model: Model, *, parameters: Mapping[str, float] | None = None, **options: Any
+    model: Model,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    **options: Unpack[EquilibriumKeywords],
 ) -> Motion: ...
 
 
 @overload
 def solve_equilibrium(
-    model: StructuralModel, *, parameters: Mapping[str, float] | None = None, **options: Any
+    model: StructuralModel,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    **options: Unpack[NonlinearStaticsKeywords],
 ) -> StructuralResult: ...
 
 
 @overload
 def solve_equilibrium(
-    model: Model | StructuralModel,
+    model: Model,
     *,
     parameters: ManyDesigns,
     workers: int | None = None,
-    **options: Any,
+    **options: Unpack[EquilibriumKeywords],
+) -> Batch: ...
+
+
+@overload
+def solve_equilibrium(
+    model: StructuralModel,
+    *,
+    parameters: ManyDesigns,
+    workers: int | None = None,
+    **options: Unpack[NonlinearStaticsKeywords],
 ) -> Batch: ...
 
 

@@ -96,7 +96,7 @@ def run(
         result = task.run(built, progress=show)
     with timing.part("results"):
         page = result.page(**choices) if result.has_page else None
-        files = result.write_data(base, csv, page)
+        files = result.write_data(base, csv, page, choices.get("units", ()))
     if report and page is not None:
         with timing.part("report"):
             files.append(write_page(page, base.with_name(f"{base.name}.report.html")))

@@ -29,6 +29,25 @@ class Limit:
         if self.lower is not None and self.upper is not None and self.lower > self.upper:
             raise AnalysisError(f"limit on {label}: lower {self.lower} is above upper {self.upper}")
 
+    @classmethod
+    def all_of(cls, given: Any) -> list[Limit]:
+        """Several limits, as ``subject_to`` takes them.
+
+        Raises
+        ------
+        AnalysisError
+            Something else, such as a response without bounds.
+        """
+        listed = list(given) if isinstance(given, (list, tuple)) else [given]
+        for one in listed:
+            if not isinstance(one, cls):
+                label = getattr(one, "label", repr(one))
+                raise AnalysisError(
+                    f"subject_to takes limits, got {label}; say what it may be, "
+                    "da.Limit(response, lower=…, upper=…)"
+                )
+        return listed
+
     @property
     def is_equation(self) -> bool:
         """Both sides are the same number."""

@@ -21,10 +21,12 @@ from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text import unknown
 
 
+@spelled
 def optimize(
     model: ParametricModel | None = None,
     minimize: Any = None,
@@ -65,15 +67,16 @@ def optimize(
     """
     if (minimize is None) == (maximize is None):
         raise AnalysisError("give one objective: minimize=... or maximize=...")
+    limits = Limit.all_of(subject_to)
     sign, objective = (1.0, minimize) if minimize is not None else (-1.0, maximize)
     problem = design_problem(
-        model, analysis, [objective, *(limit.response for limit in subject_to)], vary, start
+        model, analysis, [objective, *(limit.response for limit in limits)], vary, start
     )
     problem.gradient = gradient
     chosen = make_optimizer(method, bool(problem.variables.sizes))
     if history is not None:
         problem.log = EvaluationLog(history, fingerprint(problem))
-    program = Program(problem, subject_to, sign, problem.variables.start, _teller(progress))
+    program = Program(problem, limits, sign, problem.variables.start, _teller(progress))
     return solve(program, chosen, Stop(max_iterations, tolerance))
 
 

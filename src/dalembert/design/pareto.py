@@ -22,6 +22,7 @@ from dalembert.design.weighted import Weighted
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text import unknown
 
@@ -29,6 +30,7 @@ EVOLUTIONS = ("nsga2", "nsga3")
 METHODS = ("normal-constraint", "epsilon-constraint", *EVOLUTIONS)
 
 
+@spelled
 def pareto(
     model: ParametricModel | None = None,
     minimize: Sequence[Any] = (),

@@ -19,6 +19,7 @@ from dalembert.design.toleranced import Toleranced
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Analysis
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text import unknown
 
@@ -93,6 +94,7 @@ class Box:
         return [np.where(sign * self.slope(np.zeros(size)) < 0, -1.0, 1.0)]
 
 
+@spelled
 def tolerance(
     model: ParametricModel,
     response: Response,

@@ -4,16 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import casadi as ca
 
 from dalembert.elements.base import Element, ForceElement, Vector
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.frame import Frame
+from dalembert.elements.named import Named
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression
+from dalembert.text import listed, nearest, unknown
+
+
+class Axes(TypedDict, total=False):
+    """How the axes of a frame are given."""
+
+    axis: Vector | None
+    x: Vector | None
+    axes: Any
+    rotation: Any
 
 
 class BodyElement(Element, Coordinates):
@@ -83,13 +94,25 @@ class BodyElement(Element, Coordinates):
         """Forces within it that it brings along."""
         return []
 
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            own = self.__dict__
+            if name.startswith("_") or "points" not in own:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            known = [*own["points"], *own["frames"], *own["_measures"]]
+            raise AttributeError(
+                f"{own['name']} has no point or measure {name!r}{nearest(name, known)}; "
+                f"points: {listed([*own['points'], *own['frames']])}"
+            )
+
     # names on it ------------------------------------------------------------------------------
     def declare(self, named: dict[str, tuple[ca.SX, str]], given: Mapping[str, Vector]) -> None:
         """Publish measures as attributes, and name the points given."""
         self._measures = named
         for name, (sx, unit) in named.items():
             setattr(self, name, Expression(sx, f"{self.name}.{name}", unit))
-        self.points, self.frames = {}, {}
+        self.points, self.frames = Named(self.name, "point"), Named(self.name, "frame")
         for name, local in given.items():
             self.add_point(name, local)
 
@@ -104,7 +127,7 @@ class BodyElement(Element, Coordinates):
         self.points[name] = Point(self, local, name)
         return self.points[name]
 
-    def add_frame(self, name: str, place: Vector = (0.0, 0.0, 0.0), **axes) -> Frame:
+    def add_frame(self, name: str, place: Vector = (0.0, 0.0, 0.0), **axes: Unpack[Axes]) -> Frame:
         """Name a frame of the body; it takes what ``frame`` takes."""
         self._claim("frame", name)
         self.frames[name] = Frame(self, place, **axes, name=name)
@@ -119,21 +142,20 @@ class BodyElement(Element, Coordinates):
     @property
     def places(self) -> dict[str, Point]:
         """Named points and frames."""
-        return self.points | self.frames
+        return {**self.points, **self.frames}
 
     def point(self, x, y=None, z=None) -> Point:
         """Point at body coordinates [m], or the named point ``point("P")``."""
         if y is None:
             if x not in self.points:
-                known = ", ".join(self.points) or "none"
-                raise ModelError(f"no point {x!r} (known: {known})", self.name)
+                raise ModelError(unknown("point", x, self.points), self.name)
             return self.points[x]
         given = (x, y) if z is None else (x, y, z)
         if len(given) < self.dimension:
             raise ModelError("a point of a body in space has three coordinates", self.name)
         return Point(self, given)
 
-    def frame(self, place: Vector | str = (0.0, 0.0, 0.0), **axes) -> Frame:
+    def frame(self, place: Vector | str = (0.0, 0.0, 0.0), **axes: Unpack[Axes]) -> Frame:
         """Frame fixed in the body; its z axis is the axis of a joint.
 
         Parameters
@@ -146,8 +168,7 @@ class BodyElement(Element, Coordinates):
         """
         if isinstance(place, str):
             if place not in self.frames:
-                known = ", ".join(self.frames) or "none"
-                raise ModelError(f"no frame {place!r} (known: {known})", self.name)
+                raise ModelError(unknown("frame", place, self.frames), self.name)
             return self.frames[place]
         return Frame(self, place, **axes)
 

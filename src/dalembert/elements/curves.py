@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Rows, Scalar, option, quantity
 from dalembert.errors import ModelError
+from dalembert.spelling import OfInit, spelled_fields
 from dalembert.symbolic.expression import Expression, as_expression, as_sx
 from dalembert.symbolic.spline import CubicSpline
 
@@ -19,6 +21,10 @@ u = Expression(ca.SX.sym("u"), "u", "")
 
 class Curve:
     """Point ``c(u)`` of a curve in the frame of its body."""
+
+    if not TYPE_CHECKING:
+        __new__ = spelled_fields
+        __signature__ = OfInit()
 
     closed: bool
     dimension = 2

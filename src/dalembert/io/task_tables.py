@@ -145,3 +145,7 @@ class ReportTable(Record):
 
     plots: list[list[Text]] = Field(default_factory=list, description="measures, one list per plot")
     trace: Names = Field(default_factory=list, description="points whose paths are drawn")
+    units: Names = Field(
+        default_factory=list,
+        description='of plots and of CSV files, as `["mm", "deg"]`; each serves its dimension',
+    )

@@ -22,6 +22,7 @@ from dalembert.io.schema import Document
 from dalembert.io.strategies import STRATEGIES
 from dalembert.io.synthesis import make_synthesis
 from dalembert.responses.base import Response
+from dalembert.results.headings import checked_units
 from dalembert.results.labelled import DATA_ONLY
 from dalembert.text import unknown
 
@@ -146,7 +147,9 @@ def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
     for k, point in enumerate(report.trace):
         if point not in points:
             raise file.located.error(unknown("point", point, points), "report", "trace", k)
-    return {"plots": report.plots or None, "trace": report.trace or None}
+    with file.located("report", "units"):
+        units = checked_units(report.units)
+    return {"plots": report.plots or None, "trace": report.trace or None, "units": units}
 
 
 CHECKED: dict[str, Callable[[ModelFile, Any], Any]] = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.errors import ModelError
@@ -16,8 +16,9 @@ from dalembert.structures.mesh import Classes
 from dalembert.structures.structure import Structure
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.interpolation import Interpolation
-from dalembert.symbolic.parameter import Parameter
+from dalembert.symbolic.parameter import Bounds, Parameter
 
+E = TypeVar("E", bound=Element)
 RESERVED = {"t", "u", "pi", "e", "ground", "system", "extension", "rate"}
 
 
@@ -41,9 +42,17 @@ class System(Description):
 
     # building ----------------------------------------------------------------
     def parameter(
-        self, name: str, value: float, unit: str = "", bounds=None, description: str = ""
+        self,
+        name: str,
+        value: float | str,
+        unit: str = "",
+        bounds: Bounds = None,
+        description: str = "",
     ) -> Parameter:
-        """Declare a parameter; use it in formulas wherever a number is accepted."""
+        """Declare a parameter; use it in formulas wherever a number is accepted.
+
+        See ``Parameter``; value and bounds are in ``unit``, or texts such as ``"45 mm"``.
+        """
         self._claim(name)
         made = Parameter(name, value, unit, bounds, description)
         self.parameters[name] = made
@@ -75,7 +84,7 @@ class System(Description):
         self.tables[name] = made
         return made
 
-    def add(self, element):
+    def add(self, element: E) -> E:
         """Add a body, joint, driver or force; returns it."""
         if not isinstance(element, Element):
             raise ModelError(f"add() takes an element, got {element!r}", self.name)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Names = Sequence[str] | None
 Groups = Sequence[Sequence[str]] | None
+Units = Sequence[str]
 
 FINAL = ("kinetic_energy", "potential_energy", "energy", "balance_error")
 LARGEST = ("position_violation", "velocity_violation")
@@ -60,19 +61,22 @@ class Motion(LabelledRecording):
 
     # files and pictures ------------------------------------------------------------
     def save(  # type: ignore[override]
-        self, path: str | Path, plots: Groups = None, trace: Names = None
+        self, path: str | Path, plots: Groups = None, trace: Names = None, units: Units = ()
     ) -> Path:
         """Write all results to a NetCDF file; ``load_results`` reads it back.
 
-        ``plots`` and ``trace`` are kept for its report, as in ``report``.
+        ``plots``, ``trace`` and ``units`` are kept for its report, as in ``report``.
         """
-        return super().save(path, plots=plots, trace=trace)
+        return super().save(path, plots=plots, trace=trace, units=units)
 
-    def to_dataframe(self) -> pd.DataFrame:
-        """One row per time, one column per scalar quantity."""
-        from dalembert.results.store import flat_table
+    def to_dataframe(self, *measures: str | Expression) -> pd.DataFrame:
+        """One row per time, one column per measure, by name; their units are in ``attrs``.
 
-        return flat_table(self.data)
+        Without ``measures`` all scalar ones are there.
+        """
+        from dalembert.results.series import series_table
+
+        return series_table(self, measures)
 
     def plot(self, *measures: str | Expression, ax: Any = None) -> Any:
         """Draw measures over time with Matplotlib; returns the axes."""
@@ -93,15 +97,22 @@ class Motion(LabelledRecording):
         return animate(self, **options)
 
     def report(  # type: ignore[override]
-        self, path: str | Path, plots: Groups = None, trace: Names = None
+        self, path: str | Path, plots: Groups = None, trace: Names = None, units: Units = ()
     ) -> Path:
-        """Write the interactive report, one self-contained HTML file."""
-        return super().report(path, plots=plots, trace=trace)
+        """Write the interactive report, one self-contained HTML file.
 
-    def page(self, plots: Groups = None, trace: Names = None) -> dict[str, Any]:
+        Parameters
+        ----------
+        plots : groups of measures, one plot each
+        trace : points whose paths are drawn
+        units : that plots show, such as ``["mm", "deg"]``; each serves what has its dimension
+        """
+        return super().report(path, plots=plots, trace=trace, units=units)
+
+    def page(self, plots: Groups = None, trace: Names = None, units: Units = ()) -> dict[str, Any]:
         from dalembert.results.payload import report_payload
 
-        return report_payload(self, plots, trace)
+        return report_payload(self, plots, trace, units)
 
     def show(  # type: ignore[override]
         self, height: int = 680, plots: Groups = None, trace: Names = None

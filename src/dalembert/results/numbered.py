@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.result import Result
+from dalembert.results.result import Instants, Result
 from dalembert.symbolic.expression import Expression
 
 if TYPE_CHECKING:
@@ -54,9 +54,9 @@ class Numbered(Result):
                 raise AnalysisError(f"there is no mode {number:g} (known: {known})")
         return [int(np.flatnonzero(self.numbers == number)[0]) for number in wanted]
 
-    def at(self, numbers: np.ndarray) -> Self:
+    def at(self, numbers: Instants) -> Self:
         """Some of the modes, by number."""
-        index = self.places(numbers)
+        index = self.places(np.atleast_1d(np.asarray(numbers)))
         return replace(  # type: ignore[type-var]
             self,
             numbers=self.numbers[index],

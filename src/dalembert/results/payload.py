@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.labelled import DATA_ONLY, LabelledRecording
+from dalembert.results.headings import checked_units
+from dalembert.results.labelled import LabelledRecording
 from dalembert.results.page_parts import diagnosis, parameter_rows, statistics
 from dalembert.results.scene import is_spatial, motion_scene
+from dalembert.results.series import measured_series
+from dalembert.units import shown_in
 
 MAX_FRAMES = 20_000
 MAX_NUMBERS = 6_000_000
@@ -22,6 +25,7 @@ def report_payload(
     motion: LabelledRecording,
     plots: Sequence[Sequence[str]] | None,
     trace: Sequence[str] | None,
+    units: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Everything the page needs, thinned to at most ``MAX_FRAMES`` instants, fewer where many move.
 
@@ -29,14 +33,18 @@ def report_payload(
     ----------
     plots : groups of series names, one plot each; a sensible choice if None
     trace : names of points whose paths are drawn from the start
+    units : that plots show, each for what has its dimension
     """
     count = motion.time.size
     keep = np.unique(np.linspace(0, count - 1, min(count, _frames(motion))).round().astype(int))
-    series = _series(motion, keep)
+    series = measured_series(motion, keep)
     names = {s["name"] for s in series}
     for name in dict.fromkeys(n for group in plots or () for n in group if n not in names):
         series.append(_asked(motion, name, keep))
         names.add(name)
+    for one in series if units else ():
+        factor, one["unit"] = shown_in(str(one["unit"]), checked_units(units))
+        one["values"] = one["values"] / factor
     wanted = [list(group) for group in plots] if plots else None
     payload = {
         "format": 1,
@@ -60,7 +68,8 @@ def report_payload(
 
 def _frames(motion: LabelledRecording) -> int:
     """How many instants a page shows at most."""
-    columns = sum(v.size for v in motion.data.data_vars.values()) / max(1, motion.time.size)
+    numbers = sum(values.size for _, values, _ in motion.contents.variables.values())
+    columns = numbers / max(1, motion.time.size)
     return int(np.clip(MAX_NUMBERS / max(1.0, columns), LEAST_FRAMES, MAX_FRAMES))
 
 
@@ -69,64 +78,6 @@ def _subtitle(motion: LabelledRecording) -> str:
     used = [str(motion.statistics[k]) for k in choices if k in motion.statistics]
     told = " + ".join(u for u in used if u != "AbsoluteCoordinates")
     return ", ".join([motion.analysis.spoken, told]).rstrip(", ")
-
-
-def _series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]:
-    """All scalar quantities by their measure names, grouped for the picker."""
-    data = motion.contents
-    found: list[dict[str, Any]] = []
-
-    def put(name: str, variable: str, group: str, **where: Any) -> None:
-        if variable in data:
-            unit = _unit(motion, str(data.about(variable).get("units", "")), name)
-            add(name, unit, group, data.at(variable, **where)[keep])
-
-    def add(name: str, unit: str, group: str, values: np.ndarray) -> None:
-        if not np.all(np.isnan(values)):
-            found.append({"name": name, "unit": unit, "group": group, "values": values})
-
-    def put_all(owner: str, quantity: str, variable: str, group: str, **where: Any) -> None:
-        """One of a scalar, one for each axis of a vector."""
-        if variable not in data:
-            return
-        for axis in data.labels("axis") if "axis" in data.dimensions(variable) else [None]:
-            along = where | ({} if axis is None else {"axis": axis})
-            put(f"{owner}.{quantity.format(axis or '')}".rstrip("."), variable, group, **along)
-
-    turning = {body.name for body in motion.model.bodies if body.rotates}
-    for body in data.labels("body"):
-        for quantity, variable, group in BODY_SERIES:
-            if body not in turning and variable.startswith("ang"):
-                continue
-            put_all(body, quantity, variable, group, body=body)
-    for point in data.labels("point"):
-        for quantity, variable in POINT_SERIES:
-            put_all(point, quantity, variable, "points", point=point)
-    for joint in data.labels("joint"):
-        put_all(joint, "force.{}", "reaction_force", "reactions", joint=joint)
-        force = data.at("reaction_force", joint=joint)[keep]
-        add(f"{joint}.force_norm", "N", "reactions", np.linalg.norm(force, axis=1))
-        put_all(joint, "moment.{}", "reaction_moment", "reactions", joint=joint)
-    for driver in data.labels("driver"):
-        put(f"{driver}.effort", "driver_effort", "drivers", driver=driver)
-        put(f"{driver}.power", "driver_power", "drivers", driver=driver)
-    for variable in data.variables:
-        if variable.startswith("element_"):
-            dimension = data.dimensions(variable)[1]
-            quantity = variable.removeprefix("element_").split("_of")[0]
-            for element in data.labels(dimension):
-                put(f"{element}.{quantity}", variable, "forces", **{dimension: element})
-    for variable in ENERGIES:
-        put(variable, variable, "energy")
-    for variable in ("position_violation", "velocity_violation"):
-        put(variable, variable, "violations")
-    return found
-
-
-def _unit(motion: LabelledRecording, unit: str, name: str) -> str:
-    """The unit of one series; a variable may hold forces and moments side by side."""
-    mixed = " or " in unit and name not in DATA_ONLY
-    return motion.model[name].unit if mixed else unit
 
 
 def _asked(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, Any]:
@@ -148,26 +99,6 @@ def _asked(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, 
         "group": "formulas",
         "values": measure.values[keep],
     }
-
-
-BODY_SERIES = (
-    ("{}", "position", "position"),
-    ("angle", "angle", "position"),
-    ("v{}", "velocity", "velocity"),
-    ("angular_velocity.{}", "angular_velocity", "velocity"),
-    ("a{}", "acceleration", "acceleration"),
-    ("angular_acceleration.{}", "angular_acceleration", "acceleration"),
-)
-"""Name of a quantity, with the axis if it is a vector; its variable; its group."""
-POINT_SERIES = (("{}", "point_position"), ("v{}", "point_velocity"), ("a{}", "point_acceleration"))
-ENERGIES = (
-    "kinetic_energy",
-    "potential_energy",
-    "energy",
-    "dissipated_energy",
-    "input_energy",
-    "balance_error",
-)
 
 
 def _default_plots(motion: LabelledRecording, names: set[str]) -> list[list[str]]:

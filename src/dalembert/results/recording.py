@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from dalembert.model.model import Model
-from dalembert.results.result import Analysis, Result
+from dalembert.results.result import Analysis, Instants, Result
 from dalembert.results.status import Status
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.kernel import Kernel
@@ -148,9 +148,9 @@ class Recording(Result):
         """A measure by name, a formula or an expression; see ``Model.expression``."""
         return self.model.expression(measure)
 
-    def at(self, times: np.ndarray) -> Self:
+    def at(self, times: Instants) -> Self:
         """The same motion sampled at other times, by the steps that were taken."""
-        return self.analysis.resample(self, np.asarray(times, dtype=float))
+        return self.analysis.resample(self, np.atleast_1d(np.asarray(times, dtype=float)))
 
     @cached_property
     def over_steps(self) -> Self:

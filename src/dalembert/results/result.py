@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from dalembert.report.inline import InlinePage
 
 
+Instants = float | Sequence[float] | np.ndarray
+"""An instant or several; of load cases and modes a number or several."""
+
+
 class Result(Protocol):
     """States at instants, or by number, and any measure of them.
 
@@ -58,7 +62,7 @@ class Result(Protocol):
         @property
         def time(self) -> np.ndarray: ...
 
-    def at(self, times: np.ndarray) -> Self:
+    def at(self, times: Instants) -> Self:
         """The same at other instants, or some of the numbers."""
         ...
 
@@ -125,11 +129,19 @@ class Result(Protocol):
         """A table of ``data``."""
         return self.data.to_dataframe()
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write ``to_dataframe`` as CSV."""
+    def to_csv(self, path: str | Path, units: Sequence[str] = ()) -> Path:
+        """Write ``to_dataframe`` as CSV; headings tell the units.
+
+        Parameters
+        ----------
+        units : wanted, such as ``["mm", "deg"]``; each serves what has its dimension
+        """
+        from dalembert.results.headings import headed
         from dalembert.results.store import save_table
 
-        return save_table(self.to_dataframe(), path)
+        table = self.to_dataframe()
+        known = {str(name): v.attrs.get("units", "") for name, v in self.data.data_vars.items()}
+        return save_table(headed(table, known | table.attrs.get("units", {}), units), path)
 
     def report(self, path: str | Path, **first_view: Any) -> Path:
         """Write the interactive report, one self-contained HTML file, where ``has_page``."""
@@ -158,16 +170,18 @@ class Result(Protocol):
         from dalembert.report.page import write_page
 
         page = self.page(**first_view) if self.has_page else None
-        files = self.write_data(base, csv, page)
+        files = self.write_data(base, csv, page, first_view.get("units", ()))
         if report and page is not None:
             files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
         return files
 
-    def write_data(self, base: Path, csv: bool, page: dict[str, Any] | None) -> list[Path]:
+    def write_data(
+        self, base: Path, csv: bool, page: dict[str, Any] | None, units: Sequence[str] = ()
+    ) -> list[Path]:
         """Results with their page (.nc), and if asked for a table (.csv)."""
         files = [self._save(base.with_name(f"{base.name}.nc"), page)]
         if csv:
-            files.append(self.to_csv(base.with_name(f"{base.name}.csv")))
+            files.append(self.to_csv(base.with_name(f"{base.name}.csv"), units))
         return files
 
 

@@ -82,26 +82,6 @@ def report_of(data: xr.Dataset) -> dict:
     return payload
 
 
-def flat_table(data: xr.Dataset) -> pd.DataFrame:
-    """One row per time, one column ``variable[entity].axis`` per scalar quantity."""
-    import pandas as pd
-
-    columns = {}
-    for name, variable in data.data_vars.items():
-        if "time" not in variable.dims:
-            continue
-        others = [d for d in variable.dims if d != "time"]
-        if not others:
-            columns[str(name)] = variable.values
-            continue
-        stacked = variable.stack(flat=others).transpose("time", "flat")
-        for k, label in enumerate(stacked.indexes["flat"]):
-            entity, *axis = label if isinstance(label, tuple) else (label,)
-            suffix = f".{axis[0]}" if axis else ""
-            columns[f"{name}[{entity}]{suffix}"] = stacked.values[:, k]
-    return pd.DataFrame(columns, index=pd.Index(data["time"].values, name="time"))
-
-
 def save_table(table: pd.DataFrame, path: str | Path) -> Path:
     """Write a table as CSV, whole or not at all."""
     with atomic_path(path) as temporary:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,8 +15,10 @@ from dalembert.structures.nodes import Nodes
 from dalembert.structures.spans import Spans
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.interpolation import Interpolation
-from dalembert.symbolic.parameter import Parameter
+from dalembert.symbolic.parameter import Bounds, Parameter
 from dalembert.text import plain_text
+
+S = TypeVar("S", bound=StructuralElement)
 
 
 class StructureParts:
@@ -38,7 +40,12 @@ class StructureParts:
         self.elements: dict[str, StructuralElement | Elements] = {}
 
     def parameter(
-        self, name: str, value: float, unit: str = "", bounds=None, description: str = ""
+        self,
+        name: str,
+        value: float | str,
+        unit: str = "",
+        bounds: Bounds = None,
+        description: str = "",
     ) -> Parameter:
         """Declare a parameter; use it in formulas wherever a number is accepted."""
         self._claim(name)
@@ -79,7 +86,7 @@ class StructureParts:
         self.nodes[name] = made
         return made
 
-    def add(self, element: StructuralElement):
+    def add(self, element: S) -> S:
         """Add an element; returns it."""
         if not isinstance(element, StructuralElement):
             raise ModelError(f"add() takes a structural element, got {element!r}", self.name)

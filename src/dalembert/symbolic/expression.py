@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Iterable
 from typing import Any
 
@@ -27,7 +28,6 @@ class Expression:
     """
 
     __slots__ = ("name", "sx", "unit")
-    __array_ufunc__ = None  # NumPy scalars defer to the operators below
     is_parameter = False
     """Its unit was given by who made it, and is held to."""
 
@@ -45,6 +45,20 @@ class Expression:
         found = np.empty((), dtype=object)
         found[()] = self
         return found
+
+    def __array_ufunc__(self, ufunc, method: str, *inputs, out=None, **options) -> Any:
+        """NumPy's operators are those below; its functions are those of CasADi."""
+        operate, function = OPERATORS.get(ufunc.__name__), FUNCTIONS.get(ufunc.__name__)
+        if method == "__call__" and not options:
+            if operate is not None:
+                return _binary(inputs[0], inputs[1], operate)
+            if function is not None:
+                return Expression(function(*(as_sx(one) for one in inputs)))
+        known = ", ".join(FUNCTIONS)
+        raise ExpressionError(
+            f"np.{ufunc.__name__} takes numbers and no formulas; known of formulas: {known}",
+            self.name or None,
+        )
 
     # components of a vector ------------------------------------------------
     def __len__(self) -> int:
@@ -131,11 +145,43 @@ class Expression:
     def __float__(self) -> float:
         if self.sx.numel() == 1 and self.sx.is_constant():
             return float(self.sx)
-        raise ExpressionError("this formula is not a constant number", self.name or None)
+        raise ExpressionError(
+            "this formula is not a constant number; functions of formulas are da.sin, da.sqrt, …, "
+            "those of math take numbers only",
+            self.name or None,
+        )
 
     def __repr__(self) -> str:
         label = f"{self.name} = " if self.name else ""
         return f"<{label}{str(self.sx)[:80]}{' ' + self.unit if self.unit else ''}>"
+
+
+OPERATORS = {
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "divide": operator.truediv,
+    "true_divide": operator.truediv,
+    "power": operator.pow,
+    "less": operator.lt,
+    "less_equal": operator.le,
+    "greater": operator.gt,
+    "greater_equal": operator.ge,
+}
+"""What NumPy calls the operators."""
+FUNCTIONS = {
+    **{name: getattr(ca, name) for name in "sin cos tan sinh cosh tanh exp log sqrt".split()},
+    **{f"arc{name}": getattr(ca, f"a{name}") for name in ("sin", "cos", "tan", "tan2")},
+    "hypot": ca.hypot,
+    "absolute": ca.fabs,
+    "fabs": ca.fabs,
+    "sign": ca.sign,
+    "floor": ca.floor,
+    "minimum": ca.fmin,
+    "maximum": ca.fmax,
+    "negative": operator.neg,
+}
+"""What NumPy calls the functions of formulas."""
 
 
 def _binary(a, b, operate) -> Any:

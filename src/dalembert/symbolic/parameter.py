@@ -13,8 +13,11 @@ from dalembert.amounts import Amount, check_unit
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.grammar import amount_of
 from dalembert.symbolic.expression import Expression, refuse_unusable
-from dalembert.text import plain_text
+from dalembert.text import plain_text, unknown
 from dalembert.units import Unit, unit
+
+Bounds = tuple[float | str | None, float | str | None] | None
+"""Lower and upper, with None where a side is open."""
 
 
 class Parameter(Expression):
@@ -54,7 +57,7 @@ class Parameter(Expression):
         name: str,
         value: float | str,
         unit: str = "",
-        bounds: tuple[float | str | None, float | str | None] | None = None,
+        bounds: Bounds = None,
         description: str = "",
     ):
         if not isinstance(name, str) or not name.isidentifier():
@@ -151,8 +154,7 @@ def parameter_vector(
     values = {name: parameter.value for name, parameter in parameters.items()}
     for name, value in (given or {}).items():
         if name not in values:
-            known = ", ".join(values) or "none"
-            raise ModelError(f"unknown parameter {name!r} (known: {known})", owner)
+            raise ModelError(unknown("parameter", name, values), owner)
         known_as = parameters[name]
         values[name] = (
             known_as.in_si(value) if isinstance(value, str) else _finite(value, name, "value")

@@ -25,6 +25,7 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.comparison.result import Comparison, comparison_of
 from dalembert.results.motion import Motion
+from dalembert.spelling import spelled
 
 
 @options
@@ -119,6 +120,7 @@ class Comparing:
         return made
 
 
+@spelled
 def compare(
     model: Model,
     duration: float | None = None,

@@ -15,9 +15,11 @@ from dalembert.design.identification.misfit import Misfit
 from dalembert.design.identification.unknowns import Delays, Unknowns, unknowns_of
 from dalembert.errors import AnalysisError
 from dalembert.results.result import Analysis
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 
 
+@spelled
 def identify(
     model: ParametricModel,
     data: Any,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.identification.c3d import read_markers
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, ModelError
+from dalembert.units import unit
 
 READERS = {".csv": "read_csv", ".txt": "read_csv", ".parquet": "read_parquet"}
 """Ending of a file → what of pandas reads it."""
@@ -39,7 +41,7 @@ def read_table(source: Any) -> dict[str, np.ndarray]:
     elif hasattr(source, "columns"):
         if source.index.name is not None and source.index.name not in source.columns:
             source = source.reset_index()
-        columns = {str(name): source[name] for name in source.columns}
+        columns = dict(_in_si(str(name), source[name]) for name in source.columns)
     else:
         kind = type(source).__name__
         raise AnalysisError(
@@ -54,6 +56,18 @@ def read_table(source: Any) -> dict[str, np.ndarray]:
     if not sizes or sizes == {0}:
         raise AnalysisError("the data has no rows of numbers; give at least one sample")
     return found
+
+
+def _in_si(heading: str, values: Any) -> tuple[str, Any]:
+    """The name and values of a column in SI units; a heading may read ``crank.angle [deg]``."""
+    named = re.fullmatch(r"(.*\S)\s+\[(.+)\]", heading)
+    if named is None:
+        return heading, values
+    try:
+        factor = unit(named[2]).factor
+    except ModelError as error:
+        raise AnalysisError(f"column {heading!r}: {error.message}") from None
+    return named[1], values if factor == 1.0 else values * factor
 
 
 def _file(path: Path) -> Any:

@@ -15,12 +15,14 @@ from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.reliable import SAMPLINGS, Reliability
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text import unknown
 
 SYSTEMS = ("series", "parallel")
 
 
+@spelled
 def reliability(
     model: ParametricModel | None,
     limit_state: Any,

@@ -18,6 +18,7 @@ from dalembert.design.studies.workers import Chunk, Here, Processes, Workers
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Analysis
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 
 ModelSource = ParametricModel | Callable[[], ParametricModel]
@@ -26,6 +27,7 @@ LEAST_BATCH = 128
 """Designs that are run side by side at once, where there are so many."""
 
 
+@spelled
 def sweep(
     model: ModelSource,
     design: Design,

@@ -16,9 +16,11 @@ from dalembert.design.synthesis.problem import Polish
 from dalembert.design.synthesis.synthesis import Solution, Synthesis
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
+from dalembert.spelling import spelled
 from dalembert.text import unknown
 
 
+@spelled
 def synthesize(
     target: Target,
     linkage: type[Linkage] = FourBar,

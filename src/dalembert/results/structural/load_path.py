@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from dalembert.results.result import Instants
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.measures import State
 
@@ -70,7 +71,7 @@ class LoadPathResult(StructuralResult):
     def state(self, case: int) -> State:
         return replace(super().state(case), load_factor=float(self.load_factors[case]))
 
-    def at(self, cases: np.ndarray) -> LoadPathResult:
+    def at(self, cases: Instants) -> LoadPathResult:
         """The result of some points, by number."""
         index = np.atleast_1d(np.asarray(cases, dtype=int))
         found = cast(LoadPathResult, super().at(index))

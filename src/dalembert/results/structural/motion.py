@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy
 
+from dalembert.results.result import Instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
@@ -67,7 +68,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
     def large(self) -> bool:
         return bool(self.analysis.nonlinear)
 
-    def at(self, times: np.ndarray) -> StructuralMotion:
+    def at(self, times: Instants) -> StructuralMotion:
         """The same motion at other times, by the steps that were taken."""
         return self.analysis.resample(self, np.atleast_1d(np.asarray(times, dtype=float)))
 

@@ -11,6 +11,7 @@ from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.recording import Recording
+from dalembert.results.result import Instants
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.motion_measures import MovingState
 from dalembert.symbolic.expression import Expression, t
@@ -39,7 +40,7 @@ class RecoveredStates(StructuralMotion):
             time=float(self.time[k]),
         )
 
-    def at(self, times: np.ndarray) -> RecoveredStates:
+    def at(self, times: Instants) -> RecoveredStates:
         """Refused: sample the motion of the mechanism.
 
         Raises

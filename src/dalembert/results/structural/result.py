@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.results.result import Analysis
+from dalembert.results.result import Analysis, Instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
@@ -16,6 +16,7 @@ from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.expression import Expression
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 
@@ -52,9 +53,9 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
         """(cases,) numbers of the load cases: what instants are to a motion."""
         return np.arange(len(self.cases), dtype=float)
 
-    def at(self, cases: np.ndarray) -> StructuralResult:
+    def at(self, cases: Instants) -> StructuralResult:
         """The result of some load cases, by number."""
-        index = np.asarray(cases, dtype=int)
+        index = np.atleast_1d(np.asarray(cases, dtype=int))
         return replace(
             self,
             cases=[self.cases[k] for k in index],
@@ -76,18 +77,31 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
 
     @property
     def data(self) -> xr.Dataset:
-        """Displacements and forces with names."""
+        """Displacements and forces of nodes, stresses and forces of elements, with names."""
         import xarray as xr
 
+        from dalembert.results.structural.measure_table import element_variables
+
         coords = {"degree": self.model.degrees.names, "case": self.cases}
+        measured = {}
+        for name, (elements, rows, unit) in element_variables(self).items():
+            coords[f"{name}_of"] = elements
+            measured[name] = ((f"{name}_of", "case"), np.array(rows), {"units": unit})
         return xr.Dataset(
             {
                 "displacement": (("degree", "case"), self.displacements, {"units": "m or rad"}),
                 "external_force": (("degree", "case"), self.forces, {"units": "N or N m"}),
+                **measured,
             },
             coords,
             attrs={"model": self.model.name, "status": str(self.status)},
         )
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """One row per load case, one column per measure, by name; their units are in ``attrs``."""
+        from dalembert.results.structural.measure_table import measure_table
+
+        return measure_table(self)
 
     def __repr__(self) -> str:
         count = len(self.cases)

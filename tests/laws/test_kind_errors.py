@@ -1,0 +1,196 @@
+"""Slips in Python are told as kindly as those in files."""
+
+import ast
+import dataclasses
+import inspect
+import math
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+from dalembert.analysis import keywords
+from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
+from dalembert.elements.registry import SPACES
+from dalembert.errors import KeywordError
+
+
+def pendulum():
+    system = da.System("x", gravity=(0.0, -9.81))
+    length = system.parameter("length", 0.5, bounds=(0.1, 1.0))
+    bob = system.add(planar.Bar("bob", length=length, mass=1.0))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), bob.start))
+    return system, bob, system.build()
+
+
+CLASSES = {
+    f"{space.name}.{name}": cls
+    for space in SPACES.values()
+    for section in space.sections.values()
+    for name, cls in section.items()
+} | {name: getattr(da, name) for name in ("Dynamics", "Radau", "Projection", "Maximum")}
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_a_misspelt_keyword_of_a_class_is_told_with_the_nearest(name):
+    cls = CLASSES[name]
+    fields = [f.name for f in dataclasses.fields(cls) if f.init]
+    slip = fields[-1] + "x"
+    with pytest.raises(KeywordError, match=rf"unknown keyword '{slip}' \(did you mean '"):
+        cls(**{slip: 1.0})
+    shown = inspect.signature(cls).parameters  # what editors and help() show
+    assert set(shown) == set(fields)
+
+
+@pytest.mark.parametrize(
+    "verb",
+    [
+        *(da.optimize, da.pareto, da.identify, da.sensitivity, da.sweep, da.compare),
+        *(da.reliability, da.tolerance, da.synthesize, da.invert),
+    ],
+)
+def test_a_misspelt_keyword_of_a_verb_is_told_with_the_nearest(verb):
+    slip = list(inspect.signature(verb).parameters)[-1] + "x"
+    with pytest.raises(KeywordError, match=rf"{verb.__name__}: unknown keyword '{slip}'"):
+        verb(**{slip: 1.0})
+
+
+@pytest.mark.parametrize("bare", [True, False])
+def test_a_response_without_bounds_is_no_limit(bare):
+    _, _, model = pendulum()
+    response = da.final("bob.angle")
+    limits = response if bare else [response]
+    with pytest.raises(da.AnalysisError, match=r"got final\(bob.angle\); say what it may be"):
+        da.optimize(model, minimize=response, subject_to=limits, analysis=da.Dynamics(duration=0.1))
+
+
+@pytest.mark.parametrize(
+    ("slip", "error", "message"),
+    [
+        (lambda b, m: b.ends, AttributeError, "no point or measure 'ends' .did you mean 'end'"),
+        (lambda b, m: b.points["tip"], da.UnknownNameError, "unknown point 'tip'; known: start"),
+        (lambda b, m: b.point("strat"), da.ModelError, "unknown point .* mean 'start'"),
+        (lambda b, m: m["bob.angl"], da.UnknownNameError, "nearest: bob.angle"),
+        (lambda b, m: m.values({"lenght": 1.0}), da.ModelError, "did you mean 'length'"),
+        (lambda b, m: planar.Bar("c", length="1", mass=1.0), da.ModelError, "without quotes"),
+        (
+            lambda b, m: math.sin(m["length"]),
+            da.ExpressionError,
+            "functions of formulas are da.sin",
+        ),
+        (lambda b, m: np.isfinite(m["length"]), da.ExpressionError, "np.isfinite takes numbers"),
+    ],
+)
+def test_slips(slip, error, message):
+    _, bob, model = pendulum()
+    with pytest.raises(error, match=message):
+        slip(bob, model)
+
+
+def test_numpy_knows_formulas():
+    x = da.System("x").parameter("x", 0.3)
+    at = {"sin": np.sin, "sqrt": np.sqrt, "hypot": lambda v: np.hypot(v, 2.0)}
+    for name, function in at.items():
+        value = ca.Function("f", [x.sx], [function(x).sx])(0.3)
+        assert float(value) == pytest.approx(float(function(0.3)), rel=1e-15), name
+    for product in (np.float64(2.0) * x, x * np.float64(2.0)):
+        assert isinstance(product, da.Expression)
+    assert len(np.array([1.0, 2.0]) * x) == 2
+
+
+ANALYSES = {
+    keywords.DynamicsKeywords: [da.Dynamics],
+    keywords.OverTimeKeywords: [da.Kinematics],
+    keywords.NonsmoothKeywords: [da.Nonsmooth],
+    keywords.EquilibriumKeywords: [da.Equilibrium],
+    keywords.LinearizationKeywords: [da.Linearization],
+    keywords.TransientKeywords: [da.Transient],
+    keywords.NonlinearStaticsKeywords: [NonlinearStatics],
+    keywords.StaticsKeywords: [da.Statics, NonlinearStatics],
+    keywords.ModalKeywords: [da.Modal],
+    keywords.BucklingKeywords: [da.Buckling],
+    keywords.ArcLengthKeywords: [da.ArcLength],
+}
+SPOKEN = {"duration", "count", "case", "coordinates"}
+"""Arguments that verbs name themselves."""
+
+
+@pytest.mark.parametrize("kind", ANALYSES, ids=lambda kind: kind.__name__)
+def test_typed_keywords_are_the_fields_of_the_analyses(kind):
+    fields = {f.name for cls in ANALYSES[kind] for f in dataclasses.fields(cls)}
+    written = set(kind.__annotations__)
+    assert written <= fields
+    assert fields - written <= SPOKEN
+
+
+def test_no_verb_takes_untyped_options():
+    for name in da.__all__:
+        found = getattr(da, name)
+        if inspect.isfunction(found) and name.startswith(("solve_", "linearize")):
+            for one in inspect.signature(found).parameters.values():
+                if one.kind is one.VAR_KEYWORD and name not in (
+                    "solve_dynamics",
+                    "solve_equilibrium",
+                ):
+                    assert "Unpack" in str(one.annotation), name
+    for path in ("analysis/dynamics.py", "analysis/equilibrium.py"):  # typed by their overloads
+        tree = ast.parse((Path(da.__file__).parent / path).read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef) and any(
+                isinstance(d, ast.Name) and d.id == "overload" for d in node.decorator_list
+            ):
+                assert node.args.kwarg is not None and node.args.kwarg.annotation is not None
+                assert "Unpack" in ast.unparse(node.args.kwarg.annotation)
+
+
+TYPED = """
+import numpy as np
+
+import dalembert as da
+from dalembert import planar, spatial
+
+system = da.System("x")
+bob = system.add(planar.Bar("bob", length="1 m", mass=1.0))
+hinge = system.add(spatial.Spherical("O", system.ground.point(0, 0, 0), bob.start))
+reveal_type(bob)
+reveal_type(hinge)
+model = system.build()
+motion = da.solve_dynamics(model, "1 s", step=0.1, integrator=da.RK4(), outputs=[0.0, "1 s"])
+reveal_type(motion)
+reveal_type(motion.at([0.1]))
+reveal_type(motion.at(0.1))
+reveal_type(da.solve_kinematics(model, 1.0, step="1 ms").at(np.array([0.1])))
+structure = da.Structure("s")
+bar = structure.add(da.structures.Truss("t", structure.node("a", 0), structure.node("b", 1),
+                                        area=1, modulus=1))
+reveal_type(bar)
+da.solve_dynamics(model, 1.0, stp=0.1)
+da.solve_dynamics(model, 1.0, integrator="RK4")
+da.solve_statics(structure.build(), solvr="auto")
+"""
+REVEALED = ["Bar", "Spherical", "Motion", "Motion", "Motion", "Motion", "Truss"]
+
+
+def test_editors_know_what_comes_out(tmp_path):
+    path = tmp_path / "typed.py"
+    path.write_text(textwrap.dedent(TYPED), encoding="utf-8")
+    root = Path(da.__file__).parents[2]
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--follow-imports=silent", str(path)],
+        cwd=root,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    told = done.stdout.splitlines()
+    revealed = [line.split('"')[1].split(".")[-1] for line in told if "Revealed" in line]
+    assert revealed == REVEALED, done.stdout
+    lines = TYPED.splitlines()
+    wrong = {lines[int(line.split(":")[1]) - 1] for line in told if "error:" in line}
+    assert wrong == set(lines[-3:]), done.stdout
