@@ -1,15 +1,46 @@
 """Settings for Sphinx; the pages also read well as they are.
 
-pip install sphinx myst-parser
-sphinx-build docs docs/_build
+pip install "dalembert[docs]"
+sphinx-build -W docs docs/_build
 """
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import api_pages
+
+import dalembert
 
 project = "dalembert"
 author = "The dalembert developers"
+version = release = dalembert.__version__
 root_doc = "contents"
 extensions = ["myst_parser"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 exclude_patterns = ["_build"]
 suppress_warnings = ["myst.xref_missing"]  # links to files of the repository
-html_theme_options = {"description": "constrained mechanical systems", "page_width": "64em"}
+html_theme = "furo"
+html_title = f"dalembert {release}"
+html_theme_options = {
+    "light_css_variables": {"color-brand-primary": "#0b63a5", "color-brand-content": "#0b63a5"},
+    "dark_css_variables": {"color-brand-primary": "#5cb1f0", "color-brand-content": "#5cb1f0"},
+}
+
+
+def number_equations(app, doctree):
+    """Sphinx puts equations of several lines into ``split``, where MathJax takes no ``\\tag``."""
+    from docutils import nodes
+
+    for block in doctree.findall(nodes.math_block):
+        text = block.astext()
+        if r"\tag" in text and r"\\" in text:
+            block["no-wrap"] = block["nowrap"] = True
+            block.children = [nodes.Text(f"\\begin{{equation}}\n{text}\n\\end{{equation}}")]
+
+
+def setup(app):
+    app.connect("builder-inited", lambda app: api_pages.write(Path(app.srcdir) / "api"))
+    app.connect("doctree-read", number_equations)

@@ -1,0 +1,78 @@
+"""Pages with the signature and the docstring of every public name, made as the site is built."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import re
+from pathlib import Path
+from typing import Any
+
+PAGES = {
+    "dalembert": "Analyses, results, gradients, design",
+    "dalembert.planar": "Elements of the plane",
+    "dalembert.spatial": "Elements in space",
+    "dalembert.planar.contact": "Contact in the plane",
+    "dalembert.spatial.contact": "Contact in space",
+    "dalembert.structures": "Structures",
+    "dalembert.laws": "Laws of motion",
+    "dalembert.rotation": "Rotations",
+}
+"""Module, as users write it → what its page is called."""
+
+
+def write(folder: Path) -> None:
+    """One page for each module, and one that lists them."""
+    folder.mkdir(exist_ok=True)
+    found = {name: module_of(name) for name in PAGES}
+    for name, module in found.items():
+        put(folder / f"{name}.md", page(name, module))
+    listed = "\n".join(f"{title} <{name}>" for name, title in PAGES.items())
+    tree = f"```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```"
+    put(folder / "all.md", f"# Names one by one\n\n{tree}\n")
+
+
+def put(path: Path, text: str) -> None:
+    """Write a page that has changed, so that others are not built again."""
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+def module_of(name: str) -> Any:
+    """``dalembert.planar`` is an attribute of ``dalembert``, and so on."""
+    first, *rest = name.split(".")
+    found = importlib.import_module(first)
+    for part in rest:
+        found = getattr(found, part)
+    return found
+
+
+def names_of(module: Any) -> list[str]:
+    """Its public names, without modules that have pages of their own."""
+    given = getattr(module, "__all__", None) or [n for n in vars(module) if n[0] != "_"]
+    return [n for n in sorted(given, key=str.lower) if not inspect.ismodule(getattr(module, n))]
+
+
+def page(name: str, module: Any) -> str:
+    """Title, what the module says of itself, then each name."""
+    about = (inspect.getdoc(module) or "").partition("\n\n")[0]
+    parts = [f"# {PAGES[name]}", f"`{name}`: {fenced(about)}"]
+    short = "da" if name == "dalembert" else name.removeprefix("dalembert.")
+    parts += [entry(f"{short}.{n}", getattr(module, n)) for n in names_of(module)]
+    return "\n\n".join(parts) + "\n"
+
+
+def entry(spoken: str, thing: Any) -> str:
+    """Name, signature and docstring."""
+    signature = ""
+    if callable(thing):
+        try:
+            signature = re.sub(r"(:|->) '([^']*)'", r"\1 \2", str(inspect.signature(thing)))
+        except (ValueError, TypeError):
+            signature = "(…)"
+    text = inspect.getdoc(thing) if callable(thing) else f"{thing!r}"
+    return f"## `{spoken}`\n\n```text\n{spoken}{signature}\n\n{text or ''}\n```"
+
+
+def fenced(text: str) -> str:
+    return " ".join(text.split()) or "its public names"
