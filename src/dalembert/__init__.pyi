@@ -111,11 +111,7 @@ from dalembert.design.synthesis.swinging_cam import (
     SwingingRollerCam as SwingingRollerCam,
 )
 from dalembert.design.synthesis.synthesis import Solution as Solution, Synthesis as Synthesis
-from dalembert.design.synthesis.synthesize import (
-    Solution as Solution,
-    Synthesis as Synthesis,
-    synthesize as synthesize,
-)
+from dalembert.design.synthesis.synthesize import synthesize as synthesize
 from dalembert.design.synthesis.synthesize_mechanism import (
     synthesize_mechanism as synthesize_mechanism,
 )
