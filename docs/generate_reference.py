@@ -475,13 +475,13 @@ CATEGORIES: dict[str, tuple[str, set[str]]] = {
             "four_bar slider_crank quick_return_shaper sewing_machine cam_follower geneva_wheel "
             "double_parallelogram flat_four_bars n_four_bar massless_coupler rolling_disc carts "
             "cart_a cart_b cart_c "
-            "gait_torques smooth_torque".split()
+            "gait_torques smooth_torque chain_drive four_bar_balancing".split()
         ),
     ),
     "Mechanisms in space": (
         "rssr_four_bar",
         set(
-            "bicycle bricard double_wishbone governor gyroscope heavy_top robot_arm rssr_four_bar "
+            "bicycle bricard bump_steer double_wishbone governor gyroscope heavy_top robot_arm rssr_four_bar "
             "spatial_slider_crank stewart_platform universal_driveline".split()
         ),
     ),
@@ -496,12 +496,13 @@ CATEGORIES: dict[str, tuple[str, set[str]]] = {
         "",
         set("cam_lift_off catenary_cable discs_in_a_box slider_crank_with_play woodpecker".split()),
     ),
-    "Structures": ("", set("plate truss ten_bar_truss marimba_bar tuned_mass".split())),
+    "Structures": ("", set("plate truss ten_bar_truss marimba_bar mbb_beam tuned_mass".split())),
     "Design": (
         "path_optimization",
         set(
             "catapult four_bar_map four_bar_study identified_arm path_optimization pump_front "
-            "reliable_truss shaper_tolerances smallest_cam straight_line_synthesis".split()
+            "gripper reliable_truss shaper_tolerances smallest_cam straight_line_synthesis "
+            "swing_up".split()
         ),
     ),
     "Cases of the book, methods side by side": (
@@ -574,7 +575,9 @@ PARTS: dict[str, Callable[[], str]] = {
     "stabilizations": lambda: records(STABILIZATIONS),
     "integrators": lambda: records(INTEGRATORS),
     "responses": lambda: records(RESPONSES),
-    "distributions": lambda: records(decision_tables.DISTRIBUTIONS, "####"),
+    "distributions": lambda: records(
+        {n: decision_tables.distribution(n) for n in decision_tables.DISTRIBUTIONS}, "####"
+    ),
     "functions": functions,
     "api": api,
     "gallery": gallery,
