@@ -137,7 +137,7 @@ class MechanismTwin:
                 n = 3 if self.turns(name) else 2
                 found[name] = Frame(y[k : k + n])
                 k += n
-        for name, n in self.own:
+        for name, n in sorted(self.own, key=lambda one: -one[1]):  # nodes before curves
             found[name] = Frame(y[k : k + n]) if n > 1 else y[k]
             k += n
         assert k == y.size
