@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -13,7 +14,7 @@ from dalembert.analysis.singular_positions import LOST, SingularPosition, near_s
 from dalembert.integrators.steps import Steps
 from dalembert.model.table_ranges import left_table
 from dalembert.results.recording import EventRecord, Trajectory
-from dalembert.results.status import Outcome, Status
+from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.symbolic.once import once
 from dalembert.timing import Timing
 
@@ -68,7 +69,7 @@ class Ending:
         steps, s = self.steps, self.s
         residual = float(np.max(self.violations, initial=0.0))
         if steps.interrupted:
-            return self._ends(Outcome.INTERRUPTED, f"stopped at t = {self.time:g} s")
+            return stopped(self.time, residual)
         lacking = self.left_table() if steps.message and not steps.explained else ""
         if lacking:
             return self._ends(Outcome.DIVERGED, f"after t = {steps.end:.9g} s {lacking}")
@@ -77,9 +78,10 @@ class Ending:
                 return self._ends(Outcome.SINGULAR, singular)
             text = f"after t = {steps.end:.9g} s {steps.message}"
             return self._ends(Outcome.DIVERGED, text)
-        unsolved = self.unsolved() if steps.message else ""
-        if unsolved:
-            return self._ends(Outcome.NOT_CONVERGED, unsolved)
+        left = self.left_open() if steps.message else None
+        if left is not None:
+            cure = ", or look for a singular position there"
+            return replace(unsolved(steps.end, left, residual, cure), time=self.time)
         lost = steps.message or not residual <= self.lost
         singular = self.singular_position() if lost else ""
         if singular:
@@ -100,7 +102,7 @@ class Ending:
         if ended_by:
             text = f"{ended_by.name} at t = {ended_by.time:.9g} s"
             return self._ends(Outcome.TERMINATED, text)
-        return self._ends(Outcome.COMPLETED, f"reached t = {self.time:g} s")
+        return reached(self.time, residual)
 
     def left_table(self) -> str:
         """Which table ends where the run does; empty if none does."""
@@ -108,20 +110,16 @@ class Ending:
         states = [(s.t[k], s.y[:, k], s.v[:, k]) for k in range(max(0, s.t.size - 2), s.t.size)]
         return left_table(model.parts, model.all_equations, states, self.p)
 
-    def unsolved(self) -> str:
-        """What Newton's method left open in the step that failed, or nothing."""
+    def left_open(self) -> float | None:
+        """Relative residual that Newton's method left in the step that failed, if it did."""
         steps = self.steps
         step = self.kernel.variants[steps.mode[-1] if steps.count else -1].step
         if step.residual is None:
-            return ""
+            return None
         where = (steps.end, self.following, steps.x[:, -1], self.p)
         if np.all(np.isfinite(step.function(*where).full())):
-            return ""
-        left = float(step.residual(*where))
-        return (
-            f"Newton's method did not converge at t = {steps.end:.9g} s (relative residual "
-            f"{left:.3g}); use a shorter step, or look for a singular position there"
-        )
+            return None
+        return float(step.residual(*where))
 
     def singular_position(self) -> str:
         """What to say where a run lost its constraints at a singular position; else empty."""

@@ -136,7 +136,7 @@ class _Search:
             "stable" if stable else "not a stable position"
         )
         outcome = Outcome.COMPLETED if found.accepted else Outcome.NOT_CONVERGED
-        status = Status(outcome, text, self.analysis.time, residual)
+        status = Status(outcome, text, self.analysis.time, found.residual)
         column = (-1, 1)
         trajectory = Trajectory(
             np.array([self.analysis.time]),

@@ -27,7 +27,7 @@ from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord, Trajectory
-from dalembert.results.status import Outcome, Status
+from dalembert.results.status import Outcome, Status, reached, stopped
 
 CHUNK = 200
 NEAR = 1e-9
@@ -283,10 +283,9 @@ class KinematicsRun:
         residual = float(np.nanmax(table[-2])) * self.sizes.length if table.size else 0.0
         time = float(s.t[-1]) if s.t.size else self.start
         if self.interrupted:
-            return Status(Outcome.INTERRUPTED, f"stopped at t = {time:g} s", time, residual)
+            return stopped(time, residual)
         if self.message:
             ended = Outcome.LOCKED if self.fold else Outcome.SINGULAR
             return Status(ended, self.message, time, residual)
-        reached = Status(Outcome.COMPLETED, f"reached t = {time:g} s", time, residual)
         forces = MOTION if self.analysis.efforts else np.inf
-        return ModelTruth(self.model, s, self.p, motion=forces).judged(reached)
+        return ModelTruth(self.model, s, self.p, motion=forces).judged(reached(time, residual))

@@ -35,7 +35,8 @@ class Status:
     outcome : Outcome
     message : one sentence with the numbers
     time : last time with a valid state [s]
-    residual : largest constraint violation (or equilibrium residual) of what was returned
+    residual : of what was returned: largest constraint violation, or what is left of equilibrium
+        or of equations of motion, relative to the largest of their terms
     """
 
     outcome: Outcome
@@ -50,6 +51,25 @@ class Status:
 
     def __str__(self) -> str:
         return f"{self.outcome.value}: {self.message}" if self.message else self.outcome.value
+
+
+def reached(time: float, residual: float) -> Status:
+    """A run through time that went to its end."""
+    return Status(Outcome.COMPLETED, f"reached t = {time:g} s", time, residual)
+
+
+def stopped(time: float, residual: float) -> Status:
+    """One that was interrupted."""
+    return Status(Outcome.INTERRUPTED, f"stopped at t = {time:g} s", time, residual)
+
+
+def unsolved(time: float, left: float, residual: float, cure: str = "") -> Status:
+    """One that ended before a step whose equations Newton's method left open by so much."""
+    text = (
+        f"Newton's method did not converge at t = {time:.9g} s (relative residual {left:.3g}); use "
+        f"a shorter step{cure}"
+    )
+    return Status(Outcome.NOT_CONVERGED, text, time, residual)
 
 
 def eigenpairs_status(

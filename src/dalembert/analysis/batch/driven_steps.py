@@ -25,7 +25,7 @@ from dalembert.budget import afford
 from dalembert.model.model import Model
 from dalembert.results.batch import Batch
 from dalembert.results.designs import Designs
-from dalembert.results.status import Outcome, Status
+from dalembert.results.status import reached
 from dalembert.symbolic.backends import BACKENDS, Backend
 from dalembert.symbolic.lane_march import LaneMarch, in_groups
 from dalembert.symbolic.once import once
@@ -80,9 +80,9 @@ class DrivenSteps:
         passed = known
         if known.size:
             passed = known[open_by(states, known, self.analysis.efforts) <= 1]
-        text, end = f"reached t = {self.run.requested[-1]:g} s", float(self.run.requested[-1])
+        end = float(self.run.requested[-1])
         for k in passed:
-            statuses[int(k)] = Status(Outcome.COMPLETED, text, end, float(residuals[k]))
+            statuses[int(k)] = reached(end, float(residuals[k]))
         alone += [int(k) for k in np.setdiff1d(known, passed)]
         states.x[np.setdiff1d(np.arange(self.count), passed)] = np.nan
         runs = OneByOne(self.analysis, self.model, self.designs)

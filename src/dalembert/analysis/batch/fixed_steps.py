@@ -26,7 +26,7 @@ from dalembert.integrators.steps import Steps
 from dalembert.model.model import Model
 from dalembert.results.batch import Batch
 from dalembert.results.designs import Designs
-from dalembert.results.status import Outcome, Status
+from dalembert.results.status import reached
 from dalembert.symbolic.lane_march import LaneMarch, in_groups
 
 
@@ -205,9 +205,9 @@ class FixedSteps:
         if not known.size:
             return known
         found = Judgement(states, known, self.outputs, self.analysis.balance)
-        end, text = float(self.times[-1]), f"reached t = {self.times[-1]:g} s"
+        end = float(self.times[-1])
         for k, residual in zip(known[found.passed], found.violations[found.passed], strict=True):
-            self.statuses[int(k)] = Status(Outcome.COMPLETED, text, end, float(residual))
+            self.statuses[int(k)] = reached(end, float(residual))
         self.alone += [int(k) for k in known[~found.passed]]
         passed = known[found.passed]
         if passed.size:

@@ -29,7 +29,7 @@ from dalembert.errors import AnalysisError, SingularityError
 from dalembert.model.model import Model
 from dalembert.results.contact_record import ContactRecord
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
-from dalembert.results.status import Outcome, Status
+from dalembert.results.status import Outcome, Status, reached, stopped
 from dalembert.symbolic.newton import Solution
 from dalembert.symbolic.once import once
 
@@ -109,13 +109,12 @@ class NonsmoothRun:
                 log.add(t + h, h, place.x, self.speeds(t + h, place.x, taken), taken)
                 report((grid[k + 1] - self.start) / (self.end - self.start))
         except KeyboardInterrupt:
-            return Status(Outcome.INTERRUPTED, f"stopped at t = {log.t:g} s", log.t, log.open_by)
+            return stopped(log.t, log.open_by)
         except SingularityError as error:
             if taken is None:
                 raise
             return Status(Outcome.SINGULAR, f"{error} (t = {log.t:.9g} s)", log.t, log.open_by)
-        text = f"reached t = {log.t:g} s"
-        return Status(Outcome.COMPLETED, text, log.t, log.open_by)
+        return reached(log.t, log.open_by)
 
     def opened(self, t: float, taken: StepResult) -> Solution[np.ndarray]:
         """Position with joints closed and, where the scheme asks for it, gaps open."""

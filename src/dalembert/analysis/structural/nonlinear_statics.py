@@ -81,7 +81,8 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
             text = f"load case {worst.case!r}: stopped at {worst.reached:.4g} of the load"
             status = Status(Outcome.INTERRUPTED, text, worst.reached, residual)
         elif worst.lost:
-            status = Status(Outcome.NOT_CONVERGED, worst.lost, worst.reached, residual)
+            text = f"{worst.lost} or take more steps"
+            status = Status(Outcome.NOT_CONVERGED, text, worst.reached, residual)
         else:
             status = Status(Outcome.COMPLETED, "nonlinear statics", 1.0, residual)
         timing.lap("loading")
@@ -118,7 +119,7 @@ class LoadPath:
             return ""
         return (
             f"load case {self.case!r}: no equilibrium beyond {self.reached:.4g} of the load "
-            "(a limit point?); lower the load or take more steps"
+            "(a limit point?); lower the load"
         )
 
     def follow(self) -> Iterator[float]:

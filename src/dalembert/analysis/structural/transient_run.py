@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.integrators.newmark_rule import Moving
 from dalembert.integrators.steps import Steps
-from dalembert.results.status import Outcome, Status
+from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
@@ -67,34 +67,43 @@ class March:
         """Of matrices of steps."""
         return sum(step.factorisations for step in self._steps.values())
 
-    def run(self, times: np.ndarray, report: Callable[[float], None]) -> tuple[Outcome, str]:
-        """Take the steps between the times; how and why it ended."""
+    def run(self, times: np.ndarray, report: Callable[[float], None]) -> Status:
+        """Take the steps between the times; how it ended."""
         n, count = self.equation.assembly.size, times.size - 1
         x = np.zeros((4 * n, count + 1), order="F")
         now = self.start.state()
         x[:, 0] = np.concatenate(now)
         lengths, taken = _lengths(times), 0
-        outcome, message = Outcome.COMPLETED, ""
+        ended: Status | None = None
         try:
             for k, h in enumerate(lengths):
                 new = self.step(h).advance(now, float(times[k + 1]))
                 if new is None:
-                    outcome = Outcome.NOT_CONVERGED
-                    message = f"Newton's method fails after t = {times[k]:.6g} s; use shorter steps"
+                    ended = unsolved(float(times[k]), self.step(h).left, 0.0)
                     break
                 if not np.all(np.isfinite(new.a)):
-                    outcome, message = Outcome.DIVERGED, f"diverged after t = {times[k]:.6g} s"
+                    text = f"no finite state after t = {times[k]:.9g} s; use a shorter step"
+                    ended = Status(Outcome.DIVERGED, text)
                     break
                 now = self._short(new, k + 1)
                 x[:, k + 1] = np.concatenate(now)
                 taken = k + 1
                 report(taken / count)
         except KeyboardInterrupt:
-            outcome, message = Outcome.INTERRUPTED, f"interrupted at t = {times[taken]:.6g} s"
+            ended = stopped(float(times[taken]), 0.0)
         modes = np.zeros(count, dtype=int)
         whole = Steps(times[:-1], lengths, x, modes.astype(bool), modes)
         self.steps = whole if taken == count else whole.cut(taken)
-        return outcome, message
+        end, residual = self.steps.end, self._residual(float(lengths[0]))
+        return replace(ended or reached(end, 0.0), time=end, residual=residual)
+
+    def _residual(self, h: float) -> float:
+        """Of the equations of motion at the end, relative to their terms."""
+        e, end = self.equation, self.steps.end
+        last = moved(self.node(self.steps.count))
+        where = e.free if self.steps.count else e.massive
+        step, sizes = self.step(h), abs(e.tangent(last.u))
+        return step.residual(last, e.loads(end), where, sizes).relative(step.settings.tolerance)
 
     def _short(self, x: Moving, node: int) -> Moving:
         where = self.charts.long(x.u)
@@ -164,7 +173,7 @@ class TransientRun:
         model = self.model if a.nonlinear else self.model.linearized
         march = March(a, model, self.p)
         with progress_reporter(progress, f"integrating {model.name}") as report:
-            outcome, message = march.run(times, report)
+            status = march.run(times, report)
         timing.lap("integration")
         placed, branches = outputs_of(march.steps, requested)
         statistics = {
@@ -174,21 +183,10 @@ class TransientRun:
             "factorisations": march.factorisations,
             "build time [s]": round(model.build_time, 6),
         }
-        status = self._status(march, outcome, message, float(_lengths(times)[0]))
         motion = motion_at(march, a, placed, branches, status, statistics)
         timing.lap("outputs")
         motion.statistics |= timing.statistics
         return motion
-
-    @staticmethod
-    def _status(march: March, outcome: Outcome, message: str, h: float) -> Status:
-        e, end = march.equation, march.steps.end
-        last = moved(march.node(march.steps.count))
-        where = e.free if march.steps.count else e.massive
-        step = march.step(h)
-        sizes = abs(e.tangent(last.u))
-        left = step.residual(last, e.loads(end), where, sizes).relative(step.settings.tolerance)
-        return Status(outcome, message or "transient", end, left)
 
 
 def motion_at(

@@ -111,7 +111,8 @@ class TransientStart:
             for _ in path.follow():
                 u = path.u
             if path.lost:
-                raise AnalysisError(f"at the start, {path.lost}, or start='rest'", path.residual)
+                text = f"at the start, {path.lost} or take start='rest'"
+                raise AnalysisError(text, path.residual)
         u[e.held] = held
         still = self._displacements(Instant(e, Motions(u, 0 * u, 0 * u), self.time))
         u[e.free] += still.correction(still.value)  # in nonlinear statics round-off is left only

@@ -61,6 +61,8 @@ class TransientStep:
         self._steady = self._factors(equation.slopes(equation.rest)) if equation.linear else None
         self.kept: Unknown | None = None
         self.balance, self.iterations = Balance(equation.model, equation.p), 0
+        self.left = 0.0
+        """Relative residual at which Newton's method ended."""
 
     def unknown(self, at: Instant) -> Unknown:
         """The accelerations of the free displacements at the end of the step."""
@@ -124,7 +126,7 @@ class TransientStep:
     def _solved(self, end: EndOfStep, a: np.ndarray) -> np.ndarray | None:
         """Accelerations at the end, None where Newton's method fails."""
         solution = solve(end, a, self.settings)
-        self.iterations += solution.iterations + 1
+        self.iterations, self.left = self.iterations + solution.iterations + 1, solution.residual
         return solution.x if solution.accepted else None
 
     def residual(

@@ -14,14 +14,15 @@ import numpy as np
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.march import flagged
-from dalembert.sensitivity.marching.directional_march import DirectionalMarch, repeated
+from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.marching.second_step import second_begin, second_step
+from dalembert.sensitivity.marching.tangent_march import TangentMarch
 from dalembert.sensitivity.marching.walk import BackwardWalk
 from dalembert.sensitivity.samples import Sample, weights_change
 from dalembert.symbolic.once import once
 
 
-class SecondMarch(DirectionalMarch, BackwardWalk[np.ndarray]):
+class SecondMarch(MarchedSample, BackwardWalk[np.ndarray]):
     """``H d`` of one sampled response.
 
     Parameters
@@ -36,7 +37,8 @@ class SecondMarch(DirectionalMarch, BackwardWalk[np.ndarray]):
     """
 
     def __init__(self, sample: Sample, direction: np.ndarray):
-        super().__init__(sample, direction)
+        super().__init__(sample)
+        self.direction = direction
         if self.kernel.integrator.gradient_error:
             raise UnsupportedError(
                 f"second derivatives of {self.kernel.integrator.name} are no better than rough: "
@@ -58,8 +60,14 @@ class SecondMarch(DirectionalMarch, BackwardWalk[np.ndarray]):
                 f"went over {len(crossings)}, first at t = {self.steps.t[crossings[0][0]]:.6g} s; "
                 "smooth the forces, or take differences of gradients"
             )
-        self._moved = self.changes()
-        pairs, self._found = self._seen(self.sampled(self._moved))
+        found: list[np.ndarray] = []
+        ahead = TangentMarch(
+            self, self.direction[:, None], lambda _, changes: found.append(changes)
+        )
+        ahead.forwards()
+        changes, every = np.concatenate(found), np.arange(self.modes.size)
+        self._moved, self._assembled = changes[:, 0].T, ahead.assembled
+        pairs, self._found = self._seen(ahead.at_outputs(self, every, 0, changes)[:, 0].T)
         self._injected, more = self._inject(pairs, self._moved)
         self._found += more
         self.backwards()
@@ -70,7 +78,8 @@ class SecondMarch(DirectionalMarch, BackwardWalk[np.ndarray]):
         return np.concatenate([self._injected[:, -1], np.zeros(self.p.size)])
 
     def pull(self, begin: int, end: int, weights: np.ndarray) -> np.ndarray:
-        back = repeated(self.kernel, _back(self.kernel, int(self.steps.mode[begin])))
+        single = _back(self.kernel, int(self.steps.mode[begin]))
+        back = self.kernel.marched(single, (single.n_in() - 2, single.n_in() - 1))
         given = self.given(begin, end, back=True)
         along = (x[:, begin:end][:, ::-1] for x in (self._moved, self._injected))
         (columns,) = back(end - begin, weights, *given, *along, self.p, self.direction)
@@ -120,13 +129,13 @@ class SecondMarch(DirectionalMarch, BackwardWalk[np.ndarray]):
         (y, v), start, size = self.assembled(), self.kernel.start, self.first_step.state_size
         weight, turned, found = pair[:size], pair[n : n + size], np.zeros(p.size)
         if self.first_step.begin is not None:
-            x0, dx = self.steps.x[:size, 0], self.first[:size]
+            x0, dx = self.steps.x[:size, 0], self._moved[:size, 0]
             back = second_begin(self.first_step)(t, x0, p, pair[size:n], dx, d, pair[n + size :])
             more, change, found = (part.full().ravel() for part in back)
             weight, turned = weight + more, turned + change
         given = (t, y, v, p, weight)
         _, y_bar, v_bar, _ = start.adjoint(*given)
-        rates = start.reverse.tangent(*given, 0, *self.moved, d, turned)
+        rates = start.reverse.tangent(*given, 0, *self._assembled, d, turned)
         first = self.model.initial_state.reverse.tangent(
             t, y, p, y_bar, v_bar, 0, np.zeros(y.size), d, rates[1], rates[2]
         )

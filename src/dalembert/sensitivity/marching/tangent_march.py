@@ -1,0 +1,139 @@
+"""Changes of the states of a run along directions of its parameters, in chunks of the graph."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.integrators.march import CHUNK, branches, flagged
+from dalembert.integrators.step import Step
+from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
+from dalembert.sensitivity.marching.walk import ForwardWalk
+from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.once import once
+from dalembert.symbolic.prelude import Prelude
+
+MOST = 1 << 18
+"""Numbers of changes at the steps of a chunk that are held at once."""
+
+
+class TangentMarch(ForwardWalk[np.ndarray]):
+    """``dx`` is carried along with the steps that were taken, in columns.
+
+    Parameters
+    ----------
+    run : one of the samples of the run
+    unit : (np, c) directions
+    take : told the number of a state, and the changes (states, c, n) from it on
+    """
+
+    def __init__(
+        self, run: MarchedSample, unit: np.ndarray, take: Callable[[int, np.ndarray], None]
+    ):
+        self.run, self.unit, self.take, self.width = run, unit, take, unit.shape[1]
+
+    @property
+    def count(self) -> int:
+        return self.run.count
+
+    def ahead(self, begin: int) -> int:
+        return self.run.ahead(begin, int(np.clip(MOST // (self.run.size * self.width), 1, CHUNK)))
+
+    @cached_property
+    def assembled(self) -> tuple[np.ndarray, np.ndarray]:
+        """Changes of the assembled poses and speeds."""
+        run, c = self.run, self.width
+        y, t = run.assembled()[0], float(run.steps.t[0])
+        tangent, still = run.model.initial_state.tangent.map(c), np.zeros((y.size, c))
+        dy, dv = tangent(t, y, run.p, 0, still, self.unit)
+        return dy.full(), dv.full()
+
+    def push_start(self) -> np.ndarray:
+        """(n, c) changes of the first state."""
+        run, c, unit = self.run, self.width, self.unit
+        p, t = run.p, float(run.steps.t[0])
+        start = run.kernel.start.tangent.map(c)
+        dx = start(t, *run.assembled(), p, 0, *self.assembled, unit).full()
+        first = run.first_step
+        if first.begin is None:
+            return dx
+        x0 = run.steps.x[: first.state_size, 0]
+        memory = first.begin(t, x0, p)
+        more = memory_tangent(first).map(c)(t, x0, p, memory, 0, dx, unit)
+        return np.vstack([dx, more.full()])
+
+    def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
+        out = self._forward(begin, end, change)
+        changes = np.hstack([change, out]).T.reshape(end - begin + 1, self.width, -1)
+        self.take(begin, changes[:-1])
+        return out[:, -self.width :]
+
+    def arrive(self, change: np.ndarray) -> None:
+        self.take(self.count, change.T.reshape(1, self.width, -1))
+
+    def at_outputs(
+        self, sample: MarchedSample, chosen: np.ndarray, first: int, changes: np.ndarray
+    ) -> np.ndarray:
+        """(…, c, n) changes at some outputs, from those of states from a first one on."""
+        moved = changes[sample.number[chosen] - first]
+        for mode, part in sample.parts_of_steps(chosen):
+            tangents = sample.kernel.over(_inside(sample.step_of(mode), self.width), part.size)
+            along = beside(moved[part]), np.tile(self.unit, part.size)
+            dx = tangents(*sample.partial(chosen[part]), *along)[0]
+            moved[part] = dx.reshape(-1, part.size, self.width).transpose(1, 2, 0)
+        return moved
+
+    def _forward(self, begin: int, end: int, dx: np.ndarray) -> np.ndarray:
+        """Tangents of the steps between two states in one call."""
+        kernel, p, given = self.run.kernel, self.run.p, self.run.given(begin, end)
+        count, mode = end - begin, int(self.run.steps.mode[begin])
+        if kernel.fixed.at_once(mode):
+            forward = _forward_chunk(self.run.step_of(mode), count, self.width)
+            return forward(dx, *given, p, self.unit)[0]
+        prelude, single = _forward_step(kernel, mode, self.width)
+        values = prelude.values(p).full()
+        rates = prelude.tangent.map(self.width)(np.tile(p[:, None], self.width), self.unit).full()
+        columns = kernel.marched(single, (5, 6))
+        columns.announce(self.count)
+        return columns(count, dx, *given, values, rates)[0]
+
+
+def beside(changes: np.ndarray) -> np.ndarray:
+    """(n, instants · columns) changes side by side, from (instants, columns, n)."""
+    return changes.transpose(2, 0, 1).reshape(changes.shape[2], -1)
+
+
+@once
+def _inside(step: Step, columns: int) -> ca.Function:
+    """Tangents over part of a step."""
+    return step.tangents(columns)
+
+
+@once
+def _forward_chunk(step: Step, count: int, c: int) -> Kernel:
+    """The same of equal steps that are taken at once."""
+    n, m = step.size, step.parameter_count
+    dx, p, dp = ca.MX.sym("dx", n, c), ca.MX.sym("p", m), ca.MX.sym("dp", m, c)
+    xs = ca.MX.sym("xs", n, count)
+    times = [ca.MX.sym(s, 1, count) for s in ("t", "h", "flag")]
+    out = step.chunk_tangents(count, c)(xs[:, 0], *times, p, dx, dp)
+    return Kernel(ca.Function("forward", [dx, *times, xs, p, dp], [out]))
+
+
+@once
+def _forward_step(kernel: DynamicsKernel, mode: int, c: int) -> tuple[Prelude, ca.Function]:
+    """The prelude, and ``(dx, t, h, flag, x, q, dq) → dx`` of one step, for ``c`` columns."""
+    step, period = kernel.variants[mode].step, kernel.fixed.period
+    prelude, wanted = step.prelude, lambda step: step.prepared_tangents(c)
+    if branches(step, period):  # two steps, with a prelude each
+        prelude, wanted = Prelude.identity(step.parameter_count), lambda step: step.tangents(c)
+    call, _ = flagged(step, period, wanted)
+    dx, dq = ca.MX.sym("dx", step.size, c), ca.MX.sym("dq", prelude.rate_count, c)
+    x, q = ca.MX.sym("x", step.size), ca.MX.sym("q", prelude.value_count)
+    t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
+    following = ca.densify(call(flag, t, h, x, q, dx, dq))
+    return prelude, ca.Function("forward_step", [dx, t, h, flag, x, q, dq], [following])
