@@ -10,10 +10,17 @@ import numpy as np
 
 from dalembert.symbolic.backends import Backend
 from dalembert.symbolic.columns import Columns
-from dalembert.symbolic.lanes import LaneColumns
+from dalembert.symbolic.lanes import LaneColumns, SideBySide
+from dalembert.symbolic.once import once
 
 MEMORY = 1 << 20
 """Bytes of states of one call, so that they stay near the processor."""
+
+
+@once
+def _in_lanes(backend: Backend, function: ca.Function, fixed: tuple[int, ...]) -> SideBySide | None:
+    """The function in lanes, made once: batches are taken in parts."""
+    return LaneColumns(function, True, fixed).side_by_side
 
 
 class LaneMarch:
@@ -32,7 +39,7 @@ class LaneMarch:
         self._alone, self.size = columns, function.numel_in(0)
         self._lanes = None
         if backend.side_by_side(columns.function, function, work):
-            self._lanes = LaneColumns(function, True, self.fixed).side_by_side
+            self._lanes = _in_lanes(backend, function, self.fixed)
         if self._lanes is None:
             columns.announce(work)
 

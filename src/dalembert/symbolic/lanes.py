@@ -39,7 +39,7 @@ class LaneColumns:
         self.function, self.carried, self.fixed = dense(function), carried, tuple(fixed)
 
     @cached_property
-    def side_by_side(self) -> _SideBySide | None:
+    def side_by_side(self) -> SideBySide | None:
         """The function in lanes; None where there are none for it."""
         text, found = c_source(self.function), find_llvm()
         if text is None or hindrance(text) or found is None:
@@ -50,7 +50,7 @@ class LaneColumns:
         except UnsupportedError:
             return None
         made_for = self.function, loop, toolchain.name, self.carried, self.fixed
-        return _SideBySide(toolchain.lanes, *made_for)
+        return SideBySide(toolchain.lanes, *made_for)
 
     @cached_property
     def alone(self) -> Columns:
@@ -93,7 +93,7 @@ class LaneColumns:
         return [np.concatenate(result)[:sets] for result in zip(*parts, strict=True)]
 
 
-class _SideBySide(NativeColumns):
+class SideBySide(NativeColumns):
     """Machine code in which every number is a row of as many numbers as there are lanes."""
 
     def __init__(self, lanes: int, *made_for: Any):

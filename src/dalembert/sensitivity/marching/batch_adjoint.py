@@ -96,7 +96,10 @@ class BatchAdjoint:
             weights[design, output][:, None],
         )
         seen = np.zeros((known.size, *path.x.shape[1:]))
-        np.add.at(seen[..., :size], (design, at), x_bar)
+        if np.unique(number).size == number.size:
+            seen[design, at, :size] = x_bar
+        else:
+            np.add.at(seen[..., :size], (design, at), x_bar)
         parameters = np.zeros((known.size, path.p.shape[1]))
         np.add.at(parameters, design, p_bar)
         return seen, parameters
