@@ -42,10 +42,10 @@ class OptimalTrajectory:
     x: dict[str, float]
     controls: dict[str, Control]
     planned: Motion = field(repr=False)
-    motion: Motion | None = field(repr=False)
-    defect: float
-    deviation: float
-    iterations: int
+    motion: Motion | None = field(default=None, repr=False)
+    defect: float = float("nan")
+    deviation: float = float("nan")
+    iterations: int = 0
     label: str = "objective"
 
     @property

@@ -12,14 +12,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics import Dynamics
 from dalembert.analysis.served import need_mechanism
 from dalembert.design.limit import Limit
 from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.control import Control
-from dalembert.design.trajectory.defects import largest_defect
 from dalembert.design.trajectory.guess import guessed
-from dalembert.design.trajectory.ipopt import judged, solved
+from dalembert.design.trajectory.ipopt import Programme, Solution
 from dalembert.design.trajectory.optimal import OptimalTrajectory
 from dalembert.design.trajectory.physics import Physics, speed_basis
 from dalembert.design.trajectory.quantities import (
@@ -30,6 +28,7 @@ from dalembert.design.trajectory.quantities import (
     number_of,
 )
 from dalembert.design.trajectory.transcription import Rows, Transcription
+from dalembert.design.trajectory.verification import verified
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.model.scheduled import ScheduledModel
@@ -37,9 +36,6 @@ from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Status
 from dalembert.text import unknown
-
-STEPS = 20
-"""Steps of the forward run in an interval."""
 
 
 def optimize_trajectory(
@@ -101,12 +97,11 @@ def optimize_trajectory(
         *cyclic_rows(transcription, cyclic),
         *limit_rows(transcription, subject_to),
     ]
-    objective = number_of(transcription, minimize)
+    programme = Programme(transcription, number_of(transcription, minimize), rows)
     x0 = transcription.pack(guessed(physics, guess, end or {}, span, n))
-    x, iterations, told = solved(transcription, objective, rows, x0, method)
-    return _result(
-        transcription, method, minimize, x, iterations, told, objective, rows, verify, begin is None
-    )
+    made = _made(programme, programme.solved(x0, method), method)
+    made.label = getattr(minimize, "label", made.label)
+    return verified(made, physics, method, begin is None) if verify and made.success else made
 
 
 def _span(duration: Any) -> tuple[float, float]:
@@ -139,47 +134,25 @@ def _at_start(transcription: Transcription) -> list[Rows]:
     ]
 
 
-def _result(
-    transcription: Transcription,
-    method: DirectCollocation,
-    minimize: Any,
-    x: np.ndarray,
-    iterations: int,
-    told: str,
-    objective: ca.MX,
-    rows: list[Rows],
-    verify: bool,
-    from_start: bool,
-) -> OptimalTrajectory:
-    physics, found = transcription.physics, transcription.unpack(x)
+def _made(programme: Programme, solution: Solution, method: DirectCollocation) -> OptimalTrajectory:
+    """The plan, not yet run."""
+    physics = programme.transcription.physics
+    found = programme.transcription.unpack(solution.x)
     duration = float(found["duration"][0, 0])
-    status = judged(transcription, rows, x, told, duration)
+    status = programme.status(solution, duration)
     varied = dict(zip(physics.vary, map(float, found["q"].ravel()), strict=True))
-    known = physics.model.values(
-        dict(zip(physics.model.parameters, map(float, physics.p), strict=False)) | varied
-    )
+    given = dict(zip(physics.model.parameters, map(float, physics.p), strict=False))
     controls = _controls(physics, found, duration)
     scheduled = ScheduledModel(physics.model, {n: c.formula for n, c in controls.items()})
-    planned = _planned(scheduled, method, known, found, duration, status)
-    motion, deviation, defect = None, np.nan, np.nan
-    if verify and status.success:
-        defect = largest_defect(physics, planned.trajectory, controls, found["q"])
-        motion = _forward(scheduled, planned, method.intervals, from_start)
-        deviation = _deviation(planned, motion)
-    fun = float(ca.Function("objective", [transcription.unknowns], [objective])(x))
-    label = getattr(minimize, "label", "objective")
+    p = physics.model.values(given | varied)
     return OptimalTrajectory(
-        status,
-        fun,
-        duration,
-        varied,
-        controls,
-        planned,
-        motion,
-        defect,
-        deviation,
-        iterations,
-        label,
+        status=status,
+        fun=solution.objective,
+        duration=duration,
+        x=varied,
+        controls=controls,
+        planned=_planned(scheduled, method, p, found, duration, status),
+        iterations=solution.iterations,
     )
 
 
@@ -214,27 +187,3 @@ def _planned(
         np.full((2, times.size), np.nan),
     )
     return Motion(model, method, p, trajectory, status)
-
-
-def _forward(model: ScheduledModel, planned: Motion, intervals: int, from_start: bool) -> Motion:
-    """The motion that the controls make, from where the plan begins."""
-    begun = (
-        model
-        if from_start
-        else model.begun_at(
-            planned.trajectory.y[:, 0], planned.trajectory.v[:, 0], planned.parameters
-        )
-    )
-    duration = float(planned.time[-1])
-    analysis = Dynamics(duration, step=duration / (STEPS * intervals))
-    return analysis.run(begun, planned.parameters)
-
-
-def _deviation(planned: Motion, motion: Motion) -> float:
-    """Largest distance at a knot that both reach; not a number where the run ends before."""
-    if not motion.status.success:
-        return float("nan")
-    seen = motion.trajectory.y[:, :: (motion.time.size - 1) // (planned.time.size - 1)]
-    e, s = planned.model.equations, planned.model.scales
-    off = e.manifold.lead(planned.trajectory.y, seen)
-    return float(np.max(np.abs(off) / s.displacements[:, None], initial=0.0))
