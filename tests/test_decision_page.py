@@ -154,7 +154,7 @@ def test_designs_in_space_open_the_page_anew(show):  # noqa: F811
     found = show(front)
     assert chosen(found) == 1
     found.page.locator("#view-0 svg").focus()
-    with found.page.expect_navigation():
+    with found.page.expect_event("load"):
         found.page.keyboard.press("ArrowLeft")
     found.until("window.dalembert !== undefined")
     assert found.js("location.hash") == "#design=0" and chosen(found) == 0
