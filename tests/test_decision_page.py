@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -141,6 +142,23 @@ def test_structures_are_chosen_too(show):  # noqa: F811
     ghost.page.click("#show-ghost")
     ghost.frames(3)
     assert ghost.picture("#scene") != before
+
+
+def test_designs_in_space_open_the_page_anew(show):  # noqa: F811
+    path = Path(__file__).parents[1] / "examples" / "rssr_four_bar.toml"
+    model = da.load_model(path).build()
+    rate = da.rms("rocker.angular_velocity.x", name="rate")
+    swing = da.at(0.6, "C.angle", name="swing")
+    turn = da.Kinematics(1.0, outputs=21)
+    front = da.pareto(model, [rate], maximize=[swing], analysis=turn, vary=["a"], points=3)
+    found = show(front)
+    assert chosen(found) == 1
+    found.page.locator("#view-0 svg").focus()
+    with found.page.expect_event("load"):
+        found.page.keyboard.press("ArrowLeft")
+    found.until("window.dalembert !== undefined")
+    assert found.js("location.hash") == "#design=0" and chosen(found) == 0
+    assert f"{front.design(0)['a']:g}" in found.page.inner_text(".chosen-design")
 
 
 def test_all_other_decisions_draw(show, slider, tmp_path):  # noqa: F811

@@ -51,7 +51,7 @@ def test_what_is_no_c3d(tmp_path):
 
 
 def test_drives_from_markers(tmp_path, monkeypatch):
-    """The leg of the examples, a synthetic gait: its markers from a file, its joint angles known."""
+    """The leg of the examples, a synthetic gait, whose joint angles are known."""
     monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "examples"))
     import gait_torques as leg
 

@@ -40,7 +40,7 @@ EXAMPLES = {
     "pareto": "smooth_torque.toml --points 9 --output results",
     "reliability": "smooth_torque.toml --samples 1000 --output results",
     "tolerance": "smooth_torque.toml --samples 500 --output results",
-    "synthesize": "walking_path.toml --starts 40 --output results",
+    "synthesize": "path_optimization.toml --starts 40 --output results",
     "identify": "pendulum.toml --data run_1.csv --data run_2.csv --output results",
     "invert": "pushed_mass.toml --data run_3.csv --output results",
     "sweep": "four_bar.toml --workers 2 --output results",

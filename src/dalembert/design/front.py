@@ -58,8 +58,8 @@ class Front(Decision):
 
     @property
     def success(self) -> bool:  # type: ignore[override]
-        """Whether there is a choice: two designs at least, and it went to its end."""
-        return len(self) > 1 and not self.interrupted
+        """Whether it went to its end; one design alone is best in all aims."""
+        return len(self) > 0 and not self.interrupted
 
     def __len__(self) -> int:
         return len(self.values)
@@ -91,6 +91,8 @@ class Front(Decision):
 
     @property
     def sentence(self) -> str:
+        if len(self) == 1:
+            return f"one design, best in all aims ({self.message})"
         return f"{len(self)} designs, none better in all aims ({self.message})"
 
     def summary(self) -> dict[str, Any]:

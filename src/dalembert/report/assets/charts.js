@@ -140,9 +140,9 @@ class CurvesChart extends Chart {
       }
     }
     const { px, py } = this.frame(box, x, y, [view.x, view.y]);
-    const id = `clip-${(Chart.count = (Chart.count || 0) + 1)}`;
-    const inner = shape("g", { "clip-path": `url(#${id})` });
-    this.svg.append(shape("clipPath", { id }, shape("rect", { x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top })), inner);
+    const wide = box.right - box.left, high = box.bottom - box.top;  // what lies outside of it is cut off
+    const inner = shape("svg", { class: "inner", x: box.left, y: box.top, width: wide, height: high, viewBox: `${box.left} ${box.top} ${wide} ${high}` });
+    this.svg.append(inner);
     for (const level of list(view.levels)) inner.append(shape("line", { x1: box.left, x2: box.right, y1: py(level), y2: py(level), class: "level" }));
     for (const line of lines) {
       const look = line.quiet ? "quiet" : `s${this.colours.get(line.name) % 7}`;
