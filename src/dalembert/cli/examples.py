@@ -39,11 +39,11 @@ def examples(
             tell("\n'dalembert examples NAME' copies one here")
         return DONE
     with wrong_input():
-        target = _copied(known, name.removesuffix(".toml"), output or Path(), force)
+        files = _copied(known, name.removesuffix(".toml"), output or Path(), force)
     if as_json:
-        emit({"ok": True, "files": [str(target)]})
+        emit({"ok": True, "files": [str(file) for file in files]})
     else:
-        tell(f"written {target}\nnow try: dalembert check {target}")
+        tell(f"written {', '.join(map(str, files))}\nnow try: dalembert check {files[0]}")
     return DONE
 
 
@@ -62,18 +62,24 @@ def example_folder() -> Path:
     raise FileError("the example files are missing from this installation; reinstall dalembert")
 
 
-def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> Path:
+def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> list[Path]:
+    """The file, and those that it names."""
     from dalembert.atomic import atomic_path
     from dalembert.text import unknown
 
     if name not in known:
         raise FileError(unknown("example", name, known))
-    target = folder / known[name].name
-    if target.exists() and not force:
-        raise FileError(f"{target}: exists already; use --force to replace it")
-    with atomic_path(target) as temporary:
-        shutil.copyfile(known[name], temporary)
-    return target
+    text = known[name].read_text(encoding="utf-8")
+    beside = sorted(known[name].parent.glob("*.csv"))
+    sources = [known[name], *(path for path in beside if f'"{path.name}"' in text)]
+    targets = [folder / source.name for source in sources]
+    for target in targets:
+        if target.exists() and not force:
+            raise FileError(f"{target}: exists already; use --force to replace it")
+    for source, target in zip(sources, targets, strict=True):
+        with atomic_path(target) as temporary:
+            shutil.copyfile(source, temporary)
+    return targets
 
 
 def _about(path: Path) -> str:
