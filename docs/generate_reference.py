@@ -57,7 +57,7 @@ from dalembert.io.strategies import (
     STABILIZATIONS,
 )
 from dalembert.model.coordinates import Coordinates
-from dalembert.symbolic.functions import FORMULA_FUNCTIONS
+from dalembert.symbolic.parser import FUNCTIONS
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
@@ -272,7 +272,7 @@ def _plain_default(field) -> str:
 
 
 ABOUT = "text for people"
-UNIT = "unit, a label for results; numbers are SI whatever it says"
+UNIT = "coherent unit of the formula, such as `m^3/s`"
 FIXED = {
     "document": (
         schema.Document,
@@ -310,9 +310,9 @@ FIXED = {
     "parameter": (
         schema.ParameterTable,
         {
-            "value": "nominal value, in SI units",
-            "unit": UNIT,
-            "bounds": "`[lower, upper]` for designs; `inf` leaves a side open",
+            "value": 'nominal value in `unit`, or a text with its unit: `"45 mm"`',
+            "unit": 'what value and bounds are given in: `"mm"`, `"deg"`; SI units if left out',
+            "bounds": "`[lower, upper]` for designs, in `unit`; `inf` leaves a side open",
             "description": ABOUT,
         },
     ),
@@ -425,7 +425,7 @@ FIXED = {
 
 
 def functions() -> str:
-    names = (f"`{n}({', '.join('abc'[:k])})`" for n, (_, k) in FORMULA_FUNCTIONS.items())
+    names = (f"`{n}({', '.join('abc'[:k])})`" for n, (_, k) in FUNCTIONS.items())
     return ", ".join(names)
 
 

@@ -305,6 +305,22 @@ def test_shaper_has_its_time_ratio_and_stroke(pictures: Path) -> None:
     assert found["stroke"] == pytest.approx(2 * 0.55 * 0.1 / 0.3, abs=1e-12)
 
 
+def test_excavator_holds_its_bucket_and_digs_as_long_as_its_pump_takes(pictures: Path) -> None:
+    found = numbers("excavator", pictures)
+    assert found["held"] == pytest.approx(found["by_hand"], rel=1e-9)
+    flow = 1800 / 60 * 90e-6  # m^3/s, turns per second by volume per turn
+    area = math.pi * 0.12**2 / 4
+    volume = area * (2 * 0.18 + 0.5 + 0.17)  # the boom goes down and up again
+    assert found["lasts"] == pytest.approx(2 * volume / flow, rel=1e-12)
+    assert 0.9 < found["depth"] < 1.0
+    run = motion("excavator")
+    work = sum(run.values(f"{name}_cylinder.power") for name in ("boom", "stick", "bucket"))
+    soil = run.values("resistance.force.x*bucket.tooth.vx + resistance.force.y*bucket.tooth.vy")
+    stored = run.values("kinetic_energy + potential_energy")
+    done = np.trapezoid(work + soil, run.time)
+    assert done == pytest.approx(stored[-1] - stored[0], abs=2e-3 * np.trapezoid(-soil, run.time))
+
+
 def test_sewing_machine_counts_and_loops(pictures: Path) -> None:
     found = numbers("sewing_machine", pictures)
     assert (found["coordinates"], found["equations"], found["degrees of freedom"]) == (18, 17, 1)

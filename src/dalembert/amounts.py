@@ -130,7 +130,7 @@ def with_names(text: str, is_name: Callable[[str], bool]) -> tuple[str, dict[str
         An unknown unit, or what may be a unit as well as a name.
     """
     alone = _ALONE.fullmatch(text)
-    if alone and not NO_UNITS.match(alone[2]) and _is_unit(alone[2]):
+    if alone and not re.match(r"(?:e|pi)\b", alone[2]) and _is_unit(alone[2]):  # tonnes, not time
         return "_0", {"_0": _amount(alone[1], alone[2])}
     found: dict[str, Amount] = {}
     made, place = "", 0

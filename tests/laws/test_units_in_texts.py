@@ -40,6 +40,7 @@ KNOWN = {  # text -> value in SI units, unit
     "1/(20 ms)": (50.0, "1/s"),
     "90 deg - pi/2": (0.0, "rad"),
     "50 %": (0.5, "1"),
+    "1.4 t": (1400.0, "kg"),
 }
 
 
@@ -60,7 +61,7 @@ def test_a_number_with_its_unit(text):
         ("1 m + 1", "1 m and 1 cannot be added"),
         ("1 m + 1 s", "1 m and 1 s cannot be added"),
         ("sin(3 mm)", "sin takes a plain number or an angle"),
-        ("2 t", "syntax error"),  # no tonnes: t is time
+        ("1*2 t", "syntax error"),  # no tonnes in a formula: t is time
         ("2 e", "syntax error"),
         ("1 m < 2 m", "no such operation"),
         ("1e400 m", "not finite"),

@@ -88,7 +88,7 @@ def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> lis
         name = f"{name}.py"
     if name not in known:
         raise FileError(unknown("example", name, known))
-    made = []
+    made: list[Path] = []
     for source in [known[name], *_needed(known[name])]:
         target = folder / source.name
         if target.exists() and not force:
@@ -104,7 +104,9 @@ def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> lis
 def _needed(path: Path) -> list[Path]:
     """Files beside an example that its text names."""
     text, folder = path.read_text(encoding="utf-8"), example_folder()
-    beside = [p for kind in ("*.toml", "*.dat") for p in sorted(folder.glob(kind)) if p != path]
+    beside = [
+        p for kind in ("*.toml", "*.dat", "*.csv") for p in sorted(folder.glob(kind)) if p != path
+    ]
     imported = [folder / f"{found}.py" for found in re.findall(r"^import (\w+)$", text, re.M)]
     named = [p for p in beside if re.search(rf"[\"'/]{re.escape(p.name)}[\"']", text)]
     return [p for p in (*imported, *named) if p.exists()]

@@ -8,7 +8,7 @@ from dalembert.cli.console import tell
 
 
 def parameters(model: Any) -> dict[str, dict[str, Any]]:
-    """Name → value, unit, bounds and description."""
+    """Name → value, unit, bounds and description, in SI units."""
     return {
         name: {
             "value": p.value,
@@ -21,9 +21,10 @@ def parameters(model: Any) -> dict[str, dict[str, Any]]:
 
 
 def print_parameters(model: Any) -> None:
-    """One line for each."""
+    """One line for each, in the unit that it was given in."""
     for name, p in model.parameters.items():
-        low, high = p.bounds
+        low, high = map(p.shown, p.bounds)
+        unit = p.given_unit or p.unit
         bounds = "" if low == -high == float("-inf") else f"  in [{low:g}, {high:g}]"
         about = f"  {p.description}" if p.description else ""
-        tell(f"  parameter       {name} = {p.value:g} {p.unit}{bounds}{about}")
+        tell(f"  parameter       {name} = {p.shown(p.value):g} {unit}{bounds}{about}")

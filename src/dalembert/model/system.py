@@ -16,7 +16,7 @@ from dalembert.structures.mesh import Classes
 from dalembert.structures.structure import Structure
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.interpolation import Interpolation
-from dalembert.symbolic.parameter import Bounds, Parameter
+from dalembert.symbolic.parameter import Bounds, Parameter, coherent
 
 E = TypeVar("E", bound=Element)
 RESERVED = {"t", "u", "pi", "e", "ground", "system", "extension", "rate"}
@@ -61,7 +61,7 @@ class System(Description):
     def derived(self, name: str, formula, unit: str = "", description: str = "") -> Expression:
         """Name a formula of parameters; it is listed beside them."""
         self._claim(name)
-        made = as_expression(formula, name, unit)
+        made = as_expression(formula, name, coherent(unit, name))
         made.name = name
         self.derived_parameters[name] = made
         return made

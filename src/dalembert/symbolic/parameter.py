@@ -108,6 +108,20 @@ def _unit(text: str, name: str) -> Unit:
         raise ModelError(error.message, f"{name}.unit") from None
 
 
+def coherent(text: str, name: str) -> str:
+    """The unit of a formula, which is one of SI.
+
+    Raises
+    ------
+    ModelError
+        Another one, in which the formula's numbers are not.
+    """
+    meant = _unit(plain_text(text, f"{name}.unit"), name)
+    if meant.factor != 1.0:
+        raise ModelError(f"a formula gives {meant.si}, not {text}; write unit = {meant.si!r}", name)
+    return text
+
+
 def si_value(value: float | str, meant: Unit, name: str, what: str, endless: bool = False) -> float:
     """A number of units, or a text with a unit of the same dimension, in SI units.
 
