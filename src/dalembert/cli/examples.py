@@ -88,7 +88,7 @@ def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> lis
         name = f"{name}.py"
     if name not in known:
         raise FileError(unknown("example", name, known))
-    made = []
+    made: list[Path] = []
     for source in [known[name], *_needed(known[name])]:
         target = folder / source.name
         if target.exists() and not force:
