@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import struct
 from typing import Any
 
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 from report_payload import four_bar, gallery
 
+import dalembert as da
+from dalembert import spatial
 from dalembert.errors import FileError
 from dalembert.report.compared import compared
 from dalembert.report.page import render_page
@@ -182,3 +185,33 @@ def test_every_control_has_a_name(show: Any) -> None:
 def test_sliders_that_do_nothing_are_not_there() -> None:
     page = render_page(four_bar(frames=3))
     assert 'type="range"' not in page.split("<script>")[0]
+
+
+@pytest.fixture(scope="module")
+def flight() -> da.Motion:
+    """Two balls that fly far beside each other, one of them pushed."""
+    system = da.System("flight")
+    for k in range(2):
+        given = {"density": 800.0, "radius": 0.1, "velocity": (20.0, 0, 0)}
+        ball = system.add(spatial.Sphere(f"ball{k}", position=(0.5 * k, 0, 0), **given))
+    system.add(spatial.Force("push", ball.center, (0, 24.0, 0)))
+    return da.solve_dynamics(system.build(), 1.0, step=0.02)
+
+
+def test_what_travels_in_space_is_followed(show: Any, flight: da.Motion) -> None:
+    found = show(flight, viewport=(1000, 560))
+    assert found.js("dalembert.scene.followed.name") == "ball0"
+    seen = """(() => { const p = dalembert.motion.at(dalembert.scene.followed, [0, 0, 0]);
+        const { x, y } = dalembert.scene.overlay.seen(p); return [x, y]; })()"""
+    start = found.js(seen)
+    found.js("dalembert.player.seek(0.9)")
+    found.frames()
+    assert found.js(seen) == pytest.approx(start, abs=0.5)
+    assert found.js("dalembert.scene.arrows[0].shown.read.value") == pytest.approx(24)
+
+
+def test_pictures_in_space_are_not_blank(show: Any, flight: da.Motion) -> None:
+    image = pytest.importorskip("PIL.Image")
+    found = show(flight, viewport=(1000, 560))
+    png = saved(found, "document.getElementById('save-png').click()")
+    assert len(image.open(io.BytesIO(png)).convert("RGB").getcolors(1 << 24)) > 200

@@ -9,7 +9,7 @@ class SpatialScene extends Assembly {
     this.cut = new THREE.Plane(new THREE.Vector3(-1, 0, 0), 0);
     motion.chooseTraces(this.view.radius);
     this.traces = motion.points.map((point) => new Trace(point, this.view.world));
-    this.whole = this.view.cloud;
+    [this.whole, this.middle] = [this.view.cloud, this.view.centre.clone()];
     this.overlay = new Overlay(this);
     const once = motion.moves ? sphereAbout(motion.cloud([{ i: 0, f: 0 }])).radius : 0;
     this.follow(motion.traveller(this.radius, once));
@@ -74,7 +74,7 @@ class SpatialScene extends Assembly {
 
   fit() {
     this.view.cloud = this.followed ? this.motion.cloud([this.motion.cursor]) : this.whole;
-    this.view.centre = this.followed ? sphereAbout(this.view.cloud).centre : this.centre.clone();
+    this.view.centre = this.followed ? sphereAbout(this.view.cloud).centre : this.middle.clone();
     this.view.fit();
   }
 

@@ -182,7 +182,7 @@ function setTheme(name) {
 
 function bindStructureKeys(player) {
   document.addEventListener("keydown", (e) => {
-    if (e.ctrlKey || e.metaKey || e.altKey || e.target.closest("input, select, button, dialog")) return;
+    if (e.ctrlKey || e.metaKey || e.altKey || e.target.closest("input, select, button, summary, dialog")) return;
     const actions = { " ": () => player.toggle(), f: () => scene.fit(), "+": () => scene.zoom(1.25), "-": () => scene.zoom(0.8) };
     const action = actions[e.key.toLowerCase()];
     if (!action) return;

@@ -1,4 +1,4 @@
-// Columns of numbers out of the packed text of a page: second differences, by planes of bytes, deflated.
+// Columns of numbers out of the packed text of a page: differences of an order, by planes of bytes, deflated.
 
 const bytesOf = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
@@ -80,14 +80,15 @@ function inflate(bytes) {
   return out.subarray(0, size);
 }
 
-function readColumn({ n, low, step, planes, gaps }, data, at) {
+function readColumn({ n, low, step, planes, gaps, order }, data, at) {
+  const sums = Array(order).fill(0);
   const values = new Float64Array(n).fill(+low);
-  for (let i = 0, place = 0, speed = 0; planes && i < n; i++) {
+  for (let i = 0; planes && i < n; i++) {
     let code = 0;
     for (let k = planes - 1; k >= 0; k--) code = 256 * code + data[at + k * n + i];
-    speed += code % 2 ? -(code + 1) / 2 : code / 2;
-    place += speed;
-    values[i] = +low + place * step;
+    let sum = code % 2 ? -(code + 1) / 2 : code / 2;
+    for (let k = 0; k < order; k++) sum = sums[k] += sum;
+    values[i] = +low + sum * step;
   }
   for (const [first, count] of gaps || []) values.fill(NaN, first, first + count);
   return +step === 1 ? Array.from(values) : values;  // whole numbers are places in other lists
