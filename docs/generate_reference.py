@@ -475,7 +475,7 @@ CATEGORIES: dict[str, tuple[str, set[str]]] = {
             "four_bar slider_crank quick_return_shaper sewing_machine cam_follower geneva_wheel "
             "double_parallelogram flat_four_bars n_four_bar massless_coupler rolling_disc carts "
             "cart_a cart_b cart_c "
-            "gait_torques smooth_torque chain_drive four_bar_balancing".split()
+            "gait_torques smooth_torque chain_drive excavator four_bar_balancing".split()
         ),
     ),
     "Mechanisms in space": (
