@@ -1,0 +1,51 @@
+"""Public names, and functions of formulas."""
+
+from __future__ import annotations
+
+import inspect
+
+import dalembert
+from dalembert.symbolic.parser import FUNCTIONS
+from reference.markdown import table
+
+NAMED = {
+    "t": "time, in laws, forces and user constraints",
+    "u": "parameter of a curve that is written as formulas",
+    "laws": "motion laws for drivers",
+    "planar": "planar bodies, joints, drivers and forces",
+    "spatial": "bodies, joints, drivers and forces in space",
+    "rotation": "orientations: `axis_angle`, `euler`, `bryant`, `from_matrix`",
+    "absolute": "absolute value",
+    "where": "`where(condition, a, b)`: a where the condition holds, else b",
+    "sign": "−1, 0 or 1",
+}
+
+
+def api() -> str:
+    """Every public name with its signature and first sentence."""
+    rows = []
+    for name in sorted(dalembert.__all__, key=lambda n: (n[0].islower(), n.lower())):
+        rows.append((f"`{name}`", _kind(getattr(dalembert, name)), _first(name)))
+    return table(("name", "is", "what it is for"), rows)
+
+
+def _kind(value: object) -> str:
+    if inspect.isclass(value):
+        return "error" if issubclass(value, Exception) else "class"
+    if inspect.ismodule(value):
+        return "module"
+    return "function" if callable(value) else "expression"
+
+
+def _first(name: str) -> str:
+    value = getattr(dalembert, name)
+    if name in NAMED:
+        return NAMED[name]
+    if inspect.isfunction(value) and value.__name__ == "lifted":
+        return f"{name} of numbers and formulas"
+    return (inspect.getdoc(value) or "").partition("\n")[0]
+
+
+def functions() -> str:
+    names = (f"`{n}({', '.join('abc'[:k])})`" for n, (_, k) in FUNCTIONS.items())
+    return ", ".join(names)

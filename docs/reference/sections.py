@@ -1,0 +1,182 @@
+"""Keys of the fixed tables of model files, with the texts that the schema does not give."""
+
+from __future__ import annotations
+
+from dalembert.io import decision_tables, orientations, schema, tables, task_tables
+from reference.markdown import table
+
+ABOUT = "text for people"
+UNIT = "coherent unit of the formula, such as `m^3/s`"
+FIXED = {
+    "document": (
+        schema.Document,
+        {
+            "schema_location": "address of a schema, for editors",
+            "format": "version of the format: `1`",
+            "description": ABOUT,
+            "parameters": "name → number, or a table as below",
+            "derived": "name → formula of parameters, or a table as below",
+            "ground": "named points and frames, in `[ground.points]` and `[ground.frames]`",
+            "bodies": "name → body; the type `Body` may be left out",
+            "beams": "name → beam; the type `Beam` may be left out",
+            "joints": "name → joint",
+            "drivers": "name → driver",
+            "forces": "name → force",
+            "initial": "measure → number or formula that it has at the start, exactly",
+            "analysis": "what `dalembert run` computes",
+            "compare": "what `dalembert compare` combines",
+            "responses": "name → response",
+            "cases": "name → another run that a design is judged by",
+            "combined": "name → formula of responses",
+            "pareto": "between which aims `dalembert pareto` lets choose",
+            "random": "list of random parameters",
+            "reliability": "which limits `dalembert reliability` looks at",
+            "tolerance": "which tolerances `dalembert tolerance` follows",
+            "invert": "from what `dalembert invert` finds the histories",
+            "synthesis": "what linkages `dalembert synthesize` finds",
+            "sensitivity": "what `dalembert sensitivity` computes",
+            "optimize": "what `dalembert optimize` computes",
+            "identify": "what `dalembert identify` finds",
+            "sweep": "which designs `dalembert sweep` runs",
+            "report": "what the report shows first",
+        },
+    ),
+    "parameter": (
+        schema.ParameterTable,
+        {
+            "value": 'nominal value in `unit`, or a text with its unit: `"45 mm"`',
+            "unit": 'what value and bounds are given in: `"mm"`, `"deg"`; SI units if left out',
+            "bounds": "`[lower, upper]` for designs, in `unit`; `inf` leaves a side open",
+            "description": ABOUT,
+        },
+    ),
+    "derived": (
+        schema.DerivedTable,
+        {
+            "formula": "formula of parameters and other derived ones",
+            "unit": UNIT,
+            "description": ABOUT,
+        },
+    ),
+    "inline": (tables.InlinePoint, {"body": "name of a body", "at": "its coordinates there [m]"}),
+    "frame": (orientations.InlineFrame, {}),
+    "event": (
+        tables.EventTable,
+        {
+            "measure": "measure or formula that crosses zero",
+            "terminal": "the run ends there",
+            "direction": "`1` rising, `-1` falling, `0` both",
+        },
+    ),
+    "compare": (
+        task_tables.CompareTable,
+        {
+            "formulations": "names, or tables with `type` and keys; by default "
+            "[a few](formulations.md#see-it-on-your-mechanism)",
+            "integrators": "the same",
+            "stabilizations": "the same; `Projection` by default",
+            "coordinates": "the same; `AbsoluteCoordinates` where formulations are named",
+        },
+    ),
+    "sensitivity": (
+        task_tables.SensitivityTable,
+        {
+            "method": '`"auto"`, `"adjoint"`, `"direct"` or `"finite-difference"`',
+        },
+    ),
+    "sweep": (
+        task_tables.SweepTable,
+        {"type": '`"Grid"`, `"LatinHypercube"`, `"MonteCarlo"`, `"Sobol"` or `"Table"`'},
+    ),
+    "optimize": (
+        decision_tables.OptimizeTable,
+        {
+            "minimize": "name of the response to make small; this or `maximize`",
+            "maximize": "name of the response to make large",
+            "method": "how it is searched for, see [methods](optimization.md#methods)",
+            "gradient": "method of the gradients",
+            "max_iterations": "of the optimiser",
+            "tolerance": "on the relative change of the objective",
+        },
+    ),
+    "limit": (
+        decision_tables.LimitTable,
+        {
+            "response": "name of a response",
+            "lower": "it must not be below",
+            "upper": "it must not be above",
+        },
+    ),
+    "identify": (
+        task_tables.IdentifyTable,
+        {
+            "data": "file of measurements beside this one, .csv or .parquet",
+            "time": "column of the times; `time` or `t` by default",
+            "loss": '`"linear"`, or against outliers `"soft_l1"`, `"huber"`, `"cauchy"`, '
+            '`"arctan"`',
+            "max_iterations": "of least squares",
+        },
+    ),
+    "experiment": (
+        task_tables.ExperimentTable,
+        {
+            "data": "file of measurements",
+            "name": "in results; its number by default",
+        },
+    ),
+    "case": (schema.CaseTable, {}),
+    "combined": (decision_tables.CombinedTable, {}),
+    "pareto": (
+        decision_tables.ParetoTable,
+        {
+            "method": "how it is searched for, see [several aims](optimization.md#several-aims)",
+            "gradient": "method of the gradients",
+            "max_iterations": "of each point",
+            "tolerance": "on the relative change of the objective",
+        },
+    ),
+    "reliability": (
+        decision_tables.ReliabilityTable,
+        {
+            "method": '`"improved-hlrf"` or `"hlrf"`',
+            "tolerance": "on residual and distance of the design point",
+            "max_iterations": "of each search",
+        },
+    ),
+    "tolerance": (decision_tables.ToleranceTable, {}),
+    "allot": (
+        decision_tables.AllotTable,
+        {
+            "exponent": "of the tolerance in its cost",
+            "worst_case": "all tolerances used up at once; statistical by default",
+        },
+    ),
+    "synthesis": (decision_tables.SynthesisTable, {}),
+    "history": (task_tables.HistoryTable, {}),
+    "invert": (task_tables.InvertTable, {"max_iterations": "of least squares"}),
+    "report": (task_tables.ReportTable, {}),
+}
+
+
+def section(model: type, texts: dict[str, str]) -> str:
+    """Keys of a fixed table of the schema; every key needs a text here or in the schema."""
+    rows = []
+    for name, field in model.model_fields.items():
+        default = "needed" if field.is_required() else _plain_default(field)
+        text = texts.get(name) or field.description or ""
+        rows.append((f"`{field.alias or name}`", default, text))
+    missing = [key for key, _, text in rows if not text]
+    if missing:
+        raise SystemExit(f"{model.__name__}: describe {', '.join(missing)}")
+    return table(("key", "default", "meaning"), rows)
+
+
+def _plain_default(field) -> str:
+    default = field.get_default(call_default_factory=True)
+    if default is None or default == "" or default == {} or default == []:
+        return "none"
+    if isinstance(default, bool):
+        return f"`{str(default).lower()}`"
+    if isinstance(default, (int, float)):
+        return f"`{default:g}`"
+    return f'`"{default}"`' if isinstance(default, str) else "none"
