@@ -12,9 +12,8 @@ and whatever is made of them follows: Newton's step, and by the theorem of impli
 
     ż = −K⁻¹ (∂r/∂x) ẋ,        x̄ = −(∂r/∂x)ᵀ K⁻ᵀ z̄.
 
-An ``Unknown`` of a structure (``analysis/structural``) answers with columns of numbers and sparse
-factors. A ``Stage`` of an ``ImplicitFunction`` is the same in a graph: its residual and two ways to
-solve are expressions, push and pull the derivatives that CasADi writes.
+A ``Stage`` of an ``ImplicitFunction`` answers with expressions of a graph, an ``Unknown`` of a
+structure (``analysis/structural/instant.py``) with columns of numbers and sparse factors.
 """
 
 from __future__ import annotations
@@ -43,12 +42,12 @@ class Evaluator(ABC):
         """Weights of what is given from those of the equations."""
 
     def correction(self, value: Any) -> Any:
-        """Newton's step from where the equations have this value."""
+        """What the unknown must change by where the equations are off by this value."""
         return -self.solve(value)
 
     def moved(self, change: Any) -> Any:
         """Change of the unknown with what is given."""
-        return -self.solve(self.push(change))
+        return self.correction(self.push(change))
 
     def weighed(self, weights: Any) -> Any:
         """Weights of what is given from those of the unknown."""

@@ -21,6 +21,7 @@ from functools import cached_property
 
 import casadi as ca
 
+from dalembert.symbolic.evaluator import Evaluator
 from dalembert.symbolic.linear_map import LinearChain, LinearMap, TriangularMap
 from dalembert.symbolic.prelude import Prelude, before_tangent
 
@@ -28,7 +29,7 @@ Solver = Callable[[ca.SX], ca.SX]
 
 
 @dataclass(frozen=True)
-class Stage:
+class Stage(Evaluator):
     """One implicitly defined unknown.
 
     Parameters
@@ -36,14 +37,28 @@ class Stage:
     unknown : SX symbols ``z``
     residual : SX expression ``r(z, x)``
     value : SX expression of the inputs and earlier unknowns that satisfies ``r = 0``
-    solve, solve_transposed : right-hand side → solution with ``∂r/∂z`` and its transpose
+    solver, transposed : right-hand side → solution with ``∂r/∂z`` and its transpose
     """
 
     unknown: ca.SX
     residual: ca.SX
     value: ca.SX
-    solve: Solver
-    solve_transposed: Solver
+    solver: Solver
+    transposed: Solver
+
+    def solve(self, rhs: ca.SX) -> ca.SX:
+        return self.solver(rhs)
+
+    def solve_transposed(self, weights: ca.SX) -> ca.SX:
+        return self.transposed(weights)
+
+    def push(self, change: tuple[ca.SX, ca.SX]) -> ca.SX:
+        """Of all that the stage sees, symbols and their changes."""
+        return _directional(self.residual, *change)
+
+    def pull(self, weights: ca.SX) -> ca.SX:
+        """As a sum whose gradients are the weights of whatever the stage sees."""
+        return ca.dot(weights, self.residual)
 
 
 class ImplicitFunction:
@@ -148,9 +163,10 @@ class ImplicitFunction:
         stages = list(self.stages)
         for stage in self.stages:
             rate = ca.SX.sym("dz", *stage.unknown.shape)
-            seen = _directional(stage.residual, known, changes)
-            residual = seen + _directional(stage.residual, stage.unknown, rate)
-            stages.append(replace(stage, unknown=rate, residual=residual, value=-stage.solve(seen)))
+            seen = stage.push((known, changes))
+            residual = seen + stage.push((stage.unknown, rate))
+            value = stage.correction(seen)
+            stages.append(replace(stage, unknown=rate, residual=residual, value=value))
             known, changes = ca.vertcat(known, stage.unknown), ca.vertcat(changes, rate)
         out = [_directional(o, known, changes) for o in self.outputs]
         return ImplicitFunction(f"{self.name}_tangent", [*self.inputs, *symbols], stages, out)
@@ -165,7 +181,7 @@ class ImplicitFunction:
             # weights are symbols, so that each gradient stays a small graph
             weight = ca.SX.sym(f"m{i}", *stage.unknown.shape)
             seen = ca.gradient(scalar, stage.unknown)
-            scalar = scalar - ca.dot(weight, stage.residual)
+            scalar = scalar - stage.pull(weight)
             residual = -ca.gradient(scalar, stage.unknown)
             value = stage.solve_transposed(seen)
             stages.append(Stage(weight, residual, value, stage.solve_transposed, stage.solve))
