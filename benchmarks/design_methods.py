@@ -2,7 +2,7 @@
 
 A planar arm of ten links reaches a place with least bend and size; the same search with exact
 gradients, with differences, and by evolution, which is stopped within a part in a hundred of the
-optimum, or after two hundred times the analyses.
+optimum, or after a hundred times the analyses.
 
     python benchmarks/design_methods.py
 """
@@ -54,14 +54,14 @@ class Counted:
     def _counting(self, method):
         def called(analysis, *given, **options):
             self.count += 1
-            if self.count > self.most:
+            if self.count == self.most + 1:
                 raise KeyboardInterrupt
             return method(analysis, *given, **options)
 
         return called
 
 
-def main(most: int = 20_000) -> None:
+def main(most: int = 10_000) -> None:
     counted, model = Counted(most), arm()
 
     def search(name: str, **options) -> da.Optimum:

@@ -94,8 +94,8 @@ def test_what_cannot_be_is_told():
         da.optimize_trajectory(model, goal, ["length"], 1.0)
     with pytest.raises(AnalysisError, match="duration"):
         da.optimize_trajectory(model, goal, ["torque"], (1.0, math.inf))
-    with pytest.raises(UnsupportedError, match="maximum"):
-        da.optimize_trajectory(model, da.maximum("torque"), ["torque"], 1.0)
+    with pytest.raises(UnsupportedError, match="minimum"):
+        da.optimize_trajectory(model, da.minimum("torque"), ["torque"], 1.0)
     with pytest.raises(AnalysisError, match="guess"):
         da.optimize_trajectory(model, goal, ["torque"], 1.0, guess="somehow")
 

@@ -64,6 +64,19 @@ def test_block_in_the_shortest_time():
     np.testing.assert_allclose(abs(push.values[push.times != push.times[20]]), 2.0, atol=1e-4)
 
 
+def test_block_with_the_smallest_peak():
+    """The same the other way round: ``4 d/T²`` all the time, forwards and backwards."""
+    best = da.optimize_trajectory(
+        block(50.0),
+        da.maximum("push**2"),
+        ["push"],
+        1.0,
+        end={"block.x": 1.0, "block.vx": 0.0},
+        method=few(20),
+    )
+    assert best.success and best.fun == pytest.approx(16.0, rel=1e-6)
+
+
 def test_brachistochrone():
     """A wire that pushes square to the path by ``m w v``: on a cycloid ``w = √(g/R)``.
 

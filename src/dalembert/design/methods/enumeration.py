@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -90,14 +91,16 @@ class _Table:
     def count(self) -> int:
         return math.prod(s.size for s in self.sizes)
 
-    def designs(self, numbers: np.ndarray) -> np.ndarray:
-        """(n, K) designs of these numbers."""
-        places = np.unravel_index(numbers, [s.size for s in self.sizes])
-        return np.array([s[k] for s, k in zip(self.sizes, places, strict=True)])
-
     def chunks(self) -> Iterator[np.ndarray]:
-        for begin in range(0, self.count, AT_ONCE):
-            yield np.arange(begin, min(begin + AT_ONCE, self.count))
+        """(n, K) designs, the last variables varied first."""
+        split = len(self.sizes)
+        while split and math.prod(s.size for s in self.sizes[split - 1 :]) <= AT_ONCE:
+            split -= 1
+        inner = np.array([x.ravel() for x in np.meshgrid(*self.sizes[split:], indexing="ij")])
+        inner = inner.reshape(len(self.sizes) - split, -1)
+        for outer in itertools.product(*self.sizes[:split]):
+            held = np.broadcast_to(np.array(outer).reshape(-1, 1), (split, inner.shape[1]))
+            yield np.concatenate([held, inner])
 
 
 def _formulas(program: Program) -> ca.Function | None:
@@ -124,17 +127,13 @@ def _is_of(expression: ca.SX, p: ca.SX) -> bool:
 def _ranked(program: Program, table: _Table, formulas: ca.Function) -> list[np.ndarray]:
     """The best designs by their formulas, of those that keep the limits."""
     best: list[tuple[float, np.ndarray]] = []
-    for numbers in table.chunks():
-        designs = table.designs(numbers)
-        terms = np.array(formulas.map(numbers.size)(_parameters(program, designs)))
+    for designs in table.chunks():
+        count = designs.shape[1]
+        terms = np.array(formulas.map(count)(_parameters(program, designs)))
         values = _values(program, terms)
         kept = (_violations(program, values) <= FEASIBLE) & np.isfinite(values[0])
         objective = np.where(kept, program.sign * values[0], np.inf)
-        few = (
-            np.argpartition(objective, KEPT - 1)[:KEPT]
-            if numbers.size > KEPT
-            else numbers - numbers[0]
-        )
+        few = np.argpartition(objective, KEPT - 1)[:KEPT] if count > KEPT else np.arange(count)
         best += [(float(objective[k]), designs[:, k]) for k in few if kept[k]]
         best = sorted(best, key=lambda one: one[0])[:KEPT]
     return [x for _, x in best]
@@ -173,8 +172,8 @@ def _violations(program: Program, values: np.ndarray) -> np.ndarray:
 def _run_all(program: Program, table: _Table) -> list[np.ndarray]:
     """The designs by what their runs give, the best first."""
     found: list[tuple[float, np.ndarray]] = []
-    for numbers in table.chunks():
-        for x in table.designs(numbers).T:
+    for designs in table.chunks():
+        for x in designs.T:
             made = program.problem.evaluate(x, gradient=False)
             if made is not None and program.violation(made.values) <= FEASIBLE:
                 found.append((program.sign * made.values[0], x))

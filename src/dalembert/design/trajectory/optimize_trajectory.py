@@ -59,8 +59,8 @@ def optimize_trajectory(
     Parameters
     ----------
     model : Model; closed loops are kept closed by their constraints
-    minimize : ``integral``, ``mean``, ``rms`` or ``final`` of a measure, or ``combined`` of such;
-        ``da.final("time")`` for the shortest time
+    minimize : ``integral``, ``mean``, ``rms``, ``maximum`` or ``final`` of a measure, or
+        ``combined`` of such; ``da.final("time")`` for the shortest time
     controls : parameters of forces and moments that become functions of time, within their bounds
     duration : of the motion, or its bounds [s]
     begin, end : measure → value or (lower, upper), None for an open side; by default it begins
@@ -97,7 +97,8 @@ def optimize_trajectory(
         *cyclic_rows(transcription, cyclic),
         *limit_rows(transcription, subject_to),
     ]
-    programme = Programme(transcription, number_of(transcription, minimize), rows)
+    objective = number_of(transcription, minimize)
+    programme = Programme(transcription, objective, [*rows, *transcription.peaks])
     x0 = transcription.pack(guessed(physics, guess, end or {}, span, n))
     made = _made(programme, programme.solved(x0, method), method)
     made.label = getattr(minimize, "label", made.label)

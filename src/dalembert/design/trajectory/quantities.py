@@ -45,9 +45,11 @@ def number_of(transcription: Transcription, given: Any) -> ca.MX:
         square = physics.measure(physics.model.expression(given.measure) ** 2)
         mean = transcription.integral(square) / transcription.duration
         return ca.sqrt(mean + 1e-16)
+    if isinstance(given, Maximum) and not isinstance(given, Minimum):
+        return transcription.peak(function)
     raise UnsupportedError(
-        f"{given.label}: trajectories know integral, mean, rms, final, at(0, …), and in limits "
-        "maximum and minimum"
+        f"{given.label}: trajectories know integral, mean, rms, maximum, final and at(0, …), and "
+        "in limits minimum"
     )
 
 

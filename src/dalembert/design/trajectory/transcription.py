@@ -125,6 +125,7 @@ class Transcription:
             ),
         }
         self.duration = self.blocks["duration"].value
+        self.peaks: list[Rows] = []
         self.h = self.duration / intervals
 
     # points ------------------------------------------------------------------------------
@@ -183,6 +184,16 @@ class Transcription:
         ends, middle = self.knots.of(function), self.middles.of(function)
         total = ca.sum2(ends[:, :-1]) + ca.sum2(ends[:, 1:]) + 4 * ca.sum2(middle)
         return self.h / 6 * total
+
+    def peak(self, function: ca.Function) -> ca.MX:
+        """An unknown that a function of states stays below all the way: where it is made small,
+        the largest value."""
+        name, free = f"peak_{len(self.peaks)}", np.full(1, np.inf)
+        block = self.blocks[name] = Block(name, np.ones(1), 1, -free, free)
+        for points in (self.knots, self.middles):
+            below = points.of(function) - ca.repmat(block.value, 1, points.count)
+            self.peaks.append(Rows(f"largest value of {name}", below, -np.inf, 0.0))
+        return block.value
 
     # the whole ---------------------------------------------------------------------------
     @property
