@@ -164,7 +164,7 @@ def test_linkages(tmp_path, capsys):
     assert found["solutions"][0]["error"] < 1e-3
     assert "a FourBar for a path of 5 entries" in _text(capsys, "check", path)
     page = (tmp_path / "model.synthesis.report.html").read_text(encoding="utf-8")
-    assert page.count('"particle"') >= 5
+    assert page.count('"disc"') >= 5
 
 
 def _text(capsys, *arguments) -> str:
