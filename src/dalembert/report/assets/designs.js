@@ -42,10 +42,11 @@ class Choice {
     this.onKeep.emit();
   }
 
-  // Blue where the first aim is least, over violet to orange where it is largest.
+  // Blue where the first aim is least, over green to orange where it is largest.
   tone(k) {
     const share = clamp(this.tones.share(this.toned.values[k]), 0, 1), stops = PALETTE[Theme.name === "dark" ? "dark" : "light"];
-    return isNum(share) ? mix(stops[0], stops[1], share) : "var(--muted)";
+    if (!isNum(share)) return "var(--muted)";
+    return share < 0.5 ? mix(stops[0], stops[2], 2 * share) : mix(stops[2], stops[1], 2 * share - 1);
   }
 
   // Arrows choose, wherever the focus is in a view of designs.
