@@ -11,6 +11,7 @@ import pytest
 
 import dalembert as da
 from dalembert.cli import main
+from dalembert.design.identification.misfit import Misfit
 from dalembert.design.problem import DesignProblem
 from dalembert.design.synthesis.problem import Polish
 from dalembert.io.designs import make_design
@@ -164,7 +165,7 @@ def test_linkages(tmp_path, capsys):
     assert found["solutions"][0]["error"] < 1e-3
     assert "a FourBar for a path of 5 entries" in _text(capsys, "check", path)
     page = (tmp_path / "model.synthesis.report.html").read_text(encoding="utf-8")
-    assert page.count('"particle"') >= 5
+    assert page.count('"disc"') >= 5
 
 
 def _text(capsys, *arguments) -> str:
@@ -356,3 +357,31 @@ def test_overrides_of_a_file_without_a_table(tmp_path, capsys):
 def test_help_has_an_example(task, capsys):
     assert main([task, "--help"]) == 0
     assert f"Example: dalembert {task} " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("task", ["identify", "invert"])
+def test_interrupted_searches(task, tmp_path, capsys, monkeypatch):
+    """Ctrl-C in the fourth run: the unknowns of the best so far are told and written."""
+    text = PUSH.replace("smoothing = 1e-9", "smoothing = 1e-4")
+    if task == "identify":
+        text = text.replace("[parameters]", "").replace("mass = 2.0", 'mass = "m"')
+        text = text.replace(
+            "[histories.push]", "[parameters]\nm = 3.0\n[histories.push]\nvalue = 1"
+        )
+        text = text.replace("[invert]", '[identify]\nvary = ["m"]').replace("smoothing = 1e-4", "")
+    path = written(tmp_path, text)
+    rows = "".join(f"{t},{0.5 * t**2 / 2 + 0.01 * np.sin(9 * t)}\n" for t in np.linspace(0, 1, 21))
+    written(tmp_path, "time,sensor\n" + rows, "push.csv")
+    honest, calls = Misfit._run, [0]
+
+    def stopped(self, x):
+        calls[0] += 1
+        if calls[0] == 4:
+            raise KeyboardInterrupt
+        return honest(self, x)
+
+    monkeypatch.setattr(Misfit, "_run", stopped)
+    assert main([task, str(path), "--output", str(tmp_path / "o")]) == 130
+    told = capsys.readouterr()
+    assert "interrupted after" in told.out and "Traceback" not in told.err
+    assert len(list((tmp_path / "o").glob("*.report.html"))) == 1

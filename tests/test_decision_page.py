@@ -99,6 +99,7 @@ def test_a_range_of_an_axis_keeps_designs(show, slider):  # noqa: F811
     found.page.mouse.down()
     found.page.mouse.move(x, box["y"] + 0.7 * box["height"], steps=4)
     found.page.mouse.up()
+    found.frames(3)
     low, high = found.js("[...dalembert.choice.ranges.get(2)]")
     kept = (design.values[:, 0] >= low) & (design.values[:, 0] <= high) & study.success
     assert 0 < kept.sum() < done

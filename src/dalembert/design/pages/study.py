@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.report import views
 
-MOST = 2000
+MOST = 1500
 """Designs that a page draws; of more some are left out, evenly."""
 NUMBER = re.compile(r"[-−]?\d[\d.]*(?:e[-+]?\d+)?")
 """What tells reasons of one kind apart."""

@@ -16,6 +16,8 @@ from dalembert.report import views
 SHOWN = 12
 """Linkages that a page has."""
 FRAMES = 121
+DOT = 0.012
+"""Radius of a point of the target, of the size of the whole."""
 TURN = np.linspace(0, 2 * math.pi, 361)
 
 
@@ -50,7 +52,9 @@ def _linkage_page(found: Any, solution: Any) -> dict[str, Any] | None:
         return None
     page: dict[str, Any] = motion.page(trace=["coupler.P"])
     if found.target.points is not None:
-        wanted = [{"kind": "particle", "center": list(p)} for p in found.target.points.tolist()]
+        points = found.target.points
+        size = DOT * float(np.max(np.ptp(points, axis=0)))
+        wanted = [{"kind": "disc", "center": p, "radius": size} for p in points.tolist()]
         page["scene"]["ground"]["shapes"] = [*page["scene"]["ground"].get("shapes", []), *wanted]
     page["title"] = found.name
     return page

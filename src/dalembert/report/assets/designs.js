@@ -42,10 +42,11 @@ class Choice {
     this.onKeep.emit();
   }
 
-  // Blue where the first aim is least, over violet to orange where it is largest.
+  // Blue where the first aim is least, over green to orange where it is largest.
   tone(k) {
     const share = clamp(this.tones.share(this.toned.values[k]), 0, 1), stops = PALETTE[Theme.name === "dark" ? "dark" : "light"];
-    return isNum(share) ? mix(stops[0], stops[1], share) : "var(--muted)";
+    if (!isNum(share)) return "var(--muted)";
+    return share < 0.5 ? mix(stops[0], stops[2], 2 * share) : mix(stops[2], stops[1], 2 * share - 1);
   }
 
   // Arrows choose, wherever the focus is in a view of designs.
@@ -158,13 +159,30 @@ class ParallelChart extends DesignChart {
     const value = (e) => { const box = this.svg.getBoundingClientRect(); return scale.value(clamp((bottom - (e.clientY - box.top)) / (bottom - top), 0, 1)); };
     let begun = null;
     const grip = shape("rect", { x: x - 10, y: top - 4, width: 20, height: bottom - top + 8, class: "grip" }, hint("Drag to keep a range; double click to let it go"));
-    grip.addEventListener("pointerdown", (e) => { begun = value(e); const move = (m) => { const v = value(m); if (Math.abs(scale.share(v) - scale.share(begun)) > 0.02) this.choice.limit(i, [Math.min(begun, v), Math.max(begun, v)]); }; const end = () => { removeEventListener("pointermove", move); removeEventListener("pointerup", end); }; addEventListener("pointermove", move); addEventListener("pointerup", end); });
+    let last = null;
+    const keep = () => {
+      const [lo, hi] = [Math.min(begun, last), Math.max(begun, last)];
+      last = null;
+      if (scale.share(hi) - scale.share(lo) > 0.02) this.choice.limit(i, [lo, hi]);
+    };
+    const move = (e) => {
+      if (last === null) requestAnimationFrame(keep);  // once for each picture
+      last = value(e);
+    };
+    const end = () => { removeEventListener("pointermove", move); removeEventListener("pointerup", end); };
+    grip.addEventListener("pointerdown", (e) => {
+      begun = value(e);
+      addEventListener("pointermove", move);
+      addEventListener("pointerup", end);
+    });
     grip.addEventListener("dblclick", () => this.choice.limit(i, null));
     return grip;
   }
 }
 
-// Every column over every other.
+const MOST_DOTS = 12000;
+
+// Every column over every other; of very many designs some are left out, evenly.
 class MatrixChart extends DesignChart {
   constructor(view, choice) { super(view, choice, 420); }
 
@@ -175,6 +193,7 @@ class MatrixChart extends DesignChart {
     this.svg.setAttribute("height", this.height);
     this.svg.setAttribute("viewBox", `0 0 ${w} ${this.height}`);
     const scales = columns.map((c) => new Scale(choice.order.map((k) => c.values[k]), false, 0.08)), dots = shape("g", {});
+    const stride = Math.ceil((choice.order.length * n * (n - 1)) / MOST_DOTS), some = choice.order.filter((k, row) => row % stride === 0 || k === choice.chosen);
     const ends = columns.map((c) => extent([choice.order.map((k) => c.values[k])]) ?? [NaN, NaN]);
     for (let i = 0; i < n; i++) for (let j = 0; j < n; j++) {
       const x0 = left + j * wide + gap / 2, y0 = 4 + i * high + gap / 2, [size, tall] = [wide - gap, high - gap];
@@ -185,7 +204,7 @@ class MatrixChart extends DesignChart {
           ...(size < 60 ? [] : [written(x0 + 4, y0 + tall - 5, tidy(ends[i][0], 3), { class: "value" }), written(x0 + size - 4, y0 + 13, tidy(ends[i][1], 3), { class: "value", "text-anchor": "end" })]));
         continue;
       }
-      for (const k of choice.order) {
+      for (const k of some) {
         const [p, q] = [columns[j].values[k], columns[i].values[k]];
         if (isNum(p) && isNum(q)) dots.append(this.dot(k, x0 + scales[j].share(p) * size, y0 + tall - scales[i].share(q) * tall, choice.count > 200 ? 1.6 : 2.8));
       }
@@ -194,6 +213,8 @@ class MatrixChart extends DesignChart {
   }
 }
 
+const SHOWN_DESIGNS = 400;
+
 // The numbers, a row for each design; a click on a heading sorts.
 class DesignTable {
   constructor(view, choice) {
@@ -201,7 +222,9 @@ class DesignTable {
     this.head = el("tr", {});
     this.body = el("tbody", {});
     const box = el("div", { class: "scroll" }, el("table", { class: "figures designs" }, el("thead", {}, this.head), this.body));
-    this.node = box;
+    this.box = box;
+    this.note = el("p", { class: "caption note" });
+    this.node = el("div", {}, box, this.note);
     choice.bind(box, view.title);
     choice.onChoose.on(() => this.mark());
     choice.onKeep.on(() => this.fill());
@@ -221,7 +244,9 @@ class DesignTable {
       rows.sort((p, q) => (isNum(at(p)) ? (isNum(at(q)) ? sign * (at(p) - at(q)) : -1) : 1));
     }
     choice.order = rows.filter((k) => !choice.failed(k));
-    rows = rows.filter((k) => choice.kept(k) || choice.failed(k)).slice(0, 400);
+    rows = rows.filter((k) => choice.kept(k) || choice.failed(k));
+    this.note.textContent = rows.length > SHOWN_DESIGNS ? `${SHOWN_DESIGNS} of ${rows.length} designs; sort or keep a range to see others.` : "";
+    rows = rows.slice(0, SHOWN_DESIGNS);
     this.body.replaceChildren(...rows.map((k) => el("tr", { "data-design": String(k), class: choice.failed(k) ? "failed" : "pickable", title: text(k), onclick: () => choice.choose(k) },
       el("th", { scope: "row" }, choice.label(k)), choice.columns.map((c) => el("td", { class: `right ${c.role}` }, isNum(c.values[k]) ? tidy(c.values[k], 5) : "–")))));
     this.mark();
@@ -232,7 +257,7 @@ class DesignTable {
       const on = +row.dataset.design === this.choice.chosen;
       row.classList.toggle("chosen", on);
       if (on) row.setAttribute("aria-current", "true"); else row.removeAttribute("aria-current");
-      if (on && this.moved) this.node.scrollTop = clamp(this.node.scrollTop, row.offsetTop + row.offsetHeight - this.node.clientHeight + 4, row.offsetTop - 34);
+      if (on && this.moved) this.box.scrollTop = clamp(this.box.scrollTop, row.offsetTop + row.offsetHeight - this.box.clientHeight + 4, row.offsetTop - 34);
     }
     this.moved = true;
   }
