@@ -18,6 +18,8 @@ import dalembert as da
 from dalembert import planar
 
 CRANK, GROUND, SPEED = 0.3, 1.0, 20.0
+PER_LENGTH = 1.0
+"""Mass of coupler and rocker [kg/m]."""
 SIZE = 40
 COUPLERS, ROCKERS = np.linspace(0.42, 1.39, SIZE), np.linspace(0.41, 1.37, SIZE)
 

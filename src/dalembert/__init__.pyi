@@ -6,7 +6,7 @@ Editors and type checkers read this file; ``__init__.py`` imports a name when it
 from dalembert import structures as structures
 from dalembert.analysis.assembly import solve_assembly as solve_assembly
 from dalembert.analysis.comparison.compare import compare as compare
-from dalembert.analysis.dynamics import Dynamics as Dynamics, solve_dynamics as solve_dynamics
+from dalembert.analysis.dynamics import Dynamics as Dynamics
 from dalembert.analysis.equilibrium import (
     Equilibrium as Equilibrium,
     solve_equilibrium as solve_equilibrium,
@@ -25,6 +25,7 @@ from dalembert.analysis.nonsmooth.nonsmooth import (
     Nonsmooth as Nonsmooth,
     solve_nonsmooth as solve_nonsmooth,
 )
+from dalembert.analysis.solve_dynamics import solve_dynamics as solve_dynamics
 from dalembert.analysis.structural.buckling import (
     Buckling as Buckling,
     solve_buckling as solve_buckling,

@@ -85,6 +85,8 @@ class Amount:
         if not isinstance(other, (int, float)):
             return NotImplemented
         powers = {base: n * other for base, n in self.unit.dimension.items()}
+        if self.value < 0 and other != int(other):
+            raise ExpressionError("a root of a negative number")
         return Amount(self.value**other, made_unit(powers))
 
     def _alike(self, other: Any, operate: Callable[[float, float], float]) -> Any:

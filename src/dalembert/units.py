@@ -50,6 +50,7 @@ SYMBOL = r"(?:[^\W\d_]\w*|[°%]\w*)"
 POWER = r"(?:(?:\^|\*\*)-?\d+(?:\.\d+)?|[²³⁴])"
 UNIT = rf"{SYMBOL}{POWER}?"
 _TOKEN = re.compile(rf"\s*(?:(?P<by>[*·/](?!\*))|(?P<name>1|{SYMBOL})(?P<power>{POWER})?)\s*")
+MOST_POWER = 12
 _RAISED = {"²": 2, "³": 3, "⁴": 4}
 
 
@@ -103,6 +104,8 @@ def unit(text: str) -> Unit:
             continue
         power = found["power"] or "1"
         exponent = sign * (_RAISED.get(power) or float(power.lstrip("^*")))
+        if abs(exponent) > MOST_POWER:
+            raise ExpressionError(f"{text[:60]!r} is no unit; powers are up to {MOST_POWER}")
         one = _named(found["name"])
         factor *= one.factor**exponent
         for base, n in one.dimension.items():

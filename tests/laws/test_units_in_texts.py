@@ -1,6 +1,8 @@
 """Numbers with units: what a text says is what the model gets, and what does not fit is refused."""
 
 import math
+import subprocess
+import sys
 
 import pytest
 
@@ -66,6 +68,10 @@ def test_a_number_with_its_unit(text):
         ("1 m < 2 m", "no such operation"),
         ("1e400 m", "not finite"),
         ("1 m/(0 s)", "division by zero"),
+        ("1 km^99999", "powers are up to"),
+        ("(2 km)**99999", "not finite"),
+        ("(-2 km)**0.5", "root of a negative"),
+        ("5 " + "a " * 900, "not finite"),
         ("mm", "unknown name 'mm'"),
     ],
 )
@@ -361,3 +367,23 @@ def test_members_of_structures_are_in_data_and_tables(tmp_path):
     assert float(force[0]) == pytest.approx(84e3) and force.attrs["units"] == "N"
     text = result.to_csv(tmp_path / "r.csv", units=["MPa", "kN"]).read_text(encoding="utf-8")
     assert "bar.stress [MPa]" in text and "bar.force [kN]" in text
+
+
+def test_a_derived_parameter_says_an_si_unit():
+    system = da.System("x")
+    bore = system.parameter("bore", "120 mm")
+    area = system.derived("area", math.pi * bore**2 / 4, "m^2")
+    assert area.unit == "m^2"
+    with pytest.raises(da.ModelError, match=r"a formula gives m\^2, not mm\^2"):
+        system.derived("other", math.pi * bore**2 / 4, "mm^2")
+
+
+def test_pint_is_imported_where_it_is_needed_only():
+    program = (
+        "import sys, dalembert as da\n"
+        "s = da.System('x'); s.parameter('k', 3.0, 'N/m'); s.parameter('l', '2 m')\n"
+        "assert 'pint' not in sys.modules\n"
+        "s.parameter('b', '2 mm'); assert 'pint' in sys.modules\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
 from dalembert.analysis.batch.fixed_steps import FixedSteps
-from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.branches import Branches, outputs_of, place_outputs
 from dalembert.analysis.contact.start import refuse_overlap
 from dalembert.analysis.dynamics_kernel import DynamicsKernel, DynamicsRecord
@@ -17,13 +15,9 @@ from dalembert.analysis.dynamics_run import DynamicsRun
 from dalembert.analysis.energy_balance import check_balance
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.instants import end_by_event, ended_again, instant_of
-from dalembert.analysis.keywords import DynamicsKeywords, TransientKeywords
 from dalembert.analysis.over_time import OverTime
-from dalembert.analysis.served import need_model
 from dalembert.analysis.step_quadrature import StepQuadrature
-from dalembert.analysis.structural.transient import Transient
 from dalembert.analysis.timeline import checked_span
-from dalembert.analysis.times import Time, analysis_of
 from dalembert.analysis.variant import Variant
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation
@@ -34,16 +28,10 @@ from dalembert.integrators.runge_kutta import RK4
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.options import options
-from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
-from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.backends import BACKENDS
 from dalembert.symbolic.once import once
-
-if TYPE_CHECKING:
-    from dalembert.results.designs import ManyDesigns
 
 STRATEGIES = {
     "coordinates": (Coordinates, AbsoluteCoordinates),
@@ -233,89 +221,3 @@ def _kernel(
     if chosen is not coordinates:
         return _kernel(model, chosen, *strategies, backend)
     return DynamicsKernel(model, chosen, *strategies, BACKENDS[backend]())
-
-
-@overload
-def solve_dynamics(
-    model: Model,
-    duration: Time | None = None,
-    *,
-    parameters: Mapping[str, float] | None = None,
-    progress: bool | Callable[[float], None] = False,
-    **options: Unpack[DynamicsKeywords],
-) -> Motion: ...
-
-
-@overload
-def solve_dynamics(
-    model: StructuralModel,
-    duration: Time | None = None,
-    *,
-    parameters: Mapping[str, float] | None = None,
-    progress: bool | Callable[[float], None] = False,
-    **options: Unpack[TransientKeywords],
-) -> StructuralMotion: ...
-
-
-@overload
-def solve_dynamics(
-    model: Model,
-    duration: Time | None = None,
-    *,
-    parameters: ManyDesigns,
-    progress: bool | Callable[[float], None] = False,
-    workers: int | None = None,
-    **options: Unpack[DynamicsKeywords],
-) -> Batch: ...
-
-
-@overload
-def solve_dynamics(
-    model: StructuralModel,
-    duration: Time | None = None,
-    *,
-    parameters: ManyDesigns,
-    progress: bool | Callable[[float], None] = False,
-    workers: int | None = None,
-    **options: Unpack[TransientKeywords],
-) -> Batch: ...
-
-
-def solve_dynamics(
-    model: Model | StructuralModel,
-    duration: Time | None = None,
-    *,
-    parameters: Any = None,
-    progress: bool | Callable[[float], None] = False,
-    workers: int | None = None,
-    **options: Any,
-) -> Motion | StructuralMotion | Batch:
-    """Integrate the equations of motion, ``M v̇ + d = f − Cᵀλ``, ``C v̇ = ξ`` (5.2).
-
-    Those of a structure are those of ``solve_transient``, with its options.
-
-    Parameters
-    ----------
-    model : Model or StructuralModel
-    duration : [s]
-    parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
-        of dicts for a batch
-    progress : True for a bar, or a function of the fraction done
-    workers : of a batch; by default one for each core
-    **options : fields of ``Dynamics``: step, outputs, formulation, stabilization, integrator, …
-
-    Raises
-    ------
-    AnalysisError
-        Wrong options; ``AssemblyError``, ``SingularityError`` where the run cannot begin.
-    """
-    if isinstance(model, StructuralModel):
-        made: Any = analysis_of(
-            Transient, "solve_dynamics", model, parameters, duration=duration, **options
-        )
-    else:
-        made = analysis_of(
-            Dynamics, "solve_dynamics", model, parameters, duration=duration, **options
-        )
-    need_model(model, "solve_dynamics")
-    return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]

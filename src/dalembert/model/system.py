@@ -30,6 +30,16 @@ class System(Description):
     name : str
     gravity : (2,) or, in space, (3,) acceleration of gravity [m/s²]; none by default
     description : str
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -9.81))
+    >>> bob = system.add(planar.Bar("bob", length="800 mm", mass=2.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, bob.start))
+    >>> system.build().diagnosis.degrees_of_freedom
+    1
     """
 
     if not TYPE_CHECKING:

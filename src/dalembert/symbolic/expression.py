@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Iterable
 from typing import Any
 
@@ -14,6 +13,7 @@ from dalembert.amounts import Amount, check_unit
 from dalembert.budget import LARGEST
 from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.grammar import amount_of
+from dalembert.symbolic.ufuncs import FUNCTIONS, OPERATORS
 
 
 class Expression:
@@ -154,34 +154,6 @@ class Expression:
     def __repr__(self) -> str:
         label = f"{self.name} = " if self.name else ""
         return f"<{label}{str(self.sx)[:80]}{' ' + self.unit if self.unit else ''}>"
-
-
-OPERATORS = {
-    "add": operator.add,
-    "subtract": operator.sub,
-    "multiply": operator.mul,
-    "divide": operator.truediv,
-    "true_divide": operator.truediv,
-    "power": operator.pow,
-    "less": operator.lt,
-    "less_equal": operator.le,
-    "greater": operator.gt,
-    "greater_equal": operator.ge,
-}
-"""What NumPy calls the operators."""
-FUNCTIONS = {
-    **{name: getattr(ca, name) for name in "sin cos tan sinh cosh tanh exp log sqrt".split()},
-    **{f"arc{name}": getattr(ca, f"a{name}") for name in ("sin", "cos", "tan", "tan2")},
-    "hypot": ca.hypot,
-    "absolute": ca.fabs,
-    "fabs": ca.fabs,
-    "sign": ca.sign,
-    "floor": ca.floor,
-    "minimum": ca.fmin,
-    "maximum": ca.fmax,
-    "negative": operator.neg,
-}
-"""What NumPy calls the functions of formulas."""
 
 
 def _binary(a, b, operate) -> Any:

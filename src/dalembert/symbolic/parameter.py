@@ -47,6 +47,13 @@ class Parameter(Expression):
     ModelError
         A name that is no identifier, a value not finite or outside its bounds, bounds in the
         wrong order, an unknown unit.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> crank = da.System("press").parameter("crank", 45, unit="mm", bounds=(30, "6 cm"))
+    >>> crank.value, crank.unit, crank.given_unit
+    (0.045, 'm', 'mm')
     """
 
     __slots__ = ("bounds", "description", "given_unit", "value")

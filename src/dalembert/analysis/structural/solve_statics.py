@@ -64,6 +64,18 @@ def solve_statics(
     ------
     AnalysisError
         Wrong options; ``SingularityError`` where the structure is a mechanism.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> bar = da.Structure("bar")
+    >>> a, b = bar.node("a", 0), bar.node("b", "500 mm")
+    >>> rod = bar.add(da.structures.Truss("rod", a, b, area="4 cm^2", modulus="210 GPa"))
+    >>> bar.support(a)
+    >>> bar.load(b, fx="84 kN")
+    >>> result = da.solve_statics(bar.build())
+    >>> round(result["b.ux"], 9), round(result["rod.stress"])
+    (0.0005, 210000000)
     """
     chosen = NonlinearStatics if nonlinear else Statics
     made = analysis_of(chosen, "solve_statics", model, parameters, **options)
