@@ -99,7 +99,13 @@ def _written(column: np.ndarray) -> tuple[dict[str, Any], bytes]:
     """Head and bytes of a column."""
     known = np.isfinite(column)
     low, high = (column[known].min(), column[known].max()) if known.any() else (0.0, 0.0)
-    head: dict[str, Any] = {"n": column.size, "low": repr(float(low)), "step": "0", "planes": 0, "order": 1}
+    head: dict[str, Any] = {
+        "n": column.size,
+        "low": repr(float(low)),
+        "step": "0",
+        "planes": 0,
+        "order": 1,
+    }
     if not known.all():
         head["gaps"] = _gaps(known)
         column = np.where(known, column, column[_last(known)] if known.any() else 0.0)
