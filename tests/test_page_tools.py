@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import struct
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import dalembert as da
 from dalembert import spatial
 from dalembert.errors import FileError
 from dalembert.report.compared import compared
+from dalembert.report.inline import InlinePage
 from dalembert.report.page import render_page
 
 
@@ -215,3 +217,20 @@ def test_pictures_in_space_are_not_blank(show: Any, flight: da.Motion) -> None:
     found = show(flight, viewport=(1000, 560))
     png = saved(found, "document.getElementById('save-png').click()")
     assert len(image.open(io.BytesIO(png)).convert("RGB").getcolors(1 << 24)) > 200
+
+
+def test_a_report_plays_inside_a_notebook(browser: Any, tmp_path: Path) -> None:
+    """In a frame without rights beyond scripts and downloads."""
+    path = tmp_path / "notebook.html"
+    shown = InlinePage(four_bar(frames=400), height=400)._repr_html_()
+    path.write_text(f"<html><body>{shown}</body></html>", encoding="utf-8")
+    page, told = browser.new_page(), []
+    page.on("console", lambda message: told.append(message.text))
+    page.on("pageerror", lambda error: told.append(str(error)))
+    page.goto(path.as_uri())
+    frame = page.frames[1]
+    frame.wait_for_selector("#play")
+    frame.wait_for_selector(".plot canvas")
+    assert frame.evaluate("dalembert.motion.n") == 400
+    assert told == []
+    page.close()

@@ -242,3 +242,13 @@ def test_a_wall_in_space_stands_where_the_stop_begins():
     (wall,) = motion_scene(still(system.build()), np.array([0]))["symbols"]
     assert np.allclose([wall[f"at_{axis}"][0] for axis in "xyz"], (0.3, 0, 0))
     assert np.allclose([wall[f"normal_{axis}"][0] for axis in "xyz"], (-1, 0, 0))
+
+
+def test_rams_in_sliding_joints_are_cylinders_in_space_too():
+    system, along = da.System("ram"), {"axis": (1, 0, 0), "x": (0, 0, 1)}
+    slab = system.add(spatial.Box("slab", size=(0.3, 0.1, 0.1), density=800, position=(0.5, 0, 0)))
+    rail = spatial.Prismatic("P", system.ground.frame((0, 0, 0), **along), slab.frame(**along))
+    system.add(rail)
+    system.add(spatial.JointActuator("ram", rail, 3.0))
+    (link,) = motion_scene(still(system.build()), np.array([0]))["links"]
+    assert link["symbol"] == "cylinder" and link["i"]["body"] == "ground"

@@ -209,6 +209,11 @@ class Constraint(Element):
         count = self.equations.numel() + self.slip.numel()
         self.multiplier = stack(ca.SX.sym(f"{self.name}.lambda{k}") for k in range(count))
 
+    @property
+    def spots(self) -> tuple[Any, Any] | None:
+        """The points of its two bodies between which it stands, if there are such."""
+        return None
+
     def residual(self) -> ca.SX:
         """Equations ``Φ`` in the pose symbols of the parts and time."""
         raise NotImplementedError

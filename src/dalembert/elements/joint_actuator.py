@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.elements.along_joint import AlongJoint
 from dalembert.elements.base import Constraint, Look, Rate, Scalar, option, quantity
 from dalembert.elements.look import Cylinder, Motor
-from dalembert.elements.pair import BetweenPoints, Pair
+from dalembert.elements.pair import Pair
 
 
 @dataclass(eq=False)
@@ -27,6 +27,7 @@ class JointActuator(AlongJoint):
     joint: Constraint
     value: Scalar = quantity("N | N m", "force or moment, positive drives the motion up")
     motion: str = option("which free motion, where there are several", default=None)
+    unseen = "the motion it drives has no two points"
 
     def effort(self, speed: ca.SX) -> ca.SX:
         return self.value.sx
@@ -34,9 +35,8 @@ class JointActuator(AlongJoint):
     def look(self) -> list[Look]:
         if self.sliding_unit == "rad" and isinstance(self.joint, Pair):
             return [Motor(*self.joint.ends())]
-        if isinstance(self.joint, BetweenPoints):
-            return [Cylinder(self.joint.point_i, self.joint.point_j)]
-        return []
+        spots = self.joint.spots
+        return [] if spots is None else [Cylinder(*spots)]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         power = self.value.sx * rate(self.sliding)

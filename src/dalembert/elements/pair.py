@@ -103,6 +103,10 @@ class BetweenPoints(Element):
         return list(self.ends())
 
     @property
+    def spots(self) -> tuple[Point, Point]:
+        return self.point_i, self.point_j
+
+    @property
     def between(self) -> ca.SX:
         """Vector from the first to the second point, inertial axes."""
         return self.point_j.position.sx - self.point_i.position.sx

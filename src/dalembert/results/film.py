@@ -52,9 +52,12 @@ def write_film(
     film = FuncAnimation(figure, picture.show, frames=frames, interval=1000 / fps, blit=False)
     with atomic_path(path) as temporary:
         named = temporary.with_name(temporary.name + path.suffix)
-        film.save(named, writer=writer, fps=fps, dpi=figure.dpi)
-        named.replace(temporary)
-    plt.close(figure)
+        try:
+            film.save(named, writer=writer, fps=fps, dpi=figure.dpi)
+            named.replace(temporary)
+        finally:
+            named.unlink(missing_ok=True)
+            plt.close(figure)
     return path
 
 

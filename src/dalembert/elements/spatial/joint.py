@@ -16,6 +16,7 @@ from dalembert.elements.along_joint import free_motion
 from dalembert.elements.base import Constraint, Look
 from dalembert.elements.look import Mark, Rail
 from dalembert.elements.pair import Pair
+from dalembert.elements.point import Point
 from dalembert.elements.spatial.frame_pair import BetweenFrames, FrameAndPoint, OnFrame
 from dalembert.elements.spatial.turn import Turn
 
@@ -41,6 +42,10 @@ class SpatialJoint(OnFrame, Pair, Constraint):
 
     def look(self) -> list[Look]:
         return [Mark(self.end, self.frame_i)]
+
+    @property
+    def spots(self) -> tuple[Point, Point]:
+        return self.frame_i, self.end
 
     @property
     def rail(self) -> Rail:
