@@ -53,7 +53,8 @@ class StepAccuracy:
         if not self.chosen.size:
             return []
         try:
-            way, ends = self._way(), [self._ends(1), self._ends(2)]
+            ends = [self._ends(1), self._ends(2)]
+            way = self._way(ends[0])
             share = self._share(ends[0] - ends[1], way)
             if not share > ALLOWED:
                 return []
@@ -88,10 +89,10 @@ class StepAccuracy:
                 (x[:, some],) = step(t[some] + i * h[some], h[some], x[:, some], p)
         return x[: self.size]
 
-    def _way(self) -> np.ndarray:
+    def _way(self, after: np.ndarray) -> np.ndarray:
         """(n,) how far the run goes in each coordinate, how fast in each speed."""
         first, last = (self.steps.x[: self.size, k] for k in (0, -1))
-        seen = np.column_stack([first, last, self.begins[: self.size], self._ends(1)])
+        seen = np.column_stack([first, last, self.begins[: self.size], after])
         way = np.ptp(seen[: self.positions], axis=1)
         speed = np.abs(seen[self.positions :]).max(axis=1)
         return np.concatenate([np.maximum(w, SMALL * w.max(initial=0.0)) for w in (way, speed)])
