@@ -97,8 +97,8 @@ from dalembert.design.studies.sweep import sweep as sweep
 from dalembert.design.synthesis.cam import FlatFaceCam as FlatFaceCam, RollerCam as RollerCam
 from dalembert.design.synthesis.chains import (
     INVERSIONS as INVERSIONS,
-    from_chain as from_chain,
     geared_five_bar as geared_five_bar,
+    linkage_from_chain as linkage_from_chain,
     six_bar as six_bar,
 )
 from dalembert.design.synthesis.dead_centre import dead_centre_four_bar as dead_centre_four_bar

@@ -92,7 +92,7 @@ def six_bar(
     if kind not in INVERSIONS:
         raise ModelError(unknown("six-bar", kind, INVERSIONS))
     usual = INVERSIONS[kind]
-    return from_chain(
+    return linkage_from_chain(
         usual.chain,
         joints,
         ground or usual.ground,
@@ -104,7 +104,7 @@ def six_bar(
     )
 
 
-def from_chain(
+def linkage_from_chain(
     chain: Mapping[str, Sequence[str]],
     joints: Places,
     ground: str,
@@ -209,7 +209,7 @@ def geared_five_bar(
     joints : O1 and O2 on the ground, A between ``crank`` and ``left``, C between ``left`` and
         ``right``, B between ``right`` and ``gear`` [m]
     ratio : of the speeds; negative for two gears in mesh, positive for a ring or an idler
-    points, reach, speed : as of ``from_chain``
+    points, reach, speed : as of ``linkage_from_chain``
 
     Raises
     ------
@@ -219,7 +219,9 @@ def geared_five_bar(
     if not ratio:
         raise ModelError("the ratio of the gears is zero; give that of their speeds")
     chain = {**FIVE, "base": ("O1", "O2")}
-    made = from_chain(chain, joints, "base", "crank", points, reach=reach, speed=speed, name=name)
+    made = linkage_from_chain(
+        chain, joints, "base", "crank", points, reach=reach, speed=speed, name=name
+    )
     crank, gear = made.bodies[0], made.bodies[-1]
     made.add(planar.Coupling("gears", crank, gear, ratio=ratio))
     return made
