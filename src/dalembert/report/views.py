@@ -6,17 +6,20 @@ and share which of them is chosen.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+EXPONENT = re.compile(r"(?<=\d)e-(?=\d)")
+"""What a line would be broken at in a number."""
+
 
 def facts(title: str, rows: Iterable[tuple[Any, Any]], note: str = "") -> dict[str, Any]:
     """Labelled values."""
-    items = [
-        {"label": str(k), "value": f"{v:.6g}" if isinstance(v, float) else str(v)} for k, v in rows
-    ]
+    told = ((k, f"{v:.6g}" if isinstance(v, float) else str(v)) for k, v in rows)
+    items = [{"label": str(k), "value": EXPONENT.sub("e−", text)} for k, text in told]
     return {"kind": "facts", "title": title, "items": items, "note": note}
 
 

@@ -42,7 +42,9 @@ def _kept(thing: Any, size: int, keep: np.ndarray) -> Any:
 
 
 def alternative(result: Any, page: dict[str, Any], **first_view: Any) -> dict[str, Any]:
-    """What the page of another result has in place of what ``page`` has."""
+    """What the page of another result has in place of what ``page`` has; nothing without one."""
+    if result is None:
+        return {}
     other = result.page(**first_view)
     if "time" in page and other.get("time"):
         most = len(page["time"]) or 1
