@@ -182,10 +182,9 @@ def _without_angle(dimension: Mapping[str, float]) -> dict[str, float]:
 
 def shown_in(si: str, wanted: Sequence[str]) -> tuple[float, str]:
     """Factor and name of the first wanted unit of the same dimension; 1 and its own if none is."""
-    try:
-        own = unit(si)
-    except ExpressionError:  # a label that is no unit, such as "N or N m"
+    if not wanted or " or " in si:  # of a variable that holds forces and moments, say
         return 1.0, si
+    own = unit(si)
     for text in wanted:
         other = unit(text)
         if dict(other.dimension) == dict(own.dimension):

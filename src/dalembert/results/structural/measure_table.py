@@ -2,37 +2,57 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.elements.fem.nodal import ROTATIONS
 from dalembert.errors import DalembertError
+from dalembert.results.headings import checked_units
+from dalembert.units import shown_in
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-def measure_table(result: Any) -> pd.DataFrame:
-    """One row per load case, one column per measure; units in ``attrs``.
+def measure_table(result: Any, units: Sequence[str] = ()) -> pd.DataFrame:
+    """One row per measure with its unit, one column per load case.
 
-    Displacements, forces on nodes, and stresses, forces and energies of the elements; of sets with
-    many members what reduces them.
+    Displacements and forces of all nodes, and stresses, forces and energies of the elements; of
+    sets with many members what reduces them.
+
+    Parameters
+    ----------
+    units : wanted, each for what has its dimension; SI units by default
     """
     import pandas as pd
 
-    model, columns, units = result.model, {}, {}
-    known = dict(zip(model.degrees.names, result.displacements, strict=True))
+    wanted, model = checked_units(units), result.model
+    rows: dict[str, tuple[str, np.ndarray]] = {}
+    for name, displacement, force in zip(
+        model.degrees.names, result.displacements, result.forces, strict=True
+    ):
+        node, _, direction = name.rpartition(".")
+        turns = direction in ROTATIONS[3]
+        dual = direction.replace("u", "f").replace("r", "m")
+        rows[name] = ("rad" if turns else "m", displacement)
+        rows[f"{node}.{dual}"] = ("N m" if turns else "N", force)
     for name in model.names.known():
+        if name in rows:
+            continue
         try:
-            measure = model[name]
-            values = known[name] if name in known else result.values(name)
+            values = result.values(name)
         except DalembertError:  # parameters, and what this analysis does not have
             continue
         if np.ndim(values) == 1 and not np.all(np.isnan(values)):
-            columns[name], units[name] = values, measure.unit
-    table = pd.DataFrame(columns, index=pd.Index(result.cases, name="case"))
-    table.attrs["units"] = units
-    return table
+            rows[name] = (model[name].unit, values)
+    shown = [shown_in(unit, wanted) for unit, _ in rows.values()]
+    table = np.array([v for _, v in rows.values()]) / np.array([[f] for f, _ in shown])
+    cases = [str(case) or "value" for case in result.cases]
+    made = pd.DataFrame(table, index=pd.Index(rows, name="measure"), columns=cases)
+    made.insert(0, "unit", ["" if label == "1" else label for _, label in shown])
+    return made
 
 
 def element_variables(result: Any) -> dict[str, Any]:

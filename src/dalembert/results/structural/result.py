@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -98,10 +100,17 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
         )
 
     def to_dataframe(self) -> pd.DataFrame:
-        """One row per load case, one column per measure, by name; their units are in ``attrs``."""
+        """One row per measure, by name and with its unit; one column per load case."""
         from dalembert.results.structural.measure_table import measure_table
 
         return measure_table(self)
+
+    def to_csv(self, path: str | Path, units: Sequence[str] = ()) -> Path:
+        """Write ``to_dataframe`` as CSV, in the units wanted, such as ``["mm", "MPa"]``."""
+        from dalembert.results.store import save_table
+        from dalembert.results.structural.measure_table import measure_table
+
+        return save_table(measure_table(self, units), path)
 
     def __repr__(self) -> str:
         count = len(self.cases)
