@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from dalembert.cli.console import DONE
-
-SHELLS = ("bash", "zsh", "fish")
-"""Shells there is a script for."""
+from dalembert.cli.console import DONE, AsJson, emit
 
 
-def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
+def completion(shell: Literal["bash", "zsh", "fish"], /, *, as_json: AsJson = False) -> int:
     """Print the completion script of a shell.
 
     bash: dalembert completion bash > ~/.local/share/bash-completion/completions/dalembert
@@ -26,5 +23,9 @@ def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
     """
     from dalembert.cli.app import make_app
 
-    print(make_app().generate_completion(shell=shell))
+    script = make_app().generate_completion(shell=shell)
+    if as_json:
+        emit({"ok": True, "shell": shell, "script": script})
+    else:
+        print(script)
     return DONE

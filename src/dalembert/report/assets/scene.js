@@ -7,7 +7,7 @@ class Scene {
     this.unit = this.symbolSize();
     this.view = { x: 0, y: 0, s: 1 };
     this.fitted = true;
-    this.show = { labels: motion.bodies.length <= 12, forces: false, grid: true, ghosts: true };
+    this.show = { labels: motion.bodies.filter((body) => body.label).length <= 12, forces: false, grid: true, ghosts: true };
     this.pointer = null;
     this.pending = false;
     this.ratio = undefined;

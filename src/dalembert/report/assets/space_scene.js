@@ -4,7 +4,7 @@ class SpatialScene extends Assembly {
   constructor(motion, canvas, tip) {
     super(motion, canvas);
     Object.assign(this, { canvas, tip });
-    this.show = { labels: motion.bodies.length <= 12, forces: false, grid: true, ghosts: true };
+    this.show = { labels: motion.bodies.filter((body) => body.label).length <= 12, forces: false, grid: true, ghosts: true };
     this.sizes = newSizes();
     this.cut = new THREE.Plane(new THREE.Vector3(-1, 0, 0), 0);
     motion.chooseTraces(this.view.radius);
