@@ -115,6 +115,18 @@ def test_a_run_that_leaves_a_table_ends_and_names_it(integrator):
     assert abs(motion.values("bob.angle")[-1]) <= 0.6 + 1e-6
 
 
+def test_a_driven_motion_that_leaves_a_table_names_it():
+    system = da.System("x")
+    bob = system.add(planar.Bar("bob", length=0.5, mass=1.0))
+    system.add(planar.Revolute("O", system.ground.center, bob.start))
+    system.add(planar.RotationalDriver("motor", system.ground, bob, law=2 * da.t))
+    torque = system.table("torque", [-0.5, 0, 0.5], [1, 2, 3])
+    system.add(planar.Moment("M", bob, torque(bob.angle)))
+    motion = da.solve_inverse_dynamics(system.build(), 1.0, step=0.01)
+    assert not motion.status.success and motion.time[-1] == pytest.approx(0.25)
+    assert "after t = 0.25 s the table 'torque' goes from -0.5 to 0.5" in motion.status.message
+
+
 def test_a_start_outside_of_a_table_is_refused():
     with pytest.raises(da.ModelError, match=r"at the start the table 'torque' goes from -0.6"):
         pendulum(top=0.6, angle=2.0)

@@ -25,6 +25,7 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
+from dalembert.model.table_ranges import left_ahead
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status, reached, stopped
@@ -32,6 +33,8 @@ from dalembert.results.status import Outcome, Status, reached, stopped
 CHUNK = 200
 NEAR = 1e-9
 """Distance of two times, in steps, below which they are one."""
+LOOK = 1e-3
+"""Share of the run by which a motion is looked back, and ahead, for tables that end."""
 TOLERANCE = 1e-10
 """Largest violation of a position that counts as found, by the natural size of its equation."""
 LARGEST_TURN = 0.1
@@ -81,7 +84,7 @@ class KinematicsRun:
         self.parts = [slice(*pair) for pair in pairwise(ends)]
         self.fold: Fold | None = None
         self.substeps = 0
-        self.message, self.interrupted = "", False
+        self.message, self.lacking, self.interrupted = "", "", False
 
     def execute(self, progress) -> Motion:
         begin = clock.perf_counter()
@@ -254,6 +257,10 @@ class KinematicsRun:
         else:
             there = SingularPosition(self.model, now, y, self.p)
             self.message = f"no continuous position was found after t = {now:.9g} s{there.drivers}"
+            v, model = last[self.parts[1]], self.model
+            back = LOOK * float(np.ptp(self.grid))
+            self.lacking = left_ahead(model.parts, model.all_equations, now, (y, v), back, self.p)
+            self.message = self.lacking or self.message
 
     # what was found ----------------------------------------------------------------
     def singular(self, name: str, time: float, y: np.ndarray) -> EventRecord:
@@ -286,6 +293,7 @@ class KinematicsRun:
             return stopped(time, residual)
         if self.message:
             ended = Outcome.LOCKED if self.fold else Outcome.SINGULAR
+            ended = Outcome.DIVERGED if self.lacking else ended
             return Status(ended, self.message, time, residual)
         forces = MOTION if self.analysis.efforts else np.inf
         return ModelTruth(self.model, s, self.p, motion=forces).judged(reached(time, residual))

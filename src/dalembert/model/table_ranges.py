@@ -39,3 +39,18 @@ def left_table(
                         "'extrapolate' or 'clamp'"
                     )
     return ""
+
+
+def left_ahead(
+    d: Description,
+    e: Equations,
+    now: float,
+    state: tuple[np.ndarray, np.ndarray],
+    back: float,
+    p: np.ndarray,
+) -> str:
+    """Which table ends where a motion does, told from where it was a time ``back`` before."""
+    y, v = state
+    earlier = (now - back, e.manifold.go(y, -back * v), v)
+    left = left_table(d, e, [earlier, (now, y, v)], p)
+    return f"after t = {now:.9g} s {left}" if left else ""
