@@ -37,7 +37,7 @@ def main(folder=None) -> dict[str, float]:
     print(*(f"{name}: {value:.6g}" for name, value in numbers.items()), sep="\n")
     print(best.message)
     if folder:
-        figure, left, right = style.beside()
+        figure, left, right = style.beside(9.0, 4.6)
         style.space(left, best.motion, np.pi / 2, trace="upright.wheel")
         left.set_title("at full bump")
         shown = (("as drawn", best.initial), ("tangent at rest", moved), ("best", best.motion))

@@ -117,7 +117,7 @@ class Dynamics(OverTime[Motion]):
         return {
             **super().checks(model),
             "stabilization": lambda: self.stabilization.check(self.formulation),
-            "coordinates": lambda: self.coordinates.view(model, self.formulation.every_equation),
+            "coordinates": lambda: self.coordinates.check(model, self.formulation.every_equation),
             "formulation": definite,
             "integrator": lambda: self.integrator.check(definite().problem),
             "": lambda: refuse_overlap(model, checked_span(self.duration, self.t_span)[0]),

@@ -27,6 +27,9 @@ class AutomaticCoordinates(Coordinates):
                 continue
         return min(costs, key=costs.__getitem__, default=CANDIDATES[0])
 
+    def check(self, model: Model, every_equation: bool) -> None:
+        """A model that joint coordinates refuse stays in absolute ones."""
+
     def view(self, model: Model, every_equation: bool = False) -> CoordinateView:
         raise UnsupportedError(
             "AutomaticCoordinates() are chosen for runs of solve_dynamics; give "

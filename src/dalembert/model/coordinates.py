@@ -80,6 +80,10 @@ class Coordinates:
         """Those it stands for: itself, unless it is left to their ``cost``."""
         return self
 
+    def check(self, model: Model, every_equation: bool) -> None:
+        """They can describe the model; raises what ``view`` raises."""
+        self.view(model, every_equation)
+
     def view(self, model: Model, every_equation: bool = False) -> CoordinateView:
         """The model in these coordinates.
 
