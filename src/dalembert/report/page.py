@@ -26,7 +26,16 @@ __all__ = ["as_json", "render_page", "write_page"]
 
 #: The scripts of each kind of page, in the order in which they are joined into one scope.
 _VIEWS = ("panels.js", "optimum.js", "charts.js", "designs.js", "views.js")
-_FRAME = ("svg.js", "share.js", "player.js", "plots.js", "picker.js", *_VIEWS, "page.js")
+_FRAME = (
+    "svg.js",
+    "share.js",
+    "player.js",
+    "plots.js",
+    "plot_board.js",
+    "picker.js",
+    *_VIEWS,
+    "page.js",
+)
 SCRIPTS = {
     "mechanism": (
         "util.js",
@@ -37,6 +46,9 @@ SCRIPTS = {
         "motion.js",
         "symbols.js",
         "looks.js",
+        "scene_camera.js",
+        "scene_painter.js",
+        "scene_marks.js",
         "scene.js",
         "plane.js",
         *_FRAME,
