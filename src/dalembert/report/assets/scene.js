@@ -156,15 +156,13 @@ class Scene extends SceneMarks {
     return {
       fill: mix(surface, colour, name === "dark" ? 0.42 : 0.34),
       edge: name === "dark" ? colour : mix(colour, ink, 0.25),
-      text: name === "dark" ? mix(colour, ink, 0.35) : mix(colour, ink, 0.35),
+      text: mix(colour, ink, 0.35),
       width: 1.6,
     };
   }
 
   get vector() { return true; }
   get hint() { return "Wheel zooms, drag pans."; }
-
-  // Drawing ---------------------------------------------------------------
 
   invalidate() {
     if (this.pending) return;
@@ -210,8 +208,6 @@ class Scene extends SceneMarks {
     if (motion.gravity) this.drawGravity();
     this.drawTip();
   }
-
-  // What is under the pointer ----------------------------------------------
 
   hit([px, py]) {
     const near = (p, r) => p && Math.hypot(p[0] - px, p[1] - py) <= r;
