@@ -236,6 +236,27 @@ def test_several_analyses(tmp_path, capsys):
     assert list(told(capsys)["x"]) == ["area"]
 
 
+def test_an_event_of_a_case_is_one_of_its_own_analysis(tmp_path, capsys):
+    """The case turns at 10 rad/s from rest at 0 and passes 0.5 rad after 0.05 s."""
+    fast = (
+        '[cases.fast]\nanalysis = { type = "Dynamics", duration = 0.1, '
+        'events = { halfway = "crank.angle - 0.5" } }\n'
+    )
+    when = 'when = { type = "AtEvent", measure = "time", event = "halfway", case = "fast" }\n'
+    text = CASES.replace("[responses]\n", "[responses]\n" + when)
+    text = text.replace('minimize = "cost"', 'minimize = "when"').replace(
+        'vary = ["radius", "area"]', 'vary = ["radius"]'
+    )
+    start = text.index("[cases.fast]")
+    text = text[:start] + fast + text[text.index("[responses]") :]
+    text = "\n".join(
+        line for line in text.splitlines() if not line.startswith(("reach", "subject_to"))
+    )
+    text = text.replace("mass - 60*reach", "mass")
+    found = run(capsys, "optimize", written(tmp_path, text))
+    assert found["fun"] == pytest.approx(0.05, rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

@@ -410,7 +410,7 @@ def test_a_response_at_an_unknown_event_is_refused(tmp_path):
         make_responses(file, file.model())
     text = text.replace("pases", "passes").replace("passes = ", "reached = ", 1)
     file = load_model_file(written(tmp_path, text))
-    with pytest.raises(da.ModelError, match=r"known in \[analysis\.events\]: reached"):
+    with pytest.raises(da.ModelError, match=r"known in the events of its analysis: reached"):
         make_responses(file, file.model())
 
 

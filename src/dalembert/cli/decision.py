@@ -64,12 +64,12 @@ class Asked:
         """
         file, model = loaded(self.path, self.settings) if assembled else (self._read(), None)
         with wrong_input():
-            run = read(file, model)
+            run, first_view = read(file, model), self._first_view(file, model)
         folder = output_folder(self.output) if self.output and write is None else None
         found = run(not (self.quiet or self.as_json))
         files = [] if write is None else write(found)
         if folder is not None:
-            files = found.write(folder / file.path.stem, **self._first_view(file, model))
+            files = found.write(folder / file.path.stem, **first_view)
         made = {"name": file.name, **found.summary(), "files": [str(f) for f in files]}
         if self.as_json:
             emit(made)

@@ -71,11 +71,13 @@ class Quantities:
         table = self.document.responses[name]
         owner = getattr(table, "case", None)
         if owner is None:
-            read = measure_reader(self.document)
-            return make_response(self.file, self.model, name, table, read)
-        case = self._case(owner, "responses", name, "case")
-        read = measure_reader(self._file_of(owner).document)
-        return case[make_response(self.file, case.model, name, table, read)]
+            read, run = measure_reader(self.document), self.document.analysis
+            return make_response(self.file, self.model, name, table, read, run)
+        case, document = self._case(owner, "responses", name, "case"), self._file_of(owner).document
+        run = self.document.cases[owner].analysis or document.analysis
+        return case[
+            make_response(self.file, case.model, name, table, measure_reader(document), run)
+        ]
 
     def _combined(self, name: str) -> Combined:
         table = self.document.combined[name]

@@ -26,21 +26,28 @@ def make_responses(file: ModelFile, model: Any) -> dict[str, Response]:
     """
     tables: dict[str, Any] = file.document.responses
     read = measure_reader(file.document)
+    analysis = file.document.analysis
     return {
-        name: make_response(file, model, name, table, read)
+        name: make_response(file, model, name, table, read, analysis)
         for name, table in tables.items()
         if getattr(table, "case", None) is None
     }
 
 
 def make_response(
-    file: ModelFile, model: Any, name: str, table: Any, read: Callable[[Any, str], Expression]
+    file: ModelFile,
+    model: Any,
+    name: str,
+    table: Any,
+    read: Callable[[Any, str], Expression],
+    analysis: Any,
 ) -> Response:
     """One of them.
 
     Parameters
     ----------
     read : ``(model, text) → measure`` of its run
+    analysis : the table of its run
     """
     with file.located("responses", name, "measure"):
         measure = read(model, str(table.measure))
@@ -51,16 +58,15 @@ def make_response(
         options.pop("case", None)
         made: Response = RESPONSES[table.type](**options)
     if isinstance(made, AtEvent):
-        _check_event(file, table.event, "responses", name, "event")
+        _check_event(file, table.event, analysis, "responses", name, "event")
     return made
 
 
-def _check_event(file: ModelFile, name: str, *where: str) -> None:
-    table: Any = file.document.analysis
-    known = getattr(table, "events", None) or {}
+def _check_event(file: ModelFile, name: str, analysis: Any, *where: str) -> None:
+    known = getattr(analysis, "events", None) or {}
     if name not in known:
         raise file.located.error(
-            f"unknown event {name!r}{nearest(name, known)}; known in [analysis.events]: "
+            f"unknown event {name!r}{nearest(name, known)}; known in the events of its analysis: "
             f"{', '.join(known) or 'none'}",
             *where,
         )
