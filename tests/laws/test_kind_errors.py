@@ -4,9 +4,6 @@ import ast
 import dataclasses
 import inspect
 import math
-import subprocess
-import sys
-import textwrap
 from pathlib import Path
 
 import casadi as ca
@@ -150,50 +147,3 @@ def test_no_verb_takes_untyped_options():
             ):
                 assert node.args.kwarg is not None and node.args.kwarg.annotation is not None
                 assert "Unpack" in ast.unparse(node.args.kwarg.annotation)
-
-
-TYPED = """
-import numpy as np
-
-import dalembert as da
-from dalembert import planar, spatial
-
-system = da.System("x")
-bob = system.add(planar.Bar("bob", length="1 m", mass=1.0))
-hinge = system.add(spatial.Spherical("O", system.ground.point(0, 0, 0), bob.start))
-reveal_type(bob)
-reveal_type(hinge)
-model = system.build()
-motion = da.solve_dynamics(model, "1 s", step=0.1, integrator=da.RK4(), outputs=[0.0, "1 s"])
-reveal_type(motion)
-reveal_type(motion.at([0.1]))
-reveal_type(motion.at(0.1))
-reveal_type(da.solve_kinematics(model, 1.0, step="1 ms").at(np.array([0.1])))
-structure = da.Structure("s")
-bar = structure.add(da.structures.Truss("t", structure.node("a", 0), structure.node("b", 1),
-                                        area=1, modulus=1))
-reveal_type(bar)
-da.solve_dynamics(model, 1.0, stp=0.1)
-da.solve_dynamics(model, 1.0, integrator="RK4")
-da.solve_statics(structure.build(), solvr="auto")
-"""
-REVEALED = ["Bar", "Spherical", "Motion", "Motion", "Motion", "Motion", "Truss"]
-
-
-def test_editors_know_what_comes_out(tmp_path):
-    path = tmp_path / "typed.py"
-    path.write_text(textwrap.dedent(TYPED), encoding="utf-8")
-    root = Path(da.__file__).parents[2]
-    done = subprocess.run(
-        [sys.executable, "-m", "mypy", "--follow-imports=silent", str(path)],
-        cwd=root,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    told = done.stdout.splitlines()
-    revealed = [line.split('"')[1].split(".")[-1] for line in told if "Revealed" in line]
-    assert revealed == REVEALED, done.stdout
-    lines = TYPED.splitlines()
-    wrong = {lines[int(line.split(":")[1]) - 1] for line in told if "error:" in line}
-    assert wrong == set(lines[-3:]), done.stdout

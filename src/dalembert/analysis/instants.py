@@ -20,8 +20,6 @@ from dalembert.results.motion import Motion
 from dalembert.results.result import Result
 from dalembert.results.status import Outcome
 
-"""Distance from the beginning of a step, relative to the time, that counts as none."""
-
 
 @dataclass(frozen=True)
 class Instant:

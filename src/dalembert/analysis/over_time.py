@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from dalembert.analysis.timeline import check_times
+from dalembert.analysis.times import retimed
 from dalembert.model.model import Model
 from dalembert.options import inherit_texts, options
 from dalembert.results.result import Analysis, R
@@ -28,7 +29,8 @@ class OverTime(Analysis[Model, R]):
 
     Parameters
     ----------
-    duration : length of the run from t = 0 [s]; this or ``t_span``
+    duration : length of the run from t = 0 [s]; this or ``t_span``. Times that the verbs and
+        files were given as formulas follow the parameters of each run, and gradients with them
     t_span : (start, end) of the run [s]
     step : step length, by default a thousandth of the run [s]
     outputs : number of equally spaced times, or the times [s]; default every step
@@ -67,5 +69,6 @@ class OverTime(Analysis[Model, R]):
         AssemblyError, SingularityError, UnsupportedError
             The run cannot begin.
         """
-        found: R = self.execution(self, model, parameters).execute(progress)
+        analysis = retimed(self, model, parameters)
+        found: R = self.execution(analysis, model, parameters).execute(progress)
         return found

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar
+from dataclasses import replace
+from typing import Any, Self, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -27,6 +28,71 @@ TIMES = ("duration", "step", "outputs", "t_span", "time")
 A = TypeVar("A", bound=Analysis[Any, Any])
 
 
+class FollowingTime(float):
+    """A time that follows parameters: its number in a run, and the formula it comes from.
+
+    In another process it is a number.
+    """
+
+    formula: Expression
+
+    def __new__(cls, seconds: float, formula: Expression) -> Self:
+        made = super().__new__(cls, seconds)
+        made.formula = formula
+        return made
+
+    def __repr__(self) -> str:
+        return f"{float(self)!r} = {self.formula.sx}"
+
+    def __str__(self) -> str:
+        return float.__repr__(self)
+
+    def __reduce__(self) -> tuple[type[float], tuple[float]]:
+        return float, (float(self),)
+
+
+def retimed(analysis: A, model: ParametricModel, parameters: Any) -> A:
+    """The analysis with times that follow parameters as they are at these.
+
+    Raises
+    ------
+    AnalysisError
+        A formula has no finite value there.
+    """
+    made = {name: _formulas(getattr(analysis, name, None)) for name in TIMES}
+    follows = {name: given for name, given in made.items() if given is not None}
+    if not follows:
+        return analysis
+    return replace(analysis, **in_seconds(follows, model, parameters, type(analysis).__name__))  # type: ignore[type-var]
+
+
+def follow_parameters(analysis: Analysis[Any, Any]) -> bool:
+    """Whether some of its times follow parameters."""
+    return any(_formulas(getattr(analysis, name, None)) is not None for name in TIMES)
+
+
+def slopes(time: Any, model: ParametricModel, p: np.ndarray) -> np.ndarray:
+    """(n,) derivatives of a time by all parameters; zero where it follows none."""
+    found = np.zeros(len(model.parameters))
+    if isinstance(time, FollowingTime):
+        symbols = ca.vertcat(*(parameter.sx for parameter in model.parameters.values()))
+        jacobian = ca.Function("slopes", [symbols], [ca.jacobian(time.formula.sx, symbols)])
+        found[:] = jacobian(p[: found.size]).full().ravel()
+    return found
+
+
+def _formulas(value: Any) -> Any:
+    """Formulas in place of numbers that come from them; None where there is none."""
+    if isinstance(value, FollowingTime):
+        return value.formula
+    if not isinstance(value, (list, tuple)):
+        return None
+    made = [_formulas(one) for one in value]
+    if all(one is None for one in made):
+        return None
+    return type(value)(a if b is None else b for a, b in zip(value, made, strict=True))
+
+
 def analysis_of(
     kind: type[A], verb: str, model: ParametricModel, parameters: Any, **options: Any
 ) -> A:
@@ -45,7 +111,7 @@ def in_seconds(
 ) -> dict[str, Any]:
     """Options of an analysis with numbers in place of texts and formulas of time.
 
-    Formulas are taken at the parameters of the run and then stay: gradients are at fixed times.
+    Numbers that come from formulas of parameters know it: see ``FollowingTime``.
 
     Raises
     ------
@@ -84,4 +150,5 @@ def _settled(value: Any, name: str, model: ParametricModel, parameters: Any, ver
         )
     p = model.nominal if are_designs(parameters) else model.values(parameters)
     function = ca.Function("time", [ca.vertcat(*used)], [formula.sx])
-    return float(function([p[symbols[symbol.name()]] for symbol in used]))
+    seconds = float(function([p[symbols[symbol.name()]] for symbol in used]))
+    return FollowingTime(seconds, formula) if used else seconds

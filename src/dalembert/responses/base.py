@@ -56,6 +56,10 @@ class Response:
         """Own sampling times, or None for the outputs of the motion."""
         return None
 
+    def stays(self, motion: Result) -> bool:
+        """Whether it looks at instants of its own, wherever the run begins and ends."""
+        return self.sample_times(motion) is not None
+
     def sampled(self, motion: Result) -> Result:
         """The motion at the instants that the response looks at."""
         times = self.sample_times(motion)

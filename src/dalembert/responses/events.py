@@ -41,6 +41,9 @@ class AtEvent(Response):
         number = "" if self.occurrence == 1 else f" {self.occurrence}"
         return f"at_event({Occurrence(self.event)}{number}, {text}"
 
+    def stays(self, motion: Result) -> bool:
+        return True
+
     def sampled(self, motion: Result) -> Result:
         try:
             return motion.analysis.at_event(motion, Occurrence(self.event, self.occurrence))

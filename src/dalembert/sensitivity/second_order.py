@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dalembert.analysis.times import follow_parameters
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Result
@@ -58,6 +59,11 @@ def hessian_product(
         raise UnsupportedError(
             "second derivatives are not available where structures of flexible bodies follow "
             "parameters; take differences of gradients"
+        )
+    if follow_parameters(result.analysis):
+        raise UnsupportedError(
+            "second derivatives are available at fixed times only, but times of this run are "
+            "formulas of parameters; give numbers"
         )
     engine = engine_of(result, [response])
     if engine.samples[0].moves_with:

@@ -15,7 +15,7 @@ from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.structural.transient_run import TransientRun, motion_at
 from dalembert.analysis.structural.transient_start import STARTS
-from dalembert.analysis.times import Time, analysis_of
+from dalembert.analysis.times import Time, analysis_of, retimed
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.newmark import Newmark, NewmarkFamily
 from dalembert.options import options
@@ -102,7 +102,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
             The run cannot begin.
         """
         p = model.values(parameters)
-        return TransientRun(self, model, p).execute(progress)
+        return TransientRun(retimed(self, model, p), model, p).execute(progress)
 
     def resample(self, motion: StructuralMotion, times: np.ndarray) -> StructuralMotion:
         """The motion at other times within the run.
@@ -121,7 +121,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
 
     def replay(self, motion: StructuralMotion, p: np.ndarray) -> StructuralMotion:
         """The same steps and outputs at other parameter values."""
-        return self.run(motion.model, p).at(motion.time)
+        return TransientRun(self, motion.model, p).execute(False).at(motion.time)
 
 
 def solve_transient(

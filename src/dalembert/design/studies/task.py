@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.batch.solve import solve_batch
+from dalembert.analysis.times import follow_parameters
 from dalembert.design.optimization import design_problem
 from dalembert.design.problem import NOT_FINITE
 from dalembert.design.studies.design import Design
@@ -70,8 +71,10 @@ class StudyTask:
     def batched(self) -> bool:
         """Whether designs are run side by side."""
         engine = getattr(self.analysis, "batched", None)
+        if engine is None or not self.together or follow_parameters(self.analysis):
+            return False
         try:
-            return self.together and engine is not None and engine.serves(self.analysis, self.model)
+            return bool(engine.serves(self.analysis, self.model))
         except DalembertError:  # the nominal design fails; others need not
             return False
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.analysis.times import follow_parameters
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
@@ -89,6 +90,8 @@ class Certificate:
             slope, verdict = float(here["taylor_slope"]), str(here["taylor_verdict"].item())
             told = f"slope {slope:.2f}, {verdict}" if np.isfinite(slope) else verdict
             lines.append(f"Taylor test of {r}: {told}")
+        if self.data.attrs["times_follow"]:
+            lines.append("at fixed times: the gradient adds how times follow parameters")
         return lines
 
     def __repr__(self) -> str:
@@ -143,7 +146,8 @@ def certify(
     found = [_taylor_verdict(taylor, r) for r in range(len(responses))]
     data["taylor_verdict"] = ("response", np.array(found, dtype=object))
     data["taylor_remainder"] = (("response", "taylor_step"), taylor.remainders)
-    return Certificate(xr.Dataset(data, coordinates, attrs={"model": motion.model.name}))
+    about = {"model": motion.model.name, "times_follow": follow_parameters(motion.analysis)}
+    return Certificate(xr.Dataset(data, coordinates, attrs=about))
 
 
 def _agreement(motion: Result) -> float:

@@ -1,0 +1,132 @@
+"""What times that follow parameters add to gradients at fixed times.
+
+Where the instants ``t_k`` of a response are formulas of parameters, as ``duration="2*pi/speed"``
+makes them,
+
+    dR/dp = (dR/dp at fixed times) + Σ (∂R/∂t_k + w_k ṁ_k) dt_k/dp,
+
+with the dot along the motion, which does not depend on where it is looked at. The steps that led
+there stay as they were: their lengths change the error of an integrator and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.instants import end_by_event
+from dalembert.analysis.kinematics import Kinematics
+from dalembert.analysis.timeline import checked_span
+from dalembert.analysis.times import follow_parameters, slopes
+from dalembert.errors import UnsupportedError
+from dalembert.responses.base import Response
+from dalembert.results.result import Result
+from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.registry import engine_for
+from dalembert.sensitivity.samples import Sample, take_sample
+
+
+def of_moving_times(
+    motion: Result, responses: Sequence[Response], columns: Sequence[int]
+) -> np.ndarray:
+    """(responses, columns) what is added to derivatives at fixed times.
+
+    Raises
+    ------
+    UnsupportedError
+        The start of a motion follows one of these parameters, or rates of measures are not known.
+    """
+    found = np.zeros((len(responses), len(columns)))
+    if not follow_parameters(motion.analysis):
+        return found
+    moving = MovingTimes(motion, columns)
+    if moving.none:
+        return found
+    samples = [take_sample(motion, response) for response in responses]
+    engine = engine_for(motion)(samples)
+    for row, response, sample in zip(found, responses, samples, strict=True):
+        row += moving.share(response, sample, engine)
+    return found
+
+
+class MovingTimes:
+    """``dt/dp`` of the instants of a run.
+
+    Parameters
+    ----------
+    motion : the run
+    columns : numbers of the parameters
+    """
+
+    def __init__(self, motion: Result, columns: Sequence[int]):
+        self.motion, self.analysis = motion, motion.analysis
+        analysis: Any = motion.analysis
+        p, wanted = motion.parameters, list(columns)
+
+        def slope(time: Any) -> np.ndarray:
+            """(columns,) of one time."""
+            return slopes(time, motion.model, p)[wanted]
+
+        span = getattr(analysis, "t_span", None)
+        ends = (0.0, analysis.duration) if span is None else span
+        self.span = checked_span(getattr(analysis, "duration", None), span)
+        self.start, self.end = map(slope, ends)
+        self.step = slope(analysis.step)
+        given = analysis.outputs
+        self.listed = [slope(t) for t in given] if np.ndim(given) else None
+        self.none = not any(np.any(s) for s in (self.start, self.end, *(self.listed or ())))
+        if np.any(self.start) and not isinstance(analysis, Kinematics):
+            raise UnsupportedError(
+                "a gradient by parameters that the start of the run follows is not available: the "
+                "whole motion moves with it; let the run start at a fixed time"
+            )
+        self.ended = end_by_event(motion) is not None
+
+    def share(self, response: Response, sample: Sample, engine: Engine) -> np.ndarray:
+        """(columns,) what the moving instants add to the gradient of a response."""
+        if response.stays(self.motion):
+            return np.zeros(self.end.size)
+        times = sample.motion.time
+        if np.array_equal(times, self.motion.time):
+            instants = samples = self.of_outputs(times)
+        else:  # over the steps of the run, of which the last one grows
+            end = np.zeros_like(self.end) if self.ended else self.end
+            instants = np.outer(np.eye(1, times.size, times.size - 1), end)
+            samples = np.outer(sample.shares, end)
+        added: np.ndarray = sample.time_weights @ instants
+        for k in np.flatnonzero(sample.weights * np.any(samples, axis=1)):
+            added = added + sample.weights[k] * self._rate(engine, sample, int(k)) * samples[k]
+        return added
+
+    def of_outputs(self, times: np.ndarray) -> np.ndarray:
+        """(K, columns) of the outputs of the run."""
+        analysis: Any = self.analysis
+        begin, end = self.span
+        shares = ((times - begin) / (end - begin))[:, None]
+        made = (1 - shares) * self.start + shares * self.end
+        if self.listed is not None:
+            made[:] = np.array(self.listed)[: times.size]
+        elif analysis.outputs is None and not self._divides:
+            made = self.start + np.arange(times.size)[:, None] * self.step
+            made[-1] = self.end
+        if self.ended:  # there the event says when
+            made[-1] = 0.0
+        return made
+
+    @property
+    def _divides(self) -> bool:
+        """Whether the steps are parts of the span, so that they grow with it."""
+        adaptive = getattr(getattr(self.analysis, "integrator", None), "adaptive", False)
+        return self.analysis.step is None and not adaptive  # type: ignore[attr-defined]
+
+    def _rate(self, engine: Engine, sample: Sample, k: int) -> float:
+        try:
+            return engine.rate(sample, k)
+        except NotImplementedError:
+            kind = type(self.analysis).__name__
+            raise UnsupportedError(
+                f"a gradient by parameters that the duration of a {kind} follows is not "
+                "available; give the duration as a number"
+            ) from None
