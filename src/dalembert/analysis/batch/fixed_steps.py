@@ -133,7 +133,7 @@ class FixedSteps:
         self._afford(size)
         prepared = kernel.fixed.prepared(self.mode)
         self.marching = march = LaneMarch(
-            prepared.called or prepared.function,
+            prepared.side_by_side,
             kernel.fixed.columns(self.mode),
             kernel.backend,
             h.size * known.size,
