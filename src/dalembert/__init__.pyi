@@ -159,6 +159,9 @@ from dalembert.errors import (
     UnsupportedError as UnsupportedError,
 )
 from dalembert.formulations.augmented_lagrangian import AugmentedLagrangian as AugmentedLagrangian
+from dalembert.formulations.automatic_formulation import (
+    AutomaticFormulation as AutomaticFormulation,
+)
 from dalembert.formulations.dae import Dae as Dae
 from dalembert.formulations.energy_projection import EnergyProjection as EnergyProjection
 from dalembert.formulations.kkt import Kkt as Kkt

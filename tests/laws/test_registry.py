@@ -21,6 +21,7 @@ from registry import (
 from spatial_registry import SPATIAL_CASES, any_model_of
 
 from dalembert.elements import planar, registry, spatial
+from dalembert.formulations.automatic_formulation import AutomaticFormulation
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
@@ -34,6 +35,8 @@ OF_STRUCTURES = {planar.FlexibleBody}
 """It has laws of its own, as its numbers are those of a structure."""
 DEFINITE = {f"{n}, chosen": definite(f, model_of("revolute")) for n, f in FORMULATIONS.items()}
 """What formulations become once they have chosen."""
+AUTOMATIC = {"AutomaticFormulation": AutomaticFormulation()}
+"""Stands for another and has laws of its own."""
 
 
 def test_every_exported_element_has_a_case():
@@ -72,7 +75,7 @@ def _concrete(kind: type) -> set[type]:
 @pytest.mark.parametrize(
     ("base", "table"),
     [
-        (Formulation, FORMULATIONS | SOFT | DEFINITE),
+        (Formulation, FORMULATIONS | SOFT | DEFINITE | AUTOMATIC),
         (Stabilization, STABILIZATIONS),
         (Integrator, INTEGRATORS),
     ],

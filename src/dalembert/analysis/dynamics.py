@@ -15,12 +15,13 @@ from dalembert.analysis.dynamics_run import DynamicsRun
 from dalembert.analysis.energy_balance import check_balance
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.instants import end_by_event, ended_again, instant_of
+from dalembert.analysis.merits import merits_of
 from dalembert.analysis.over_time import OverTime
 from dalembert.analysis.step_quadrature import StepQuadrature
 from dalembert.analysis.timeline import checked_span
 from dalembert.analysis.variant import Variant
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.formulations.base import Formulation
+from dalembert.formulations.base import Formulation, Merits
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
 from dalembert.integrators.base import Integrator
@@ -56,7 +57,8 @@ class Dynamics(OverTime[Motion]):
         of adaptive ones [s]
     coordinates : in which coordinates the equations are integrated; ``AutomaticCoordinates()``
         takes those that need fewer operations
-    formulation : how accelerations and multipliers are found
+    formulation : how accelerations and multipliers are found; ``AutomaticFormulation()`` takes
+        the one that needs fewest operations of those that are accurate
     stabilization : how violations of the constraints are kept small
     integrator : how time advances
     events : name → Event, or a formula that is recorded when it crosses zero
@@ -110,9 +112,7 @@ class Dynamics(OverTime[Motion]):
         """The strategies work together, and on this mechanism where it starts."""
 
         def definite() -> Variant:
-            kernel, start, p = self.kernel(model), model.start, model.nominal
-            x = kernel.start.function(0.0, start.y, start.v, p).full().ravel()
-            return kernel.variants[kernel.choose(0.0, x, p)]
+            return self.kernel(model).beginning[0]
 
         return {
             **super().checks(model),
@@ -220,4 +220,11 @@ def _kernel(
     chosen = coordinates.chosen(lambda one: _kernel(model, one, *strategies, backend).operations)
     if chosen is not coordinates:
         return _kernel(model, chosen, *strategies, backend)
+
+    def merits(one: Formulation) -> Merits:
+        return merits_of(_kernel(model, coordinates, one, stabilization, integrator, backend))
+
+    definite = formulation.chosen(merits, integrator.implicit)
+    if definite is not formulation:
+        return _kernel(model, coordinates, definite, stabilization, integrator, backend)
     return DynamicsKernel(model, chosen, *strategies, BACKENDS[backend]())

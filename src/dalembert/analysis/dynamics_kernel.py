@@ -213,6 +213,13 @@ class DynamicsKernel(StepOutputs):
         return everything
 
     @cached_property
+    def beginning(self) -> tuple[Variant, np.ndarray]:
+        """The variant where the model starts, and the state there."""
+        start, p = self.model.start, self.model.nominal
+        x = self.start.function(0.0, start.y, start.v, p).full().ravel()
+        return self.variants[self.choose(0.0, x, p)], x
+
+    @cached_property
     def operations(self) -> int:
         """What a step costs where the model starts: of its accelerations and its correction.
 
@@ -224,9 +231,7 @@ class DynamicsKernel(StepOutputs):
         if not self.formulation.gives_accelerations:
             kind = type(self.formulation).__name__
             raise UnsupportedError(f"{kind} gives no accelerations whose operations could count")
-        start, p = self.model.start, self.model.nominal
-        x = self.start.function(0.0, start.y, start.v, p).full().ravel()
-        variant = self.variants[self.choose(0.0, x, p)]
+        variant, _ = self.beginning
         correction = variant.problem.correction
         corrected = 0 if correction is None else correction.function.n_instructions()
         return int(STAGES * variant.rate.function.n_instructions() + corrected)

@@ -75,8 +75,8 @@ class DynamicsRun:
         if not analysis.formulation.every_equation:
             model.closure.refuse_singular_start(PASSING)
         check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
-        self._refuse_lost_mass()
         self.kernel = analysis.kernel(model)
+        self._refuse_lost_mass()
         self.events = EventSearch(self.kernel, as_events(analysis.events), self.p)
         self.switches = SwitchSearch(self.kernel, self.p, self.start, self.end)
         self.contacts: ContactSearch | None = None
@@ -96,7 +96,7 @@ class DynamicsRun:
         """A mass that was not zero when the model was built must not become zero."""
         mass = np.diag(self.model.mass_matrix(self.p))
         lost = set(np.flatnonzero(mass == 0)) - set(self.model.equations.massless)
-        if lost and self.analysis.formulation.needs_mass:
+        if lost and self.kernel.formulation.needs_mass:
             names = ", ".join(self.model.guesses.speed_names[k] for k in sorted(lost))
             raise SingularityError(
                 f"the inertia of {names} is zero with these parameters but was not when the model "
@@ -128,8 +128,9 @@ class DynamicsRun:
         if exchanged <= 1e-9 * np.max(motion.values("kinetic_energy"), initial=0.0):
             exchanged = 0.0
         freedom = self.model.diagnosis.free
-        found = doubts(a.formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
-        fed_back = a.stabilization.feedback or a.formulation.feedback
+        formulation = self.kernel.formulation
+        found = doubts(formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
+        fed_back = a.stabilization.feedback or formulation.feedback
         found += self.forewarned
         found += self.contacts.doubts if self.contacts else []
         if motion.status.success:

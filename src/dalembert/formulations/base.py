@@ -10,7 +10,9 @@ it the exact derivatives of its result, are common to all and stated here.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -53,6 +55,19 @@ class SaddleSolver:
     def solve_transposed(self, rhs: ca.SX) -> ca.SX:
         """``solve_stacked`` with the transposed matrix, which mostly is the same."""
         return self.solve_stacked(rhs)
+
+
+class Merits(NamedTuple):
+    """What a formulation costs on a mechanism, and how accurate it is there.
+
+    Attributes
+    ----------
+    operations : of the accelerations and corrections of a step
+    error : of the accelerations at the start, relative
+    """
+
+    operations: int
+    error: float
 
 
 @dataclass(frozen=True)
@@ -117,6 +132,13 @@ class Formulation:
     def report(self) -> dict[str, float]:
         """Numbers of this choice that belong to the statistics of a run."""
         return {}
+
+    def chosen(self, merits: Callable[[Formulation], Merits], implicit: bool) -> Formulation:
+        """The one it stands for: itself, unless it is left to the ``merits`` of others.
+
+        ``implicit`` tells of an integrator that solves equations in every step.
+        """
+        return self
 
     # choices that a run may change ------------------------------------------------------
     def choose(self, e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> Formulation:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dalembert.formulations.augmented_lagrangian import AugmentedLagrangian
+from dalembert.formulations.automatic_formulation import AutomaticFormulation
 from dalembert.formulations.dae import Dae
 from dalembert.formulations.energy_projection import EnergyProjection
 from dalembert.formulations.kkt import Kkt
@@ -20,6 +21,7 @@ FORMULATIONS: dict[str, type] = {
     "Dae": Dae,
     "AugmentedLagrangian": AugmentedLagrangian,
     "Penalty": Penalty,
+    "AutomaticFormulation": AutomaticFormulation,
 }
 
 STABILIZATIONS: dict[str, type] = {

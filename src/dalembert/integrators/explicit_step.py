@@ -7,17 +7,48 @@ with ``P`` the correction of the stabilisation. The adjoint runs the same sums b
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from dalembert.integrators.step import Marching, Step
 from dalembert.integrators.tableau import ButcherTableau
+from dalembert.symbolic.columns import LONG
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.linear_map import LinearChain, TriangularMap
 from dalembert.symbolic.prelude import Prelude, before
+
+Following = tuple[ca.Function, Any]
+"""What follows the stages, ``(t, x, q) → x``, and its part of q."""
+
+
+def _corrected(t: Any, x: Any, correction: Following) -> Any:
+    """The state after a correction."""
+    function, q = correction
+    return function(t, x, q)
+
+
+def _thorough_where_needed(t: ca.MX, x: ca.MX, correction: Following, trial: Following) -> ca.MX:
+    """The state after a shorter correction, or the whole one where that does not arrive."""
+    (function, q), (short, seen) = correction, trial
+    found, excess = short(t, x, seen)
+    inputs = [
+        ca.MX.sym(name, given.numel()) for name, given in zip("ftxq", (x, t, x, q), strict=True)
+    ]
+    kept = ca.Function("kept", inputs, inputs[:1])
+    whole = ca.Function("whole", inputs, [function(*inputs[1:])])
+    return ca.Function.if_else("correction", kept, whole)(excess <= 1, found, t, x, q)
+
+
+def _none_where_bad(t: ca.MX, x: ca.MX, _: Following, trial: Following) -> ca.MX:
+    """The state after a shorter correction, NaN where that does not arrive."""
+    short, seen = trial
+    found, excess = short(t, x, seen)
+    return found + ca.if_else(excess <= 1, 0, np.nan)
 
 
 class ExplicitStep(Step):
@@ -94,21 +125,38 @@ class ExplicitStep(Step):
 
     @cached_property
     def marching(self) -> Marching:
-        parts = [before(f.function, 2) for f in self._functions]
+        functions = [f.function for f in self._functions]
+        trial = None if self.finish is None else self.finish.trial
+        works = [f.n_instructions() for f in functions]
+        if trial is not None and sum(works) + (self.needed - 1) * works[0] > LONG:
+            functions.append(trial)
+        parts = [before(f, 2) for f in functions]
         p = ca.SX.sym("p", self.parameter_count)
         values = ca.Function("prelude", [p], [ca.vertcat(*(h(p) for h, _ in parts))], {"cse": True})
-        return Marching(
-            values, self._after(values, parts, ca.SX), self._after(values, parts, ca.MX)
-        )
+        if len(parts) < 3:
+            return Marching(values, *(self._after(values, parts, k) for k in (ca.SX, ca.MX)))
+        function = self._after(values, parts, ca.MX, _thorough_where_needed)
+        return Marching(values, function, None, self._after(values, parts, ca.MX, _none_where_bad))
 
-    def _after(self, values: ca.Function, parts: Sequence[Sequence[ca.Function]], kind: Any):
+    def _after(
+        self,
+        values: ca.Function,
+        parts: Sequence[tuple[ca.Function, ca.Function]],
+        kind: Any,
+        finished: Callable[..., Any] = _corrected,
+    ) -> ca.Function:
         """The step of ``q``; as a graph of matrices the slopes and the correction are calls."""
         t, h, x, _ = self._symbols(kind)
-        q, cut = kind.sym("q", values.numel_out(0)), parts[0][0].numel_out(0)
-        _, slopes = self._staged(parts[0][1], t, h, x, q[:cut], self.needed)
+        q, edges = kind.sym("q", values.numel_out(0)), [0]
+        for part, _ in parts:
+            edges.append(edges[-1] + part.numel_out(0))
+        (rhs, seen), *following = [
+            (part[1], q[a:b]) for part, (a, b) in zip(parts, pairwise(edges), strict=True)
+        ]
+        _, slopes = self._staged(rhs, t, h, x, seen, self.needed)
         new = self.advance(h, x, slopes)
-        if self.finish is not None:
-            new = parts[1][1](t + h, new, q[cut:])
+        if following:
+            new = finished(t + h, new, *following)
         options: Any = self._shared if kind is ca.SX else {}
         return ca.Function("step", [t, h, x, q], [new], options)
 

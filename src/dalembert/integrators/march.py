@@ -206,8 +206,8 @@ class FixedMarch:
                 self._singles[mode] = _branching(step, self.period)
             else:
                 taken = step.marching
-                single, called = _single(taken.function), taken.called and _single(taken.called)
-                self._singles[mode] = Marching(taken.values, single, called)
+                others = (made and _single(made) for made in (taken.called, taken.lanes))
+                self._singles[mode] = Marching(taken.values, _single(taken.function), *others)
         return self._singles[mode]
 
 

@@ -27,11 +27,18 @@ class Marching:
     function : ``(t, h, x, q) → x⁺``
     called : the same in the form that is fastest compiled, if there is another: parts that occur
         several times are functions, compiled once
+    lanes : the same where all lanes go one way, NaN for those that need another
     """
 
     values: ca.Function
     function: ca.Function
     called: ca.Function | None = None
+    lanes: ca.Function | None = None
+
+    @property
+    def side_by_side(self) -> ca.Function:
+        """The step in the form that is fastest in lanes."""
+        return self.lanes or self.called or self.function
 
 
 class Step:

@@ -29,6 +29,20 @@ Solver = Callable[[ca.SX], ca.SX]
 
 
 @dataclass(frozen=True)
+class Trial:
+    """A shorter way to an unknown, which mostly arrives.
+
+    Parameters
+    ----------
+    value : SX expression of the inputs and earlier unknowns
+    excess : SX expression of these and the unknown, at most one where it has arrived
+    """
+
+    value: ca.SX
+    excess: ca.SX
+
+
+@dataclass(frozen=True)
 class Stage(Evaluator):
     """One implicitly defined unknown.
 
@@ -38,6 +52,7 @@ class Stage(Evaluator):
     residual : SX expression ``r(z, x)``
     value : SX expression of the inputs and earlier unknowns that satisfies ``r = 0``
     solver, transposed : right-hand side → solution with ``∂r/∂z`` and its transpose
+    trial : a shorter way to the unknown, if there is one
     """
 
     unknown: ca.SX
@@ -45,6 +60,7 @@ class Stage(Evaluator):
     value: ca.SX
     solver: Solver
     transposed: Solver
+    trial: Trial | None = None
 
     def solve(self, rhs: ca.SX) -> ca.SX:
         return self.solver(rhs)
@@ -90,6 +106,15 @@ class ImplicitFunction:
     def function(self) -> ca.Function:
         """inputs → outputs."""
         return self._compile(self.name, self.inputs, self.outputs)
+
+    @cached_property
+    def trial(self) -> ca.Function | None:
+        """inputs → outputs by shorter ways, and how far these are from arriving; see ``Trial``."""
+        trials = [stage.trial for stage in self.stages if stage.trial is not None]
+        if not trials:
+            return None
+        excess = ca.densify(sum((trial.excess for trial in trials), ca.SX(0)))
+        return self._compile(f"{self.name}_trial", self.inputs, [*self.outputs, excess], True)
 
     @property
     def tangent(self) -> ca.Function:
@@ -166,7 +191,8 @@ class ImplicitFunction:
             seen = stage.push((known, changes))
             residual = seen + stage.push((stage.unknown, rate))
             value = stage.correction(seen)
-            stages.append(replace(stage, unknown=rate, residual=residual, value=value))
+            made = replace(stage, unknown=rate, residual=residual, value=value, trial=None)
+            stages.append(made)
             known, changes = ca.vertcat(known, stage.unknown), ca.vertcat(changes, rate)
         out = [_directional(o, known, changes) for o in self.outputs]
         return ImplicitFunction(f"{self.name}_tangent", [*self.inputs, *symbols], stages, out)
@@ -188,9 +214,12 @@ class ImplicitFunction:
         gradients = [ca.gradient(scalar, x) for x in self.inputs]
         return ImplicitFunction(f"{self.name}_adjoint", [*self.inputs, *seeds], stages, gradients)
 
-    def _compile(self, name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+    def _compile(
+        self, name: str, inputs: list[ca.SX], outputs: list[ca.SX], tried: bool = False
+    ) -> ca.Function:
         for stage in reversed(self.stages):
-            outputs = ca.substitute(outputs, [stage.unknown], [stage.value])
+            value = stage.trial.value if tried and stage.trial is not None else stage.value
+            outputs = ca.substitute(outputs, [stage.unknown], [value])
         outputs = [ca.densify(o) for o in outputs]
         return ca.Function(name, inputs, outputs, {"cse": True})
 

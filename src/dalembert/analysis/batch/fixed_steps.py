@@ -111,7 +111,7 @@ class FixedSteps:
             self.kernel.backend,
             self.workers,
             (self.start, self.run.end),
-            self.analysis.formulation.needs_mass,
+            self.kernel.formulation.needs_mass,
             first_states(self.kernel, self.mode),
         )
         self.statuses, self.alone = self.starts.statuses, self.starts.alone
@@ -133,7 +133,7 @@ class FixedSteps:
         self._afford(size)
         prepared = kernel.fixed.prepared(self.mode)
         self.marching = march = LaneMarch(
-            prepared.called or prepared.function,
+            prepared.side_by_side,
             kernel.fixed.columns(self.mode),
             kernel.backend,
             h.size * known.size,
