@@ -14,6 +14,7 @@ import numpy as np
 
 from dalembert.analysis.served import need_mechanism
 from dalembert.design.limit import Limit
+from dalembert.design.telling import Told, teller
 from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.control import Control
 from dalembert.design.trajectory.guess import guessed
@@ -26,6 +27,7 @@ from dalembert.design.trajectory.quantities import (
     cyclic_rows,
     limit_rows,
     number_of,
+    unit_of,
 )
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.design.trajectory.verification import verified
@@ -53,6 +55,7 @@ def optimize_trajectory(
     guess: Any = None,
     method: DirectCollocation | None = None,
     verify: bool = True,
+    progress: bool | Told = False,
 ) -> OptimalTrajectory:
     """Best motion of a mechanism, and the controls that make it.
 
@@ -73,6 +76,7 @@ def optimize_trajectory(
         the end; the line where there are such
     method : ``DirectCollocation(intervals=...)``
     verify : run it forward under the controls found
+    progress : True prints each iteration, or a function of its number and objective
 
     Raises
     ------
@@ -82,7 +86,7 @@ def optimize_trajectory(
     """
     need_mechanism(model, "optimize_trajectory", "optimise it by da.optimize")
     method = method or DirectCollocation()
-    span = _span(duration)
+    span = duration_of(duration)
     _refuse_names(model, [*controls, *vary])
     if not controls and not vary:
         raise AnalysisError("nothing to find; name controls=[...], parameters of forces")
@@ -100,14 +104,22 @@ def optimize_trajectory(
     objective = number_of(transcription, minimize)
     programme = Programme(transcription, objective, [*rows, *transcription.peaks])
     x0 = transcription.pack(guessed(physics, guess, end or {}, span, n))
-    made = _made(programme, programme.solved(x0, method), method)
+    made = _made(programme, programme.solved(x0, method, teller(progress)), method)
     made.label = getattr(minimize, "label", made.label)
+    made.unit = unit_of(model, minimize)
     return verified(made, physics, method, begin is None) if verify and made.success else made
 
 
-def _span(duration: Any) -> tuple[float, float]:
+def duration_of(duration: Any) -> tuple[float, float]:
+    """Least and largest.
+
+    Raises
+    ------
+    AnalysisError
+        It is not a time, nor two finite bounds.
+    """
     low, high = duration if isinstance(duration, (tuple, list)) else (duration, duration)
-    if not (np.isfinite(high) and 0 <= low <= high and high > 0):
+    if low is None or high is None or not (np.isfinite(high) and 0 <= low <= high and high > 0):
         raise AnalysisError(f"duration is {duration!r}; give a time, or two finite bounds [s]")
     return max(float(low), 1e-6 * float(high)), float(high)
 
@@ -151,6 +163,7 @@ def _made(programme: Programme, solution: Solution, method: DirectCollocation) -
         fun=solution.objective,
         duration=duration,
         x=varied,
+        start={name: given[name] for name in varied},
         controls=controls,
         planned=_planned(scheduled, method, p, found, duration, status),
         iterations=solution.iterations,
