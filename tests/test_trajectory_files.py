@@ -60,6 +60,16 @@ def test_least_force(tmp_path, capsys):
         assert "Beginning" in page.read_text(encoding="utf-8")
 
 
+def test_shooting_with_strategies_of_a_run(tmp_path, capsys):
+    text = BLOCK.replace("DirectCollocation", "MultipleShooting")
+    text = text.replace("intervals = 10", 'intervals = 6, steps = 8, integrator = "Trapezoidal"')
+    found = run(capsys, "trajectory", written(tmp_path, text))
+    assert found["fun"] == pytest.approx(12.0, rel=1e-3) and found["deviation"] < 1e-9
+    text = text.replace("Trapezoidal", "DormandPrince")
+    assert main(["trajectory", str(written(tmp_path, text))]) == 2
+    assert "trajectory.method: DormandPrince chooses its steps" in capsys.readouterr().err
+
+
 def test_shortest_time_within_limits(tmp_path, capsys):
     """No faster than 2 m/s: speeding up and braking at 50 m/s² each take 0.04 s and 0.04 m."""
     text = BLOCK.replace("duration = 1.0", "duration = [0.1, 2.0]")

@@ -10,7 +10,7 @@ from dalembert.design.trajectory.optimize_trajectory import duration_of
 from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.quantities import known_response
 from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
-from dalembert.io.analyses import make_strategy
+from dalembert.io.analyses import make_method
 from dalembert.io.cases import Quantities
 from dalembert.io.designs import make_limits
 from dalembert.io.model_file import ModelFile
@@ -41,14 +41,15 @@ def make_trajectory(file: ModelFile, model: Any) -> dict[str, Any]:
             text = f"{name!r} is a control; it cannot vary as well"
             raise file.located.error(text, "trajectory", "vary", k)
     with file.located("trajectory", "controls"):
-        Physics(model, controls, vary, model.nominal)
+        physics = Physics(model, controls, vary, model.nominal)
     if asked.guess not in (None, *GUESSES):
         text = unknown("guess", asked.guess, GUESSES)
         raise file.located.error(text, "trajectory", "guess")
     with file.located("trajectory", "duration"):
         duration = duration_of(asked.duration)
+    method = make_method(file, model, TRAJECTORY_METHODS, asked.method, "trajectory", "method")
     with file.located("trajectory", "method"):
-        method = make_strategy(TRAJECTORY_METHODS, asked.method)
+        method.transcription(physics, duration)
     return {
         **_judged(file, model, asked),
         **{"controls": controls, "vary": vary, "duration": duration},

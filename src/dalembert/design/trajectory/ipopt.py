@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.design.telling import Told
-from dalembert.design.trajectory.collocation import DirectCollocation
+from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.results.status import Outcome, Status
 
@@ -46,7 +46,7 @@ class Programme:
     rows: list[Rows]
 
     def solved(
-        self, x0: np.ndarray, method: DirectCollocation, told: Told | None = None
+        self, x0: np.ndarray, method: TrajectoryMethod, told: Told | None = None
     ) -> Solution:
         """The unknowns that Ipopt leads to."""
         unknowns = self.transcription.unknowns
@@ -65,7 +65,7 @@ class Programme:
             "print_time": False,
             "error_on_fail": False,
             "show_eval_warnings": False,
-            "expand": True,
+            "expand": method.expands,
         }
         problem = {"x": unknowns, "f": self.objective / size, "g": rows}
         solver = ca.nlpsol("trajectory", "ipopt", problem, settings)

@@ -19,6 +19,7 @@ from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.control import Control
 from dalembert.design.trajectory.guess import guessed
 from dalembert.design.trajectory.ipopt import Programme, Solution
+from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.optimal import OptimalTrajectory
 from dalembert.design.trajectory.physics import Physics, speed_basis
 from dalembert.design.trajectory.quantities import (
@@ -53,7 +54,7 @@ def optimize_trajectory(
     vary: Sequence[str] = (),
     parameters: Mapping[str, float] | None = None,
     guess: Any = None,
-    method: DirectCollocation | None = None,
+    method: TrajectoryMethod | None = None,
     verify: bool = True,
     progress: bool | Told = False,
 ) -> OptimalTrajectory:
@@ -74,7 +75,7 @@ def optimize_trajectory(
     parameters : values of others
     guess : a motion, ``"simulate"``, or ``"line"``, which leads evenly to the places demanded at
         the end; the line where there are such
-    method : ``DirectCollocation(intervals=...)``
+    method : ``DirectCollocation(intervals=...)`` or ``MultipleShooting(...)``
     verify : run it forward under the controls found
     progress : True prints each iteration, or a function of its number and objective
 
@@ -91,7 +92,7 @@ def optimize_trajectory(
     if not controls and not vary:
         raise AnalysisError("nothing to find; name controls=[...], parameters of forces")
     physics = Physics(model, controls, vary, model.values(parameters))
-    transcription = Transcription(physics, method.intervals, span)
+    transcription = method.transcription(physics, span)
     n = method.intervals
     rows = [
         *transcription.equations(),
@@ -147,7 +148,7 @@ def _at_start(transcription: Transcription) -> list[Rows]:
     ]
 
 
-def _made(programme: Programme, solution: Solution, method: DirectCollocation) -> OptimalTrajectory:
+def _made(programme: Programme, solution: Solution, method: TrajectoryMethod) -> OptimalTrajectory:
     """The plan, not yet run."""
     physics = programme.transcription.physics
     found = programme.transcription.unpack(solution.x)
@@ -184,7 +185,7 @@ def _controls(
 
 def _planned(
     model: Model,
-    method: DirectCollocation,
+    method: TrajectoryMethod,
     p: np.ndarray,
     found: dict[str, np.ndarray],
     duration: float,
