@@ -17,14 +17,16 @@ import dalembert as da
 from dalembert import planar
 
 
-def cart() -> da.System:
-    system = da.System("cart and pole", gravity=(0.0, -9.81))
-    push = system.parameter("push", 0.0, "N", bounds=(-20.0, 20.0))
-    body = system.add(planar.Body("cart", mass=1.0, inertia=0.1, position=(0, 0), angle=0))
-    pole = system.add(planar.Body("pole", mass=0.3, inertia=0.0, position=(0, -0.5), angle=0))
-    system.add(planar.Translational("rail", system.ground.point(0, 0), body.center))
-    system.add(planar.Revolute("pivot", body.center, pole.point(0, 0.5)))
-    system.add(planar.Force("force", body.center, (push, 0.0)))
+def build() -> da.System:
+    system = da.System("swing-up", gravity=(0.0, -9.81))
+    push = system.parameter("push", 5.0, "N", bounds=(-20.0, 20.0))
+    length = system.parameter("length", 0.5, "m", bounds=(0.3, 0.8))
+    bob = system.parameter("bob", 0.3, "kg")
+    cart = system.add(planar.Body("cart", mass=1.0, inertia=0.1, position=(0, 0), angle=0))
+    pole = system.add(planar.Body("pole", mass=bob, inertia=0.0, position=(0, -length), angle=0))
+    system.add(planar.Translational("rail", system.ground.point(0, 0), cart.center))
+    system.add(planar.Revolute("pivot", cart.center, pole.point(0, length)))
+    system.add(planar.Force("force", cart.center, (push, 0.0)))
     return system
 
 
@@ -45,7 +47,7 @@ def four_bar() -> da.System:
 
 def swung() -> da.OptimalTrajectory:
     return da.optimize_trajectory(
-        cart().build(),
+        build().build(),
         da.integral("push**2"),
         ["push"],
         2.0,

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from dalembert.io import decision_tables, orientations, schema, tables, task_tables
+from dalembert.io import (
+    decision_tables,
+    orientations,
+    schema,
+    tables,
+    task_tables,
+    trajectory_tables,
+)
 from reference.markdown import table
 
 ABOUT = "text for people"
@@ -34,6 +41,7 @@ FIXED = {
             "tolerance": "which tolerances `dalembert tolerance` follows",
             "invert": "from what `dalembert invert` finds the histories",
             "synthesis": "what linkages `dalembert synthesize` finds",
+            "trajectory": "which motion `dalembert trajectory` looks for",
             "sensitivity": "what `dalembert sensitivity` computes",
             "optimize": "what `dalembert optimize` computes",
             "identify": "what `dalembert identify` finds",
@@ -152,6 +160,10 @@ FIXED = {
         },
     ),
     "synthesis": (decision_tables.SynthesisTable, {}),
+    "trajectory": (
+        trajectory_tables.TrajectoryTable,
+        {"method": "name, or a table with `type` and keys, see [trajectories](trajectories.md)"},
+    ),
     "history": (task_tables.HistoryTable, {}),
     "invert": (task_tables.InvertTable, {"max_iterations": "of least squares"}),
     "report": (task_tables.ReportTable, {}),

@@ -125,6 +125,7 @@ from dalembert.design.trajectory.optimal import OptimalTrajectory as OptimalTraj
 from dalembert.design.trajectory.optimize_trajectory import (
     optimize_trajectory as optimize_trajectory,
 )
+from dalembert.design.trajectory.shooting import MultipleShooting as MultipleShooting
 from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
 from dalembert.elements import (
     laws as laws,

@@ -107,3 +107,23 @@ def test_a_goal_out_of_reach_is_no_success():
     )
     assert not best.success and best.motion is None
     assert "left open" in best.status.message
+
+
+@pytest.mark.parametrize("integrator", [da.RK4(), da.Radau(fixed=True), da.Trapezoidal()])
+def test_shooting_plans_the_run_itself(integrator):
+    """The plan is made of the steps that the run takes, implicit ones too."""
+    method = da.MultipleShooting(intervals=8, steps=4, integrator=integrator)
+    torque = da.integral("torque**2")
+    best = da.optimize_trajectory(pendulum(), torque, ["torque"], 1.5, end=UP, method=method)
+    assert best.success and best.deviation < 1e-6
+    assert type(best.motion.analysis.integrator) is type(integrator)
+
+
+def test_shooting_refuses_steps_that_it_cannot_take():
+    torque = da.integral("torque**2")
+    for integrator, words in ((da.DormandPrince(), "chooses its steps"), (da.HHT(), "remembers")):
+        method = da.MultipleShooting(integrator=integrator)
+        with pytest.raises(UnsupportedError, match=words):
+            da.optimize_trajectory(pendulum(), torque, ["torque"], 1.0, end=UP, method=method)
+    with pytest.raises(AnalysisError, match="even"):
+        da.MultipleShooting(steps=3)

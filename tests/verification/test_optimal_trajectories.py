@@ -33,7 +33,16 @@ def few(intervals: int) -> da.DirectCollocation:
     return da.DirectCollocation(intervals=intervals)
 
 
-def test_block_with_least_force():
+def shooting(intervals: int) -> da.MultipleShooting:
+    return da.MultipleShooting(intervals=intervals, steps=2)
+
+
+both = pytest.mark.parametrize("method", [few, shooting])
+"""Both ways to make a programme of a motion come to the same."""
+
+
+@both
+def test_block_with_least_force(method):
     """``u = 6 − 12 t``, cost 12."""
     best = da.optimize_trajectory(
         block(50.0),
@@ -41,7 +50,7 @@ def test_block_with_least_force():
         ["push"],
         1.0,
         end={"block.x": 1.0, "block.vx": 0.0},
-        method=few(10),
+        method=method(10),
     )
     assert best.success and best.fun == pytest.approx(12.0, rel=1e-9)
     push = best.control("push")
@@ -49,7 +58,8 @@ def test_block_with_least_force():
     assert best.deviation < 1e-9 and best.defect < 1e-9
 
 
-def test_block_in_the_shortest_time():
+@both
+def test_block_in_the_shortest_time(method):
     """Full thrust, then full brake: ``T = 2 √(d/a)``."""
     best = da.optimize_trajectory(
         block(2.0),
@@ -57,7 +67,7 @@ def test_block_in_the_shortest_time():
         ["push"],
         (0.1, 10.0),
         end={"block.x": 3.0, "block.vx": 0.0},
-        method=few(20),
+        method=method(20),
     )
     assert best.success and best.duration == pytest.approx(2 * math.sqrt(1.5), rel=1e-6)
     push = best.control("push")
@@ -152,7 +162,8 @@ def kelly_by_radau(intervals: int = 30, degree: int = 4) -> float:
     return float(opti.solve().value(cost))
 
 
-def test_swing_up_of_a_pole_on_a_cart():
+@both
+def test_swing_up_of_a_pole_on_a_cart(method):
     best = da.optimize_trajectory(
         cart_and_pole(),
         da.integral("push**2"),
@@ -163,7 +174,7 @@ def test_swing_up_of_a_pole_on_a_cart():
             da.Limit(da.maximum("cart.x"), upper=2.0),
             da.Limit(da.minimum("cart.x"), lower=-2.0),
         ],
-        method=few(50),
+        method=method(50),
     )
     assert best.success and best.status.residual < 1e-6
     assert best.fun == pytest.approx(kelly_by_radau(), rel=1e-4)
@@ -195,17 +206,19 @@ def parallelogram() -> da.Model:
 REST = {"crank.angle": 2.0, "crank.angular_velocity": 0.0}
 
 
-def test_a_closed_loop_from_rest_to_rest():
+@both
+def test_a_closed_loop_from_rest_to_rest(method):
     inertia = 0.4**2 * (1.0 / 3 + 1.5 / 3 + 2.0)
     best = da.optimize_trajectory(
-        parallelogram(), da.integral("torque**2"), ["torque"], 1.0, end=REST, method=few(20)
+        parallelogram(), da.integral("torque**2"), ["torque"], 1.0, end=REST, method=method(20)
     )
     assert best.success and best.fun == pytest.approx(12 * inertia**2 * 1.5**2, rel=1e-5)
     assert best.planned.data["position_violation"].max() < 1e-6
     assert best.deviation < 1e-5 and best.motion.status.success
 
 
-def test_control_and_design_at_once():
+@both
+def test_control_and_design_at_once(method):
     """``A l⁴ + c/l`` is least where ``l⁵ = c/4A``."""
     factor, price = 12 * (1.0 / 3 + 1.5 / 3 + 2.0) ** 2 * 1.5**2, 10.0
     best = da.optimize_trajectory(
@@ -215,12 +228,13 @@ def test_control_and_design_at_once():
         1.0,
         end=REST,
         vary=["arm"],
-        method=few(20),
+        method=method(20),
     )
     assert best.success and best.x["arm"] == pytest.approx((price / 4 / factor) ** 0.2, rel=1e-5)
 
 
-def test_a_satellite_turned_in_space():
+@both
+def test_a_satellite_turned_in_space(method):
     """Euler parameters stay of length one: a turn about a principal axis."""
     system = da.System("satellite", gravity=(0.0, 0.0, 0.0))
     torques = [system.parameter(f"t{k}", 0.0, "N m", bounds=(-50.0, 50.0)) for k in "xyz"]
@@ -235,7 +249,7 @@ def test_a_satellite_turned_in_space():
         1.0,
         end={"body.tip.y": math.sin(1.2), "body.tip.z": 0.0, "body.side.z": 0.0}
         | {f"body.angular_velocity.{k}": 0.0 for k in "xyz"},
-        method=few(16),
+        method=method(16),
     )
     assert best.success and best.fun == pytest.approx(12 * 3.0**2 * 1.2**2, rel=1e-5)
     assert best.deviation < 1e-5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from dalembert.design.problem import DesignProblem, common_parameters
 from dalembert.design.program import Program
 from dalembert.design.quantity import Quantity, bound
 from dalembert.design.settling import settled
+from dalembert.design.telling import Told, teller
 from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.results.result import Analysis
@@ -41,7 +42,7 @@ def optimize(
     max_iterations: int = 100,
     tolerance: float = 1e-8,
     history: str | Path | None = None,
-    progress: bool | Callable[[int, float], None] = False,
+    progress: bool | Told = False,
 ) -> Optimum:
     """Best parameters for responses of one analysis or several.
 
@@ -76,7 +77,7 @@ def optimize(
     chosen = make_optimizer(method, bool(problem.variables.sizes))
     if history is not None:
         problem.log = EvaluationLog(history, fingerprint(problem))
-    program = Program(problem, limits, sign, problem.variables.start, _teller(progress))
+    program = Program(problem, limits, sign, problem.variables.start, teller(progress))
     return solve(program, chosen, Stop(max_iterations, tolerance))
 
 
@@ -129,14 +130,6 @@ def fingerprint(problem: DesignProblem) -> dict[str, Any]:
             for case in problem.cases
         ],
     }
-
-
-def _teller(progress: Any) -> Callable[[int, float], None] | None:
-    if callable(progress):
-        return progress
-    if not progress:
-        return None
-    return lambda number, objective: print(f"iteration {number}: {objective:.8g}")
 
 
 def solve(program: Program, method: Optimizer, stop: Stop) -> Optimum:

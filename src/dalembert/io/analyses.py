@@ -56,6 +56,21 @@ def make_table(file: ModelFile, model: Any, table: Any, *where: str) -> Any:
     return _made(file, model, file.document.analyses[table.type], table, *where)
 
 
+def make_method(
+    file: ModelFile, model: Any, registry: dict[str, Any], given: str | BaseModel, *where: str
+) -> Any:
+    """A method by its name, or from a table whose options may be strategies.
+
+    Raises
+    ------
+    ModelError, UnsupportedError, AnalysisError
+        Options that cannot work; with the place.
+    """
+    if isinstance(given, str):
+        return registry[given]()
+    return _made(file, model, registry[given.type], given, *where)  # type: ignore[attr-defined]
+
+
 def _made(file: ModelFile, model: Any, cls: type, table: Any, *where: str) -> Any:
     with file.located(*where):
         analysis = cls(**_options(file, model, cls, table, where))

@@ -32,6 +32,7 @@ from dalembert.io.task_tables import (
     SensitivityTable,
     SweepTable,
 )
+from dalembert.io.trajectory_tables import TrajectoryTable
 from dalembert.io.values import Entry, OwnBound, OwnNumber, Text, list_of, shown
 
 FORMAT = 1
@@ -177,6 +178,7 @@ class Document(ModelDocument):
     cases: dict[str, CaseTable] = Field(default_factory=dict)
     invert: InvertTable = None  # type: ignore[assignment]
     synthesis: SynthesisTable = None  # type: ignore[assignment]
+    trajectory: TrajectoryTable = None  # type: ignore[assignment]
     compare: CompareTable = Field(default_factory=CompareTable)
     report: ReportTable = Field(default_factory=ReportTable)
 

@@ -99,7 +99,7 @@ def named(known: dict[str, type]) -> Any:
     def check(value: Any) -> Any:
         if isinstance(value, str) and value not in known:
             raise ValueError(unknown("name", value, known))
-        if not isinstance(value, (str, dict)):
+        if not isinstance(value, (str, dict, BaseModel)):
             raise ValueError(f"expected a name ({', '.join(known)}) or a table, got {shown(value)}")
         return value
 

@@ -21,6 +21,7 @@ from dalembert.io.responses import chosen_parameters, chosen_response, make_resp
 from dalembert.io.schema import Document
 from dalembert.io.strategies import STRATEGIES
 from dalembert.io.synthesis import make_synthesis
+from dalembert.io.trajectories import make_trajectory
 from dalembert.responses.base import Response
 from dalembert.results.headings import checked_units
 from dalembert.results.labelled import DATA_ONLY
@@ -162,6 +163,7 @@ CHECKED: dict[str, Callable[[ModelFile, Any], Any]] = {
     "tolerance": make_tolerance,
     "identify": make_identification,
     "invert": make_inversion,
+    "trajectory": make_trajectory,
     "synthesis": lambda file, model: make_synthesis(file),
 }
 """Table of a file → what reads it."""

@@ -79,6 +79,14 @@ def _own_bound(value: Any) -> float | str | None:
     return value if _is_open(value) else in_own_unit(value)
 
 
+def _number_or_bounds(value: Any) -> float | list[float | None]:
+    if not isinstance(value, list):
+        return constant(value)
+    if len(value) != 2:
+        raise ValueError(f"expected a number or [lower, upper], got {len(value)} entries")
+    return [_bound(side) for side in value]
+
+
 def _is_open(value: Any) -> bool:
     return value is None or (isinstance(value, float) and math.isinf(value))
 
@@ -144,6 +152,23 @@ Bound = Annotated[
 ]
 OwnBound = Annotated[
     Any, PlainValidator(_own_bound), WithJsonSchema({"type": ["number", "string", "null"]})
+]
+NumberOrBounds = Annotated[
+    Any,
+    PlainValidator(_number_or_bounds),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                _NUMBER_OR_TEXT,
+                {
+                    "type": "array",
+                    "items": {"type": ["number", "string", "null"]},
+                    "minItems": 2,
+                    "maxItems": 2,
+                },
+            ]
+        }
+    ),
 ]
 Integer = Annotated[Any, PlainValidator(_integer), WithJsonSchema({"type": "integer"})]
 Flag = Annotated[Any, PlainValidator(_flag), WithJsonSchema({"type": "boolean"})]

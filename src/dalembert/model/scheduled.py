@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.model.assembled_state import AssembledState
 from dalembert.model.model import Model
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.expression import stack, t
 from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.once import forget
 
@@ -66,6 +66,33 @@ class ScheduledModel(Model):
 
     def at_ground(self, expression: ca.SX) -> ca.SX:
         return self._scheduled(super().at_ground(expression))
+
+
+class SteeredModel(ScheduledModel):
+    """The model with parabolas of time in place of some parameters, which more parameters give.
+
+    These stand behind its own: beginning and length of the time of a parabola, and for each control
+    its values at the beginning, in the middle and at the end.
+
+    Parameters
+    ----------
+    model : Model
+    controls : names of parameters of its forces
+    """
+
+    def __init__(self, model: Model, controls: Sequence[str]):
+        self.steering = ca.SX.sym("steering", 2 + 3 * len(controls))
+        begin, length = self.steering[0], self.steering[1]
+        share = (t.sx - begin) / length
+        schedules = {}
+        for k, name in enumerate(controls):
+            first, middle, last = ca.vertsplit(self.steering[2 + 3 * k : 5 + 3 * k])
+            slope, bend = 4 * middle - 3 * first - last, 2 * (first - 2 * middle + last)
+            schedules[name] = first + share * (slope + share * bend)
+        super().__init__(model, schedules)
+        p = ca.vertcat(model.all_equations.p, self.steering)
+        self.all_equations = replace(self.all_equations, p=p)
+        self.equations = self.all_equations.with_rows(self.closure.rows)
 
 
 def refuse_other_than_forces(model: Model, names: list[str]) -> None:

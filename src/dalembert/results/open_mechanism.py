@@ -15,7 +15,7 @@ from dalembert.model.assembly_failure import OpenPosition
 from dalembert.report.page import write_page
 from dalembert.results.contents import Contents
 from dalembert.results.page_parts import diagnosis, parameter_rows
-from dalembert.results.scene import is_spatial, motion_scene
+from dalembert.results.scene import is_spatial, motion_scene, standing
 from dalembert.symbolic.expression import Expression, stack, t
 
 GUESS, BEST = np.array([0]), np.array([1])
@@ -43,10 +43,7 @@ def open_payload(error: AssemblyError) -> dict[str, Any]:
     drawn: Any = _Drawn(found)
     scene = motion_scene(drawn, BEST, loads=False)
     guess = motion_scene(drawn, GUESS, loads=False)["bodies"]
-    still = ("name", "node", "shapes")
-    scene["ghosts"] = [
-        {"shapes": b["shapes"], **{key: b[key][0] for key in b if key not in still}} for b in guess
-    ]
+    scene["ghosts"] = [standing(body, 0) for body in guess]
     if found.ends is not None:
         start, end = found.ends.tolist()
         scene["gaps"] = [{"from": start, "to": end, "text": found.gap}]

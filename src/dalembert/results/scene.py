@@ -24,6 +24,12 @@ def motion_scene(
     return kind(motion, keep, loads).build()
 
 
+def standing(body: dict[str, Any], k: int) -> dict[str, Any]:
+    """A body of a scene as it stands at one of the instants, for a ghost."""
+    poses = {key: body[key][k] for key in body if key not in ("name", "node", "shapes")}
+    return {"shapes": body["shapes"], **poses}
+
+
 def is_spatial(model: Any) -> bool:
     """Some of its bodies are bodies of space."""
     return any(body.dimension == 3 for body in model.bodies)

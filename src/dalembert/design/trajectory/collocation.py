@@ -1,67 +1,65 @@
-"""Direct collocation as a strategy object."""
+"""Direct collocation: cubics that meet the equations of motion in the middle of every interval."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from functools import cached_property
 
+import casadi as ca
 import numpy as np
 
-from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.model.model import Model
+from dalembert.design.trajectory.method import TrajectoryMethod
+from dalembert.design.trajectory.physics import Physics
+from dalembert.design.trajectory.transcription import Block, Points, Rows, Transcription
 from dalembert.options import options
-from dalembert.results.motion import Motion
-from dalembert.results.recording import Trajectory
-from dalembert.results.result import Analysis
 
 
 @options
-class DirectCollocation(Analysis[Model, Motion]):
-    """Hermite–Simpson collocation, solved by Ipopt.
-
-    Parameters
-    ----------
-    intervals : of equal length, in each a cubic for states and a parabola for controls
-    max_iterations, tolerance : of Ipopt
-    """
+class DirectCollocation(TrajectoryMethod):
+    """Hermite–Simpson collocation (Hargraves and Paris 1987): cubics for states."""
 
     spoken = "direct collocation"
 
-    intervals: int = 40
-    max_iterations: int = 500
-    tolerance: float = 1e-8
+    def transcription(self, physics: Physics, duration: tuple[float, float]) -> Transcription:
+        return HermiteSimpson(physics, self.intervals, duration)
 
-    def __post_init__(self) -> None:
-        if self.intervals < 2:
-            raise AnalysisError(f"intervals is {self.intervals}; give two at least")
 
-    def run(self, model: Model, parameters: Any = None) -> Motion:
-        raise UnsupportedError("a plan is made by da.optimize_trajectory, not by a run")
+class HermiteSimpson(Transcription):
+    """The cubic through both ends of an interval meets the equations of motion in its middle."""
 
-    def resample(self, motion: Motion, times: np.ndarray) -> Motion:
-        """The plan between its knots: cubics through positions and through speeds.
+    def __init__(self, physics: Physics, intervals: int, duration: tuple[float, float]):
+        super().__init__(physics, intervals, duration)
+        sizes = np.ones(physics.held.numel())
+        self.blocks["slack"] = Block.free("slack", sizes, intervals)
 
-        Raises
-        ------
-        AnalysisError
-            A time outside the plan.
-        """
-        from scipy.interpolate import CubicHermiteSpline, interp1d
+    @cached_property
+    def _rates(self) -> ca.MX:
+        """(n_y, N + 1) ``A(y) v`` at the knots."""
+        e = self.physics.equations
+        if e.manifold.flat and e.coordinate_count == e.speed_count:
+            return self.knots.v
+        rate = ca.Function("rate", [e.y, e.v], [e.pose_rate])
+        return rate.map(self.n + 1)(self.knots.y, self.knots.v)
 
-        s = motion.trajectory
-        if np.any(times < s.t[0] - 1e-9) or np.any(times > s.t[-1] + 1e-9):
-            raise AnalysisError(f"the plan goes from {s.t[0]:g} to {s.t[-1]:g} s; ask within")
-        at = np.clip(times, s.t[0], s.t[-1])
-        e = motion.model.equations
-        if e.manifold.flat:
-            y = CubicHermiteSpline(s.t, s.y, s.v, axis=1)(at)
-        else:  # positions lead from the nearest knot
-            near = np.searchsorted((s.t[1:] + s.t[:-1]) / 2, at)
-            ahead = at - s.t[near]
-            way = ahead * s.v[:, near] + ahead**2 / 2 * s.a[:, near]
-            y = e.manifold.go(s.y[:, near], way)
-        v = CubicHermiteSpline(s.t, s.v, s.a, axis=1)(at)
-        a, multiplier, work = (
-            interp1d(s.t, part, axis=1)(at) for part in (s.a, s.multiplier, s.work)
-        )
-        return replace(motion, trajectory=Trajectory(at, y, v, a, multiplier, work))
+    def _cubics(self, values: ca.MX, rates: ca.MX) -> tuple[ca.MX, ca.MX]:
+        """Value and slope, in the middle, of the cubics through both ends."""
+        a, b, da, db = values[:, :-1], values[:, 1:], rates[:, :-1], rates[:, 1:]
+        return (a + b) / 2 + self.h / 8 * (da - db), 1.5 / self.h * (b - a) - (da + db) / 4
+
+    @cached_property
+    def _middle(self) -> tuple[Points, ca.MX]:
+        y, rate = self._cubics(self.knots.y, self._rates)
+        v, a = self._cubics(self.knots.v, self.knots.a)
+        return self.between(y, v, a), rate
+
+    @property
+    def middles(self) -> Points:
+        return self._middle[0]
+
+    def equations(self) -> list[Rows]:
+        middles, rate = self._middle
+        given = [rate, self.own("slack"), *vars(middles).values()]
+        between = self.physics.middle.map(self.n)(*given)
+        return [
+            Rows("equations of motion", self.knots.of(self.physics.rows())),
+            Rows("equations between the knots", between),
+        ]

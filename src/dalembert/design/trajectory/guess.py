@@ -109,6 +109,7 @@ def _completed(physics: Physics, y: np.ndarray, span: float, v: Any = None) -> G
         "v": v,
         "a": a,
         "multiplier": multiplier,
+        "a_middle": (a[:, 1:] + a[:, :-1]) / 2,
         "multiplier_middle": (multiplier[:, 1:] + multiplier[:, :-1]) / 2,
         "u": u[:, None],
         "u_middle": u[:, None],

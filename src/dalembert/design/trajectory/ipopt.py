@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from dalembert.design.trajectory.collocation import DirectCollocation
+from dalembert.design.telling import Told
+from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.results.status import Outcome, Status
 
@@ -25,12 +27,14 @@ class Solution:
     x : unknowns as the solver sees them
     objective : there
     iterations, told : how many, and what it says
+    interrupted : by Ctrl-C; the unknowns are those of the last iteration
     """
 
     x: np.ndarray
     objective: float
     iterations: int
     told: str
+    interrupted: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,13 +45,18 @@ class Programme:
     objective: ca.MX
     rows: list[Rows]
 
-    def solved(self, x0: np.ndarray, method: DirectCollocation) -> Solution:
+    def solved(
+        self, x0: np.ndarray, method: TrajectoryMethod, told: Told | None = None
+    ) -> Solution:
         """The unknowns that Ipopt leads to."""
         unknowns = self.transcription.unknowns
         value = ca.Function("objective", [unknowns], [self.objective])
         first = float(value(x0))
         size = max(abs(first), 1e-3) if np.isfinite(first) else 1.0
+        rows = ca.vertcat(*(ca.vec(row.value) for row in self.rows))
+        watch = _Watch(unknowns.numel(), rows.numel(), size, told, x0)
         settings: dict[str, Any] = {
+            "iteration_callback": watch,
             "ipopt.max_iter": method.max_iterations,
             "ipopt.tol": method.tolerance,
             "ipopt.print_level": 0,
@@ -56,17 +65,20 @@ class Programme:
             "print_time": False,
             "error_on_fail": False,
             "show_eval_warnings": False,
-            "expand": True,
+            "expand": method.expands,
         }
-        rows = ca.vertcat(*(ca.vec(row.value) for row in self.rows))
         problem = {"x": unknowns, "f": self.objective / size, "g": rows}
         solver = ca.nlpsol("trajectory", "ipopt", problem, settings)
         lower, upper = self.transcription.bounds()
-        found = solver(x0=x0, lbx=lower, ubx=upper, lbg=self._ends(0), ubg=self._ends(1))
-        told = solver.stats()
-        message = str(told["return_status"]).replace("_", " ").lower()
-        x = np.array(found["x"]).ravel()
-        return Solution(x, float(value(x)), int(told["iter_count"]), message)
+        try:
+            found = solver(x0=x0, lbx=lower, ubx=upper, lbg=self._ends(0), ubg=self._ends(1))
+            x, ended = np.array(found["x"]).ravel(), str(solver.stats()["return_status"])
+        except KeyboardInterrupt:
+            watch.stopped = True
+        if watch.stopped:
+            return Solution(watch.x, float(value(watch.x)), watch.count, "interrupted", True)
+        message = ended.replace("_", " ").lower()
+        return Solution(x, float(value(x)), watch.count, message)
 
     def _ends(self, side: int) -> np.ndarray:
         pairs = [np.full(r.value.numel(), (r.lower, r.upper)[side]) for r in self.rows]
@@ -77,6 +89,9 @@ class Programme:
         open_by = [self._open(row, solution.x) for row in self.rows]
         worst = int(np.argmax(open_by))
         kept, message = bool(open_by[worst] <= SOLVED), f"Ipopt: {solution.told}"
+        if solution.interrupted:
+            message = f"interrupted after {solution.iterations} iterations"
+            return Status(Outcome.INTERRUPTED, message, duration, open_by[worst])
         if kept and solution.told in ("solve succeeded", "solved to acceptable level"):
             return Status(Outcome.COMPLETED, message, duration, open_by[worst])
         if not kept:
@@ -91,3 +106,34 @@ class Programme:
         value = np.array(function(x)).ravel()
         over = np.maximum(row.lower - value, value - row.upper)
         return float(np.max(np.nan_to_num(over, nan=np.inf), initial=0.0))
+
+
+class _Watch(ca.Callback):
+    """Keeps the unknowns of the last iteration, and tells how far the search is."""
+
+    def __init__(self, n: int, rows: int, size: float, told: Told | None, x0: np.ndarray):
+        ca.Callback.__init__(self)
+        self.sizes = {"x": n, "f": 1, "g": rows, "lam_x": n, "lam_g": rows, "lam_p": 0}
+        self.size, self.told, self.x, self.count = size, told, np.array(x0, dtype=float), -1
+        self.stopped = False
+        self.construct("watch", {})
+
+    def get_n_in(self) -> int:
+        return ca.nlpsol_n_out()
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self.sizes[ca.nlpsol_out(i)], 1)
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def eval(self, given: Sequence[Any]) -> list[int]:
+        found = dict(zip(ca.nlpsol_out(), given, strict=True))
+        self.x = np.array(found["x"]).ravel()
+        self.count += 1
+        try:
+            if self.told is not None and self.count:
+                self.told(self.count, float(found["f"]) * self.size)
+        except KeyboardInterrupt:  # CasADi would lose it
+            self.stopped = True
+        return [int(self.stopped)]

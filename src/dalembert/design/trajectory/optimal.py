@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.design.decision import Decision
 from dalembert.design.trajectory.control import Control
 from dalembert.errors import AnalysisError
 from dalembert.results.motion import Motion
-from dalembert.results.status import Status
+from dalembert.results.status import Outcome, Status
 from dalembert.text import unknown
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 
 @dataclass(eq=False)
-class OptimalTrajectory:
+class OptimalTrajectory(Decision):
     """Result of ``optimize_trajectory``.
 
     Attributes
@@ -25,6 +29,7 @@ class OptimalTrajectory:
     fun : the objective
     duration : of the motion [s]
     x : what was varied beside the motion, parameter → value
+    start : their values before
     controls : name → Control, a function of time
     planned : the motion at the knots, as collocation sees it
     motion : the motion under these controls, run forward from where the plan begins; None where
@@ -34,8 +39,10 @@ class OptimalTrajectory:
     deviation : largest distance of ``planned`` and ``motion`` at a knot, likewise; large where the
         mechanism is unstable and needs feedback
     iterations : of the solver
+    label, unit : of the objective
     """
 
+    word = "trajectory"
     status: Status
     fun: float
     duration: float
@@ -47,10 +54,36 @@ class OptimalTrajectory:
     deviation: float = float("nan")
     iterations: int = 0
     label: str = "objective"
+    unit: str = ""
+    start: dict[str, float] = field(default_factory=dict)
 
     @property
-    def success(self) -> bool:
+    def success(self) -> bool:  # type: ignore[override]
         return self.status.success
+
+    @property
+    def message(self) -> str:  # type: ignore[override]
+        return self.status.message
+
+    @property
+    def interrupted(self) -> bool:  # type: ignore[override]
+        return self.status.outcome is Outcome.INTERRUPTED
+
+    @property
+    def name(self) -> str:  # type: ignore[override]
+        """Of the model."""
+        return str(self.planned.model.name)
+
+    @property
+    def shown(self) -> Motion:
+        """The motion that was run forward, the plan where there is none."""
+        return self.planned if self.motion is None else self.motion
+
+    @property
+    def sentence(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        state = "optimal" if self.success else str(self.status)
+        return f"{self.label} = {self.fun:.4g}{unit} in {self.duration:.4g} s, {state}"
 
     def control(self, name: str) -> Control:
         """A control by the name of its parameter."""
@@ -82,10 +115,55 @@ class OptimalTrajectory:
             ax.spines[["top", "right"]].set_visible(False)
         return figure
 
-    def report(self, path: str | Path, **first_view: Any) -> Path:
-        """The page of the motion that was run forward."""
-        shown = self.motion if self.motion is not None else self.planned
-        return shown.report(path, **first_view)
+    def summary(self) -> dict[str, Any]:
+        return {
+            "ok": self.success,
+            "message": self.message,
+            "interrupted": self.interrupted,
+            "objective": self.label,
+            "unit": self.unit,
+            "fun": self.fun,
+            "duration": self.duration,
+            "x": self.x,
+            "start": self.start,
+            "controls": {
+                name: {
+                    "unit": control.unit,
+                    "times": control.times.tolist(),
+                    "values": control.values.tolist(),
+                }
+                for name, control in self.controls.items()
+            },
+            "residual": self.status.residual,
+            "defect": self.defect,
+            "deviation": self.deviation,
+            "iterations": self.iterations,
+        }
+
+    @property
+    def data(self) -> xr.Dataset:
+        """The motion, and beside it the controls at the ends and middles of the intervals."""
+        made = self.shown.data
+        for name, control in self.controls.items():
+            about = {"units": control.unit}
+            made = made.assign({f"control_{name}": ("control_time", control.values, about)})
+        times = next((c.times for c in self.controls.values()), np.zeros(0))
+        return made.assign_coords(control_time=("control_time", times, {"units": "s"}))
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """One row an instant of the motion, its controls among the measures."""
+        return self.shown.to_dataframe()
+
+    def page(self, **first_view: Any) -> dict[str, Any]:
+        """The motion, the mechanism at its beginning as a ghost beside it."""
+        from dalembert.design.pages.trajectory import trajectory_page
+
+        return trajectory_page(self, **first_view)
+
+    def views(self) -> list[dict[str, Any]]:
+        from dalembert.design.pages.trajectory import trajectory_views
+
+        return trajectory_views(self)
 
     def __repr__(self) -> str:
         return (

@@ -14,10 +14,12 @@ import numpy as np
 
 from dalembert.analysis.served import need_mechanism
 from dalembert.design.limit import Limit
+from dalembert.design.telling import Told, teller
 from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.control import Control
 from dalembert.design.trajectory.guess import guessed
 from dalembert.design.trajectory.ipopt import Programme, Solution
+from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.optimal import OptimalTrajectory
 from dalembert.design.trajectory.physics import Physics, speed_basis
 from dalembert.design.trajectory.quantities import (
@@ -26,6 +28,7 @@ from dalembert.design.trajectory.quantities import (
     cyclic_rows,
     limit_rows,
     number_of,
+    unit_of,
 )
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.design.trajectory.verification import verified
@@ -51,8 +54,9 @@ def optimize_trajectory(
     vary: Sequence[str] = (),
     parameters: Mapping[str, float] | None = None,
     guess: Any = None,
-    method: DirectCollocation | None = None,
+    method: TrajectoryMethod | None = None,
     verify: bool = True,
+    progress: bool | Told = False,
 ) -> OptimalTrajectory:
     """Best motion of a mechanism, and the controls that make it.
 
@@ -71,8 +75,9 @@ def optimize_trajectory(
     parameters : values of others
     guess : a motion, ``"simulate"``, or ``"line"``, which leads evenly to the places demanded at
         the end; the line where there are such
-    method : ``DirectCollocation(intervals=...)``
+    method : ``DirectCollocation(intervals=...)`` or ``MultipleShooting(...)``
     verify : run it forward under the controls found
+    progress : True prints each iteration, or a function of its number and objective
 
     Raises
     ------
@@ -82,12 +87,12 @@ def optimize_trajectory(
     """
     need_mechanism(model, "optimize_trajectory", "optimise it by da.optimize")
     method = method or DirectCollocation()
-    span = _span(duration)
+    span = duration_of(duration)
     _refuse_names(model, [*controls, *vary])
     if not controls and not vary:
         raise AnalysisError("nothing to find; name controls=[...], parameters of forces")
     physics = Physics(model, controls, vary, model.values(parameters))
-    transcription = Transcription(physics, method.intervals, span)
+    transcription = method.transcription(physics, span)
     n = method.intervals
     rows = [
         *transcription.equations(),
@@ -100,14 +105,22 @@ def optimize_trajectory(
     objective = number_of(transcription, minimize)
     programme = Programme(transcription, objective, [*rows, *transcription.peaks])
     x0 = transcription.pack(guessed(physics, guess, end or {}, span, n))
-    made = _made(programme, programme.solved(x0, method), method)
+    made = _made(programme, programme.solved(x0, method, teller(progress)), method)
     made.label = getattr(minimize, "label", made.label)
+    made.unit = unit_of(model, minimize)
     return verified(made, physics, method, begin is None) if verify and made.success else made
 
 
-def _span(duration: Any) -> tuple[float, float]:
+def duration_of(duration: Any) -> tuple[float, float]:
+    """Least and largest.
+
+    Raises
+    ------
+    AnalysisError
+        It is not a time, nor two finite bounds.
+    """
     low, high = duration if isinstance(duration, (tuple, list)) else (duration, duration)
-    if not (np.isfinite(high) and 0 <= low <= high and high > 0):
+    if low is None or high is None or not (np.isfinite(high) and 0 <= low <= high and high > 0):
         raise AnalysisError(f"duration is {duration!r}; give a time, or two finite bounds [s]")
     return max(float(low), 1e-6 * float(high)), float(high)
 
@@ -135,7 +148,7 @@ def _at_start(transcription: Transcription) -> list[Rows]:
     ]
 
 
-def _made(programme: Programme, solution: Solution, method: DirectCollocation) -> OptimalTrajectory:
+def _made(programme: Programme, solution: Solution, method: TrajectoryMethod) -> OptimalTrajectory:
     """The plan, not yet run."""
     physics = programme.transcription.physics
     found = programme.transcription.unpack(solution.x)
@@ -151,6 +164,7 @@ def _made(programme: Programme, solution: Solution, method: DirectCollocation) -
         fun=solution.objective,
         duration=duration,
         x=varied,
+        start={name: given[name] for name in varied},
         controls=controls,
         planned=_planned(scheduled, method, p, found, duration, status),
         iterations=solution.iterations,
@@ -171,7 +185,7 @@ def _controls(
 
 def _planned(
     model: Model,
-    method: DirectCollocation,
+    method: TrajectoryMethod,
     p: np.ndarray,
     found: dict[str, np.ndarray],
     duration: float,

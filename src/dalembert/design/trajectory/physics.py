@@ -86,9 +86,11 @@ class Physics:
             "acceleration": rows / s.time**2,
         }
 
-    @cached_property
-    def knot(self) -> ca.Function:
-        """``→ Φ, Ψ, M v̇ + d − f + Cᵀλ, C v̇ − ξ``, each by its size, one above the other."""
+    def rows(self, *kinds: str) -> ca.Function:
+        """``→`` equations of these kinds, each by its size, one above the other.
+
+        ``position`` and ``speed`` are constraints, ``balance`` and ``acceleration`` give ``v̇, λ``.
+        """
         e = self.equations
         parts = {
             "position": self.held,
@@ -96,7 +98,7 @@ class Physics:
             "balance": self.balance,
             "acceleration": ca.mtimes(e.jacobian, e.a) - e.constraint_acceleration,
         }
-        scaled = [parts[kind] / self.sizes[kind] for kind in parts]
+        scaled = [parts[kind] / self.sizes[kind] for kind in kinds or parts]
         return self.of_state("knot", ca.vertcat(*scaled))
 
     @cached_property

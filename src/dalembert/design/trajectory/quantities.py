@@ -11,12 +11,42 @@ from dalembert.design.limit import Limit
 from dalembert.design.quantity import Combined
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.model import Model
 from dalembert.responses.base import Response
 from dalembert.responses.extremes import Maximum, Minimum
 from dalembert.responses.integrals import Integral, Mean, Rms
 from dalembert.responses.values import At, Final
 
 Conditions = Mapping[str, float | tuple[float | None, float | None]]
+
+
+KNOWN = "trajectories know integral, mean, rms, maximum, final and at(0, …), and in limits minimum"
+
+
+def known_response(given: Any) -> None:
+    """Refuse what a trajectory cannot be judged by.
+
+    Raises
+    ------
+    UnsupportedError
+        A kind of response that has no place here, or one of another run.
+    """
+    limited = isinstance(given, Limit)
+    response = given.response if limited else given
+    if isinstance(response, Combined):
+        for part in response.parts.values():
+            known_response(part)
+        return
+    if not isinstance(response, Response):
+        raise UnsupportedError("a response of another run; a trajectory is judged by its own")
+    kinds: tuple[type, ...] = (Final, Integral, Mean, Rms, Maximum)
+    first = isinstance(response, At) and response.time == 0
+    if not (first or isinstance(response, kinds)) or (
+        isinstance(response, Minimum) and not limited
+    ):
+        raise UnsupportedError(f"{response.label}: {KNOWN}")
+    if limited and isinstance(response, (Maximum, Minimum)):
+        _refuse_other_side(given)
 
 
 def number_of(transcription: Transcription, given: Any) -> ca.MX:
@@ -47,10 +77,14 @@ def number_of(transcription: Transcription, given: Any) -> ca.MX:
         return ca.sqrt(mean + 1e-16)
     if isinstance(given, Maximum) and not isinstance(given, Minimum):
         return transcription.peak(function)
-    raise UnsupportedError(
-        f"{given.label}: trajectories know integral, mean, rms, maximum, final and at(0, …), and "
-        "in limits minimum"
-    )
+    raise UnsupportedError(f"{given.label}: {KNOWN}")
+
+
+def unit_of(model: Model, given: Any) -> str:
+    """Of a response, or of a formula of such."""
+    if isinstance(given, Combined):
+        return given.given_unit
+    return str(given.unit(model.expression(given.measure).unit))
 
 
 def limit_rows(transcription: Transcription, limits: Sequence[Limit]) -> list[Rows]:

@@ -1,11 +1,11 @@
-"""Hermite–Simpson collocation: a motion as a nonlinear programme.
+"""A motion as a nonlinear programme: states and controls at knots, and in the middles between.
 
-States and controls at the knots, controls in the middle of every interval. There the cubic through
-both ends meets the equations of motion (Hargraves and Paris 1987), and integrals are Simpson's.
+Integrals are Simpson's. What leads from knot to knot is left to methods.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -54,6 +54,12 @@ class Block:
     def __post_init__(self) -> None:
         self.symbol = ca.MX.sym(self.name, self.size.size, self.columns)
 
+    @classmethod
+    def free(cls, name: str, size: np.ndarray, columns: int) -> Block:
+        """Without bounds."""
+        open_end = np.full(size.size, np.inf)
+        return cls(name, size, columns, -open_end, open_end)
+
     @property
     def value(self) -> ca.MX:
         """In their units."""
@@ -78,8 +84,11 @@ class Rows:
     upper: float = 0.0
 
 
-class Transcription:
+class Transcription(ABC):
     """The unknowns of a motion in N intervals and the equations between them.
+
+    Another one gives ``middles`` and ``equations``, and the unknowns that these need beside the
+    ``blocks`` here.
 
     Parameters
     ----------
@@ -91,10 +100,6 @@ class Transcription:
     def __init__(self, physics: Physics, intervals: int, duration: tuple[float, float]):
         self.physics, self.n = physics, intervals
         e, s, model = physics.equations, physics.model.scales, physics.model
-        free = np.full(1, np.inf)
-
-        def unknown(name: str, size: np.ndarray, columns: int) -> Block:
-            return Block(name, size, columns, -free.repeat(size.size), free.repeat(size.size))
 
         def bounded(name: str, names: list[str], columns: int) -> Block:
             ends = np.array([model.parameters[n].bounds for n in names]).reshape(-1, 2)
@@ -107,14 +112,13 @@ class Transcription:
         knots, u, q = intervals + 1, physics.controls, physics.vary
         multipliers = e.scales.multipliers
         self.blocks = {
-            "y": unknown("y", s.coordinates, knots),
-            "v": unknown("v", s.speeds, knots),
-            "a": unknown("a", s.speeds / s.time, knots),
-            "multiplier": unknown("multiplier", multipliers, knots),
+            "y": Block.free("y", s.coordinates, knots),
+            "v": Block.free("v", s.speeds, knots),
+            "a": Block.free("a", s.speeds / s.time, knots),
+            "multiplier": Block.free("multiplier", multipliers, knots),
             "u": bounded("u", u, knots),
             "u_middle": bounded("u_middle", u, intervals),
-            "multiplier_middle": unknown("multiplier_middle", multipliers, intervals),
-            "slack": unknown("slack", np.ones(physics.held.numel()), intervals),
+            "multiplier_middle": Block.free("multiplier_middle", multipliers, intervals),
             "q": bounded("q", q, 1),
             "duration": Block(
                 "duration",
@@ -129,56 +133,35 @@ class Transcription:
         self.h = self.duration / intervals
 
     # points ------------------------------------------------------------------------------
-    def _own(self, name: str) -> ca.MX:
+    def own(self, name: str) -> ca.MX:
+        """Unknowns of a kind, in their units."""
         return self.blocks[name].value
 
     @cached_property
     def knots(self) -> Points:
         """The ends of the intervals."""
         share = ca.MX(ca.DM(np.linspace(0, 1, self.n + 1)).T)
-        y, v, a, multiplier, u = map(self._own, ("y", "v", "a", "multiplier", "u"))
-        q = ca.repmat(self._own("q"), 1, self.n + 1)
+        y, v, a, multiplier, u = map(self.own, ("y", "v", "a", "multiplier", "u"))
+        q = ca.repmat(self.own("q"), 1, self.n + 1)
         return Points(self.duration * share, y, v, a, multiplier, u, q)
 
-    @cached_property
-    def _rates(self) -> ca.MX:
-        """(n_y, N + 1) ``A(y) v`` at the knots."""
-        e = self.physics.equations
-        if e.manifold.flat and e.coordinate_count == e.speed_count:
-            return self.knots.v
-        rate = ca.Function("rate", [e.y, e.v], [e.pose_rate])
-        return rate.map(self.n + 1)(self.knots.y, self.knots.v)
-
-    def _between(self, values: ca.MX, rates: ca.MX) -> tuple[ca.MX, ca.MX]:
-        """Value and slope, in the middle, of the cubics through both ends."""
-        a, b, da, db = values[:, :-1], values[:, 1:], rates[:, :-1], rates[:, 1:]
-        return (a + b) / 2 + self.h / 8 * (da - db), 1.5 / self.h * (b - a) - (da + db) / 4
-
-    @cached_property
-    def _middle(self) -> tuple[Points, ca.MX]:
-        share = ca.MX(ca.DM((np.arange(self.n) + 0.5) / self.n).T)
-        y, rate = self._between(self.knots.y, self._rates)
-        v, a = self._between(self.knots.v, self.knots.a)
-        multiplier, u = self._own("multiplier_middle"), self._own("u_middle")
-        q = ca.repmat(self._own("q"), 1, self.n)
-        return Points(self.duration * share, y, v, a, multiplier, u, q), rate
-
     @property
+    @abstractmethod
     def middles(self) -> Points:
         """The middles of the intervals."""
-        return self._middle[0]
 
-    # equations ---------------------------------------------------------------------------
+    @abstractmethod
     def equations(self) -> list[Rows]:
         """What makes a motion of the unknowns."""
-        middles, rate = self._middle
-        given = [rate, self._own("slack"), *vars(middles).values()]
-        between = self.physics.middle.map(self.n)(*given)
-        return [
-            Rows("equations of motion", self.knots.of(self.physics.knot)),
-            Rows("equations between the knots", between),
-        ]
 
+    def between(self, y: ca.MX, v: ca.MX, a: ca.MX) -> Points:
+        """The middles of the intervals, with states there."""
+        share = ca.MX(ca.DM((np.arange(self.n) + 0.5) / self.n).T)
+        multiplier, u = self.own("multiplier_middle"), self.own("u_middle")
+        q = ca.repmat(self.own("q"), 1, self.n)
+        return Points(self.duration * share, y, v, a, multiplier, u, q)
+
+    # numbers -----------------------------------------------------------------------------
     def integral(self, function: ca.Function) -> ca.MX:
         """``∫`` of a function of states over the motion, by Simpson's rule."""
         ends, middle = self.knots.of(function), self.middles.of(function)
@@ -188,8 +171,8 @@ class Transcription:
     def peak(self, function: ca.Function) -> ca.MX:
         """An unknown that a function of states stays below all the way: where it is made small,
         the largest value."""
-        name, free = f"peak_{len(self.peaks)}", np.full(1, np.inf)
-        block = self.blocks[name] = Block(name, np.ones(1), 1, -free, free)
+        name = f"peak_{len(self.peaks)}"
+        block = self.blocks[name] = Block.free(name, np.ones(1), 1)
         for points in (self.knots, self.middles):
             below = points.of(function) - ca.repmat(block.value, 1, points.count)
             self.peaks.append(Rows(f"largest value of {name}", below, -np.inf, 0.0))

@@ -6,21 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from dalembert.analysis.dynamics import Dynamics
-from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.defects import largest_defect
+from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.optimal import OptimalTrajectory
 from dalembert.design.trajectory.physics import Physics
 from dalembert.errors import AnalysisError
 from dalembert.model.scheduled import ScheduledModel
 from dalembert.results.motion import Motion
 
-STEPS = 20
-"""Steps of the forward run in an interval."""
-
 
 def verified(
-    plan: OptimalTrajectory, physics: Physics, method: DirectCollocation, from_start: bool
+    plan: OptimalTrajectory, physics: Physics, method: TrajectoryMethod, from_start: bool
 ) -> OptimalTrajectory:
     """The plan with the motion that its controls make, and how far they are apart.
 
@@ -31,20 +27,19 @@ def verified(
     q = np.array(list(plan.x.values()))
     defect = largest_defect(physics, plan.planned.trajectory, plan.controls, q)
     try:
-        motion = _forward(plan.planned, method.intervals, from_start)
+        motion = _forward(plan.planned, method, from_start)
     except AnalysisError as error:  # it cannot begin there; the plan stands all the same
         told = replace(plan.status, message=f"{plan.status.message}; not run forward: {error}")
         return replace(plan, defect=defect, status=told)
     return replace(plan, motion=motion, defect=defect, deviation=_deviation(plan.planned, motion))
 
 
-def _forward(planned: Motion, intervals: int, from_start: bool) -> Motion:
+def _forward(planned: Motion, method: TrajectoryMethod, from_start: bool) -> Motion:
     """The motion that the controls make, from where the plan begins."""
     model, s = planned.model, planned.trajectory
     assert isinstance(model, ScheduledModel)
     begun = model if from_start else model.begun_at(s.y[:, 0], s.v[:, 0], planned.parameters)
-    duration = float(planned.time[-1])
-    return Dynamics(duration, step=duration / (STEPS * intervals)).run(begun, planned.parameters)
+    return method.forward(float(planned.time[-1])).run(begun, planned.parameters)
 
 
 def _deviation(planned: Motion, motion: Motion) -> float:

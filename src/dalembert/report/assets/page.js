@@ -23,7 +23,8 @@ function buildToolbar() {
     toggles.unshift(toggleButton("Reactions", false, show("forces"), { id: "reactions", title: "Reaction forces and moments at the joints" }));
     toggles[0].prepend(legend);
   }
-  if ((payload.optimum || motion.other) && motion.ghosts.length) toggles.unshift(toggleButton(payload.optimum ? "First design" : "Other run", true, show("ghosts"), { id: "ghosts" }));
+  const ghost = payload.ghost_name || (payload.optimum && "First design") || (motion.other && "Other run");
+  if (ghost && motion.ghosts.length) toggles.unshift(toggleButton(ghost, true, show("ghosts"), { id: "ghosts" }));
   const chips = el("div", { class: "chips" }, toggles);
   byId("toolbar").append(chips);
   moreTools(scene, chips);

@@ -1,0 +1,89 @@
+"""What methods of trajectory optimisation have in common."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.dynamics import Dynamics
+from dalembert.design.trajectory.physics import Physics
+from dalembert.design.trajectory.transcription import Transcription
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.model import Model
+from dalembert.options import inherit_texts, options
+from dalembert.results.motion import Motion
+from dalembert.results.recording import Trajectory
+from dalembert.results.result import Analysis
+
+STEPS = 20
+"""Steps of a forward run in an interval."""
+
+
+@options
+class TrajectoryMethod(Analysis[Model, Motion]):
+    """How a motion becomes a nonlinear programme, solved by Ipopt.
+
+    To write another one, give the ``transcription``.
+
+    Parameters
+    ----------
+    intervals : of equal length, in each of which a control is a parabola
+    max_iterations, tolerance : of Ipopt
+    """
+
+    intervals: int = 40
+    max_iterations: int = 500
+    tolerance: float = 1e-8
+
+    def __init_subclass__(cls) -> None:
+        inherit_texts(cls)
+
+    def __post_init__(self) -> None:
+        if self.intervals < 2:
+            raise AnalysisError(f"intervals is {self.intervals}; give two at least")
+
+    def transcription(self, physics: Physics, duration: tuple[float, float]) -> Transcription:
+        """The unknowns of the motion and the equations between them."""
+        raise NotImplementedError
+
+    @property
+    def expands(self) -> bool:
+        """Whether the programme is one of operations alone, without solvers inside."""
+        return True
+
+    def forward(self, duration: float) -> Dynamics:
+        """The run that shows what the controls do."""
+        return Dynamics(duration, step=duration / (STEPS * self.intervals))
+
+    def run(self, model: Model, parameters: Any = None) -> Motion:
+        raise UnsupportedError("a plan is made by da.optimize_trajectory, not by a run")
+
+    def resample(self, motion: Motion, times: np.ndarray) -> Motion:
+        """The plan between its knots: cubics through positions and through speeds.
+
+        Raises
+        ------
+        AnalysisError
+            A time outside the plan.
+        """
+        from scipy.interpolate import CubicHermiteSpline, interp1d
+
+        s = motion.trajectory
+        if np.any(times < s.t[0] - 1e-9) or np.any(times > s.t[-1] + 1e-9):
+            raise AnalysisError(f"the plan goes from {s.t[0]:g} to {s.t[-1]:g} s; ask within")
+        at = np.clip(times, s.t[0], s.t[-1])
+        e = motion.model.equations
+        if e.manifold.flat:
+            y = CubicHermiteSpline(s.t, s.y, s.v, axis=1)(at)
+        else:  # positions lead from the nearest knot
+            near = np.searchsorted((s.t[1:] + s.t[:-1]) / 2, at)
+            ahead = at - s.t[near]
+            way = ahead * s.v[:, near] + ahead**2 / 2 * s.a[:, near]
+            y = e.manifold.go(s.y[:, near], way)
+        v = CubicHermiteSpline(s.t, s.v, s.a, axis=1)(at)
+        a, multiplier, work = (
+            interp1d(s.t, part, axis=1)(at) for part in (s.a, s.multiplier, s.work)
+        )
+        return replace(motion, trajectory=Trajectory(at, y, v, a, multiplier, work))
