@@ -1,23 +1,68 @@
-"""Examples of docstrings run as printed."""
+"""Every public name shows by an example what it is for, and the examples run as printed."""
 
 import doctest
 import inspect
+from typing import Any
 
 import pytest
 
 import dalembert as da
 
-SHOWN = [
-    name
-    for name in da.__all__
-    if (inspect.isfunction(getattr(da, name)) or inspect.isclass(getattr(da, name)))
-    and ">>>" in (getattr(da, name).__doc__ or "")
-]
+MODULES = {
+    "planar": da.planar,
+    "planar.contact": da.planar.contact,
+    "spatial": da.spatial,
+    "spatial.contact": da.spatial.contact,
+    "structures": da.structures,
+    "laws": da.laws,
+    "rotation": da.rotation,
+}
+"""As examples call them."""
+
+
+def speaks(thing: object) -> bool:
+    """A class or a function, which has a docstring of its own."""
+    return inspect.isclass(thing) or inspect.isfunction(thing)
+
+
+def names() -> dict[str, Any]:
+    """What is public, each thing under its first name."""
+    found: dict[str, Any] = {}
+    for spoken, module in MODULES.items():
+        for name in module.__all__:
+            thing = getattr(module, name)
+            if speaks(thing) and not any(thing is other for other in found.values()):
+                found[f"{spoken}.{name}"] = thing
+    return found
+
+
+NAMES = names()
+SILENT: dict[str, str] = {}
+"""Name → why it has no example."""
+SHOWN = [name for name in NAMES if name not in SILENT]
+
+
+def test_whatever_else_is_public_has_no_docstring_of_its_own():
+    """Modules, and constants that ``Expression`` and ``six_bar`` show."""
+    other = {name for name in da.__all__ if not speaks(getattr(da, name))}
+    modules = {name for name in other if inspect.ismodule(getattr(da, name))}
+    assert other - modules == {"t", "u", "INVERSIONS"}
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_a_public_name_shows_an_example(name):
+    text = inspect.cleandoc(vars(NAMES[name]).get("__doc__") or NAMES[name].__doc__ or "")
+    _, section, example = text.partition("\n\nExamples\n--------\n")
+    assert section, "needs a section Examples"
+    assert name.rpartition(".")[2] in example, "its example is about something else"
+    examples = doctest.DocTestParser().get_examples(example)
+    assert examples[-1].want, "its example shows nothing"
+    assert len(example.splitlines()) <= 20, "its example is too long to be read at a glance"
 
 
 @pytest.mark.parametrize("name", SHOWN)
 def test_an_example_runs_as_printed(name):
-    text = inspect.getdoc(getattr(da, name)) or ""
+    text = inspect.getdoc(NAMES[name]) or ""
     example = doctest.DocTestParser().get_doctest(text, {}, name, None, None)
     told: list[str] = []
     doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(example, out=told.append)

@@ -71,6 +71,11 @@ def test_a_response_without_bounds_is_no_limit(bare):
     ("slip", "error", "message"),
     [
         (lambda b, m: b.ends, AttributeError, "no point or measure 'ends' .did you mean 'end'"),
+        (
+            lambda b, m: b.add_point("tip", (0.1, 0.0)).body.tip,
+            AttributeError,
+            r"bob has a point 'tip': write point\('tip'\)",
+        ),
         (lambda b, m: b.points["tip"], da.UnknownNameError, "unknown point 'tip'; known: start"),
         (lambda b, m: b.point("strat"), da.ModelError, "unknown point .* mean 'start'"),
         (lambda b, m: m["bob.angl"], da.UnknownNameError, "nearest: bob.angle"),

@@ -100,6 +100,19 @@ def solve_assembly(
     ------
     AssemblyError
         It cannot be assembled; names the worst joint and its residual.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("ladder")
+    >>> ladder = system.add(planar.Bar("ladder", length=5.0, angle=-0.9))
+    >>> wall = system.add(planar.PinInSlot("wall", system.ground.center, ladder.start, axis=(0, 1)))
+    >>> floor = system.add(planar.PinInSlot("floor", system.ground.center, ladder.end))
+    >>> foot = system.add(planar.CoordinateDriver("foot", ladder.end, 3.0))
+    >>> found = da.solve_assembly(system.build(), all=True, rng=1)
+    >>> sorted(round(float(one.y[1]), 6) for one in found)  # its middle, 2 above the floor or below
+    [-2.0, 2.0]
     """
     need_mechanism(model, "solve_assembly", "it needs no assembly, take solve_statics")
     p = model.values(parameters)

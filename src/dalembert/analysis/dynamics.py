@@ -71,6 +71,18 @@ class Dynamics(OverTime[Motion]):
     memory : bytes for the states that gradients and later questions need; of a longer run only
         few are kept and the others computed again when needed, which costs another run.
         Without ``outputs`` everything is kept
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> speed = system.parameter("speed", 5.0, unit="m/s", bounds=(1, 10))
+    >>> stone = system.add(planar.Particle("stone", mass=0.2, velocity=(speed, 10)))
+    >>> throw = da.Dynamics(duration=2.0, step=0.1, integrator=da.Heun())
+    >>> model = system.build()
+    >>> [round(throw.run(model, {"speed": v})["stone.x"][-1].item(), 6) for v in (5, 8)]  # v t
+    [10.0, 16.0]
     """
 
     spoken = "dynamics"

@@ -60,6 +60,20 @@ class Equilibrium(Analysis[Model, Motion]):
     time : instant at which laws and forces are taken [s]
     tolerance : of the residual relative to the largest applied force
     max_iterations : of Newton's method
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("scale", gravity=(0, -10))
+    >>> weight = system.parameter("weight", 2.0, unit="kg", bounds=(1, 5))
+    >>> pan = system.add(planar.Particle("pan", mass=weight, position=(0, -0.1)))
+    >>> spring = planar.Spring("spring", system.ground.center, pan.center, stiffness=100.0)
+    >>> hung = system.add(spring)
+    >>> analysis = da.Equilibrium()  # an analysis that can be repeated, and designed for
+    >>> model = system.build()
+    >>> [round(analysis.run(model, {"weight": m})["pan.y"].item(), 6) for m in (2, 4)]  # -m g/k
+    [-0.2, -0.4]
     """
 
     spoken = "static equilibrium"
@@ -222,6 +236,18 @@ def solve_equilibrium(
     AnalysisError
         Wrong options; ``AssemblyError`` where the mechanism cannot be put together. A search that
         does not converge says so in its status.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("lamp in the wind", gravity=(0, -10))
+    >>> lamp = system.add(planar.Particle("lamp", mass=2.0, position=(0.1, -1)))
+    >>> cord = system.add(planar.RigidLink("cord", system.ground.center, lamp.center, length=1.0))
+    >>> wind = system.add(planar.Force("wind", lamp.center, (15.0, 0)))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> rest["lamp.position"][0].values.round(6)  # along (F, -m g), a 3-4-5 triangle
+    array([ 0.6, -0.8])
     """
     if isinstance(model, StructuralModel):
         made: Any = analysis_of(NonlinearStatics, "solve_equilibrium", model, parameters, **options)

@@ -27,6 +27,17 @@ class Event:
     measure : name, formula or Expression
     terminal : the run ends there
     direction : +1 rising, −1 falling, 0 both
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("drop", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, position=(0, 5)))
+    >>> lands = da.Event("stone.y", terminal=True, direction=-1)
+    >>> motion = da.solve_dynamics(system.build(), 3.0, step=0.01, events={"lands": lands})
+    >>> motion.events[0].name, round(float(motion.time[-1]), 9)  # √(2 h/g)
+    ('lands', 1.0)
     """
 
     measure: str | Expression

@@ -24,7 +24,21 @@ if TYPE_CHECKING:
 
 @options
 class InverseDynamics(Kinematics):
-    """Kinematic simulation followed by the forces it needs, as a strategy object."""
+    """Kinematic simulation followed by the forces it needs, as a strategy object.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("lift", gravity=(0, -10))
+    >>> cabin = system.add(planar.Particle("cabin", mass=500.0))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, cabin.center, axis=(0, 1)))
+    >>> drive = planar.CoordinateDriver("drive", cabin.center, 0.5 * da.t**2, direction=(0, 1))
+    >>> winch = system.add(drive)
+    >>> analysis = da.InverseDynamics(duration=1.0, step=0.5)
+    >>> round(da.evaluate(analysis.run(system.build()), da.maximum("drive.effort")), 6)  # m (g + a)
+    5500.0
+    """
 
     spoken = "inverse dynamics"
 
@@ -82,6 +96,18 @@ def solve_inverse_dynamics(
     AnalysisError
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("arm", gravity=(0, -10))
+    >>> arm = system.add(planar.Bar("arm", length=1.0, mass=3.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, arm.start))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, arm, da.t))
+    >>> motion = da.solve_inverse_dynamics(system.build(), "pi/2", step="pi/4")
+    >>> motion["motor.effort"].values.round(6) + 0.0  # m g l/2 cos t
+    array([15.      , 10.606602,  0.      ])
     """
     made = analysis_of(
         InverseDynamics, "solve_inverse_dynamics", model, parameters, duration=duration, **options

@@ -41,6 +41,19 @@ class Kinematics(OverTime[Motion]):
     ----------
     step : time between positions [s]; by default a thousandth of the run, or where only outputs are
         asked for and no efforts, as long as none goes further than a tenth of a radian
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("crank")
+    >>> r = system.parameter("r", 0.1, unit="m", bounds=(0.05, 0.2))
+    >>> crank = system.add(planar.Bar("crank", length=r))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, 10 * da.t))
+    >>> motion = da.Kinematics(duration=0.1, step=0.05).run(system.build(), {"r": 0.2})
+    >>> motion["crank.end.speed"].values.round(6)  # r ω
+    array([2., 2., 2.])
     """
 
     spoken = "kinematics"
@@ -172,6 +185,21 @@ def solve_kinematics(
     AnalysisError
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
         cannot be put together.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("slider-crank")
+    >>> crank = system.add(planar.Bar("crank", length=0.1))
+    >>> rod = system.add(planar.Bar("rod", length=0.3))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> pin = system.add(planar.Revolute("A", crank.end, rod.start))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, rod.end))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
+    >>> motion = da.solve_kinematics(system.build(), "pi", step="pi")
+    >>> motion["rod.end.x"].values.round(6)  # dead centres: l + r, l - r
+    array([0.4, 0.2])
     """
     made = analysis_of(
         Kinematics, "solve_kinematics", model, parameters, duration=duration, **options

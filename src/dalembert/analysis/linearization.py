@@ -51,6 +51,17 @@ class Linearization(Analysis[Model, Modes]):
     coordinates : in which small motions are described. In a steady motion, such as of a wheel that
         rolls or of a governor that turns, eigenvalues mean something where nothing but cyclic
         coordinates change: those of joints, ``JointCoordinates()``
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -9.81))
+    >>> bob = system.add(planar.Particle("bob", mass=1.0, position=(0, -0.981)))
+    >>> rod = system.add(planar.RigidLink("rod", system.ground.center, bob.center, length=0.981))
+    >>> modes = da.Linearization().run(system.build())
+    >>> modes.eigenvalues.imag.round(6)  # √(g/l)
+    array([3.162278])
     """
 
     spoken = "modes"
@@ -207,6 +218,21 @@ def linearize(
     AnalysisError
         No equilibrium was found, or wrong options; ``SingularityError`` where a free motion has no
         mass.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("oscillator")
+    >>> body = system.add(planar.Particle("body", mass=1.0, position=(0.5, 0)))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, body.center))
+    >>> ends = system.ground.center, body.center
+    >>> spring = planar.Spring("spring", *ends, stiffness=100.0, damping=2.0, free_length=0.5)
+    >>> part = system.add(spring)
+    >>> modes = da.linearize(system.build())
+    >>> modes.damping_ratios.round(6), (modes.frequencies * 2 * math.pi).round(6)
+    (array([0.1]), array([10.]))
     """
     if at is not None:
         if parameters or options:

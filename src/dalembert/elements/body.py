@@ -100,6 +100,11 @@ class BodyElement(Element, Coordinates):
             own = self.__dict__
             if name.startswith("_") or "points" not in own:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            for kind in ("point", "frame"):
+                if name in own[f"{kind}s"]:
+                    raise AttributeError(
+                        f"{own['name']} has a {kind} {name!r}: write {kind}({name!r})"
+                    )
             known = [*own["points"], *own["frames"], *own["_measures"]]
             raise AttributeError(
                 f"{own['name']} has no point or measure {name!r}{nearest(name, known)}; "

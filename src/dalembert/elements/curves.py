@@ -55,6 +55,15 @@ class SplineCurve(Curve):
     ----------
     points : sequence of (x, y) or (x, y, z) in the body frame [m]; formulas are allowed
     closed : periodic; the first point need not be repeated
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> corners = [(0.1, 0.0), (0.0, 0.08), (-0.1, 0.0), (0.0, -0.08)]
+    >>> cam = da.SplineCurve(corners)
+    >>> start, end = cam.interval()  # it goes through them and closes
+    >>> [[round(float(x), 6) + 0.0 for x in cam.position(u).elements()] for u in (start, end)]
+    [[0.1, 0.0], [0.1, 0.0]]
     """
 
     points: Rows = option("points (x, y), in space (x, y, z), of the curve")
@@ -105,6 +114,17 @@ class FormulaCurve(Curve):
     x, y, z : formulas in ``u`` [m]; z in space only
     lower, upper : range of the parameter
     closed : the curve closes on itself
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> wheel = da.FormulaCurve(0.1 * da.cos(da.u), 0.1 * da.sin(da.u))
+    >>> [round(float(x), 6) for x in wheel.position(math.pi / 2).elements()]
+    [0.0, 0.1]
+    >>> helix = da.FormulaCurve(da.cos(da.u), da.sin(da.u), closed=False, z=0.1 * da.u)
+    >>> helix.dimension
+    3
     """
 
     x: Scalar = quantity("m", "x(u)")

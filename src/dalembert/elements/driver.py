@@ -84,6 +84,19 @@ class DistanceDriver(Driver, PointJoint):
     Parameters
     ----------
     law : Law, number or formula in t [m], always positive
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("boom")
+    >>> boom = system.add(planar.Bar("boom", length=0.8, angle=0.9))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, boom.start))
+    >>> foot = system.ground.point(0.6, 0)
+    >>> ram = system.add(planar.DistanceDriver("ram", foot, boom.end, 1.0))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> round(motion["boom.end.y"][0].item(), 6)  # 0.6, 0.8, 1: it stands upright
+    0.8
     """
 
     law: GivenLaw = option("motion law")

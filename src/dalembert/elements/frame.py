@@ -35,6 +35,15 @@ class Frame(Point):
     ------
     ModelError
         Axes that are no frame, or given twice.
+
+    Examples
+    --------
+    >>> from dalembert import spatial
+    >>> arm = spatial.Body("arm", mass=1.0, inertia=(0.1, 0.1, 0.1))
+    >>> pin = spatial.Frame(arm, (0.5, 0, 0), axis=(0, 1, 0), name="pin")
+    >>> slide = arm.frame((0, 0, 0), axis=(1, 0, 0), x=(0, 0, 1))  # by a method of the body
+    >>> pin.name, type(slide) is spatial.Frame
+    ('arm.pin', True)
     """
 
     def __init__(

@@ -22,6 +22,19 @@ class JointActuator(AlongJoint):
     value : force [N] or moment [N m], positive drives the motion up; formula of t, parameters and
         measures
     motion : which free motion, where the joint has several (``displacement`` or ``angle``)
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("arm")
+    >>> arm = system.add(planar.Bar("arm", length=1.0, mass=3.0))
+    >>> shoulder = system.add(planar.Revolute("O", system.ground.center, arm.start))
+    >>> moment = 5.0 - 2.0 * arm.angular_velocity
+    >>> motor = system.add(planar.JointActuator("motor", shoulder, moment))
+    >>> motion = da.solve_dynamics(system.build(), 5.0, step=0.01)
+    >>> round(motion["arm.angular_velocity"][-1].item(), 3)  # where the moment is zero
+    2.5
     """
 
     joint: Constraint

@@ -36,6 +36,17 @@ class Point:
     local : (2,) or (3,) coordinates in the body frame [m]; three on a planar body make a point
         beside its plane
     name : str, optional
+
+    Examples
+    --------
+    >>> from dalembert import planar
+    >>> plate = planar.Body("plate", points={"corner": (0.2, 0.1)})
+    >>> corner = plate.point("corner")
+    >>> corner.name, corner.y.name, corner.y.unit
+    ('plate.corner', 'plate.corner.y', 'm')
+    >>> hole = planar.Point(plate, (0.05, 0.0), "hole")
+    >>> hole.name, hole.dimension
+    ('plate.hole', 2)
     """
 
     def __init__(self, body: Carrier, local: Vector, name: str = ""):

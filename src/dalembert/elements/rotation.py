@@ -14,6 +14,8 @@ from dalembert.errors import ModelError
 from dalembert.symbolic import rotation as turning
 from dalembert.symbolic.expression import Expression, as_expression, as_sx
 
+__all__ = ["Orientation", "axis_angle", "bryant", "euler", "from_matrix", "identity"]
+
 ORTHONORMAL = 1e-6
 """Deviation of axes from orthonormal ones that is corrected; beyond, they are refused."""
 NEAR = math.radians(2)
@@ -28,6 +30,16 @@ class Orientation(Expression):
     ----------
     off : deviation of a matrix of formulas, from which it was made, from an orthonormal one
     doubts : as ``Element.doubts``
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import rotation
+    >>> quarter = rotation.axis_angle((0, 0, 1), math.pi / 2)
+    >>> half = quarter @ quarter  # one turn, then the other
+    >>> isinstance(half, rotation.Orientation), round(float(half.sx[3]), 6)
+    (True, 1.0)
     """
 
     def __init__(self, sx: ca.SX, off: ca.SX | None = None, doubts: Sequence[Condition] = ()):
@@ -55,7 +67,14 @@ class Orientation(Expression):
 
 
 def identity() -> Orientation:
-    """No turn."""
+    """No turn.
+
+    Examples
+    --------
+    >>> from dalembert import rotation
+    >>> [float(e) for e in rotation.identity().sx.elements()]  # Euler parameters
+    [1.0, 0.0, 0.0, 0.0]
+    """
     return Orientation(ca.SX(list(turning.IDENTITY)))
 
 
@@ -66,6 +85,16 @@ def axis_angle(axis, angle) -> Orientation:
     ----------
     axis : (3,) direction, of any length
     angle : [rad]
+
+    Examples
+    --------
+    >>> import math
+    >>> import casadi as ca
+    >>> import dalembert as da
+    >>> turn = da.rotation.axis_angle((0, 0, 2), math.pi / 6)
+    >>> ca.DM(turn.matrix[:2, :2]).full().round(6)
+    array([[ 0.866025, -0.5     ],
+           [ 0.5     ,  0.866025]])
     """
     direction = unit(as_expression(axis, "axis", "", 3).sx, "axis")
     half = as_expression(angle, "angle", "rad").sx / 2
@@ -84,6 +113,15 @@ def euler(sequence: str, *angles) -> Orientation:
     ------
     ModelError
         Unknown axes, or not as many angles.
+
+    Examples
+    --------
+    >>> import math
+    >>> import casadi as ca
+    >>> from dalembert import rotation
+    >>> turn = rotation.euler("zxz", math.pi / 2, math.pi / 6, 0.0)
+    >>> ca.DM(turn.matrix[:, 2]).full().ravel().round(6) + 0.0  # where the third axis points
+    array([0.5     , 0.      , 0.866025])
     """
     letters = list(sequence.lower()) if isinstance(sequence, str) else []
     if not letters or any(letter not in AXES for letter in letters):
@@ -110,7 +148,21 @@ def _attitude(letters: list[str], angles: Sequence) -> list[Condition]:
 
 
 def bryant(x, y, z) -> Orientation:
-    """Bryant (Cardan) angles: turns about the body's x, y and z axes, one after the other [rad]."""
+    """Bryant (Cardan) angles: turns about the body's x, y and z axes, one after the other [rad].
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> turn = da.rotation.bryant("10 deg", "20 deg", "30 deg")
+    >>> wing = spatial.Body("wing", mass=1.0, inertia=(1, 1, 1), rotation=turn)
+    >>> system = da.System("attitude")
+    >>> body = system.add(wing)
+    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1)
+    >>> (motion["wing.bryant"][0].values * 180 / math.pi).round(6)  # read back
+    array([10., 20., 30.])
+    """
     return euler("xyz", x, y, z)
 
 
@@ -121,6 +173,14 @@ def from_matrix(rows) -> Orientation:
     ------
     ModelError
         It is not orthonormal, or left-handed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dalembert import rotation
+    >>> turn = rotation.from_matrix([[0, -1, 0], [1, 0, 0], [0, 0, 1]])  # columns: turned axes
+    >>> [round(float(e) * 2**0.5, 6) for e in turn.sx.elements()]
+    [1.0, 0.0, 0.0, 1.0]
     """
     return as_orientation(rows, "rotation")
 

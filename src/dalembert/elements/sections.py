@@ -29,6 +29,14 @@ class Section:
     second_moment_y, second_moment_z : about its own axes [m⁴]
     torsion_constant : [m⁴]
     shear_area_y, shear_area_z : for shear forces along its own axes [m²]
+
+    Examples
+    --------
+    >>> from dalembert import structures
+    >>> box = structures.Section(area=4e-3, second_moment_y=2e-5, second_moment_z=2e-5,
+    ...     torsion_constant=3e-5, shear_area_y=2e-3, shear_area_z=2e-3)
+    >>> sorted(box.of(structures.Frame))
+    ['area', 'second_moment']
     """
 
     area: Number
@@ -80,6 +88,15 @@ class Material:
     poisson : Poisson's ratio [-]
     density : [kg/m³]
     expansion : coefficient of thermal expansion [1/K]
+
+    Examples
+    --------
+    >>> from dalembert import structures
+    >>> steel = structures.Material(210e9, poisson=0.3, density=7850.0)
+    >>> steel.of(structures.Truss)
+    {'modulus': 210000000000.0, 'density': 7850.0, 'expansion': 0.0}
+    >>> round(steel.of(structures.SpaceFrame)["shear_modulus"] / 1e9, 3)  # E/(2 (1 + ν)) [GPa]
+    80.769
     """
 
     modulus: Number
@@ -106,7 +123,15 @@ def _chosen(cls, known: dict[str, Number], needed: str, what: str) -> dict[str, 
 
 
 def rectangle(width: Number, height: Number) -> Section:
-    """A solid rectangle."""
+    """A solid rectangle.
+
+    Examples
+    --------
+    >>> from dalembert import structures
+    >>> profile = structures.rectangle(width=0.02, height=0.05)
+    >>> round(profile.area * 1e4, 9), round(profile.second_moment_z * 1e8, 6)  # cm², b h³/12 in cm⁴
+    (10.0, 20.833333)
+    """
     area = width * height
     long = where(width > height, width, height) if _formula(width, height) else max(width, height)
     short = where(width > height, height, width) if _formula(width, height) else min(width, height)
@@ -117,13 +142,31 @@ def rectangle(width: Number, height: Number) -> Section:
 
 
 def circle(diameter: Number) -> Section:
-    """A solid circle."""
+    """A solid circle.
+
+    Examples
+    --------
+    >>> import math
+    >>> from dalembert import structures
+    >>> bar = structures.circle(0.1)
+    >>> round(float(bar.second_moment_y) * 64 / math.pi, 12)  # d⁴
+    0.0001
+    """
     area, bend = pi * diameter**2 / 4, pi * diameter**4 / 64
     return Section(area, bend, bend, 2 * bend, 0.9 * area, 0.9 * area)
 
 
 def tube(diameter: Number, wall: Number) -> Section:
-    """A circular tube by its outer diameter and its wall; shear areas of a thin one."""
+    """A circular tube by its outer diameter and its wall; shear areas of a thin one.
+
+    Examples
+    --------
+    >>> import math
+    >>> from dalembert import structures
+    >>> pipe = structures.tube(0.1, 0.01)
+    >>> round(float(pipe.area) / math.pi * 1e4, 9)  # 5² - 4² [cm²]
+    9.0
+    """
     inner = diameter - 2 * wall
     area, bend = pi * (diameter**2 - inner**2) / 4, pi * (diameter**4 - inner**4) / 64
     return Section(area, bend, bend, 2 * bend, area / 2, area / 2)
@@ -136,6 +179,13 @@ def i_section(width: Number, height: Number, flange: Number, web: Number) -> Sec
     ----------
     width, height : of the whole [m]
     flange, web : thicknesses [m]
+
+    Examples
+    --------
+    >>> from dalembert import structures
+    >>> ipe = structures.i_section(width=0.1, height=0.2, flange=0.01, web=0.006)
+    >>> round(float(ipe.area) * 1e4, 9)  # two flanges of 10 and a web of 18 by 0.6 cm
+    30.8
     """
     clear = height - 2 * flange
     area = 2 * width * flange + web * clear

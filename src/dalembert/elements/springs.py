@@ -111,6 +111,19 @@ class Spring(SpringDamper, PointPair):
     damping : [N s/m]
     free_length : [m]
     law : function (extension, rate) → additional force [N], positive in tension
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("scale", gravity=(0, -10))
+    >>> pan = system.add(planar.Particle("pan", mass=2.0, position=(0, -0.3)))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, pan.center, axis=(0, 1)))
+    >>> spring = system.add(planar.Spring("spring", system.ground.center, pan.center,
+    ...     stiffness=100.0, free_length=0.3))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["spring.length"].item(), 6), round(rest["spring.force"].item(), 6)  # by m g/k
+    (0.5, 20.0)
     """
 
     stiffness: Scalar = quantity("N/m", "stiffness", default=0.0)
@@ -137,6 +150,18 @@ class Actuator(PointPair):
     Parameters
     ----------
     force : [N]; formula of t, parameters and measures
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("ram", gravity=(0, -9.81))
+    >>> load = system.add(planar.Particle("load", mass=100.0, position=(0, 0.5)))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, load.center, axis=(0, 1)))
+    >>> ram = system.add(planar.Actuator("ram", system.ground.center, load.center, force=1181.0))
+    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1)
+    >>> round(motion["load.ay"][0].item(), 6)  # F/m - g
+    2.0
     """
 
     force: Scalar = quantity("N", "force, positive pushes apart")

@@ -25,6 +25,18 @@ class Stop(ForceElement):
     stiffness : [N/m] or [N m/rad]
     damping : [s/m] or [s/rad]
     exponent : 1 linear, 1.5 Hertz
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("buffer", gravity=(0, -10))
+    >>> lift = system.add(planar.Particle("lift", mass=50.0, position=(0, -0.02)))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, lift.center, axis=(0, 1)))
+    >>> buffer = system.add(planar.Stop("buffer", lift.y, lower=0.0, stiffness=1e5))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["lift.y"].item() * 1e3, 6)  # -m g/k [mm]
+    -5.0
     """
 
     coordinate: Scalar = quantity("m | rad", "formula of positions that is limited")

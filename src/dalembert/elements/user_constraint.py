@@ -23,6 +23,17 @@ class UserConstraint(Constraint):
     formula : Expression of positions and angles, or one that is linear in speeds
     unit : ``m`` or ``rad``; of a formula of speeds, what it is per second
     speeds : it is a formula of speeds, which no formula of positions can replace
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("bead on an ellipse", gravity=(0, -9.81))
+    >>> bead = system.add(planar.Particle("bead", mass=0.1, position=(0.1, -1.0)))
+    >>> wire = system.add(planar.UserConstraint("wire", (bead.x / 2)**2 + bead.y**2 - 1))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["bead.y"].item(), 9)
+    -1.0
     """
 
     formula: Scalar = quantity("m | rad | m/s | rad/s", "formula that must be zero")

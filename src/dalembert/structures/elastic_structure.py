@@ -60,6 +60,20 @@ class ElasticStructure(ForceElement):
         The structure has supports, loads or parameters of its own.
     UnsupportedError
         Elements of one dimension.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar, structures
+    >>> rod = da.Structure("rod")
+    >>> a, b = rod.node("a", 0, 0), rod.node("b", 1, 0)
+    >>> steel = dict(area=1e-4, modulus=2e11, density=7850.0)
+    >>> element = rod.add(structures.Truss("rod", a, b, **steel))
+    >>> system = da.System("free rod", gravity=(0, -9.81))
+    >>> free = system.add(structures.ElasticStructure("part", structure=rod, velocity=(2.0, 0.0)))
+    >>> motion = da.solve_dynamics(system.build(), 0.01, step=1e-3)
+    >>> round(motion["kinetic_energy"][0].item(), 6)  # m v²/2
+    1.57
     """
 
     structure: StructureDescription = option("nodes and elements", keyword=True)

@@ -34,6 +34,15 @@ def line_mesh(start: Sequence[float], end: Sequence[float], count: int) -> Mesh:
     ------
     ModelError
         The count is not a positive whole number.
+
+    Examples
+    --------
+    >>> from dalembert import structures
+    >>> points, cells = structures.line_mesh((0, 0), (3, 0), 3)
+    >>> points.tolist()
+    [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]
+    >>> cells.tolist()
+    [[0, 1], [1, 2], [2, 3]]
     """
     (count,) = _counts((count,), 1)
     points = np.linspace(np.atleast_1d(start), np.atleast_1d(end), count + 1)
@@ -58,6 +67,15 @@ def rectangle_mesh(size: Sequence[float], counts: Sequence[int], kind: str = "qu
     ------
     ModelError
         Another kind, or numbers that make no mesh.
+
+    Examples
+    --------
+    >>> from dalembert import structures
+    >>> points, cells = structures.rectangle_mesh((2, 1), (4, 2))
+    >>> points.shape, cells.shape
+    ((15, 2), (8, 4))
+    >>> structures.rectangle_mesh((2, 1), (4, 2), "triangle6")[1].shape
+    (16, 6)
     """
     points, (corner, right, far, up) = _grid(size, counts, 2)
     if kind in ("quad", "quad8"):
@@ -88,6 +106,15 @@ def box_mesh(size: Sequence[float], counts: Sequence[int], kind: str = "hexahedr
     ------
     ModelError
         Another kind, or numbers that make no mesh.
+
+    Examples
+    --------
+    >>> from dalembert import structures
+    >>> points, cells = structures.box_mesh((1, 1, 1), (2, 3, 4))
+    >>> points.shape, cells.shape
+    ((60, 3), (24, 8))
+    >>> structures.box_mesh((1, 1, 1), (1, 1, 1), "hexahedron20")[1].shape
+    (1, 20)
     """
     if kind not in ("hexahedron", "hexahedron20"):
         raise ModelError(f"box_mesh: unknown kind {kind!r}; known: hexahedron, hexahedron20")

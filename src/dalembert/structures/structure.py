@@ -18,6 +18,21 @@ class Structure(StructureDescription):
     ----------
     name : str
     description : str
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rope = da.Structure("rope")
+    >>> length = rope.parameter("length", 2.0, unit="m")
+    >>> top, end = rope.node("top", 0, 0), rope.node("end", 0, -length)
+    >>> line = rope.add(structures.Truss("line", top, end, area=1e-4, modulus=1e9))
+    >>> rope.support(top)
+    >>> rope.support(end, ux=0)
+    >>> rope.load(end, fy=-500.0)
+    >>> result = da.solve_statics(rope.build(), parameters={"length": 3.0})
+    >>> round(result["end.uy"], 9)  # -F L/(E A)
+    -0.015
     """
 
     def __init__(self, name: str, description: str = ""):

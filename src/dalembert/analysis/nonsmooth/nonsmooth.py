@@ -37,6 +37,19 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     solver : of the impulses
     balance : largest error of the energy balance, over the energy that took part in the motion,
         with which a run still counts as completed
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("landing", gravity=(0, -10))
+    >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3)))
+    >>> floor = (system.ground.center, (0, 1))
+    >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor]))
+    >>> analysis = da.Nonsmooth(duration=1.0, step=0.01, integrator=da.MoreauJean())
+    >>> motion = analysis.run(system.build())
+    >>> round(motion["ball.y"][-1].item(), 6)  # it lies on its radius
+    0.1
     """
 
     spoken = "dynamics with contacts"
@@ -92,6 +105,19 @@ def solve_nonsmooth(
     ------
     AnalysisError
         Wrong options; ``AssemblyError``, ``SingularityError`` where the run cannot begin.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pile", gravity=(0, -10))
+    >>> low = system.add(planar.Particle("low", mass=1.0, position=(0, 0.1)))
+    >>> high = system.add(planar.Particle("high", mass=2.0, position=(0, 0.31)))
+    >>> balls, floor = [(low.center, 0.1), (high.center, 0.1)], (system.ground.center, (0, 1))
+    >>> pile = system.add(planar.Collisions("pile", balls, [floor]))
+    >>> motion = da.solve_nonsmooth(system.build(), 0.5, step=0.01)
+    >>> round(motion["high.y"][-1].item(), 4)  # on top of the other
+    0.3
     """
     return analysis_of(
         Nonsmooth, "solve_nonsmooth", model, parameters, duration=duration, **options

@@ -41,6 +41,23 @@ class Buckling(SpectralAnalysis[BucklingModes]):
     ------
     UnsupportedError
         A count that is not positive.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> strut = da.Structure("strut")
+    >>> EI = strut.parameter("EI", 2e4, unit="N m^2")
+    >>> nodes = [strut.node(f"n{k}", 0.5 * k, 0) for k in range(5)]
+    >>> for k in range(4):
+    ...     numbers = dict(area=1e-3, second_moment=EI / 2e11, modulus=2e11)
+    ...     beam = strut.add(structures.Frame(f"e{k}", nodes[k], nodes[k + 1], **numbers))
+    >>> strut.support(nodes[0])
+    >>> strut.load(nodes[4], fx=-1.0)
+    >>> modes = da.Buckling(count=1).run(strut.build(), {"EI": 1e4})
+    >>> round(float(modes.load_factors[0]) * 16 / (math.pi**2 * 1e4), 3)  # of π² E I/(2 L)²
+    1.0
     """
 
     spoken = "linear buckling"
@@ -117,6 +134,23 @@ def solve_buckling(
     AnalysisError
         Wrong options, unknown load case, no such factor; ``SingularityError`` where the structure
         is a mechanism.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> strut = da.Structure("strut")
+    >>> nodes = [strut.node(f"n{k}", 0.5 * k, 0) for k in range(5)]
+    >>> for k in range(4):
+    ...     numbers = dict(area=1e-3, second_moment=1e-7, modulus=2e11)
+    ...     beam = strut.add(structures.Frame(f"e{k}", nodes[k], nodes[k + 1], **numbers))
+    >>> strut.support(nodes[0], ux=0, uy=0)
+    >>> strut.support(nodes[4], uy=0)
+    >>> strut.load(nodes[4], fx=-1.0)
+    >>> factors = da.solve_buckling(strut.build(), 2).load_factors
+    >>> (factors * 4 / (math.pi**2 * 2e4)).round(2)  # of π² E I/L²: 1 and, nearly, 4
+    array([1.  , 4.04])
     """
     made = analysis_of(
         Buckling, "solve_buckling", model, parameters, count=count, case=case, **options

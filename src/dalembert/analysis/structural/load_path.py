@@ -55,6 +55,21 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
     ------
     UnsupportedError
         A number that is not positive.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> toggle = da.Structure("toggle")
+    >>> left, top = toggle.node("left", -1, 0), toggle.node("top", 0, 0.2)
+    >>> bar = toggle.add(structures.Truss("bar", left, top, area=1e-4, modulus=1e7))
+    >>> toggle.support(left)
+    >>> toggle.support(top, ux=0)
+    >>> toggle.load(top, fy=-5)
+    >>> fallen = da.ArcLength(stop=lambda point: point["top.uy"] < -0.2)
+    >>> path = fallen.run(toggle.build())
+    >>> len(path.limits), bool(path["top.uy"][-1] < -0.2)  # past the limit point it fell through
+    (1, True)
     """
 
     spoken = "load path"
@@ -282,6 +297,21 @@ def solve_load_path(
     ------
     AnalysisError
         Wrong options; ``SingularityError`` where the structure is a mechanism.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> toggle = da.Structure("toggle")
+    >>> left, top = toggle.node("left", -1, 0), toggle.node("top", 0, 0.1)
+    >>> bar = toggle.add(structures.Truss("bar", left, top, area=1e-4, modulus=1e7))
+    >>> toggle.support(left)
+    >>> toggle.support(top, ux=0)
+    >>> toggle.load(top, fy=-1.0)
+    >>> path = da.solve_load_path(toggle.build())
+    >>> limit = path.load_factors[path.limits[0]]
+    >>> round(float(limit) * 27**0.5 / (1e3 * 0.1**3), 2)  # of E A h³/(√27 l³), if shallow
+    0.99
     """
     made = analysis_of(ArcLength, "solve_load_path", model, parameters, **options)
     need_structure(model, "solve_load_path", "take solve_equilibrium load by load")

@@ -41,6 +41,21 @@ class Modal(SpectralAnalysis[VibrationModes]):
     ------
     UnsupportedError
         A count that is not positive; ``about`` with several load cases, or of another analysis.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> bar = da.Structure("bar")
+    >>> a, b = bar.node("a", 0), bar.node("b", 1)
+    >>> k = bar.parameter("k", 100.0, unit="N/m")
+    >>> spring = bar.add(structures.AxialSpring("spring", a, b, stiffness=k))
+    >>> mass = bar.add(structures.PointMass("mass", b, mass=4.0))
+    >>> bar.support(a)
+    >>> modes = da.Modal(count=1).run(bar.build(), {"k": 400.0})
+    >>> round(float(modes.frequencies[0]) * 2 * math.pi, 6)  # √(k/m)
+    10.0
     """
 
     spoken = "modes of vibration"
@@ -157,6 +172,24 @@ def solve_modes(
     ------
     AnalysisError
         Wrong options, nothing has mass; ``SingularityError`` where something moves freely.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> chain = da.Structure("two masses")
+    >>> nodes = [chain.node(name, x) for name, x in (("a", 0), ("b", 1), ("c", 2), ("d", 3))]
+    >>> for k in range(3):
+    ...     ends = nodes[k], nodes[k + 1]
+    ...     spring = chain.add(structures.AxialSpring(f"k{k}", *ends, stiffness=9.0))
+    >>> for node in nodes[1:3]:
+    ...     mass = chain.add(structures.PointMass(f"m_{node.name}", node, mass=1.0))
+    >>> for end in (nodes[0], nodes[3]):
+    ...     chain.support(end)
+    >>> modes = da.solve_modes(chain.build(), 2)
+    >>> (modes.frequencies * 2 * math.pi)**2  # k/m and 3 k/m
+    array([ 9., 27.])
     """
     made = analysis_of(Modal, "solve_modes", model, parameters, count=count, **options)
     need_structure(model, "solve_modes", "take linearize")

@@ -41,6 +41,21 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
     ------
     UnsupportedError
         A number that is not positive.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> arch = da.Structure("arch")
+    >>> left, top = arch.node("left", -1, 0), arch.node("top", 0, 0.1)
+    >>> bar = arch.add(structures.Truss("bar", left, top, area=1e-4, modulus=1e7))
+    >>> arch.support(left)
+    >>> arch.support(top, ux=0)
+    >>> arch.load(top, fy=1.0)
+    >>> result = da.NonlinearStatics(steps=4).run(arch.build())
+    >>> linear = da.solve_statics(arch.build())
+    >>> result["top.uy"] < linear["top.uy"]  # it stiffens as it rises
+    True
     """
 
     spoken = "nonlinear statics"

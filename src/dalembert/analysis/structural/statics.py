@@ -43,6 +43,21 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
     ------
     UnsupportedError
         Another solver.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("rod")
+    >>> length = rod.parameter("length", 2.0, unit="m")
+    >>> top, end = rod.node("top", 0), rod.node("end", length)
+    >>> part = rod.add(structures.Truss("rod", top, end, area=1e-4, modulus=2e11))
+    >>> rod.support(top)
+    >>> rod.load(end, case="small", fx=1e4)
+    >>> rod.load(end, case="large", fx=4e4)
+    >>> result = da.Statics(solver="direct").run(rod.build(), {"length": 1.0})
+    >>> (result["end.ux"] * 1e3).round(6)  # F L/(E A) [mm] of both load cases
+    array([0.5, 2. ])
     """
 
     spoken = "linear statics"

@@ -45,6 +45,21 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     ------
     AnalysisError, UnsupportedError
         A choice that is none of these.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> bar = da.Structure("oscillator")
+    >>> a, b = bar.node("a", 0), bar.node("b", 1)
+    >>> spring = bar.add(structures.AxialSpring("spring", a, b, stiffness=100.0))
+    >>> mass = bar.add(structures.PointMass("mass", b, mass=1.0))
+    >>> bar.support(a)
+    >>> bar.initial(b, vx=2.0)
+    >>> analysis = da.Transient(duration=0.5, step=1e-3, integrator=da.Newmark())
+    >>> motion = analysis.run(bar.build())
+    >>> round(da.evaluate(motion, da.maximum("b.ux")), 4)  # v/ω
+    0.2
     """
 
     spoken = "transient"
@@ -146,6 +161,21 @@ def solve_transient(
     ------
     AnalysisError
         Wrong options; ``SingularityError`` where the run cannot begin.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> bar = da.Structure("oscillator")
+    >>> a, b = bar.node("a", 0), bar.node("b", 1)
+    >>> spring = bar.add(structures.AxialSpring("spring", a, b, stiffness=100.0))
+    >>> mass = bar.add(structures.PointMass("mass", b, mass=1.0))
+    >>> bar.support(a)
+    >>> bar.load(b, fx=5.0)  # all at once
+    >>> motion = da.solve_transient(bar.build(), math.pi / 10, step=math.pi / 1000)
+    >>> round(float(motion["b.ux"][-1]), 4)  # twice F/k after half a period
+    0.1
     """
     made = analysis_of(
         Transient, "solve_transient", model, parameters, duration=duration, **options

@@ -34,6 +34,22 @@ class Rayleigh:
     ----------
     mass : ``α`` [1/s], number or formula of parameters
     stiffness : ``β`` [s], likewise
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> bar = da.Structure("oscillator")
+    >>> a, b = bar.node("a", 0), bar.node("b", 1)
+    >>> spring = bar.add(structures.AxialSpring("spring", a, b, stiffness=100.0))
+    >>> mass = bar.add(structures.PointMass("mass", b, mass=1.0))
+    >>> bar.support(a)
+    >>> bar.initial(b, ux=1.0)
+    >>> damping = da.Rayleigh(mass=0.5, stiffness=0.005)  # α/(2 ω) + β ω/2 = 0.05
+    >>> motion = da.solve_transient(bar.build(), 0.2 * math.pi, step=1e-3, damping=damping)
+    >>> round(-math.log(motion["b.ux"][-1]) / (2 * math.pi), 3)  # after a period
+    0.05
     """
 
     mass: Scalar = 0.0

@@ -35,6 +35,20 @@ class Cable(Compliant):
     length : l, without tension [m]
     stiffness : k, of the whole cable [N/m]
     damping : c [N s/m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pulley", gravity=(0, -10))
+    >>> weight = system.add(planar.Particle("weight", mass=3.0, position=(0, -1.01)))
+    >>> rail = planar.PinInSlot("rail", system.ground.center, weight.center, axis=(0, 1))
+    >>> held = system.add(rail)
+    >>> ends = system.ground.point(-0.75, 0), weight.center, system.ground.point(0.75, 0)
+    >>> cable = system.add(planar.Cable("cable", ends, length=2.5, stiffness=1e6))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["cable.force"].item(), 2)  # m g/2 by the cosine 0.8 of both parts
+    18.75
     """
 
     points: tuple[Point, ...] = option("points it runs through, in order")

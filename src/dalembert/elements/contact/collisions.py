@@ -54,6 +54,19 @@ class Collisions(Element):
     ------
     ModelError
         No ball, a wrong pair, or a normal without length.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("cradle")
+    >>> left = system.add(planar.Particle("left", mass=1.0, position=(0, 0), velocity=(2, 0)))
+    >>> right = system.add(planar.Particle("right", mass=1.0, position=(0.3, 0)))
+    >>> balls = [(left.center, 0.1), (right.center, 0.1)]
+    >>> hits = system.add(planar.Collisions("hits", balls, restitution=1.0))
+    >>> motion = da.solve_nonsmooth(system.build(), 0.2, step=0.01)
+    >>> motion["left.vx"][-1].item(), motion["right.vx"][-1].item()  # they swap speeds
+    (0.0, 2.0)
     """
 
     balls: Sequence[Any] = option("pairs of a body, or point of one, and a radius")

@@ -136,6 +136,20 @@ class Contact(Touching):
     Parameters
     ----------
     shape_i, shape_j : of two bodies, or a point of a body that touches
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("ball on the floor", gravity=(0, -10))
+    >>> ball = system.add(planar.Body("ball", mass=1.0, inertia=0.004, position=(0, 0.1)))
+    >>> floor = planar.contact.HalfPlane(system.ground.center)
+    >>> rim = planar.contact.Circle(ball.center, 0.1)
+    >>> law = planar.contact.KelvinVoigt(stiffness=1e4, damping=100.0)
+    >>> touch = system.add(planar.Contact("touch", floor, rim, law=law))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=1e-3)
+    >>> round(motion["ball.y"][-1].item(), 6)  # radius less m g/k
+    0.099
     """
 
     shape_i: Shape = option("shape of the first body")

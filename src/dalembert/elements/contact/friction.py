@@ -68,6 +68,20 @@ class Coulomb(DryFriction):
     Parameters
     ----------
     slip_speed : transition speed v_t [m/s]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("sliding box", gravity=(0, -10))
+    >>> box = system.add(planar.Particle("box", mass=2.0, position=(0, -2e-4), velocity=(3, 0)))
+    >>> floor, tip = contact.HalfPlane(system.ground.center), contact.Vertex(box.center)
+    >>> law, rub = contact.KelvinVoigt(stiffness=1e5), contact.Coulomb(0.4)
+    >>> touch = system.add(planar.Contact("touch", floor, tip, law=law, friction=rub))
+    >>> motion = da.solve_dynamics(system.build(), 0.5, step=1e-3)
+    >>> round(motion["box.vx"][-1].item(), 3)  # slower by μ g t
+    1.0
     """
 
     slip_speed: Scalar = quantity("m/s", "transition speed", default=1e-3, above=0.0)
@@ -92,6 +106,20 @@ class Stribeck(Coulomb):
     ----------
     stribeck_speed : v_s, by which it has fallen [m/s]
     viscous : η [s/m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("oiled guide", gravity=(0, -10))
+    >>> box = system.add(planar.Particle("box", mass=2.0, position=(0, -2e-4), velocity=(3, 0)))
+    >>> floor, tip = contact.HalfPlane(system.ground.center), contact.Vertex(box.center)
+    >>> law, rub = contact.KelvinVoigt(stiffness=1e5), contact.Stribeck(0.3, viscous=0.05)
+    >>> touch = system.add(planar.Contact("touch", floor, tip, law=law, friction=rub))
+    >>> motion = da.solve_dynamics(system.build(), 0.01, step=1e-3)
+    >>> round(motion["box.ax"][0].item(), 6)  # -(μ_d + η u) g
+    -4.5
     """
 
     stribeck_speed: Scalar = quantity("m/s", "Stribeck speed", default=1e-2, above=0.0)
@@ -120,6 +148,20 @@ class LuGre(DryFriction):
     damping : σ1, of the bristles [s/m]
     viscous : σ2 [s/m]
     stribeck_speed : v_s [m/s]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("box on a slope", gravity=(3, -10))
+    >>> box = system.add(planar.Particle("box", mass=2.0, position=(0, -2e-4)))
+    >>> floor, tip = contact.HalfPlane(system.ground.center), contact.Vertex(box.center)
+    >>> law, rub = contact.KelvinVoigt(1e2, stiffness=1e5), contact.LuGre(0.5, damping=1e2)
+    >>> touch = system.add(planar.Contact("touch", floor, tip, law=law, friction=rub))
+    >>> motion = da.solve_dynamics(system.build(), 0.5, step=1e-3)
+    >>> bool(0 < motion["box.x"][-1] < 1e-5)  # it sticks, on bristles that bend by micrometres
+    True
     """
 
     dynamic: Scalar = quantity("", "coefficient of sliding friction", above=0.0)

@@ -75,6 +75,20 @@ class Hertz(PowerLaw):
 
     Of balls, ``K = 4/3 E √R`` with ``1/R = 1/R_i + 1/R_j``,
     ``1/E = (1 − ν_i²)/E_i + (1 − ν_j²)/E_j``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("ball on a table", gravity=(0, -10))
+    >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, -1e-4)))
+    >>> table, tip = contact.HalfPlane(system.ground.center), contact.Vertex(ball.center)
+    >>> law = contact.Hertz(stiffness=1e7)
+    >>> touch = system.add(planar.Contact("touch", table, tip, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["touch.penetration"].item() * 1e6, 3)  # (m g/K)^(2/3) [µm]
+    100.0
     """
 
     def damping_factor(self) -> ca.SX:
@@ -128,6 +142,21 @@ class HuntCrossley(RestitutionLaw):
     Parameters
     ----------
     damping : c, instead of the other two [s/m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("drop")
+    >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 1e-3), velocity=(0, -2)))
+    >>> floor, tip = contact.HalfPlane(system.ground.center), contact.Vertex(ball.center)
+    >>> damping = contact.damping_factor(0.5) / 2.0
+    >>> law = contact.HuntCrossley(stiffness=1e8, damping=damping)
+    >>> touch = system.add(planar.Contact("touch", floor, tip, law=law))
+    >>> motion = da.solve_dynamics(system.build(), 0.01, integrator=da.DormandPrince(1e-9, 1e-9))
+    >>> round(motion["ball.vy"][-1].item(), 4)  # half as fast as before
+    1.0
     """
 
     damping: Scalar = quantity("s/m", "damping c", default=None, minimum=0.0)
@@ -150,7 +179,16 @@ class HuntCrossley(RestitutionLaw):
 
 @dataclass(eq=False)
 class LankaraniNikravesh(RestitutionLaw):
-    """``d = ¾ (1 − e²)`` (Lankarani and Nikravesh 1990), for restitutions near one."""
+    """``d = ¾ (1 − e²)`` (Lankarani and Nikravesh 1990), for restitutions near one.
+
+    Examples
+    --------
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> law = contact.LankaraniNikravesh(stiffness=1e8, restitution=0.9, impact_speed=2.0)
+    >>> [round(contact.achieved_restitution(3 / 4 * (1 - e**2)), 2) for e in (0.95, 0.9, 0.5)]
+    [0.95, 0.91, 0.73]
+    """
 
     def factor(self) -> ca.SX:
         return 0.75 * (1 - self.restitution.sx**2)
@@ -158,7 +196,24 @@ class LankaraniNikravesh(RestitutionLaw):
 
 @dataclass(eq=False)
 class Flores(RestitutionLaw):
-    """``d = 8/5 (1 − e)/e`` (Flores, Machado, Silva and Martins 2011), for small ones too."""
+    """``d = 8/5 (1 − e)/e`` (Flores, Machado, Silva and Martins 2011), for small ones too.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("soft floor")
+    >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 1e-3), velocity=(0, -2)))
+    >>> floor, tip = contact.HalfPlane(system.ground.center), contact.Vertex(ball.center)
+    >>> law = contact.Flores(stiffness=1e8, restitution=0.4, impact_speed=2.0)
+    >>> touch = system.add(planar.Contact("touch", floor, tip, law=law))
+    >>> motion = da.solve_dynamics(system.build(), 0.01, integrator=da.DormandPrince(1e-9, 1e-9))
+    >>> round(motion["ball.vy"][-1].item() / 2, 3)
+    0.363
+    >>> round(contact.achieved_restitution(8 / 5 * (1 - 0.4) / 0.4), 3)
+    0.363
+    """
 
     def factor(self) -> ca.SX:
         return 1.6 * (1 - self.restitution.sx) / self.restitution.sx
@@ -177,6 +232,20 @@ class KelvinVoigt(NormalLaw):
     ----------
     stiffness : k [N/m]
     damping : c [N s/m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("crate", gravity=(0, -10))
+    >>> crate = system.add(planar.Particle("crate", mass=40.0, position=(0, -1e-3)))
+    >>> floor, tip = contact.HalfPlane(system.ground.center), contact.Vertex(crate.center)
+    >>> law = contact.KelvinVoigt(stiffness=2e5, damping=100.0)
+    >>> touch = system.add(planar.Contact("touch", floor, tip, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["touch.penetration"].item() * 1e3, 6)  # m g/k [mm]
+    2.0
     """
 
     stiffness: Scalar = quantity("N/m", "stiffness k", above=0.0, keyword=True)
@@ -203,6 +272,20 @@ class Restitution(Ingredient):
     ----------
     e : coefficient of restitution along the gap
     tangential : of the slip
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("bounce", gravity=(0, -10))
+    >>> ball = system.add(planar.Body("ball", mass=1.0, inertia=0.004, position=(0, 0.3)))
+    >>> floor, rim = contact.HalfPlane(system.ground.center), contact.Circle(ball.center, 0.1)
+    >>> law = contact.Restitution(0.5)
+    >>> touch = system.add(planar.Contact("touch", floor, rim, law=law))
+    >>> motion = da.solve_dynamics(system.build(), 0.3, step=0.01)
+    >>> round(motion["ball.y"][-1].item(), 6)  # 0.1, and half the speed of 2 m/s up for 0.1 s
+    0.15
     """
 
     e: Scalar = quantity("", "coefficient of restitution", default=0.0, minimum=0.0)

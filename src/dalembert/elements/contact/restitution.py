@@ -22,6 +22,15 @@ def achieved_restitution(factor: float) -> float:
     ------
     ModelError
         The factor is negative.
+
+    Examples
+    --------
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> round(contact.achieved_restitution(0.0), 6)  # without damping all of the speed returns
+    1.0
+    >>> round(contact.achieved_restitution(1.5 * (1 - 0.5)), 3)  # Hunt and Crossley's for 0.5
+    0.663
     """
     if not factor >= 0:
         raise ModelError(f"a damping factor is not negative, got {factor!r}")
@@ -42,6 +51,16 @@ def damping_factor(restitution: float) -> float:
     ------
     ModelError
         It is not above zero and up to one.
+
+    Examples
+    --------
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> factor = contact.damping_factor(0.5)
+    >>> round(contact.achieved_restitution(factor), 9)
+    0.5
+    >>> contact.damping_factor(1.0)
+    0.0
     """
     if not 0 < restitution <= 1:
         raise ModelError(f"a restitution is above 0 and up to 1, got {restitution!r}")

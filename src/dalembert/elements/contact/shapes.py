@@ -137,6 +137,20 @@ class Vertex(Ball):
     Parameters
     ----------
     point : point of a body
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("tilted bar", gravity=(0, -10))
+    >>> bar = system.add(planar.Bar("bar", length=1.0, mass=2.0, angle=0.3, position=(0.48, 0.148)))
+    >>> floor, law = contact.HalfPlane(system.ground.center), contact.KelvinVoigt(stiffness=1e5)
+    >>> left, right = contact.Vertex(bar.start), contact.Vertex(bar.end)
+    >>> i = system.add(planar.Contact("i", floor, left, law=law))
+    >>> j = system.add(planar.Contact("j", floor, right, law=law))
+    >>> system.build().diagnosis.degrees_of_freedom  # contacts take none away
+    3
     """
 
     def spots(self) -> list[Spot]:

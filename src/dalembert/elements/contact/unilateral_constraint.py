@@ -40,6 +40,17 @@ class UnilateralConstraint(Unilateral, ForceElement):
     friction : ``μ``
     poisson : ``e`` is the share of the impulse of compression that follows in restitution, instead
         of the share of the speed that returns; nothing then returns of the slip
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("bounce", gravity=(0, -10))
+    >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.2)))
+    >>> floor = system.add(planar.UnilateralConstraint("floor", ball.y, restitution=0.5))
+    >>> motion = da.solve_dynamics(system.build(), 0.25, step=0.01)
+    >>> round(motion["ball.vy"][-1].item(), 6)  # it left at 1 m/s after 0.2 s
+    0.5
     """
 
     distance: Scalar = quantity("m", "formula that must not become negative")

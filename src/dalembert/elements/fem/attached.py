@@ -55,6 +55,19 @@ class GroundSpring(Attached):
     ----------
     stiffness_x, stiffness_y, stiffness_z : along the axes [N/m]; axes that the node has not count
         nothing
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> raft = da.Structure("raft")
+    >>> a, b = raft.node("a", 0, 0), raft.node("b", 4, 0)
+    >>> beam = raft.add(structures.Frame("beam", a, b, area=1e-2, second_moment=1e-5, modulus=2e11))
+    >>> for name, node in (("left", a), ("right", b)):
+    ...     spring = raft.add(structures.GroundSpring(name, node, stiffness_x=1e6, stiffness_y=1e6))
+    >>> raft.load(a, fy=-4e3)
+    >>> round(da.solve_statics(raft.build())["a.uy"], 9)  # -F/k
+    -0.004
     """
 
     stiffness_x: Scalar = quantity("N/m", "along x", default=0.0, minimum=0.0, keyword=True)
@@ -92,6 +105,20 @@ class GroundRotationSpring(GroundSpring):
     Parameters
     ----------
     stiffness_x, stiffness_y, stiffness_z : about the axes [N m/rad]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> post = da.Structure("post on a footing")
+    >>> foot, top = post.node("foot", 0, 0), post.node("top", 0, 3)
+    >>> beam = structures.Frame("post", foot, top, area=1e-3, second_moment=1e-6, modulus=2e11)
+    >>> footing = structures.GroundRotationSpring("footing", foot, stiffness_z=1e6)
+    >>> parts = post.add(beam), post.add(footing)
+    >>> post.support(foot, ux=0, uy=0)
+    >>> post.load(top, fx=100.0)
+    >>> round(da.solve_statics(post.build())["foot.rz"], 9)  # -F L/k
+    -0.0003
     """
 
     stiffness_x: Scalar = quantity("N m/rad", "about x", default=0.0, minimum=0.0, keyword=True)
@@ -110,6 +137,22 @@ class PointMass(Attached):
     Parameters
     ----------
     mass : [kg]
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> mast = da.Structure("mast")
+    >>> foot, top = mast.node("foot", 0, 0), mast.node("top", 0, 3)
+    >>> numbers = dict(area=1e-3, second_moment=1e-7, modulus=2e11)
+    >>> beam = mast.add(structures.Frame("mast", foot, top, **numbers))
+    >>> tank = mast.add(structures.PointMass("tank", top, mass=50.0))
+    >>> mast.support(foot)
+    >>> modes = da.solve_modes(mast.build(), 1)
+    >>> stiffness = 3 * 2e11 * 1e-7 / 3**3
+    >>> round(float(modes.frequencies[0]) * 2 * math.pi / math.sqrt(stiffness / 50), 6)  # of √(k/m)
+    1.0
     """
 
     mass: Scalar = quantity("kg", "mass", minimum=0.0, keyword=True)
@@ -131,6 +174,20 @@ class PointInertia(Attached):
     ----------
     inertia_x, inertia_y, inertia_z : about the axes, principal ones [kg m²]; only ``inertia_z``
         counts in the plane
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> system = da.Structure("torsion pendulum")
+    >>> hub = system.node("hub", 0, 0)
+    >>> wire = system.add(structures.GroundRotationSpring("wire", hub, stiffness_z=4.0))
+    >>> disc = system.add(structures.PointInertia("disc", hub, inertia_z=0.25))
+    >>> system.support(hub, ux=0, uy=0)
+    >>> modes = da.solve_modes(system.build(), 1)
+    >>> round(float(modes.frequencies[0]) * 2 * math.pi, 6)  # √(k/J)
+    4.0
     """
 
     inertia_x: Scalar = quantity("kg m^2", "about x", default=0.0, minimum=0.0, keyword=True)

@@ -37,6 +37,20 @@ class Frame(Line):
     expansion : coefficient of thermal expansion ``α`` [1/K]
     temperature : change ``ΔT`` against the state without stress, under every load [K]
     temperature_gradient : its rise along the own y axis, to the left of the beam [K/m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> cantilever = da.Structure("cantilever")
+    >>> root, tip = cantilever.node("root", 0, 0), cantilever.node("tip", 2, 0)
+    >>> profile = dict(area=1e-3, second_moment=1e-7, modulus=2e11)
+    >>> beam = cantilever.add(structures.Frame("beam", root, tip, **profile))
+    >>> cantilever.support(root)
+    >>> cantilever.load(tip, fy=-300.0)
+    >>> result = da.solve_statics(cantilever.build())
+    >>> round(result["tip.uy"], 9), round(result["beam.moment_i"], 6)  # F L³/(3 E I), F L
+    (-0.04, 600.0)
     """
 
     area: Scalar = quantity("m^2", "cross-section", above=0.0, keyword=True)
@@ -158,6 +172,21 @@ class TimoshenkoFrame(Frame):
     ----------
     shear_modulus : ``G`` [Pa]
     shear_area : ``A_s``, the cross-section times the shear correction factor [m²]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> stub = da.Structure("stub")
+    >>> root, tip = stub.node("root", 0, 0), stub.node("tip", 1, 0)
+    >>> numbers = dict(area=1e-2, modulus=3e9, second_moment=1e-4)
+    >>> shear = dict(shear_modulus=1e9, shear_area=1e-3)
+    >>> beam = structures.TimoshenkoFrame("stub", root, tip, **numbers, **shear)
+    >>> element = stub.add(beam)
+    >>> stub.support(root)
+    >>> stub.load(tip, fy=900.0)
+    >>> round(da.solve_statics(stub.build())["tip.uy"] * 1e3, 6)  # F L³/(3 E I) + F L/(G A_s) [mm]
+    1.9
     """
 
     shear_modulus: Scalar = quantity("Pa", "shear modulus", above=0.0, keyword=True)

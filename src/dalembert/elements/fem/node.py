@@ -19,6 +19,16 @@ class Node(Nodal, Element):
     Parameters
     ----------
     position : (d,) coordinates [m], numbers or formulas; their number is the structure's dimension
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> frame = da.Structure("portal")
+    >>> height = frame.parameter("height", 3.0, unit="m")
+    >>> corner = frame.node("corner", 0, height)  # a structures.Node
+    >>> isinstance(corner, structures.Node), corner.name
+    (True, 'corner')
     """
 
     position: Vector

@@ -66,19 +66,83 @@ class PlaneElement(Continuum):
 
 @dataclass(eq=False)
 class Triangle(PlaneElement, cell="triangle"):
-    """Triangle of 3 nodes with constant strain."""
+    """Triangle of 3 nodes with constant strain.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> gusset = da.Structure("gusset")
+    >>> a, b, c = gusset.node("a", 0, 0), gusset.node("b", 1, 0), gusset.node("c", 0, 1)
+    >>> steel = dict(thickness=0.01, modulus=2e11, poisson=0.25)
+    >>> sheet = gusset.add(structures.Triangle("sheet", (a, b, c), **steel))
+    >>> gusset.support(a)
+    >>> gusset.support(b, ux=1e-3, uy=0)
+    >>> gusset.support(c)
+    >>> result = da.solve_statics(gusset.build())
+    >>> [round(result[f"sheet.{s}"] / 1e6, 6) for s in ("sxx", "syy")]  # E ε/(1 - ν²), ν of it
+    [213.333333, 53.333333]
+    """
 
 
 @dataclass(eq=False)
 class Triangle6(PlaneElement, cell="triangle6"):
-    """Triangle of 6 nodes with linear strain; its edges may be curved."""
+    """Triangle of 6 nodes with linear strain; its edges may be curved.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> arm = da.Structure("cantilever")
+    >>> points, cells = structures.rectangle_mesh((10, 1), (10, 1), "triangle6")
+    >>> nodes = arm.add_nodes("n", points)
+    >>> numbers = dict(thickness=1.0, modulus=1e6, poisson=0.0)
+    >>> strip = arm.add_elements("s", structures.Triangle6, nodes, cells, **numbers)
+    >>> arm.support(nodes.where(x=0))
+    >>> arm.traction(strip, nodes.where(x=10), ty=0.1)
+    >>> result = da.solve_statics(arm.build())
+    >>> round(result["n[10].uy"] * 3 * 1e6 / 12 / (0.1 * 10**3), 2)  # of F L³/(3 E I)
+    1.0
+    """
 
 
 @dataclass(eq=False)
 class Quadrilateral(PlaneElement, cell="quad"):
-    """Bilinear quadrilateral of 4 nodes, integrated at 2 × 2 points."""
+    """Bilinear quadrilateral of 4 nodes, integrated at 2 × 2 points.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> strip = da.Structure("hot strip")
+    >>> points, cells = structures.rectangle_mesh((2, 1), (2, 1))
+    >>> nodes = strip.add_nodes("n", points)
+    >>> steel = dict(thickness=0.01, modulus=2e11, poisson=0.0, expansion=1.2e-5)
+    >>> skin = strip.add_elements("skin", structures.Quadrilateral, nodes, cells, **steel)
+    >>> strip.heat(skin, temperature=50.0)
+    >>> strip.support(nodes.where(x=0))
+    >>> strip.support(nodes.where(x=2), ux=0)
+    >>> round(da.solve_statics(strip.build())["skin[0].sxx"] / 1e6, 6)  # -E α ΔT [MPa]
+    -120.0
+    """
 
 
 @dataclass(eq=False)
 class Quadrilateral8(PlaneElement, cell="quad8"):
-    """Quadratic quadrilateral of 8 nodes, integrated at 3 × 3 points; its edges may be curved."""
+    """Quadratic quadrilateral of 8 nodes, integrated at 3 × 3 points; its edges may be curved.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> arm = da.Structure("cantilever")
+    >>> points, cells = structures.rectangle_mesh((20, 1), (10, 1), "quad8")
+    >>> nodes = arm.add_nodes("n", points)
+    >>> numbers = dict(thickness=1.0, modulus=1e6, poisson=0.0)
+    >>> strip = arm.add_elements("s", structures.Quadrilateral8, nodes, cells, **numbers)
+    >>> arm.support(nodes.where(x=0))
+    >>> arm.traction(strip, nodes.where(x=20), ty=0.1)
+    >>> result = da.solve_statics(arm.build())
+    >>> round(result["n[10].uy"] * 3 * 1e6 / 12 / (0.1 * 20**3), 2)  # of F L³/(3 E I)
+    1.0
+    """

@@ -46,6 +46,21 @@ class SpaceFrame(Line):
     temperature_gradient_y, temperature_gradient_z : its rise along its own y and z axes [K/m]
     orientation : (3,) direction in the plane of its own x and y axes; zero stands for the z axis,
         and for the y axis where the beam is vertical
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> shelf = da.Structure("bracket")
+    >>> wall, end = shelf.node("wall", 0, 0, 0), shelf.node("end", 1, 0, 0)
+    >>> steel, profile = structures.Material(2.08e11, 0.3), structures.tube(0.05, 0.005)
+    >>> numbers = steel.of(structures.SpaceFrame) | profile.of(structures.SpaceFrame)
+    >>> arm = shelf.add(structures.SpaceFrame("arm", wall, end, **numbers))
+    >>> shelf.support(wall)
+    >>> shelf.load(end, mx=100.0)
+    >>> twist = da.solve_statics(shelf.build())["end.rx"]
+    >>> round(twist * 8e10 * float(profile.torsion_constant), 6)  # M L
+    100.0
     """
 
     area: Scalar = quantity("m^2", "cross-section", above=0.0, keyword=True)
@@ -237,6 +252,22 @@ class TimoshenkoSpaceFrame(SpaceFrame):
     ----------
     shear_area_y, shear_area_z : cross-section times the shear correction factor for shear forces
         along its own y and z axes [m²]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> stub = da.Structure("stub")
+    >>> root, tip = stub.node("root", 0, 0, 0), stub.node("tip", 1, 0, 0)
+    >>> bending = dict(second_moment_y=1e-4, second_moment_z=1e-4, torsion_constant=2e-4)
+    >>> shear = dict(shear_modulus=1e9, shear_area_y=1e-3, shear_area_z=2e-3)
+    >>> numbers = dict(area=1e-2, modulus=3e9) | bending | shear
+    >>> element = stub.add(structures.TimoshenkoSpaceFrame("stub", root, tip, **numbers))
+    >>> stub.support(root)
+    >>> stub.load(tip, fy=900.0, fz=900.0)  # own y axis along the global z axis
+    >>> result = da.solve_statics(stub.build())
+    >>> round(result["tip.uz"] * 1e3, 6), round(result["tip.uy"] * 1e3, 6)  # shear softer along y
+    (1.9, 1.45)
     """
 
     shear_area_y: Scalar = quantity("m^2", "for shear along y", above=0.0, keyword=True)

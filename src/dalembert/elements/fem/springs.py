@@ -20,6 +20,19 @@ class AxialSpring(Line):
     Parameters
     ----------
     stiffness : [N/m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> chain = da.Structure("chain")
+    >>> a, b, c = (chain.node(name, x) for name, x in (("a", 0), ("b", 1), ("c", 2)))
+    >>> soft = chain.add(structures.AxialSpring("soft", a, b, stiffness=100.0))
+    >>> hard = chain.add(structures.AxialSpring("hard", b, c, stiffness=400.0))
+    >>> chain.support(a)
+    >>> chain.load(c, fx=20.0)
+    >>> round(da.solve_statics(chain.build())["c.ux"], 9)  # F/k of both
+    0.25
     """
 
     stiffness: Scalar = quantity("N/m", "stiffness", above=0.0, keyword=True)

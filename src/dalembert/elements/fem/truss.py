@@ -25,6 +25,22 @@ class Truss(Line):
     density : [kg/m³]
     expansion : coefficient of thermal expansion ``α`` [1/K]
     temperature : change ``ΔT`` against the state without stress, under every load [K]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> bracket = da.Structure("bracket")
+    >>> a, b, c = bracket.node("a", 0, 0), bracket.node("b", 0, 3), bracket.node("c", 4, 0)
+    >>> steel = dict(area=5e-4, modulus=210e9)
+    >>> strut = bracket.add(structures.Truss("strut", a, c, **steel))
+    >>> tie = bracket.add(structures.Truss("tie", b, c, **steel))
+    >>> bracket.support(a)
+    >>> bracket.support(b)
+    >>> bracket.load(c, fy=-3e3)
+    >>> result = da.solve_statics(bracket.build())
+    >>> round(result["strut.force"], 6), round(result["tie.force"], 6)  # by the 3-4-5 triangle
+    (-4000.0, 5000.0)
     """
 
     area: Scalar = quantity("m^2", "cross-section", above=0.0, keyword=True)

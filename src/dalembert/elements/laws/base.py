@@ -18,7 +18,18 @@ from dalembert.symbolic.expression import Expression, as_expression, t
 
 @dataclass(eq=False)
 class Law(Ingredient):
-    """Prescribed value ``f(t)``; differentiable twice for velocities and accelerations."""
+    """Prescribed value ``f(t)``; differentiable twice for velocities and accelerations.
+
+    Examples
+    --------
+    >>> import casadi as ca
+    >>> import dalembert as da
+    >>> lift = 0.5 * da.Harmonic(0.2, 3.0) + 0.1  # sums and products are laws
+    >>> isinstance(lift, da.laws.Law)
+    True
+    >>> float(lift.value(ca.SX(0.0)))
+    0.1
+    """
 
     def value(self, time: ca.SX) -> ca.SX:
         """``f(t)`` as an expression."""
@@ -54,7 +65,21 @@ GivenLaw = Annotated[Any, Law]
 
 @dataclass(eq=False)
 class Formula(Law):
-    """``f(t)`` as written by the user, in ``t`` and parameters."""
+    """``f(t)`` as written by the user, in ``t`` and parameters.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("shaker")
+    >>> table = system.add(planar.Body("table", mass=1.0, inertia=0.1))
+    >>> rail = system.add(planar.Translational("rail", system.ground.center, table.center))
+    >>> beat = da.Formula(0.1 * da.sin(da.t) * da.exp(-da.t))  # a formula alone is as good
+    >>> drive = system.add(planar.CoordinateDriver("drive", table.center, beat))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> round(motion["table.vx"][0].item(), 6)
+    0.1
+    """
 
     formula: Scalar = quantity("1 | m | rad", "formula in t and parameters")
 
@@ -91,7 +116,18 @@ class Combination(Law):
 
 @dataclass(eq=False)
 class Sum(Combination):
-    """``f = f₁ + f₂ + …``; in Python also ``law + law``."""
+    """``f = f₁ + f₂ + …``; in Python also ``law + law``.
+
+    Examples
+    --------
+    >>> import casadi as ca
+    >>> import dalembert as da
+    >>> stroke = da.CycloidalRise(height=0.05, duration=1.0) + da.Harmonic(0.001, 100.0)
+    >>> type(stroke) is da.laws.Sum
+    True
+    >>> round(float(stroke.value(ca.SX(0.5)) - 0.001 * ca.sin(50.0)), 9)  # half of the height
+    0.025
+    """
 
     laws: tuple[Law, ...] = option("laws, numbers or formulas in t")
     operate = staticmethod(operator.add)
@@ -99,7 +135,18 @@ class Sum(Combination):
 
 @dataclass(eq=False)
 class Product(Combination):
-    """``f = f₁ · f₂ · …``; in Python also ``law * law``, ``2 * law``."""
+    """``f = f₁ · f₂ · …``; in Python also ``law * law``, ``2 * law``.
+
+    Examples
+    --------
+    >>> import casadi as ca
+    >>> import dalembert as da
+    >>> burst = da.Harmonic(1.0, 50.0, phase="90 deg") * da.Formula(da.exp(-da.t))
+    >>> type(burst) is da.laws.Product
+    True
+    >>> float(burst.value(ca.SX(0.0)))
+    1.0
+    """
 
     laws: tuple[Law, ...] = option("laws, numbers or formulas in t")
     operate = staticmethod(operator.mul)

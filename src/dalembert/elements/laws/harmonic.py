@@ -12,7 +12,21 @@ from dalembert.elements.laws.base import Law
 
 @dataclass(eq=False)
 class Harmonic(Law):
-    """``f = mean + amplitude · sin(frequency · t + phase)``, frequency in rad/s."""
+    """``f = mean + amplitude · sin(frequency · t + phase)``, frequency in rad/s.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("shaker")
+    >>> table = system.add(planar.Body("table", mass=2.0, inertia=0.1))
+    >>> rail = system.add(planar.Translational("rail", system.ground.center, table.center))
+    >>> swing = da.Harmonic(amplitude=0.01, frequency=20.0, phase="90 deg")
+    >>> drive = system.add(planar.CoordinateDriver("drive", table.center, swing))
+    >>> motion = da.solve_inverse_dynamics(system.build(), 1.0, step=0.5)
+    >>> round(motion["drive.effort"][0].item(), 6)  # -m ω² a
+    -8.0
+    """
 
     amplitude: Scalar = quantity("m | rad", "amplitude")
     frequency: Scalar = quantity("rad/s", "angular frequency")

@@ -57,7 +57,21 @@ class Rise(Law):
 
 @dataclass(eq=False)
 class HarmonicRise(Rise):
-    """``s = (1 − cos πx)/2``: acceleration jumps at both ends."""
+    """``s = (1 − cos πx)/2``: acceleration jumps at both ends.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("gripper")
+    >>> jaw = system.add(planar.Body("jaw"))
+    >>> rail = system.add(planar.Translational("rail", system.ground.center, jaw.center))
+    >>> lift = da.HarmonicRise(height=0.1, duration=1.0)
+    >>> cam = system.add(planar.CoordinateDriver("cam", jaw.center, lift))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=0.5)
+    >>> round(motion["jaw.vx"][1].item(), 6)  # π h/(2 T) half way
+    0.15708
+    """
 
     def profile(self, x: ca.SX) -> ca.SX:
         return (1 - ca.cos(math.pi * x)) / 2
@@ -65,7 +79,23 @@ class HarmonicRise(Rise):
 
 @dataclass(eq=False)
 class CycloidalRise(Rise):
-    """``s = x − sin(2πx)/2π``: acceleration zero at both ends."""
+    """``s = x − sin(2πx)/2π``: acceleration zero at both ends.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("cam follower")
+    >>> follower = system.add(planar.Body("follower"))
+    >>> rail = system.add(planar.Translational("rail", system.ground.center, follower.center))
+    >>> lift = da.CycloidalRise(height=0.02, duration=0.5)
+    >>> cam = system.add(planar.CoordinateDriver("cam", follower.center, lift))
+    >>> motion = da.solve_kinematics(system.build(), 0.5, step=0.25)
+    >>> motion["follower.x"].values.round(6)
+    array([0.  , 0.01, 0.02])
+    >>> round(motion["follower.vx"][1].item(), 6)  # 2 h/T in the middle
+    0.08
+    """
 
     def profile(self, x: ca.SX) -> ca.SX:
         return x - ca.sin(2 * math.pi * x) / (2 * math.pi)
@@ -73,7 +103,23 @@ class CycloidalRise(Rise):
 
 @dataclass(eq=False)
 class Polynomial345Rise(Rise):
-    """``s = 10x³ − 15x⁴ + 6x⁵``: acceleration zero at both ends."""
+    """``s = 10x³ − 15x⁴ + 6x⁵``: acceleration zero at both ends.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("valve")
+    >>> valve = system.add(planar.Body("valve"))
+    >>> guide = planar.Translational("guide", system.ground.center, valve.center, axis=(0, 1))
+    >>> rail = system.add(guide)
+    >>> lift = da.Polynomial345Rise(height=0.01, duration=0.1, dwell=0.05, fall=0.1, period=0.4)
+    >>> cam = planar.CoordinateDriver("cam", valve.center, lift, direction=(0, 1))
+    >>> driver = system.add(cam)
+    >>> motion = da.solve_kinematics(system.build(), 0.4, step=0.05)
+    >>> (motion["valve.y"].values[:6] * 1e3).round(3) + 0.0  # [mm]: up, dwell, down
+    array([ 0.,  5., 10., 10.,  5.,  0.])
+    """
 
     def profile(self, x: ca.SX) -> ca.SX:
         return x**3 * (10 + x * (-15 + 6 * x))
@@ -81,7 +127,22 @@ class Polynomial345Rise(Rise):
 
 @dataclass(eq=False)
 class Polynomial4567Rise(Rise):
-    """``s = 35x⁴ − 84x⁵ + 70x⁶ − 20x⁷``: acceleration and jerk zero at both ends."""
+    """``s = 35x⁴ − 84x⁵ + 70x⁶ − 20x⁷``: acceleration and jerk zero at both ends.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("indexing table")
+    >>> table = system.add(planar.Body("table"))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, table.center))
+    >>> turn = da.Polynomial4567Rise(height="90 deg", duration=0.4)
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, table, turn))
+    >>> motion = da.solve_kinematics(system.build(), 0.4, step=0.2)
+    >>> round(motion["table.angular_velocity"][1].item() * 0.4 / (math.pi / 2), 6)  # 35/16
+    2.1875
+    """
 
     def profile(self, x: ca.SX) -> ca.SX:
         return x**4 * (35 + x * (-84 + x * (70 - 20 * x)))

@@ -34,6 +34,19 @@ class Table(Law):
     ------
     ModelError
         Fewer than three rows, times not increasing, numbers that are none.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("robot axis")
+    >>> arm = system.add(planar.Bar("arm", length=0.5))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, arm.start))
+    >>> taught = da.Table(times=[0, 1, 2, 3], values=[0.0, 0.4, 0.4, 0.0])
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, arm, taught))
+    >>> motion = da.solve_kinematics(system.build(), 3.0, step=1.0)
+    >>> motion["arm.angle"].values.round(6)
+    array([0. , 0.4, 0.4, 0. ])
     """
 
     times: Rows = option("times [s], increasing; numbers or formulas")

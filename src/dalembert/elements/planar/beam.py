@@ -37,6 +37,18 @@ class Beam(InPlane, beam.Beam):
     angle_i, angle_j : direction of the beam in the bodies at its ends [rad]
     position, angle : of its own start [m], [rad]; guesses that assembly corrects
     velocity, angular_velocity : likewise [m/s], [rad/s]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("cantilever")
+    >>> beam = system.add(planar.Beam("beam", system.ground.center, length=1.0,
+    ...     axial_rigidity=1e6, shear_rigidity=4e5, bending_rigidity=100.0))
+    >>> tip = system.add(planar.Force("tip", beam.end, (0, -0.1)))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["beam.end.y"].item() * 3e3, 3)  # in F L³/(3 E I)
+    -1.001
     """
 
     frame_i: Point | None = option("point where it starts, clamped", default=None)

@@ -138,6 +138,19 @@ class Body(MovingFrame):
     ------
     ModelError
         A mass without inertia, a bad name or number.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -9.81))
+    >>> plate = system.add(planar.Body("plate", mass=2.0, inertia=0.1, velocity=(3, 4),
+    ...     angular_velocity=5.0, points={"corner": (0.2, 0.1)}))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> motion["plate.position"][-1].values.round(6)  # v t + g t²/2
+    array([ 3.   , -0.905])
+    >>> round(motion["plate.corner.speed"][0].item(), 6)  # of v + ω × s
+    5.59017
     """
 
     mass: Scalar = quantity("kg", "mass", default=None, minimum=0.0)
@@ -183,7 +196,19 @@ class Body(MovingFrame):
 
 
 class Ground(Body):
-    """The inertial frame: a body whose pose is always zero."""
+    """The inertial frame: a body whose pose is always zero.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("frame")
+    >>> type(system.ground) is planar.Ground, system.ground.name
+    (True, 'ground')
+    >>> bearing = system.ground.point(0.6, 0.1)  # where joints hold
+    >>> [float(x) for x in bearing.local.sx.elements()]
+    [0.6, 0.1]
+    """
 
     def __init__(self) -> None:
         super().__init__("ground")
@@ -198,6 +223,17 @@ class Bar(SlenderBar, Body):
     Parameters
     ----------
     length : [m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -9.81))
+    >>> bob = system.add(planar.Bar("bob", length=1.5, mass=2.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, bob.start))
+    >>> motion = da.solve_dynamics(system.build(), 0.01, step=0.01)  # let go level
+    >>> round(motion["bob.angular_acceleration"][0].item(), 6)  # -3 g/(2 l)
+    -9.81
     """
 
     length: Scalar = quantity("m", "length", above=0.0, keyword=True)
@@ -213,6 +249,17 @@ class Bar(SlenderBar, Body):
 
 @dataclass(eq=False)
 class Particle(PointMass, Body):
-    """Point mass: two coordinates, no rotation."""
+    """Point mass: two coordinates, no rotation.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -9.81))
+    >>> stone = system.add(planar.Particle("stone", mass=0.2, velocity=(5, 9.81)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> motion["stone.position"][-1].values.round(6)  # back on the ground
+    array([10.,  0.])
+    """
 
     needless = ("inertia", "angle", "angular_velocity")

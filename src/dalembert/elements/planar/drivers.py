@@ -25,6 +25,18 @@ class RotationalDriver(Driver, BodyJoint):
     ----------
     body_i, body_j : with the ground as body i the angle is absolute
     law : Law, number or formula in t [rad]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("crank")
+    >>> crank = system.add(planar.Bar("crank", length=0.1))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, 10 * da.t))
+    >>> motion = da.solve_kinematics(system.build(), "pi/20", step="pi/20")
+    >>> motion["crank.end.speed"].values.round(6), motion["crank.end.y"].values.round(6)
+    (array([1., 1.]), array([0. , 0.1]))
     """
 
     law: GivenLaw = option("motion law")
@@ -50,6 +62,19 @@ class TranslationalDriver(Driver, SlidingJoint):
     ----------
     axis : (2,) direction in the frame of body i
     law : Law, number or formula in t [m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("table")
+    >>> table = system.add(planar.Body("table", mass=3.0, inertia=0.1))
+    >>> rail = system.add(planar.Translational("rail", system.ground.center, table.center))
+    >>> ends = system.ground.center, table.center
+    >>> feed = system.add(planar.TranslationalDriver("feed", *ends, law=da.t**2))
+    >>> motion = da.solve_inverse_dynamics(system.build(), 1.0, step=0.5)
+    >>> motion["feed.effort"].values.round(6)  # m a
+    array([6., 6., 6.])
     """
 
     law: GivenLaw = option("motion law", default=None)
@@ -70,6 +95,19 @@ class CoordinateDriver(InPlane, AlongDirection):
     point : point of a body
     law : Law, number or formula in t [m]
     direction : (2,) direction in inertial axes
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("ladder")
+    >>> ladder = system.add(planar.Bar("ladder", length=5.0, angle=-0.9))
+    >>> wall = system.add(planar.PinInSlot("wall", system.ground.center, ladder.start, axis=(0, 1)))
+    >>> floor = system.add(planar.PinInSlot("floor", system.ground.center, ladder.end))
+    >>> foot = system.add(planar.CoordinateDriver("foot", ladder.end, 3 + da.t))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> motion["ladder.start.y"].values.round(6)  # 3-4-5 and 4-3-5
+    array([4., 3.])
     """
 
     point: Point

@@ -41,6 +41,21 @@ class FlexibleBody(Flexible, MovingFrame):
     position : (2,) initial position of the frame's origin: the interface, or the mass centre [m]
     angle : initial angle of the structure's axes [rad]
     velocity, angular_velocity : initial speeds [m/s], [rad/s]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar, structures
+    >>> beam = da.Structure("arm")
+    >>> a, b = beam.node("a", 0, 0), beam.node("b", 1, 0)
+    >>> numbers = dict(area=1e-3, second_moment=1e-7, modulus=7e10, density=2700)
+    >>> element = beam.add(structures.Frame("e", a, b, **numbers))
+    >>> system = da.System("flexible pendulum", gravity=(0, -9.81))
+    >>> arm = planar.FlexibleBody("arm", beam.build(), {"pin": "a", "tip": "b"}, reference="pin")
+    >>> hinge = planar.Revolute("O", system.ground.center, system.add(arm).point("pin"))
+    >>> joint = system.add(hinge)
+    >>> system.build().diagnosis.degrees_of_freedom  # its turn, and the tip by three shapes
+    4
     """
 
     position: Vector = quantity("m", "initial position of the frame", default=None, size=2)

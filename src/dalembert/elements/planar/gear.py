@@ -30,6 +30,21 @@ class GearPair(PinJoint):
     point_i, point_j : centres of the gears, points of the two gear bodies
     radius_i, radius_j : pitch radii [m]
     internal : gear j is a ring with inner teeth
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("gears")
+    >>> pinion, wheel = (system.add(planar.Body(name)) for name in ("pinion", "wheel"))
+    >>> a = system.add(planar.Revolute("A", system.ground.center, pinion.center))
+    >>> b = system.add(planar.Revolute("B", system.ground.point(0.4, 0), wheel.center))
+    >>> centers = pinion.center, wheel.center
+    >>> mesh = system.add(planar.GearPair("mesh", *centers, radius_i=0.1, radius_j=0.3))
+    >>> turn = system.add(planar.RotationalDriver("turn", system.ground, pinion, 6 * da.t))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> motion["wheel.angular_velocity"].values.round(6)  # against it, by the ratio of the radii
+    array([-2., -2.])
     """
 
     radius_i: Scalar = quantity("m", "pitch radius of the first gear", above=0.0, keyword=True)
@@ -72,6 +87,20 @@ class RackAndPinion(SlidingJoint):
     ----------
     radius : pitch radius of the pinion [m]
     side : +1 pinion on the left of the axis, −1 on its right
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("steering")
+    >>> pinion, rack = system.add(planar.Body("pinion")), system.add(planar.Body("rack"))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.point(0, 0.02), pinion.center))
+    >>> rail = system.add(planar.Translational("rail", system.ground.center, rack.center))
+    >>> mesh = system.add(planar.RackAndPinion("mesh", rack.center, pinion.center, radius=0.02))
+    >>> turn = system.add(planar.RotationalDriver("turn", system.ground, pinion, da.t))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> motion["rack.x"].values.round(6)  # r φ
+    array([0.  , 0.02])
     """
 
     radius: Scalar = quantity("m", "pitch radius", above=0.0, keyword=True)
@@ -105,6 +134,18 @@ class RollingDisc(RackAndPinion):
 
     ``Φ = [n_iᵀ (r_jP − r_iP) − side · r; no slip] = 0``: contact and rolling
     ``x − x0 = −r (φ − φ0)``. The multipliers are the normal and the friction force.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("wheel", gravity=(5, -9.81))
+    >>> wheel = system.add(planar.Body("wheel", mass=2.0, inertia=0.09, position=(0, 0.3)))
+    >>> road = planar.RollingDisc("road", system.ground.center, wheel.center, radius=0.3)
+    >>> contact = system.add(road)
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> round(motion["wheel.vx"][-1].item(), 6)  # g t/(1 + J/(m r²)) with J = m r²/2
+    3.333333
     """
 
     def residual(self) -> ca.SX:
@@ -122,6 +163,20 @@ class Coupling(BodyJoint):
     ----------
     ratio : turns of body j per turn of body i
     carrier : body that carries both axes; the ground if none is given
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("belt")
+    >>> motor, drum = (system.add(planar.Body(name)) for name in ("motor", "drum"))
+    >>> a = system.add(planar.Revolute("A", system.ground.center, motor.center))
+    >>> b = system.add(planar.Revolute("B", system.ground.point(0.5, 0), drum.center))
+    >>> belt = system.add(planar.Coupling("belt", motor, drum, ratio=0.25))
+    >>> turn = system.add(planar.RotationalDriver("turn", system.ground, motor, 8 * da.t))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> motion["drum.angular_velocity"].values.round(6)
+    array([2., 2.])
     """
 
     ratio: Scalar = quantity("", "turns of the second body per turn of the first", default=1.0)

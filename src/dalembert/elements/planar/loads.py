@@ -21,6 +21,18 @@ class Force(InPlane, PointForce):
     point : where it acts
     vector : (2,) components [N]; formulas of t, parameters and measures are allowed
     following : the components are in the body frame and turn with it; otherwise inertial
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("swing")
+    >>> bar = system.add(planar.Bar("bar", length=1.0, mass=3.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
+    >>> push = system.add(planar.Force("push", bar.end, (0, 2 * da.cos(da.t))))
+    >>> motion = da.solve_dynamics(system.build(), 0.01, step=0.01)
+    >>> round(motion["bar.angular_acceleration"][0].item(), 6)  # F l by m l²/3
+    2.0
     """
 
     vector: Vector = quantity("N", "components", size=2)
@@ -39,6 +51,18 @@ class Moment(InPlane, Couple):
     body : body it acts on
     value : [N m]; formulas of t, parameters and measures are allowed
     reaction_on : body that carries the reaction; the ground if none is given
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("flywheel")
+    >>> wheel = system.add(planar.Body("wheel", mass=5.0, inertia=0.2))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, wheel.center))
+    >>> torque = system.add(planar.Moment("torque", wheel, 4 * da.t))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> round(motion["wheel.angular_velocity"][-1].item(), 6)  # its integral by the inertia
+    10.0
     """
 
     body: Body

@@ -14,6 +14,19 @@ class Node(NodeBody, Body):
 
     It takes what a ``Body`` takes. Elements are free of stress where ``position`` says, and turned
     by ``angle``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar, structures
+    >>> system = da.System("beam in a mechanism")
+    >>> a, b = (system.add(planar.Node(name, position=(x, 0))) for name, x in (("a", 0), ("b", 2)))
+    >>> numbers = dict(area=1e-3, second_moment=1e-7, modulus=2e11)
+    >>> beam = system.add(structures.Frame("beam", a, b, **numbers))
+    >>> clamp, tip = system.support(a), system.load(b, fy=-30)
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["b.y"].item() * 1e3, 2)  # -F L³/(3 E I) [mm], a little less as it shortens
+    -4.0
     """
 
     @property
@@ -26,6 +39,19 @@ class PointNode(NodeBody, Particle):
     """A node that does not turn: a particle whose mass may be that of the elements at it.
 
     It takes what a ``Particle`` takes. Elements are free of stress where ``position`` says.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar, structures
+    >>> system = da.System("bar in a mechanism")
+    >>> a = system.add(planar.PointNode("a", position=(0, 0)))
+    >>> b = system.add(planar.PointNode("b", position=(2, 0)))
+    >>> bar = system.add(structures.Truss("bar", a, b, area=1e-4, modulus=2e11))
+    >>> wall, rail, pull = system.support(a), system.support(b, uy=0), system.load(b, fx=1e3)
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round((rest["b.x"].item() - 2) * 1e3, 4)  # F L/(E A) [mm]
+    0.1
     """
 
 

@@ -29,6 +29,18 @@ class PointOnCurve(InPlane, OnCurve):
     curve : Curve in the frame of body i
     radius : of a roller on the right of the curve (outside, if it runs anticlockwise) [m]
     parameter : initial guess of ``u``; the nearest point if not given
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("bowl", gravity=(0, -9.81))
+    >>> bead = system.add(planar.Particle("bead", mass=0.1, position=(0.3, 0.1)))
+    >>> bowl = da.FormulaCurve(da.u, da.u**2)
+    >>> wire = system.add(planar.PointOnCurve("wire", system.ground, bead.center, bowl))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> bool(abs(rest["bead.position"]).max() < 1e-6)  # at the bottom
+    True
     """
 
     body_i: Body

@@ -55,6 +55,18 @@ class RotationalSpring(AngularSpring, BodyPair):
     damping : [N m s/rad]
     free_angle : [rad]
     law : function (extension, rate) → additional moment [N m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("torsion pendulum")
+    >>> wheel = system.add(planar.Body("wheel", mass=1.0, inertia=0.25))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, wheel.center))
+    >>> wire = system.add(planar.RotationalSpring("wire", system.ground, wheel, stiffness=4.0))
+    >>> modes = da.linearize(system.build())
+    >>> modes.eigenvalues.imag.round(6)  # √(k/J)
+    array([4.])
     """
 
     def look(self) -> list[Look]:
@@ -70,6 +82,18 @@ class Bushing(InPlane, ElasticBearing, BetweenPoints):
     stiffness : (2,) along the axes of body i [N/m]
     damping : (2,) [N s/m]
     rotational_stiffness, rotational_damping : [N m/rad], [N m s/rad]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("mount", gravity=(0, -9.81))
+    >>> engine = system.add(planar.Body("engine", mass=80.0, inertia=3.0))
+    >>> mount = system.add(planar.Bushing("mount", system.ground.center, engine.center,
+    ...     stiffness=(1e6, 2e5), rotational_stiffness=1e3))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["engine.y"].item() * 1e3, 3)  # -m g/k [mm]
+    -3.924
     """
 
     stiffness: Vector = quantity("N/m", "stiffness along the axes of body i", size=2)

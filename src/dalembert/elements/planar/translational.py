@@ -71,6 +71,18 @@ class Translational(GuidingJoint):
     Parameters
     ----------
     angle : constant angle of the second body relative to the first [rad]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("chute", gravity=(0, -10))
+    >>> box = system.add(planar.Body("box", mass=2.0, inertia=0.1, angle=0.6435))
+    >>> chute = system.add(planar.Translational("chute", system.ground.center, box.center,
+    ...     axis=(0.8, 0.6), angle=0.6435))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> motion["box.acceleration"][0].values.round(6)  # 0.6 g down the slope
+    array([-4.8, -3.6])
     """
 
     angle: Scalar = quantity("rad", "angle of the second body relative to the first", default=0.0)
@@ -97,6 +109,21 @@ class PinInSlot(GuidingJoint):
     """Pin of body j in a straight slot of body i (revolute–translational).
 
     ``Φ = n_iᵀ (r_jP − r_iP) = 0``; the bodies may turn against each other.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("yoke")
+    >>> crank = system.add(planar.Bar("crank", length=0.2))
+    >>> yoke = system.add(planar.Body("yoke"))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> rail = system.add(planar.Translational("rail", system.ground.center, yoke.center))
+    >>> pin = system.add(planar.PinInSlot("pin", yoke.center, crank.end, axis=(0, 1)))
+    >>> turn = system.add(planar.RotationalDriver("turn", system.ground, crank, da.t))
+    >>> motion = da.solve_kinematics(system.build(), "pi/3", step="pi/3")
+    >>> motion["yoke.x"].values.round(6)  # 0.2 cos t
+    array([0.2, 0.1])
     """
 
     def residual(self) -> ca.SX:

@@ -20,6 +20,17 @@ class Weld(TreeJoint):
     Parameters
     ----------
     angle : angle of the second body relative to the first [rad]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("bracket", gravity=(0, -10))
+    >>> arm = system.add(planar.Bar("arm", length=1.2, mass=3.0))
+    >>> wall = system.add(planar.Weld("wall", system.ground.center, arm.start))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["wall.moment"].item(), 6), round(rest["wall.force.y"].item(), 6)  # m g l/2, m g
+    (18.0, 30.0)
     """
 
     angle: Scalar = quantity("rad", "angle of the second body relative to the first", default=0.0)

@@ -44,6 +44,19 @@ class Beam(beam.Beam):
     rotary_inertia : (3,) ``ρ I_p``, ``ρ I_y``, ``ρ I_z`` [kg m]; those of one material by default
     position, rotation : of its own start [m]; guesses that assembly corrects
     velocity, angular_velocity : likewise, inertial axes [m/s], [rad/s]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("torsion bar")
+    >>> rigid = dict(axial_rigidity=1e6, shear_rigidity=4e5, torsional_rigidity=80.0)
+    >>> rigid |= dict(bending_rigidity_y=100.0, bending_rigidity_z=100.0)
+    >>> beam = spatial.Beam("bar", system.ground.frame(), length=2.0, elements=1, order=2, **rigid)
+    >>> lever = system.add(spatial.Torque("lever", system.add(beam).end, (4, 0, 0)))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["bar.end.bryant"][0, 0].item(), 6)  # M L/(G J)
+    0.1
     """
 
     frame_i: Frame | None = option("frame where it starts, clamped", default=None)

@@ -47,6 +47,19 @@ class Body(SpatialFrame):
     ------
     ModelError
         A mass without inertia, an inertia that no body has, a bad name or number.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("plate", gravity=(0, 0, -9.81))
+    >>> quarter = da.rotation.axis_angle((0, 0, 1), math.pi / 2)
+    >>> plate = system.add(spatial.Body("plate", mass=2.0, inertia=(0.01, 0.02, 0.03),
+    ...     rotation=quarter, velocity=(1, 0, 0), points={"corner": (0.3, 0, 0)}))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> motion["plate.corner.position"][-1].values.round(6)  # v t, 0.3 turned, -g t²/2
+    array([ 1.   ,  0.3  , -4.905])
     """
 
     mass: Scalar = quantity("kg", "mass", default=None, minimum=0.0)
@@ -112,6 +125,17 @@ class Body(SpatialFrame):
 
 @dataclass(eq=False)
 class Particle(PointMass, Body):
-    """Point mass in space: three coordinates, no rotation."""
+    """Point mass in space: three coordinates, no rotation.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("throw", gravity=(0, 0, -9.81))
+    >>> stone = system.add(spatial.Particle("stone", mass=0.2, velocity=(3, 4, 9.81)))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> motion["stone.position"][-1].values.round(6)  # v t + g t²/2
+    array([3.   , 4.   , 4.905])
+    """
 
     needless = ("inertia", "rotation", "angular_velocity", "center_of_mass", "frames")

@@ -106,6 +106,21 @@ class Coupling(CoupledJoints):
     ----------
     ratio : motion of the second joint per motion of the first
     motion_i, motion_j : which motions, where a joint has several
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("lead")
+    >>> motor, nut = system.add(spatial.Body("motor")), system.add(spatial.Body("nut"))
+    >>> turn = system.add(spatial.Revolute("O", system.ground.frame(), motor.frame()))
+    >>> slide = system.add(spatial.Prismatic("rail", system.ground.frame(), nut.frame()))
+    >>> lead = system.add(spatial.Coupling("lead", turn, slide, ratio=0.01 / (2 * math.pi)))
+    >>> drive = system.add(spatial.RotationalDriver("drive", turn, 4 * math.pi * da.t))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> motion["nut.z"].values.round(6)  # two turns of 10 mm
+    array([0.  , 0.02])
     """
 
     ratio: Scalar = quantity(
@@ -169,6 +184,21 @@ class GearPair(CoupledJoints):
     joint_i, joint_j : joints of the gears on the carrier; a turn is free in both
     radius_i, radius_j : pitch radii [m]
     internal : the second gear turns with the first
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("bevel gears")
+    >>> a, b = system.add(spatial.Body("a")), system.add(spatial.Body("b"))
+    >>> side = dict(axis=(1, 0, 0))
+    >>> i = system.add(spatial.Revolute("A", system.ground.frame(), a.frame()))
+    >>> j = system.add(spatial.Revolute("B", system.ground.frame(**side), b.frame(**side)))
+    >>> mesh = system.add(spatial.GearPair("mesh", i, j, radius_i=0.02, radius_j=0.06))
+    >>> drive = system.add(spatial.RotationalDriver("drive", i, 6 * da.t))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> round(motion["B.angle_rate"][0].item(), 6)  # against it, by the ratio of the radii
+    -2.0
     """
 
     radius_i: Scalar = quantity("m", "pitch radius of the first gear", above=0.0, keyword=True)
@@ -212,6 +242,22 @@ class RackAndPinion(CoupledJoints):
     joint_i, joint_j : joint of the pinion, with a free turn, and of the rack, with a displacement
     radius : pitch radius [m]
     side : +1 if the rack moves up its axis when the pinion turns up its own, else −1
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("steering")
+    >>> pinion, rack = system.add(spatial.Body("pinion")), system.add(spatial.Body("rack"))
+    >>> hinge = system.add(spatial.Revolute("O", system.ground.frame(), pinion.frame()))
+    >>> along = dict(axis=(1, 0, 0))
+    >>> ends = system.ground.frame(**along), rack.frame(**along)
+    >>> rail = system.add(spatial.Prismatic("rail", *ends))
+    >>> mesh = system.add(spatial.RackAndPinion("mesh", hinge, rail, radius=0.02))
+    >>> wheel = system.add(spatial.RotationalDriver("wheel", hinge, da.t))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> motion["rack.x"].values.round(6)  # r φ
+    array([0.  , 0.02])
     """
 
     radius: Scalar = quantity("m", "pitch radius", above=0.0, keyword=True)

@@ -17,6 +17,18 @@ class Cylindrical(AxialJoint):
     """Sleeve on a shaft: the z axes are one line; it slides and turns.
 
     ``Φ = [x_iᵀ d; y_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("sleeve", gravity=(0, 0, -9.81))
+    >>> spin = dict(angular_velocity=(0, 0, 3), velocity=(0, 0, 9.81))
+    >>> sleeve = system.add(spatial.Body("sleeve", mass=1.0, inertia=(0.1, 0.1, 0.05), **spin))
+    >>> shaft = system.add(spatial.Cylindrical("shaft", system.ground.frame(), sleeve.frame()))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.01)
+    >>> [round(motion[f"shaft.{free}"][-1].item(), 6) for free in ("displacement", "angle")]
+    [4.905, 3.0]
     """
 
     slides = {"displacement": 2}

@@ -47,6 +47,18 @@ class RotationalDriver(JointDriver):
     joint : joint between frames that leaves a turn free
     law : Law, number or formula in t [rad]
     motion : which turn, where the joint has several (``angle_i`` or ``angle_j``)
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("rotor")
+    >>> rotor = system.add(spatial.Body("rotor", mass=1.0, inertia=(0.1, 0.1, 0.2)))
+    >>> axle = system.add(spatial.Revolute("axle", system.ground.frame(), rotor.frame()))
+    >>> motor = system.add(spatial.RotationalDriver("motor", axle, 5 * da.t**2))
+    >>> motion = da.solve_inverse_dynamics(system.build(), 1.0, step=0.5)
+    >>> motion["motor.effort"].values.round(6)  # J α
+    array([2., 2., 2.])
     """
 
     joint: SpatialJoint
@@ -82,6 +94,18 @@ class TranslationalDriver(JointDriver):
     joint : joint between frames that leaves a displacement free
     law : Law, number or formula in t [m]
     motion : which displacement, where the joint has several (``displacement_x`` …)
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("press", gravity=(0, 0, -10))
+    >>> ram = system.add(spatial.Body("ram", mass=200.0, inertia=(1, 1, 1)))
+    >>> guide = system.add(spatial.Prismatic("guide", system.ground.frame(), ram.frame()))
+    >>> crank = system.add(spatial.TranslationalDriver("crank", guide, da.Harmonic(0.05, 10.0)))
+    >>> motion = da.solve_inverse_dynamics(system.build(), "pi/20", step="pi/20")
+    >>> motion["crank.effort"].values.round(6)  # m g, and m (g - 0.05 ω²) at the top
+    array([2000., 1000.])
     """
 
     joint: SpatialJoint
@@ -110,6 +134,19 @@ class CoordinateDriver(AlongDirection):
     point : point of a body
     law : Law, number or formula in t [m]
     direction : (3,) direction in inertial axes
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("table")
+    >>> table = system.add(spatial.Body("table"))
+    >>> rail = system.add(spatial.Prismatic("rail", system.ground.frame(), table.frame()))
+    >>> lift = spatial.CoordinateDriver("lift", table.center, 0.1 * da.t**2, direction=(0, 0, 1))
+    >>> driver = system.add(lift)
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=0.5)
+    >>> motion["table.vz"].values.round(6)  # 0.2 t
+    array([0. , 0.1, 0.2])
     """
 
     point: Point

@@ -63,6 +63,20 @@ class FlexibleBody(Flexible, SpatialFrame):
     rotation : initial orientation of the structure's axes
     velocity : (3,) initial velocity of the origin, inertial axes [m/s]
     angular_velocity : (3,) initial, inertial axes [rad/s]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial, structures
+    >>> rod = da.Structure("rod")
+    >>> a, b = rod.node("a", 0, 0, 0), rod.node("b", 1, 0, 0)
+    >>> steel, profile = structures.Material(2e11, density=7850), structures.tube(0.02, 0.002)
+    >>> numbers = steel.of(structures.SpaceFrame) | profile.of(structures.SpaceFrame)
+    >>> element = rod.add(structures.SpaceFrame("e", a, b, **numbers))
+    >>> system = da.System("free rod")
+    >>> body = system.add(spatial.FlexibleBody("rod", rod.build(), {"left": "a", "right": "b"}))
+    >>> system.build().diagnosis.degrees_of_freedom  # twelve of its nodes
+    12
     """
 
     position: Vector = quantity("m", "initial position of the frame", default=None, size=3)

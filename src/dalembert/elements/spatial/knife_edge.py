@@ -26,6 +26,19 @@ class KnifeEdge(Pair, Constraint):
     ----------
     frame : on the body with the edge; the edge is its x axis
     plane : frame with the normal ``n`` as its z axis
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("sledge")
+    >>> sledge = system.add(spatial.Body("sledge", mass=1.0, inertia=(1, 1, 1), velocity=(2, 0, 0)))
+    >>> plane = system.add(spatial.Planar("ice", system.ground.frame(), sledge.frame()))
+    >>> blade = system.add(spatial.KnifeEdge("blade", sledge.frame(), system.ground.frame()))
+    >>> push = system.add(spatial.Force("push", sledge.center, (0, 5, 0)))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> motion["sledge.velocity"][-1].values.round(6)  # the blade holds the push
+    array([2., 0., 0.])
     """
 
     frame: Frame

@@ -20,6 +20,19 @@ class RigidLink(ConstantDistance):
     """Link with a ball at each end (spherical–spherical), ``Φ = |r_jP − r_iP| − length``.
 
     The multiplier is the force in the link [N], positive in tension.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("lamp", gravity=(0, 0, -10))
+    >>> lamp = system.add(spatial.Particle("lamp", mass=1.8, position=(0, 0, -0.8)))
+    >>> left, right = system.ground.point(-0.6, 0, 0), system.ground.point(0.6, 0, 0)
+    >>> a = system.add(spatial.RigidLink("a", left, lamp.center, length=1.0))
+    >>> b = system.add(spatial.RigidLink("b", right, lamp.center, length=1.0))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["a.force_norm"].item(), 6)  # m g/2 by the cosine 0.8
+    11.25
     """
 
 
@@ -34,6 +47,18 @@ class RevoluteSphericalLink(FramePointJoint):
     frame_i : the hinge about its z axis
     point_j : the ball
     length : from the hinge to the ball [m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("swing", gravity=(0, 0, -10))
+    >>> seat = system.add(spatial.Particle("seat", mass=30.0, position=(0.1, 0, -2)))
+    >>> hinge = system.ground.frame(axis=(0, 1, 0))
+    >>> link = system.add(spatial.RevoluteSphericalLink("link", hinge, seat.center, length=2.0))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["link.force_norm"].item(), 6)  # m g
+    300.0
     """
 
     length: Scalar = quantity("m", "from the hinge to the ball", above=0.0, keyword=True)
@@ -56,6 +81,18 @@ class RevoluteRevoluteLink(FrameJoint):
     ----------
     length : from one axis to the other [m]
     twist : angle between the axes, above 0 and below π; they are parallel if it is not given [rad]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("chain", gravity=(0, 0, -10))
+    >>> load = system.add(spatial.Body("load", mass=2.0, inertia=(1, 1, 1), position=(0, 0, -1)))
+    >>> across = dict(axis=(0, 1, 0))
+    >>> hinges = system.ground.frame(**across), load.frame(**across)
+    >>> link = system.add(spatial.RevoluteRevoluteLink("link", *hinges, length=1.0))
+    >>> system.build().diagnosis.degrees_of_freedom  # a turn at either end
+    2
     """
 
     length: Scalar = quantity("m", "from one axis to the other", above=0.0, keyword=True)

@@ -34,6 +34,18 @@ class Force(PointForce):
     ------
     ModelError
         A point of the plane, axes of a particle.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("rocket")
+    >>> rocket = system.add(spatial.Body("rocket", mass=2.0, inertia=(1, 1, 0.1)))
+    >>> thrust = spatial.Force("thrust", rocket.point(0, 0, -1), (0, 0, 8 * da.t), follows=rocket)
+    >>> engine = system.add(thrust)
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> round(motion["rocket.vz"][-1].item(), 6)  # F t/(2 m)
+    2.0
     """
 
     vector: Vector = quantity("N", "components", size=3)
@@ -69,6 +81,17 @@ class Torque(Couple):
     ------
     ModelError
         One of the bodies is a particle.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("satellite")
+    >>> satellite = system.add(spatial.Body("satellite", mass=10.0, inertia=(2, 3, 4)))
+    >>> thrusters = system.add(spatial.Torque("thrusters", satellite, (0, 0, 1 - da.t)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.5)
+    >>> motion["satellite.angular_velocity"][:, 2].values.round(6)  # (t - t²/2)/J
+    array([0.     , 0.09375, 0.125  , 0.09375, 0.     ])
     """
 
     body: BodyElement

@@ -32,6 +32,16 @@ class Mesh(Shape):
         The file is unreadable, or its surface open.
     UnsupportedError
         trimesh is not installed.
+
+    Examples
+    --------
+    >>> import tempfile, trimesh
+    >>> from dalembert import spatial
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     size = trimesh.creation.box((20, 10, 5)).export(f"{folder}/brick.stl")
+    ...     brick = spatial.Mesh("brick", file=f"{folder}/brick.stl", scale=0.01, density=2000.0)
+    >>> round(float(brick.mass), 6)  # 0.2 by 0.1 by 0.05 m
+    2.0
     """
 
     file: Path = option("STL, OBJ, PLY or glTF file", keyword=True)

@@ -17,6 +17,17 @@ class Planar(AxialJoint):
     """The x-y planes of both frames are one; they slide and turn on each other.
 
     ``Φ = [z_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("puck")
+    >>> puck = system.add(spatial.Cylinder("puck", radius=0.04, length=0.02, mass=0.2))
+    >>> ice = system.add(spatial.Planar("ice", system.ground.frame(), puck.frame()))
+    >>> model = system.build()
+    >>> model.diagnosis.degrees_of_freedom, list(ice.freedoms())
+    (3, ['displacement_x', 'displacement_y', 'angle'])
     """
 
     slides = {"displacement_x": 0, "displacement_y": 1}

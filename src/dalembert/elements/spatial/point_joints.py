@@ -19,6 +19,18 @@ class PointOnLine(FramePointJoint):
     ----------
     frame_i : frame whose z axis is the line
     point_j : the point
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("ring", gravity=(0, 0, -10))
+    >>> ring = system.add(spatial.Particle("ring", mass=0.3))
+    >>> bar = system.ground.frame(axis=(0.6, 0, -0.8))
+    >>> wire = system.add(spatial.PointOnLine("wire", bar, ring.center))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> motion["ring.acceleration"][0].values.round(6)  # 0.8 g along the line
+    array([ 4.8,  0. , -6.4])
     """
 
     slides = {"displacement": 2}
@@ -39,6 +51,18 @@ class PointOnPlane(FramePointJoint):
     ----------
     frame_i : frame whose x and y axes span the plane
     point_j : the point
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("ramp", gravity=(0, 0, -10))
+    >>> drop = system.add(spatial.Particle("drop", mass=0.3))
+    >>> ramp = system.ground.frame(axis=(0.6, 0, 0.8))
+    >>> glide = system.add(spatial.PointOnPlane("glide", ramp, drop.center))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> round(motion["glide.force_norm"][0].item(), 6)  # 0.8 m g
+    2.4
     """
 
     slides = {"displacement_x": 0, "displacement_y": 1}

@@ -24,6 +24,18 @@ class PointOnCurve(OnCurve):
     point_j : the following point
     curve : Curve of three components in the frame of body i
     parameter : initial guess of ``u``; the nearest point if not given
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("slide", gravity=(0, 0, -9.81))
+    >>> helix = da.FormulaCurve(da.cos(da.u), da.sin(da.u), z=0.2 * da.u)
+    >>> bead = system.add(spatial.Particle("bead", mass=0.1, position=(1, 0, 0)))
+    >>> wire = system.add(spatial.PointOnCurve("wire", system.ground, bead.center, helix))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.01)
+    >>> round(motion["bead.z"][-1].item() * 2 / 9.81, 6)  # 0.2²/(1 + 0.2²)
+    -0.038462
     """
 
     body_i: BodyElement

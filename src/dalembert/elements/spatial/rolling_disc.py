@@ -34,6 +34,18 @@ class RollingDisc(Pair, Constraint):
     radius : [m]
     axis : (3,) axle in the body frame
     center : (3,) in the body frame [m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("coin")
+    >>> coin = system.add(spatial.Body("coin", mass=1.0, inertia=(0.01, 0.02, 0.01),
+    ...     position=(0, 0, 0.2), velocity=(3, 0, 0), angular_velocity=(0, 15, 0)))
+    >>> floor = system.add(spatial.RollingDisc("floor", coin, system.ground.frame(), radius=0.2))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> motion["coin.position"][-1].values.round(6)  # straight on, ω r t
+    array([3. , 0. , 0.2])
     """
 
     body: BodyElement

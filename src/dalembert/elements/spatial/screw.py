@@ -29,6 +29,20 @@ class Screw(Cylindrical):
     Parameters
     ----------
     pitch : displacement per full turn, negative of a left-hand thread [m]
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("jack")
+    >>> nut = system.add(spatial.Body("nut"))
+    >>> spindle = spatial.Screw("spindle", system.ground.frame(), nut.frame(), pitch=0.01)
+    >>> joint = system.add(spindle)
+    >>> drive = system.add(spatial.RotationalDriver("drive", joint, 8 * math.pi * da.t))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> motion["nut.z"].values.round(6)  # four turns
+    array([0.  , 0.04])
     """
 
     pitch: Scalar = quantity("m", "displacement per full turn", keyword=True)

@@ -23,6 +23,14 @@ class Box(Shape):
     Parameters
     ----------
     size : (3,) lengths along x, y and z [m]
+
+    Examples
+    --------
+    >>> from dalembert import spatial
+    >>> brick = spatial.Box("brick", size=(0.2, 0.1, 0.05), density=2000.0)
+    >>> corner = brick.point(0.1, 0.05, 0.025)  # its frame is in the middle
+    >>> round(float(brick.mass), 9)
+    2.0
     """
 
     size: Vector = quantity("m", "lengths along x, y, z", size=3, above=0.0, keyword=True)
@@ -47,6 +55,14 @@ class Cylinder(Shape):
     ----------
     radius, length : [m]
     inner_radius : of a tube [m]
+
+    Examples
+    --------
+    >>> import math
+    >>> from dalembert import spatial
+    >>> tube = spatial.Cylinder("tube", radius=0.05, inner_radius=0.03, length=0.4, density=7850.0)
+    >>> round(float(tube.mass) / (7850 * 0.4), 9) == round(math.pi * (0.05**2 - 0.03**2), 9)
+    True
     """
 
     radius: Scalar = quantity("m", "radius", above=0.0, keyword=True)
@@ -75,6 +91,16 @@ class Sphere(Shape):
     Parameters
     ----------
     radius : [m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("ball")
+    >>> ball = system.add(spatial.Sphere("ball", radius=0.1, mass=5.0, angular_velocity=(0, 0, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1)
+    >>> round(motion["ball.kinetic_energy"][0].item(), 6)  # ω²/2 by J = 2 m r²/5
+    1.0
     """
 
     radius: Scalar = quantity("m", "radius", above=0.0, keyword=True)
@@ -98,6 +124,15 @@ class Capsule(Shape):
     ----------
     radius : of the cylinder and the balls [m]
     length : of the cylinder, from centre to centre of the balls [m]
+
+    Examples
+    --------
+    >>> import math
+    >>> from dalembert import spatial
+    >>> pill = spatial.Capsule("pill", radius=0.1, length=0.3, density=1000.0)
+    >>> volume = math.pi * 0.1**2 * (0.3 + 4 / 3 * 0.1)
+    >>> round(float(pill.mass) / volume, 6)  # a cylinder and a ball
+    1000.0
     """
 
     radius: Scalar = quantity("m", "radius", above=0.0, keyword=True)
@@ -140,6 +175,18 @@ class Bar(SlenderBar, Shape):
     ----------
     length : [m]
     radius : [m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("pendulum", gravity=(0, 0, -9.81))
+    >>> rod = system.add(spatial.Bar("rod", length=1.5, mass=2.0))
+    >>> pin = system.ground.frame(axis=(0, 1, 0)), rod.frame((-0.75, 0, 0), axis=(0, 1, 0))
+    >>> hinge = system.add(spatial.Revolute("O", *pin))
+    >>> motion = da.solve_dynamics(system.build(), 0.01, step=0.01)  # let go level
+    >>> round(motion["rod.az"][0].item(), 6)  # of its middle, -3/4 g
+    -7.3575
     """
 
     length: Scalar = quantity("m", "length along x", above=0.0, keyword=True)

@@ -18,7 +18,23 @@ from dalembert.symbolic import rotation
 
 @dataclass(eq=False)
 class Spherical(PointJoint, TreeJoint):
-    """Ball and socket: two points coincide, ``Φ = r_jP − r_iP = 0``."""
+    """Ball and socket: two points coincide, ``Φ = r_jP − r_iP = 0``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("pendulum", gravity=(0, 0, -9.81))
+    >>> bob = system.add(spatial.Sphere("bob", radius=0.1, mass=2.0, position=(0.2, 0, -1)))
+    >>> socket = system.ground.point(0, 0, 0)
+    >>> ball = system.add(spatial.Spherical("ball", socket, bob.point(0, 0, 1)))
+    >>> model = system.build()
+    >>> model.diagnosis.degrees_of_freedom
+    3
+    >>> rest = da.solve_equilibrium(model)
+    >>> round(rest["ball.force.z"].item(), 6)  # carries the weight
+    19.62
+    """
 
     def look(self) -> list[Look]:
         return [Socket(self.point_j, self.point_i)]

@@ -34,6 +34,19 @@ class TorsionSpring(AngularSpring, FramePair):
     damping : [N m s/rad]
     free_angle : angle without moment [rad]
     law : function (extension, rate) → additional moment [N m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("torsion pendulum")
+    >>> wheel = system.add(spatial.Body("wheel", mass=1.0, inertia=(0.2, 0.2, 0.25)))
+    >>> ends = system.ground.frame(), wheel.frame()
+    >>> hinge = system.add(spatial.Revolute("O", *ends))
+    >>> wire = system.add(spatial.TorsionSpring("wire", *ends, stiffness=4.0))
+    >>> modes = da.linearize(system.build())
+    >>> modes.eigenvalues.imag.round(6)  # √(k/J)
+    array([4.])
     """
 
     def coordinate(self) -> ca.SX:
@@ -59,6 +72,18 @@ class Bushing(ElasticBearing, FramePair):
     stiffness : (3,) along the axes of frame i [N/m]
     damping : (3,) [N s/m]
     rotational_stiffness, rotational_damping : (3,) about them [N m/rad], [N m s/rad]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("mount", gravity=(0, 0, -10))
+    >>> engine = system.add(spatial.Body("engine", mass=80.0, inertia=(2, 3, 3)))
+    >>> soft = dict(stiffness=(1e6, 1e6, 2e5), rotational_stiffness=(1e3, 1e3, 1e3))
+    >>> mount = system.add(spatial.Bushing("mount", system.ground.frame(), engine.frame(), **soft))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["engine.z"].item() * 1e3, 6)  # -m g/k [mm]
+    -4.0
     """
 
     stiffness: Vector = quantity("N/m", "stiffness along the axes of frame i", size=3)

@@ -22,6 +22,18 @@ class UnilateralConstraint(unilateral_constraint.UnilateralConstraint):
     ----------
     slip : one or two formulas of speeds along the surface, linear in them
     distance, restitution, tangential_restitution, friction, poisson : as in the plane
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("puck", gravity=(0, 0, -10))
+    >>> puck = system.add(spatial.Particle("puck", mass=1.0, velocity=(3, 4, 0)))
+    >>> floor = system.add(spatial.UnilateralConstraint("floor", puck.z,
+    ...     slip=(puck.vx, puck.vy), restitution=0.0, friction=0.5))
+    >>> motion = da.solve_dynamics(system.build(), 0.5, step=0.05)
+    >>> motion["puck.velocity"][-1].values.round(6)  # slower by μ g t along its way
+    array([1.5, 2. , 0. ])
     """
 
     slip: Vector = quantity(

@@ -32,6 +32,22 @@ class Universal(FrameJoint, TreeJoint):
     ------
     ModelError
         The arms are parallel at the initial poses.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system, c, s = da.System("cardan shaft"), math.cos(0.5), math.sin(0.5)
+    >>> a, b = system.add(spatial.Body("a")), system.add(spatial.Body("b"))
+    >>> cross = spatial.Universal("cross", a.frame(axis=(0, 1, 0)), b.frame(axis=(c, 0, -s)))
+    >>> first = system.add(spatial.Revolute("A", system.ground.frame(), a.frame()))
+    >>> ends = system.ground.frame(axis=(s, 0, c)), b.frame(axis=(s, 0, c))
+    >>> second, joint = system.add(spatial.Cylindrical("B", *ends)), system.add(cross)
+    >>> drive = system.add(spatial.RotationalDriver("drive", first, da.t))
+    >>> motion = da.solve_kinematics(system.build(), "pi/2", step="pi/2")
+    >>> motion["B.angle_rate"].values / c  # from cos β to 1/cos β
+    array([1.        , 1.29844641])
     """
 
     def look(self) -> list[Look]:

@@ -17,6 +17,17 @@ class Weld(FixedTurn):
 
     The turn is that of the x axes about z if both frames have one of their own, else that from the
     initial poses.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("sign", gravity=(0, 0, -10))
+    >>> arm = system.add(spatial.Bar("arm", length=2.0, radius=0.05, mass=3.0))
+    >>> wall = system.add(spatial.Weld("wall", system.ground.frame(), arm.frame((-1, 0, 0))))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["wall.moment.y"].item(), 6)  # -m g l/2
+    -30.0
     """
 
     def look(self) -> list[Look]:

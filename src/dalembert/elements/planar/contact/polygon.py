@@ -78,6 +78,21 @@ class Polygon(Cornered):
     ----------
     body : the body it is fixed in
     vertices : (x, y) of its corners in the body frame, anticlockwise [m]; formulas are allowed
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("prism", gravity=(0, -10))
+    >>> prism = system.add(planar.Body("prism", mass=3.0, inertia=0.1, position=(0, 0.0999)))
+    >>> corners = [(-0.2, -0.1), (0.2, -0.1), (0, 0.2)]
+    >>> shape, floor = contact.Polygon(prism, corners), contact.HalfPlane(system.ground.center)
+    >>> law = contact.KelvinVoigt(stiffness=1e5)
+    >>> touch = system.add(planar.Contact("touch", floor, shape, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["touch.penetration"].item() * 1e3, 6)  # m g/(2 k) [mm]: it stands on two corners
+    0.15
     """
 
     body: BodyElement = option("the body it is fixed in")
@@ -116,6 +131,20 @@ class Rectangle(Cornered, Pointed):
     ----------
     point : its middle, point of a body
     size : (2,) lengths along x and y [m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("crate", gravity=(0, -10))
+    >>> crate = system.add(planar.Body("crate", mass=4.0, inertia=0.1, position=(0, 0.1499)))
+    >>> shape = contact.Rectangle(crate.center, (0.4, 0.3))
+    >>> floor, law = contact.HalfPlane(system.ground.center), contact.KelvinVoigt(stiffness=1e5)
+    >>> touch = system.add(planar.Contact("touch", floor, shape, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["crate.y"].item(), 6)  # half the height less m g/(2 k)
+    0.1498
     """
 
     size: Vector = quantity("m", "lengths along x and y", size=2, above=0.0)

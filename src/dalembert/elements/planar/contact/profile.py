@@ -30,6 +30,22 @@ class Profile(Shape):
     ----------
     body : the body it is fixed in
     curve : in the frame of the body; anticlockwise around its matter
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("rocker", gravity=(0, -10))
+    >>> egg = system.add(planar.Body("egg", mass=1.0, inertia=0.01, position=(0, 0.0999)))
+    >>> oval = da.FormulaCurve(0.2 * da.cos(da.u), 0.1 * da.sin(da.u))
+    >>> floor = contact.HalfPlane(system.ground.center)
+    >>> law = contact.KelvinVoigt(stiffness=1e5)
+    >>> touch = planar.Contact("touch", floor, contact.Profile(egg, oval), law=law)
+    >>> contact = system.add(touch)
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["egg.y"].item(), 6)  # lies on its flat side, less m g/k
+    0.0999
     """
 
     body: BodyElement = option("the body it is fixed in")

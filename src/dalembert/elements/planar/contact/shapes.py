@@ -14,7 +14,23 @@ from dalembert.elements.rotation import unit
 
 @dataclass(eq=False)
 class Circle(Round):
-    """Disc of the plane."""
+    """Disc of the plane.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("discs")
+    >>> a = system.add(planar.Body("a", mass=1.0, inertia=0.01, velocity=(1, 0)))
+    >>> b = system.add(planar.Body("b", mass=1.0, inertia=0.01, position=(0.3, 0)))
+    >>> discs = [contact.Circle(body.center, 0.1) for body in (a, b)]
+    >>> law = contact.Hertz(stiffness=1e7)
+    >>> touch = system.add(planar.Contact("touch", *discs, law=law))
+    >>> motion = da.solve_dynamics(system.build(), 0.2, integrator=da.DormandPrince(1e-9, 1e-9))
+    >>> round(motion["b.vx"][-1].item(), 5)  # all of the speed is handed over
+    1.0
+    """
 
     space = 2
 
@@ -24,7 +40,22 @@ class Circle(Round):
 
 @dataclass(eq=False)
 class Bore(Hollow):
-    """Round hole of the plane, with what touches it inside."""
+    """Round hole of the plane, with what touches it inside.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("roller in a ring", gravity=(0, -10))
+    >>> roller = system.add(planar.Body("roller", mass=1.0, inertia=0.005, position=(0, -0.4005)))
+    >>> ring = contact.Bore(system.ground.center, 0.5)
+    >>> rim, law = contact.Circle(roller.center, 0.1), contact.KelvinVoigt(stiffness=2e4)
+    >>> touch = system.add(planar.Contact("touch", ring, rim, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["touch.penetration"].item() * 1e3, 6)  # m g/k [mm]
+    0.5
+    """
 
     space = 2
 
@@ -40,6 +71,20 @@ class HalfPlane(Flat):
     ----------
     point : point of a body on the line
     normal : (2,) out of the matter, in the axes of the body
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("slope", gravity=(0, -10))
+    >>> block = system.add(planar.Particle("block", mass=1.0))
+    >>> slope = contact.HalfPlane(system.ground.center, normal=(-0.6, 0.8))
+    >>> law = contact.Restitution()
+    >>> touch = system.add(planar.Contact("touch", slope, contact.Vertex(block.center), law=law))
+    >>> motion = da.solve_dynamics(system.build(), 0.5, step=0.05)
+    >>> motion["block.velocity"][-1].values.round(6)  # 0.6 g t down the slope
+    array([-2.4, -1.8])
     """
 
     space = 2

@@ -34,6 +34,24 @@ class Sprocket(Pointed):
     pitch : p, of the chain [m]
     roller : diameter d of its rollers [m]
     seating : angle of the arc of a seat [rad]
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("chain on a wheel")
+    >>> wheel = system.add(planar.Body("wheel", mass=1.0, inertia=0.01))
+    >>> radius = 0.0127 / (2 * math.sin(math.pi / 18))
+    >>> pin = system.add(planar.Particle("pin", mass=0.01, position=(radius, 0)))
+    >>> teeth = contact.Sprocket(wheel.center, teeth=18, pitch=0.0127, roller=0.00851)
+    >>> roller = contact.Circle(pin.center, 0.00851 / 2)
+    >>> seat = planar.Contact("seat", teeth, roller, law=contact.KelvinVoigt(stiffness=1e6))
+    >>> contact = system.add(seat)
+    >>> motion = da.solve_dynamics(system.build(), 1e-4, step=1e-4)
+    >>> round(motion["seat.gap"][0].item() / 0.00851, 6)  # play of a seat: 0.505 - 0.5
+    0.005
     """
 
     teeth: int = option("number of teeth", default=0)

@@ -17,7 +17,22 @@ from dalembert.errors import ModelError
 
 @dataclass(eq=False)
 class Sphere(Round):
-    """Ball in space."""
+    """Ball in space.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> contact = spatial.contact
+    >>> system = da.System("billiards")
+    >>> a = system.add(spatial.Sphere("a", radius=0.03, mass=0.2, velocity=(2, 0, 0)))
+    >>> b = system.add(spatial.Sphere("b", radius=0.03, mass=0.2, position=(0.2, 0, 0)))
+    >>> balls = [contact.Sphere(ball.center, 0.03) for ball in (a, b)]
+    >>> touch = system.add(spatial.Contact("touch", *balls, law=contact.Restitution(1.0)))
+    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.01)
+    >>> round(motion["b.vx"][-1].item(), 6)  # all of the speed is handed over
+    2.0
+    """
 
     space = 3
     feels = (Ball, Corners)
@@ -28,7 +43,22 @@ class Sphere(Round):
 
 @dataclass(eq=False)
 class Socket(Hollow):
-    """Hollow ball, with what touches it inside."""
+    """Hollow ball, with what touches it inside.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> contact = spatial.contact
+    >>> system = da.System("ball in a bowl", gravity=(0, 0, -10))
+    >>> ball = system.add(spatial.Sphere("ball", radius=0.1, mass=4.0, position=(0, 0, -0.4001)))
+    >>> bowl = contact.Socket(system.ground.point(0, 0, 0), 0.5)
+    >>> rim, law = contact.Sphere(ball.center, 0.1), contact.KelvinVoigt(stiffness=1e5)
+    >>> touch = system.add(spatial.Contact("touch", bowl, rim, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["ball.z"].item(), 6)  # deeper than the radii allow by m g/k
+    -0.4004
+    """
 
     space = 3
 
@@ -43,6 +73,20 @@ class HalfSpace(Flat):
     Parameters
     ----------
     point : frame of a body; its z axis points out of the matter
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> contact = spatial.contact
+    >>> system = da.System("ramp", gravity=(0, 0, -10))
+    >>> stone = system.add(spatial.Particle("stone", mass=1.0))
+    >>> ramp = contact.HalfSpace(system.ground.frame(axis=(-0.6, 0, 0.8)))
+    >>> law, tip = contact.Restitution(), contact.Vertex(stone.center)
+    >>> touch = system.add(spatial.Contact("touch", ramp, tip, law=law))
+    >>> motion = da.solve_dynamics(system.build(), 0.5, step=0.05)
+    >>> motion["stone.velocity"][-1].values.round(6)  # 0.6 g t down the ramp
+    array([-2.4,  0. , -1.8])
     """
 
     space = 3

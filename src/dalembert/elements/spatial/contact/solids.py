@@ -28,6 +28,21 @@ class Box(Spotted, Pointed):
     ----------
     point : its middle, point of a body
     size : (3,) lengths along x, y and z [m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> contact = spatial.contact
+    >>> system = da.System("crate", gravity=(0, 0, -10))
+    >>> size = (0.4, 0.3, 0.2)
+    >>> crate = system.add(spatial.Box("crate", size=size, mass=4.0, position=(0, 0, 0.0999)))
+    >>> shape = contact.Box(crate.center, size)
+    >>> floor, law = contact.HalfSpace(system.ground.frame()), contact.KelvinVoigt(stiffness=1e5)
+    >>> touch = system.add(spatial.Contact("touch", floor, shape, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["crate.z"].item(), 6)  # half the height less m g/(4 k)
+    0.0999
     """
 
     space = 3
@@ -59,6 +74,22 @@ class Capsule(Spotted):
     ----------
     point_i, point_j : points of one body
     radius : [m]
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> contact = spatial.contact
+    >>> system = da.System("pill", gravity=(0, 0, -10))
+    >>> flat = da.rotation.axis_angle((0, 1, 0), 1.5707963267948966)
+    >>> pill = system.add(spatial.Capsule("pill", radius=0.1, length=0.3, mass=4.0,
+    ...     rotation=flat, position=(0, 0, 0.0999)))
+    >>> shape = contact.Capsule(pill.point(0, 0, -0.15), pill.point(0, 0, 0.15), 0.1)
+    >>> floor, law = contact.HalfSpace(system.ground.frame()), contact.KelvinVoigt(stiffness=1e5)
+    >>> touch = system.add(spatial.Contact("touch", floor, shape, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["pill.z"].item(), 6)  # the radius less m g/(2 k)
+    0.0998
     """
 
     space = 3
@@ -104,6 +135,24 @@ class Corners(Spotted):
     Parameters
     ----------
     body : body with the form of a mesh
+
+    Examples
+    --------
+    >>> import tempfile, trimesh
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> contact = spatial.contact
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     size = trimesh.creation.box((0.2, 0.1, 0.05)).export(f"{folder}/brick.stl")
+    ...     file = f"{folder}/brick.stl"
+    ...     brick = spatial.Mesh("brick", file=file, mass=2.0, position=(0, 0, 0.0249))
+    >>> system = da.System("brick", gravity=(0, 0, -10))
+    >>> corners = contact.Corners(system.add(brick))
+    >>> floor, law = contact.HalfSpace(system.ground.frame()), contact.KelvinVoigt(stiffness=5e4)
+    >>> touch = system.add(spatial.Contact("touch", floor, corners, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["brick.z"].item(), 6)  # half the height less m g/(4 k)
+    0.0249
     """
 
     space = 3
