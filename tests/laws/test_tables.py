@@ -1,5 +1,6 @@
 """Tables as functions: values, derivatives, ranges, and one and the same run by every backend."""
 
+import casadi as ca
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
@@ -8,6 +9,10 @@ import dalembert as da
 from dalembert import planar
 from dalembert.io.analyses import make_analysis
 from dalembert.io.model_file import load_model_file
+from dalembert.symbolic.backends import BACKENDS
+from dalembert.symbolic.columns import VirtualColumns, instructions
+from dalembert.symbolic.lanes import LaneColumns
+from dalembert.symbolic.native.straight_line import SHORT
 
 RNG = np.random.default_rng(5)
 X = np.sort(RNG.uniform(0.0, 1.0, 12))
@@ -55,17 +60,81 @@ def test_tables_that_are_none(given, message):
         da.Interpolation(**{"x": [0, 1, 2], "y": [1, 2, 3], "name": "gas", **given})
 
 
-def pendulum(rows=30, kind="spline", outside="error", top=4.0, angle=0.5):
-    """A pendulum under a torque by a table of its angle, two of whose numbers are parameters."""
+def pendulum(rows=30, kind="spline", outside="error", top=4.0, angle=0.5, constant=False):
+    """A pendulum under a torque by a table of its angle, the last of whose numbers may be given."""
     system = da.System("x", gravity=(0.0, -9.81))
     size, level = system.parameter("size", 2.0), system.parameter("level", 0.3)
     bob = system.add(planar.Bar("bob", length=0.5, mass=1.0, angle=angle))
     system.add(planar.Revolute("O", system.ground.point(0, 0), bob.start))
     x = np.linspace(-top, top, rows)
-    values = [*np.sin(3 * x[:-1]), level]
+    values = [*np.sin(3 * x[:-1]), 0.3 if constant else level]
     torque = system.table("torque", x, values, kind=kind, outside=outside)
     system.add(planar.Moment("M", bob, size * torque(bob.angle)))
     return system.build()
+
+
+def evaluated(table, at, order=0):
+    """Derivatives of a table by its argument at many places."""
+    x = ca.SX.sym("x")
+    value = table(da.Expression(x)).sx
+    for _ in range(order):
+        value = ca.jacobian(value, x)
+    return np.array(ca.Function("y", [x], [value])(at.reshape(1, -1))).ravel()
+
+
+@pytest.mark.parametrize("rows", [17, 100, 1000])
+def test_rows_that_are_looked_up_are_those_written_out(rows):
+    x = np.arange(rows) + RNG.uniform(0.0, 0.5, rows)
+    y = np.sin(x)
+    at = np.concatenate([RNG.uniform(x[0], x[-1], 500), (x[:-1] + x[1:]) / 2])
+    spline, line = CubicSpline(x, y, bc_type="natural"), da.table(x, y, kind="linear")
+    for order in range(3):
+        found = evaluated(da.table(x, y), at, order)
+        assert found == pytest.approx(spline(at, order), abs=1e-13)
+    assert evaluated(da.table(x, y), x) == pytest.approx(y, abs=1e-14)
+    assert evaluated(line, at) == pytest.approx(np.interp(at, x, y), abs=1e-14)
+
+
+def test_many_rows_cost_a_formula_no_more_than_few():
+    x, angle = np.linspace(0, 1, 1000), ca.SX.sym("angle")
+
+    def operations(rows):
+        value = da.table(x[:rows], x[:rows] ** 2)(da.Expression(angle)).sx
+        both = [value, ca.jacobian(value, angle)]
+        return ca.Function("y", [angle], both, {"cse": True}).n_instructions()
+
+    assert operations(17) < 90 and operations(1000) < 90
+
+
+def test_look_ups_among_many_operations_are_compiled():
+    """In text of several pieces, for numbers and for lanes."""
+    x = np.linspace(0, 1, 50)
+    curve, begin, size = da.table(x, np.cos(3 * x), outside="clamp"), ca.SX.sym("a"), ca.SX.sym("b")
+    value = begin
+    for _ in range(20):
+        value = curve(da.Expression(value)).sx
+        for _ in range(120):
+            value = (value + size) / (2 + value)
+    function = ca.Function("many", [begin, size], [value])
+    assert instructions(function) > SHORT
+    begins, sizes = RNG.uniform(0, 1, (5, 1, 8)), RNG.uniform(0.5, 1, (5, 1, 8))
+    usual = [VirtualColumns(function)(8, a, b) for a, b in zip(begins, sizes, strict=True)]
+    code = BACKENDS["jit"]()._made(function, False, ())
+    lanes = LaneColumns(function)
+    assert code.compiled
+    side_by_side = lanes(8, begins, sizes)
+    assert lanes.side_by_side is not None
+    for k, (a, b) in enumerate(zip(begins, sizes, strict=True)):
+        for own, one, row in zip(usual[k], code(8, a, b), side_by_side, strict=True):
+            assert np.array_equal(own, one)
+            assert row[k] == pytest.approx(own, rel=1e-9, abs=1e-12)
+
+
+def test_absurd_numbers_are_not_looked_up():
+    x = np.arange(30.0)
+    absurd = evaluated(da.table(1e-40 * x, 1e80 * x**2), 1e-40 * (x + 0.5))
+    usual = CubicSpline(x, x**2, bc_type="natural")(3.5)
+    assert absurd[3] == pytest.approx(1e80 * usual, rel=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["spline", "linear"])
@@ -82,23 +151,27 @@ def test_gradients_are_those_of_the_run(kind):
     assert np.abs(found["adjoint"][0]) > 1e-3
 
 
-def test_large_tables_have_an_adjoint_too():
-    motion = da.solve_dynamics(pendulum(rows=301), 0.02, step=0.01, backend="vm")
+@pytest.mark.parametrize("integrator", [da.RK4(), da.Radau()])
+def test_large_tables_have_an_adjoint_too(integrator):
+    model = pendulum(rows=301, constant=True)
+    motion = da.solve_dynamics(model, 0.1, step=0.01, integrator=integrator)
     adjoint = da.sensitivity(motion, da.final("bob.angle"), method="adjoint")
     direct = da.sensitivity(motion, da.final("bob.angle"), method="direct")
     assert adjoint.values == pytest.approx(direct.values, rel=1e-9, abs=1e-15)
 
 
 @pytest.mark.parametrize("backend", ["jit", "c"])
-def test_every_backend_runs_the_same(backend):
-    model = pendulum(rows=8)
+@pytest.mark.parametrize("rows", [8, 60])
+def test_every_backend_runs_the_same(backend, rows):
+    model = pendulum(rows=rows, constant=True)
     usual = da.solve_dynamics(model, 0.2, step=0.01, backend="vm")
     other = da.solve_dynamics(model, 0.2, step=0.01, backend=backend)
     assert other.values("bob.angle") == pytest.approx(usual.values("bob.angle"), abs=1e-12)
 
 
-def test_a_batch_is_its_runs():
-    model = pendulum(rows=8)
+@pytest.mark.parametrize("rows", [8, 60])
+def test_a_batch_is_its_runs(rows):
+    model = pendulum(rows=rows, constant=True)
     sizes = [0.0, 1.0, 2.5]
     batch = da.solve_dynamics(model, 0.2, step=0.01, parameters={"size": sizes})
     for k, size in enumerate(sizes):
@@ -239,3 +312,19 @@ def test_a_load_of_a_structure_by_a_table(tmp_path):
     structure.load(b, fx=ramp(da.t))
     motion = da.solve_transient(structure.build(), 1e-3, step=1e-5)
     assert motion.status.success
+
+
+def test_a_table_within_a_switch_is_held_with_it():
+    """A torque that begins beyond an angle, where the run stops and goes on."""
+    system = da.System("x")
+    bob = system.add(planar.Bar("bob", length=0.5, mass=1.0, angular_velocity=1.0))
+    system.add(planar.Revolute("O", system.ground.center, bob.start))
+    x = np.linspace(0, 4, 60)
+    torque = system.table("torque", x, x**2)
+    system.add(planar.Moment("M", bob, da.where(torque(bob.angle) > 0.25, torque(bob.angle), 0)))
+    for integrator in (da.DormandPrince(rtol=1e-10, atol=1e-12), da.Radau(rtol=1e-10, atol=1e-12)):
+        motion = da.solve_dynamics(system.build(), 1.0, outputs=3, integrator=integrator)
+        assert motion.values("bob.angle")[1] == pytest.approx(0.5, abs=1e-9)  # at 0.5 s
+        energy = motion.values("kinetic_energy")[-1] - motion.values("kinetic_energy")[0]
+        angle = motion.values("bob.angle")[-1]
+        assert energy == pytest.approx((angle**3 - 0.5**3) / 3, rel=1e-5)

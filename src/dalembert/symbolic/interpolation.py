@@ -19,7 +19,7 @@ from dalembert.units import unit
 KINDS = ("spline", "linear")
 OUTSIDE = ("error", "extrapolate", "clamp")
 MOST_ROWS = 1000
-"""Every row is part of the graph of each formula that uses the table."""
+"""Curves of more rows are noise, or a file taken by mistake."""
 SLACK = 1e-9
 """Share of its range by which a table may be left, as rounding does."""
 
@@ -85,7 +85,7 @@ class Interpolation:
         if kind == "linear":
             self._curve: Any = Polyline(knots, values, False, spoken)
         else:
-            self._curve = CubicSpline(knots, values, False, spoken, lookup=False)
+            self._curve = CubicSpline(knots, values, False, spoken)
         self.uses: list[ca.SX] = []
 
     @property
@@ -127,11 +127,15 @@ class Polyline(CubicSpline):
 
     least = 2
 
-    def _made(self, lookup: bool) -> Any:
+    def _made(self) -> Any:
         slopes = [
             (b - a) / h
             for (a, b), h in zip(itertools.pairwise(self.values), self.steps, strict=True)
         ]
+
+        ends = slopes[0], slopes[-1]
+        if found := self._looked_up(lambda: zip(self.values, slopes, strict=False)):
+            return found, ends
 
         def inside(x: ca.SX) -> ca.SX:
             beyond = [reached(x, knot) for knot in self.knots[1:-1]]
@@ -140,7 +144,7 @@ class Polyline(CubicSpline):
             )
             return value + slope * (x - left)
 
-        return inside, (slopes[0], slopes[-1])
+        return inside, ends
 
 
 def table(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import casadi as ca
@@ -11,11 +11,14 @@ import numpy as np
 
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.symbolic.expression import as_expression
+from dalembert.symbolic.lookup import Lookup
 
-LARGE = 300
-"""Rows beyond which a table of constants is looked up instead of written out."""
+LARGE = 16
+"""Rows beyond which a table of constants is looked up instead of written out: about as many cost
+the virtual machine as much as a call."""
 
 Scalar = Any  # a float where it is known, else a casadi.SX
+Inside = Callable[[ca.SX], ca.SX]
 
 
 class CubicSpline:
@@ -30,8 +33,6 @@ class CubicSpline:
     values : n numbers or formulas
     periodic : the last value equals the first and the spline repeats
     entity : name used in messages
-    lookup : large tables may be looked up instead of written out; not in what depends on a state,
-        whose adjoint cannot look through a call
 
     Raises
     ------
@@ -43,14 +44,7 @@ class CubicSpline:
     least = 3
     """Rows that it needs."""
 
-    def __init__(
-        self,
-        knots: Sequence,
-        values: Sequence,
-        periodic: bool,
-        entity: str,
-        lookup: bool = True,
-    ):
+    def __init__(self, knots: Sequence, values: Sequence, periodic: bool, entity: str):
         self.periodic, self.entity = periodic, entity
         self.knots = _scalars(knots, entity, "abscissa")
         self.values = _scalars(values, entity, "value")
@@ -71,14 +65,30 @@ class CubicSpline:
                 )
         if periodic:
             self._check_closed()
-        self._inside, self._slopes = self._made(lookup)
+        self._inside, self._slopes = self._made()
 
-    def _made(self, lookup: bool) -> Any:
+    def _made(self) -> tuple[Inside, tuple[Scalar, Scalar]]:
         """The curve between its ends, and its slopes there."""
+        h, v = self.steps, self.values
+        m = _curvatures(h, v, self.periodic)
+
+        def slope(k: int, left: float, right: float) -> Scalar:
+            return (v[k + 1] - v[k]) / h[k] + h[k] * (left * m[k] + right * m[k + 1]) / 6
+
+        def rows() -> Iterator[tuple[float, ...]]:
+            for k, step in enumerate(h):
+                yield v[k], slope(k, -2, -1), m[k] / 2, (m[k + 1] - m[k]) / (6 * step)
+
+        inside = self._looked_up(rows) or self._written_out(m)
+        return inside, (slope(0, -2, -1), slope(len(h) - 1, 1, 2))
+
+    def _looked_up(self, rows: Callable[[], Iterator[tuple[float, ...]]]) -> Inside | None:
+        """The pieces looked up, where they are many and constant; else nothing."""
         constant = all(isinstance(x, float) for x in (*self.knots, *self.values))
-        if lookup and constant and len(self.knots) > LARGE:
-            return self._looked_up()
-        return self._written_out(_curvatures(self.steps, self.values, self.periodic))
+        if not constant or len(self.knots) <= LARGE:
+            return None
+        found = np.array(list(rows()))
+        return Lookup(self.knots, found) if Lookup.holds(self.knots, found) else None
 
     def conditions(self) -> list[tuple[ca.SX, str]]:
         """(formula that must not be negative, what is wrong if it is) of knots by formulas."""
@@ -107,15 +117,12 @@ class CubicSpline:
                 f"a periodic spline must end where it begins; it misses by {gap}", self.entity
             )
 
-    def _written_out(self, m: list[Scalar]):
-        """The spline between its ends as a sum over its pieces, and its slopes there."""
-        h, v = self.steps, self.values
-
-        def slope(k: int, left: float, right: float) -> Scalar:
-            return (v[k + 1] - v[k]) / h[k] + h[k] * (left * m[k] + right * m[k + 1]) / 6
+    def _written_out(self, m: list[Scalar]) -> Inside:
+        """The spline between its ends as a sum over its pieces."""
 
         def inside(x: ca.SX) -> ca.SX:
             beyond = [reached(x, knot) for knot in self.knots[1:-1]]
+            v = self.values
             ends = (self.knots[:-1], self.knots[1:], v[:-1], v[1:], m[:-1], m[1:])
             left, right, v0, v1, m0, m1 = (self.pick(rows, beyond) for rows in ends)
             width, a, b = right - left, right - x, x - left
@@ -125,7 +132,7 @@ class CubicSpline:
                 + (v1 / width - m1 * width / 6) * b
             )
 
-        return inside, (slope(0, -2, -1), slope(len(h) - 1, 1, 2))
+        return inside
 
     @staticmethod
     def pick(rows: list[Scalar], beyond: list[ca.SX]) -> ca.SX:
@@ -134,20 +141,6 @@ class CubicSpline:
             return ca.SX(rows[0])
         jumps = [b - a for a, b in itertools.pairwise(rows)]
         return ca.SX(rows[0]) + sum(j * r for j, r in zip(jumps, beyond, strict=True))
-
-    def _looked_up(self):
-        """The same by bisection in a function of its own: the graph has one node, not all rows."""
-        from scipy.interpolate import make_interp_spline
-
-        values = np.array(self.values)
-        if self.periodic:
-            values[-1] = values[0]
-        ends = "periodic" if self.periodic else "natural"
-        found = make_interp_spline(self.knots, values, k=3, bc_type=ends)
-        options = {"never_inline": True}
-        table = ca.Function.bspline("table", [list(found.t)], list(found.c), [3], 1, options)
-        slopes = found.derivative()([self.knots[0], self.knots[-1]])
-        return table, (float(slopes[0]), float(slopes[1]))
 
 
 def reached(x: ca.SX, knot: Scalar) -> ca.SX:

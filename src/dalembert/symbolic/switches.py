@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import casadi as ca
+import numpy as np
 
 COMPARISONS = (ca.OP_LT, ca.OP_LE)
 SIGNED = (ca.OP_FABS, ca.OP_SIGN)
@@ -81,6 +82,11 @@ class _Replay:
                 held[made[0]].nz[made[1]] = at[given[0]][0]
             elif operation == ca.OP_INPUT:
                 at[made[0]] = self.symbols[given[1]], k, self.moving[given[1]]
+            elif operation == ca.OP_CALL:
+                moves = any(at[i][2] for i in given)
+                found = self._called(k, [at[i][0] for i in given])
+                for place, i in enumerate(made):
+                    at[i] = found[place], (k, place), moves
             elif operation == ca.OP_CONST:
                 number = function.instruction_constant(k)
                 at[made[0]] = ca.SX(number), ("constant", number), False
@@ -91,6 +97,13 @@ class _Replay:
         if not self.functions:
             return expressions, Switches()
         return self._finished(held)
+
+    def _called(self, k: int, given: list[ca.SX]) -> ca.SX:
+        """Numbers that the function called by an instruction makes of others."""
+        called = self.function.instructions_sx().nz[k].which_function()
+        ends = np.cumsum([0, *(called.nnz_in(i) for i in range(called.n_in()))])
+        found = called.call(ca.vertsplit(ca.vertcat(*given), ends.tolist()))
+        return ca.vertcat(*(ca.vec(one) for one in found))
 
     def _finished(self, held: list[ca.SX]) -> tuple[list[ca.SX], Switches]:
         sides, g = ca.vertcat(*self.sides), ca.vertcat(*self.functions)

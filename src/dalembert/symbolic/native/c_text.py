@@ -10,10 +10,15 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from dalembert.symbolic.native.calls import LONE, called_from
+
 ARRAY = re.compile(r"static const casadi_(int|real) (\w+)\[(\d+)\] =")
 HEADER = re.compile(r"(?:static )?[\w *]*?(\w+)\((?!\()")
 NAME = re.compile(r"\bcasadi_\w+")
-STRAIGHT = re.compile(r"  (?:a\d+=|if \(res\[\d+\]!=0\) |casadi_real a\d|return 0;)")
+STRAIGHT = re.compile(
+    r"  (?:a\d+ ?=|if \(res\[\d+\]!=0\) |casadi_real a\d|return 0;"
+    r"|(?:arg|res)\[\d+\]=(?:w\+\d+|0);$|w\[\d+\] = |if \(casadi_f\d+\(.* return 1;$)"
+)
 NUMBER = re.compile(r"[^\s{},]+")
 COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 OLD_C = "#if __STDC_VERSION__ < 199901L"
@@ -32,9 +37,9 @@ class CFunction:
 
     @property
     def uses(self) -> set[str]:
-        """Names of CasADi's that are mentioned."""
+        """Names of CasADi's that are mentioned, of straight lines those that they call."""
         if self.straight:
-            return set()
+            return {name for name, _ in called_from(self.lines)}
         return set(NAME.findall("\n".join(self.lines))) - {self.name}
 
 
@@ -83,6 +88,33 @@ class CText:
 
         visit(entry)
         return list(done.values())
+
+    def parted(self, entry: str) -> tuple[list[CFunction], CText]:
+        """What an entry needs but for the calls of straight lines, and what these need, renamed."""
+        own: dict[str, CFunction] = {}
+        lone: dict[str, CFunction] = {}
+        for function in reversed(self.needed(entry)):
+            users = [f for f in own.values() if not f.straight]
+            if function.name == entry or any(function.name in f.uses for f in users):
+                own[function.name] = function
+        for function in own.values():
+            for name in sorted(function.uses) if function.straight else ():
+                lone |= {one.name: one for one in self.needed(name)}
+        names = {*lone, *(n for f in lone.values() for n in f.uses if n in self.arrays)}
+        word = re.compile(rf"\b({'|'.join(sorted(names, key=len, reverse=True)) or '(?!)'})\b")
+
+        def renamed(text: str) -> str:
+            return word.sub(rf"\1{LONE}", text)
+
+        made = CText(
+            {
+                renamed(f.name): CFunction(renamed(f.name), [*map(renamed, f.lines)], f.straight)
+                for f in lone.values()
+            },
+            {renamed(name): self.arrays[name] for name in sorted(names & set(self.arrays))},
+            self.structs,
+        )
+        return list(reversed(own.values())), made
 
 
 def _relevant(text: str) -> Iterator[str]:

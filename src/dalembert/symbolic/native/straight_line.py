@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator
 
 from dalembert.symbolic.native.c_text import CFunction
+from dalembert.symbolic.native.calls import Called, read_call, written_call
 from dalembert.symbolic.native.real import TURNING, Real
 from dalembert.symbolic.native.toolchain import NotTranslated
 
@@ -31,22 +32,30 @@ ARITHMETIC = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
 COMPARISONS = {"==": "oeq", "!=": "une", "<=": "ole", "<": "olt"}
 JUNCTIONS = {"&&": "and", "||": "or"}
 
+BEGUN = ("  arg[", "  res[", "  w[")
+"""How the lines of a call begin."""
+FAILED = ["failed:", "  ret i32 1"]
 Line = tuple[str, str, tuple[str, ...]]
 """What is done, the slot it goes to, and slots and constants it is done with."""
+Lines = list[Line | Called]
 
 
 def straight_line(function: CFunction, real: Real) -> list[str]:
     """IR of a function ``i32 (arg, res, iw, w, mem)`` with such a body."""
-    lines = list(_parsed(function))
+    lines: Lines = list(_parsed(function))
+    room = slot_count(function)
     size = PIECE if len(lines) > SHORT else SHORT
     pieces = [lines[k : k + size] for k in range(0, len(lines), size)]
     alive, text, calls = _alive(pieces), list[str](), list[str]()
     for k, piece in enumerate(pieces):
         name = f"{function.name}.{k}"
-        text += _Piece(real).text(name, piece, alive[k + 1])
-        calls.append(f"  call void @{name}(ptr %arg, ptr %res, ptr %w)")
+        text += _Piece(real, room).text(name, piece, alive[k + 1])
+        calls.append(f"  %e{k} = call i32 @{name}(ptr %arg, ptr %res, ptr %iw, ptr %w)")
+        if any(isinstance(line, Called) for line in piece):
+            calls.append(f"  %b{k} = icmp ne i32 %e{k}, 0")
+            calls += [f"  br i1 %b{k}, label %failed, label %on{k}", f"on{k}:"]
     head = f"define internal i32 @{function.name}(ptr %arg, ptr %res, ptr %iw, ptr %w, i32 %mem)"
-    return [*text, f"{head} nounwind {{", *calls, "  ret i32 0", "}"]
+    return [*text, f"{head} nounwind {{", *calls, "  ret i32 0", *FAILED, "}"]
 
 
 def longest_input(function: CFunction) -> int:
@@ -62,8 +71,12 @@ def slot_count(function: CFunction) -> int:
     return 1 + max(map(int, last), default=-1)
 
 
-def _parsed(function: CFunction) -> Iterator[Line]:
-    for line in function.lines[1:-1]:
+def _parsed(function: CFunction) -> Iterator[Line | Called]:
+    lines = iter(function.lines[1:-1])
+    for line in lines:
+        while line.startswith(BEGUN):
+            call, line = read_call(line, lines)
+            yield call
         if line.startswith("  a"):
             target, _, right = line[2:-1].partition("=")
             yield _assignment(target, right)
@@ -97,19 +110,26 @@ def _unknown(line: str) -> NotTranslated:
     return NotTranslated(f"{line.strip()!r} is nothing that it knows")
 
 
-def _reads(line: Line) -> tuple[str, ...]:
+def _reads(line: Line | Called) -> tuple[str, ...]:
+    if isinstance(line, Called):
+        return line.reads
     what, target, given = line
     return (target,) if what == "output" else given
 
 
-def _alive(pieces: list[list[Line]]) -> list[set[str]]:
+def _writes(line: Line | Called) -> tuple[str, ...]:
+    if isinstance(line, Called):
+        return line.writes
+    return () if line[0] == "output" else (line[1],)
+
+
+def _alive(pieces: list[Lines]) -> list[set[str]]:
     """Slots whose values are read in a piece, or after it, before they are written anew."""
     alive: list[set[str]] = [set() for _ in range(len(pieces) + 1)]
     for k in reversed(range(len(pieces))):
         seen = set(alive[k + 1])
         for line in reversed(pieces[k]):
-            if line[0] != "output":
-                seen.discard(line[1])
+            seen.difference_update(_writes(line))
             seen.update(given for given in _reads(line) if given[0] == "a")
         alive[k] = seen
     return alive
@@ -118,8 +138,8 @@ def _alive(pieces: list[list[Line]]) -> list[set[str]]:
 class _Piece:
     """A piece of a body as a function of its own."""
 
-    def __init__(self, real: Real):
-        self.real, self.count = real, 0
+    def __init__(self, real: Real, room: int):
+        self.real, self.room, self.count = real, room, 0
         self.lines: list[str] = []
         self.first: list[str] = []
         self.values: dict[str, str] = {}
@@ -129,16 +149,31 @@ class _Piece:
         self.outputs: dict[str, list[tuple[str, str]]] = {}
         self.written: set[str] = set()
 
-    def text(self, name: str, lines: list[Line], alive: set[str]) -> list[str]:
-        for what, target, given in lines:
+    def text(self, name: str, lines: Lines, alive: set[str]) -> list[str]:
+        for line in lines:
+            if isinstance(line, Called):
+                self.call(line)
+                continue
+            what, target, given = line
             if what == "output":
                 index, element = given
                 self.outputs.setdefault(index, []).append((element, self.value(target)))
             else:
                 self.values[target] = self.assigned(what, given)
                 self.written.add(target)
-        head = f"define internal void @{name}(ptr %arg, ptr %res, ptr %w) noinline nounwind {{"
-        return [head, *self.first, *self.lines, *self.last(alive), "  ret void", "}"]
+        own = "ptr %arg, ptr %res, ptr %iw, ptr %w"
+        head = f"define internal i32 @{name}({own}) noinline nounwind {{"
+        end = ["  ret i32 0", *FAILED, "}"]
+        return [head, *self.first, *self.lines, *self.last(alive), *end]
+
+    def call(self, call: Called) -> None:
+        """A call; its part of the work vector is behind the slots."""
+        given = {place: self.value(operand) for place, operand in call.given.items()}
+        write = self.lines.append
+        made = written_call(call, self.real, self.room, given, self.new, write)
+        for place, slot in call.taken.items():
+            self.values[slot] = made[place]
+            self.written.add(slot)
 
     def last(self, alive: set[str]) -> list[str]:
         """Store the outputs that are wanted, and what later pieces need."""

@@ -14,6 +14,7 @@ from dalembert.symbolic.native.c_functions import struct_lines, written_function
 from dalembert.symbolic.native.c_instructions import Surroundings
 from dalembert.symbolic.native.c_text import CFunction, CText
 from dalembert.symbolic.native.c_types import INT, REAL
+from dalembert.symbolic.native.calls import called_from
 from dalembert.symbolic.native.real import Real
 from dalembert.symbolic.native.straight_line import ZEROS, longest_input, slot_count, straight_line
 from dalembert.symbolic.native.toolchain import NotTranslated
@@ -45,28 +46,46 @@ def translated(source: str, entry: str, lanes: int = 1) -> Module:
     NotTranslated
         There is C in it that is not known, or lanes do not agree on a choice.
     """
-    text, real = CText.read(source), Real(lanes)
-    functions = text.needed(entry)
-    _check_work(functions)
-    around = Surroundings(real)
-    wanted = sorted({name for function in functions for name in function.uses} & set(text.arrays))
-    for name in wanted:
-        around.arrays[name] = INT if text.arrays[name][0] == "int" else REAL
-    straight = [function for function in functions if function.straight]
-    parsed = [function for function in functions if not function.straight]
-    structs = [s for s in text.structs if any(s.split()[1] in f.uses for f in parsed)]
-    lines = written_functions(functions, structs, around)
-    for function in straight:
-        lines += straight_line(function, real)
-    longest = max(map(longest_input, straight), default=1)
-    arrays = [f"@{ZEROS} = internal constant [{longest} x {real.ir}] zeroinitializer, align 8"]
-    arrays += [_array(name, *text.arrays[name], real) for name in wanted]
-    head = f"i64 @{entry}("
-    body = "\n".join(lines).replace(f"define internal {head}", f"define {head}")
+    text = CText.read(source)
+    _check_work(text.needed(entry))
+    parts = [_Part(text, text.needed(entry), Real())]
+    if lanes > 1:
+        own, lone = text.parted(entry)
+        parts = [_Part(text, own, Real(lanes)), _Part(lone, list(lone.functions.values()), Real())]
+    longest = max([longest_input(f) for part in parts for f in part.straight], default=1)
+    zeros = f"[{longest} x {parts[0].real.ir}] zeroinitializer"
+    lines = [f"@{ZEROS} = internal constant {zeros}, align 8"]
     if sys.platform == "win32":  # its linkers want to know of numbers like these
-        arrays.append("@_fltused = global i32 1")
-    everything = [*struct_lines(around), *arrays, *real.declarations(body), body, ""]
-    return Module("\n".join(everything), tuple(function.name for function in parsed))
+        lines.append("@_fltused = global i32 1")
+    head = f"i64 @{entry}("
+    for part in parts:
+        told = set(lines)
+        lines += [x for x in part.lines() if x not in told or not x.startswith("declare ")]
+    body = "\n".join(lines).replace(f"define internal {head}", f"define {head}")
+    return Module(body + "\n", tuple(f.name for part in parts for f in part.parsed))
+
+
+class _Part:
+    """Functions of a text, for numbers or for lanes."""
+
+    def __init__(self, text: CText, functions: list[CFunction], real: Real):
+        self.text, self.functions, self.real = text, functions, real
+        self.straight = [function for function in functions if function.straight]
+        self.parsed = [function for function in functions if not function.straight]
+
+    def lines(self) -> list[str]:
+        """Their IR and that of what they need."""
+        around, arrays = Surroundings(self.real), self.text.arrays
+        wanted = sorted({name for f in self.functions for name in f.uses} & set(arrays))
+        for name in wanted:
+            around.arrays[name] = INT if arrays[name][0] == "int" else REAL
+        used = {name for function in self.parsed for name in function.uses}
+        structs = [s for s in self.text.structs if s.split()[1] in used]
+        lines = written_functions(self.functions, structs, around)
+        for function in self.straight:
+            lines += straight_line(function, self.real)
+        told = [_array(name, *arrays[name], self.real) for name in wanted]
+        return [*struct_lines(around), *told, *self.real.declarations("\n".join(lines)), *lines]
 
 
 def _array(name: str, kind: str, count: int, numbers: list[str], real: Real) -> str:
@@ -85,7 +104,8 @@ def _check_work(functions: list[CFunction]) -> None:
     needs: dict[str, int] = {}
     for function in functions:
         if function.straight:
-            needs[function.name] = slot_count(function)
+            behind = [at + needs.get(name, 0) for name, at in called_from(function.lines)]
+            needs[function.name] = slot_count(function) + max(behind, default=0)
             continue
         text = "\n".join(function.lines)
         calls = [(name, int(at or 0)) for name, at in CALLED.findall(text)]
