@@ -133,6 +133,11 @@ class DynamicsRun:
         fed_back = a.stabilization.feedback or formulation.feedback
         found += self.forewarned
         found += self.contacts.doubts if self.contacts else []
+        if halved := self.halved(motion.record.steps):
+            found.append(
+                f"Newton's method failed in {halved} step{'s' if halved > 1 else ''}, taken in "
+                "halves instead; use a shorter step"
+            )
         if motion.status.success:
             found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
         whole = motion.status.success or motion.status.outcome in REFUSED
@@ -154,7 +159,10 @@ class DynamicsRun:
         if ends is not None:
             steps = self.events.cut(steps, *ends)
         jumps = self.kernel.jumps(steps)
-        times, branches = outputs_of(steps, self.requested, ends is not None, jumps)
+        wanted = self.requested
+        if wanted is None and self.halved(steps):
+            wanted = self.grid
+        times, branches = outputs_of(steps, wanted, ends is not None, jumps)
         trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         timing.lap("outputs")
         truth = DynamicsTruth(self.kernel, steps, trajectory, self.p, self.analysis.balance)
@@ -181,9 +189,18 @@ class DynamicsRun:
         if self.kernel.adaptive is not None:
             self.kernel.adaptive.prepare(mode)
         else:
-            count = uniform_grid(self.start, self.end, self.step).size - 1
+            count = self.grid.size - 1
             count = min(count, SHORT_CHUNK) if self.contacts else count
             self.kernel.fixed.prepare(count, mode)
+
+    @property
+    def grid(self) -> np.ndarray:
+        """Times of fixed steps."""
+        return uniform_grid(self.start, self.end, self.step)
+
+    def halved(self, steps: Steps) -> int:
+        """How often a fixed step was taken in halves; without other wishes the grid is told."""
+        return steps.rejected if self.kernel.adaptive is None else 0
 
     # marching ----------------------------------------------------------------------
     def march(self, x0: np.ndarray, mode: int, watch: Watch) -> Steps:
@@ -191,11 +208,9 @@ class DynamicsRun:
         if self.contacts and self.contacts.trouble:  # nothing goes on from the start
             return standstill(self.start, x0, self.contacts.trouble)
         if kernel.adaptive is None and self.contacts:
-            grid = uniform_grid(self.start, self.end, self.step)
-            return ChangingMarch(kernel.fixed).run(grid, x0, self.p, mode, watch)
+            return ChangingMarch(kernel.fixed).run(self.grid, x0, self.p, mode, watch)
         if kernel.adaptive is None:
-            grid = uniform_grid(self.start, self.end, self.step)
-            return kernel.fixed.run(grid, x0, self.p, mode, watch)
+            return kernel.fixed.run(self.grid, x0, self.p, mode, watch)
         longest = kernel.integrator.longest_step or (self.end - self.start) / 4
         first = min(self.step, longest) if self.analysis.step else 1e-4 * (self.end - self.start)
         return kernel.adaptive.run(self.start, self.end, x0, self.p, first, longest, mode, watch)
@@ -243,5 +258,5 @@ class DynamicsRun:
         """Length of the step that comes, or would have come, after the last one."""
         if self.kernel.adaptive is not None:
             return SHORTEST * max(self.end - self.start, abs(steps.end))
-        lengths = np.diff(uniform_grid(self.start, self.end, self.step))
-        return float(lengths[min(steps.count, lengths.size - 1)])
+        lengths, done = np.diff(self.grid), np.searchsorted(self.grid, steps.end + steps.instant)
+        return float(lengths[min(max(int(done) - 1, 0), lengths.size - 1)])

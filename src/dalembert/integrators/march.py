@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, SolverFailure
 from dalembert.integrators.checkpoints import Recorder, Repeat, recorder_like
+from dalembert.integrators.schedule import Schedule
 from dalembert.integrators.step import Marching, Step
 from dalembert.integrators.steps import Steps, Watch, even_length, run_length
 from dalembert.symbolic.backends import Backend, VirtualMachine
@@ -58,7 +59,10 @@ class FixedMarch:
     def run(
         self, times: np.ndarray, x0: np.ndarray, p: np.ndarray, mode: int, watch: Watch
     ) -> Steps:
-        """March over the grid ``times``; stops at the first state that is not finite."""
+        """March over the grid ``times``; stops at the first state that is not finite.
+
+        A step whose equations were not solved is halved, and halved again.
+        """
         h = np.diff(times)
         number = np.arange(1, h.size + 1)
         corrected = (number % self.period == 0) | (number == h.size)
@@ -94,51 +98,60 @@ class FixedMarch:
         self, times, h, corrected, mode, x0, p, recorder: Recorder, watch: Watch | None = None
     ) -> Steps:
         done, message, interrupted, explained = 0, "", False, False
-        mode, longest = mode.copy(), CHUNK
+        ahead, longest = Schedule(times[: max(h.size, 1)], h, corrected, mode), CHUNK
         try:
-            while done < h.size:
-                count = run_length(mode, done, longest)
-                if self.at_once(int(mode[done])):
-                    count = even_length(h[done : done + count])
+            while done < ahead.h.size:
+                now, count = int(ahead.mode[done]), run_length(ahead.mode, done, longest)
+                if self.at_once(now):
+                    count = even_length(ahead.h[done : done + count])
                 longest = min(2 * longest, CHUNK)
-                part = slice(done, done + count)
-                given = (times[part], h[part], corrected[part])
-                out, reason, explained = self.advance(int(mode[done]), recorder.last, given, p)
+                t, length, _ = given = ahead.part(done, count)
+                out, reason, explained = self.advance(now, recorder.last, given, p)
                 good = np.all(np.isfinite(out), axis=0)
                 valid = count if good.all() else int(np.argmin(good))
-                ends = np.append(times[done : done + valid], (times[part] + h[part])[valid - 1])
+                ends = np.append(t[:valid], (t + length)[valid - 1])
                 states = np.column_stack([recorder.last, out[:, :valid]])
                 if watch is not None and valid:
-                    kept, following, message = watch.switch(ends, states, int(mode[done]))
-                    mode[done + kept :] = following
+                    kept, following, message = watch.switch(ends, states, now)
+                    ahead.mode[done + kept :] = following
                     if kept < valid:
                         valid, good, longest = kept, good[:kept], SHORT_CHUNK
                 recorder.add(ends[: valid + 1], out[:, :valid])
                 done += valid
                 if not good.all():
-                    message = reason or "the state is no longer finite"
+                    if watch is not None and self._halved(ahead, done, now, reason):
+                        longest = SHORT_CHUNK
+                    else:
+                        message = reason or "the state is no longer finite"
                 if message:
                     break
-                if watch is not None:
-                    watch.progress(done / h.size)
+                if watch is not None and valid:
+                    watch.progress(done / ahead.h.size)
                     if watch.stop(
-                        ends[: valid + 1], states[:, : valid + 1], mode[done - valid : done]
+                        ends[: valid + 1], states[:, : valid + 1], ahead.mode[done - valid : done]
                     ):
                         break
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True
         steps = Steps(
-            times[: max(done, 1)],
-            h[:done],
+            ahead.t[: max(done, 1)],
+            ahead.h[:done],
             recorder.last,
-            corrected[:done],
-            mode[:done],
+            ahead.corrected[:done],
+            ahead.mode[:done],
+            rejected=ahead.halved,
             message=message,
             interrupted=interrupted,
             explained=explained and bool(message),
         )
         steps.x = recorder.states(self.again(steps, p))
         return steps
+
+    def _halved(self, ahead: Schedule, number: int, mode: int, reason: str) -> bool:
+        """Halve a step that failed, if it is one whose equations shorter steps may solve."""
+        if reason or self.step_of(mode).residual is None or self.at_once(mode):
+            return False
+        return ahead.halve(number)
 
     def advance(
         self, mode: int, x: np.ndarray, given, p: np.ndarray

@@ -164,7 +164,7 @@ def _places(shapes: FloatingShapes) -> list[np.ndarray]:
             found.append(np.arange(table.size).reshape(table.shape))
             continue
         i, j = np.indices(table.shape)
-        kept = shapes.orders[i] + shapes.orders[j] <= 2 if k == 0 else np.ones_like(i, dtype=bool)
+        kept = shapes.counted > 0 if k == 0 else np.ones_like(i, dtype=bool)
         places = np.full(table.shape, -1)
         lower = kept & (i >= j)
         places[lower] = np.arange(lower.sum())

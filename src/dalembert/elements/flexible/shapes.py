@@ -8,8 +8,8 @@ with the amplitudes ``a = (q, q_k q_l)``. A velocity of the body is
 by the nodal velocities ``w`` in the axes of the frame, so that the kinetic energy is
 ``½ sᵀ (Wᵀ M W) s`` with the mass matrix ``M`` of the finite elements: all inertia integrals are
 entries of one matrix of numbers, and none is typed; with products of amplitudes, those up to the
-second order (nodal-based floating frame: Zwölfer and
-Gerstmayr, The nodal-based floating frame of reference formulation, Acta Mechanica 232, 2021).
+second order and all by ``ȧ`` twice (nodal-based floating frame: Zwölfer and Gerstmayr, The
+nodal-based floating frame of reference formulation, Acta Mechanica 232, 2021).
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class FloatingShapes:
     critical : (m, m) damping with which all these modes just do not swing
     pairs : (k, 2) shapes whose products have second-order displacements of their own
     inertia : (N, N) ``Wᵀ M W``
-    orders : (N,) order in ``q`` of what ``W`` consists of
+    counted : (N, N) one for entries of the inertia that count, else zero
     sections : interface → SectionShapes
     origin : (d,) of the frame, in the axes of the structure
     displacements : (n, amplitudes) of all nodes, ``Φ_a``
@@ -63,7 +63,7 @@ class FloatingShapes:
     critical: np.ndarray
     pairs: np.ndarray
     inertia: np.ndarray
-    orders: np.ndarray
+    counted: np.ndarray
     sections: Mapping[str, SectionShapes]
     origin: np.ndarray
     displacements: np.ndarray

@@ -70,8 +70,8 @@ def floating_shapes(
         relief = Relief(reduced, held, shapes, modal, pairs)
         pairs, amplitudes = relief.pairs, np.concatenate([shapes, relief.shapes], axis=1)
     fields = np.concatenate([rigid, amplitudes, carried(degrees, amplitudes)], axis=1)
-    orders = _orders(rigid, shapes.shape[1], amplitudes.shape[1])
-    inertia = _cleared(fields.T @ (mass @ fields)) * counted(orders)
+    counted = _counted(rigid.shape[1], shapes.shape[1], amplitudes.shape[1])
+    inertia = _cleared(fields.T @ (mass @ fields)) * counted
     own = slice(rigid.shape[1], rigid.shape[1] + shapes.shape[1])
     modal_mass = inertia[own, own]
     squares, modes = modes_of(modal, modal_mass)
@@ -84,7 +84,7 @@ def floating_shapes(
         critical=symmetric(2 * carrying @ (np.sqrt(squares)[:, None] * carrying.T)),
         pairs=pairs,
         inertia=inertia,
-        orders=orders,
+        counted=counted,
         sections={i.name: _section(i, origin, amplitudes) for i in reduced.interfaces},
         origin=origin,
         displacements=amplitudes,
@@ -142,19 +142,20 @@ def _small(rows: np.ndarray) -> np.ndarray:
     return np.where(np.abs(rows) > ROUND_OFF * np.abs(rows).max(initial=0.0), rows, 0.0)
 
 
-def _orders(rigid: np.ndarray, shapes: int, amplitudes: int) -> np.ndarray:
-    """Orders in the coordinates of all fields of velocities."""
-    orders = np.repeat([1, 2], [shapes, amplitudes - shapes])
-    rotations = spins(3 if rigid.shape[1] == 6 else 2).shape[0]
-    return np.concatenate([np.zeros(rigid.shape[1], dtype=int), *[orders] * (1 + rotations)])
+def _counted(rigid: int, shapes: int, amplitudes: int) -> np.ndarray:
+    """(N, N) one where an entry of the inertia counts, else zero.
 
-
-def counted(orders: np.ndarray) -> np.ndarray:
-    """One where an entry of the inertia counts in the second order of the coordinates, else zero.
-
-    Strain energy and displacements are not known beyond.
+    Those up to the second order of the coordinates count; displacements are not known beyond. So do
+    all between rates of amplitudes, for the energy of a frame that does not turn to be a sum of
+    squares: without them the mass matrix loses its definiteness at deflections of two per cent.
     """
-    return np.where(orders[:, None] + orders <= 2, 1.0, 0.0)
+    orders = np.repeat([1, 2], [shapes, amplitudes - shapes])
+    rotations = spins(3 if rigid == 6 else 2).shape[0]
+    every = np.concatenate([np.zeros(rigid, dtype=int), *[orders] * (1 + rotations)])
+    found = every[:, None] + every <= 2
+    rates = slice(rigid, rigid + amplitudes)
+    found[rates, rates] = True
+    return found.astype(float)
 
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:

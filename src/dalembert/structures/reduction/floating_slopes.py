@@ -16,7 +16,6 @@ from dalembert.structures.numbering import Numbering
 from dalembert.structures.reduction.basis import ShapeBasis
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.floating import (
-    counted,
     floating_shapes,
     mass_centre,
     modes_of,
@@ -86,7 +85,7 @@ class FloatingSlopes:
         heavier = self.slopes.push_mass(self.fields, dp)
         inertia_ = 2 * symmetric(fields_.T @ (self.mass @ self.fields))
         inertia_ += symmetric(self.fields.T @ heavier)
-        inertia_ *= counted(self.now.orders)
+        inertia_ *= self.now.counted
         first = self.rigid.shape[1]
         mass_ = inertia_[first : first + self.count, first : first + self.count]
         return replace(

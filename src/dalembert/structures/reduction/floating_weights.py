@@ -9,7 +9,6 @@ import numpy as np
 
 from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.structures.reduction.floating import (
-    counted,
     mass_centre,
     modes_of,
     momentum_shares,
@@ -75,7 +74,7 @@ class FloatingWeights:
         inertia_bar = symmetric(w.inertia)
         place = slice(f.rigid.shape[1], f.rigid.shape[1] + f.count)
         inertia_bar[place, place] += mass_bar
-        return stiffness_bar, inertia_bar * counted(f.now.orders)
+        return stiffness_bar, inertia_bar * f.now.counted
 
     def _sections(self, amplitudes_bar: np.ndarray) -> None:
         d = self.origin_bar.size

@@ -1,0 +1,45 @@
+"""The steps a march is going to take, some of which are halved where they fail."""
+
+from __future__ import annotations
+
+import numpy as np
+
+HALVINGS = 6
+"""Times that a step is halved before the march ends."""
+
+
+class Schedule:
+    """Steps of length ``h`` from ``t``, in the order in which they are taken.
+
+    Parameters
+    ----------
+    t, h : [s]
+    corrected, mode : of each step
+    """
+
+    def __init__(self, t: np.ndarray, h: np.ndarray, corrected: np.ndarray, mode: np.ndarray):
+        self.t, self.h, self.corrected, self.mode = t, h, corrected, mode.copy()
+        self.shortest = h / (1.5 * 2**HALVINGS)
+        self.halved = 0
+
+    def part(self, begin: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``t``, ``h``, ``corrected`` of steps."""
+        some = slice(begin, begin + count)
+        return self.t[some], self.h[some], self.corrected[some]
+
+    def halve(self, k: int) -> bool:
+        """Put two steps in the place of the k-th; False where that has been done too often.
+
+        The second one ends as the whole step would have, where all steps do both of them.
+        """
+        half = self.h[k] / 2
+        if half < self.shortest[k]:
+            return False
+        self.t = np.insert(self.t, k + 1, self.t[k] + half)
+        self.h = np.insert(self.h, k, half)
+        self.h[k + 1] = half
+        self.corrected = np.insert(self.corrected, k, bool(self.corrected.all()))
+        self.mode = np.insert(self.mode, k, self.mode[k])
+        self.shortest = np.insert(self.shortest, k, self.shortest[k])
+        self.halved += 1
+        return True
