@@ -21,7 +21,7 @@ import dalembert as da
 from dalembert import planar
 from dalembert.elements.base import Constraint, ForceElement
 
-MECHANISMS, PARTS = int(os.environ.get("DALEMBERT_RANDOM_MECHANISMS", "400")), 10
+MECHANISMS, PARTS = int(os.environ.get("DALEMBERT_RANDOM_MECHANISMS", "250")), 10
 EQUATIONS_OR_FORCES = (Constraint, ForceElement)
 GRAVITY = (0.3, -9.81)
 counts = st.integers(2, 5)
