@@ -120,10 +120,10 @@ class Echelon:
     def _wait(self, name: int) -> None:
         columns = self._active[name][0]
         turns = self._arriving[columns]
-        later = np.flatnonzero(turns > self._now)
-        if later.size:
-            first = int(columns[later[np.argmin(turns[later])]])
-            self._waiting.setdefault(first, []).append(name)
+        turns[turns <= self._now] = self.size
+        first = turns.argmin()
+        if turns[first] < self.size:
+            self._waiting.setdefault(int(columns[first]), []).append(name)
 
     def _take(self, column: int, least: float, last: bool) -> bool:
         """Eliminate a column if enough is left of it; if not, its rest is dropped at last."""
@@ -163,7 +163,8 @@ class Echelon:
     def _add(self, columns: np.ndarray, entries: np.ndarray) -> None:
         """Keep what is more than rounding of a row."""
         large = np.abs(entries) > NOTHING
-        columns, entries = columns[large], entries[large]
+        if not large.all():
+            columns, entries = columns[large], entries[large]
         if columns.size:
             name = next(self._names)
             self._active[name] = columns, entries

@@ -16,7 +16,7 @@ def placed_guesses(d: Description) -> ca.SX:
     What is not given and hangs on nothing that is stays at rest.
     """
     placed = planar_poses(d) | spatial_poses(d)
-    return ca.vertcat(*(placed.get(group.name, _given(group)) for group in d.coordinates))
+    return ca.vertcat(*(placed[g.name] if g.name in placed else _given(g) for g in d.coordinates))
 
 
 def _given(group: Coordinates) -> ca.SX:

@@ -273,7 +273,7 @@ t = Expression(ca.SX.sym("t"), "t", "s")
 
 def free_symbols(sx: ca.SX) -> set[str]:
     """Names of the symbols an expression depends on."""
-    return {symbol.name() for symbol in ca.symvar(sx)}
+    return set() if sx.is_constant() else {symbol.name() for symbol in ca.symvar(sx)}
 
 
 def stack(columns: Iterable[ca.SX]) -> ca.SX:

@@ -19,6 +19,20 @@ from dalembert.elements.point import components
 from dalembert.elements.spatial.attitude import Attitude
 from dalembert.symbolic import rotation
 from dalembert.symbolic.expression import Expression, t
+from dalembert.symbolic.template import template
+
+
+@template(7, 6)
+def _moved(pose: ca.SX, displacement: ca.SX) -> ca.SX:
+    """``y ⊕ δ`` of a place and an attitude."""
+    turned = rotation.turned(pose[3:], displacement[3:])
+    return ca.vertcat(pose[:3] + displacement[:3], turned)
+
+
+@template(7, 7)
+def _apart(pose: ca.SX, other: ca.SX) -> ca.SX:
+    """``y' ⊖ y`` of a place and an attitude."""
+    return ca.vertcat(other[:3] - pose[:3], rotation.turn(pose[3:], other[3:]))
 
 
 class SpatialFrame(BodyElement):
@@ -98,16 +112,27 @@ class SpatialFrame(BodyElement):
         return not self.rotates
 
     def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
+        if self._rigid:
+            return _moved(pose, displacement)
         parts = zip(self._groups, self._of_pose(pose), self._of_twist(displacement), strict=True)
         return ca.vertcat(*(group.retract(y, delta) for group, y, delta in parts))
 
     def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
+        if self._rigid:
+            return _apart(pose, other)
         parts = zip(self._groups, self._of_pose(pose), self._of_pose(other), strict=True)
         return ca.vertcat(*(group.displacement(y, z) for group, y, z in parts))
 
     def bounds(self, pose: ca.SX) -> ca.SX:
+        if self._rigid:
+            return self._groups[1].bounds(pose[3:])
         parts = zip(self._groups, self._of_pose(pose), strict=True)
         return ca.vertcat(*(group.bounds(y) for group, y in parts))
+
+    @property
+    def _rigid(self) -> bool:
+        """It has nothing but a place and an attitude, for which there are templates."""
+        return self.rotates and self.pose.numel() == 7
 
     def _of_pose(self, pose: ca.SX) -> list[ca.SX]:
         """The part of each group."""
@@ -169,17 +194,19 @@ class SpatialFrame(BodyElement):
 
     # the start --------------------------------------------------------------------------------
     def guesses(self) -> tuple[list, list]:
-        position, orientation, velocity, angular_velocity = self.initial
+        position, orientation, velocity, spin = self.initial
         first = ca.SX(list(rotation.IDENTITY)) if orientation is None else orientation.sx
-        arm = ca.mtimes(rotation.matrix(first), self.offset)
-        spin = ca.SX.zeros(3) if angular_velocity is None else angular_velocity.sx
-        swing = ca.cross(spin, self.turned(self.offset))
-        pose = [None] * 3 if position is None else ca.vertsplit(position.sx + arm)
-        twist = [None] * 3 if velocity is None else ca.vertsplit(velocity.sx + swing)
+        pose: list = [None] * 3
+        twist: list = [None] * 3
+        if position is not None:
+            arm = ca.mtimes(rotation.matrix(first), self.offset)
+            pose = ca.vertsplit(position.sx + arm)
+        if velocity is not None:
+            turning = ca.SX.zeros(3) if spin is None else spin.sx
+            twist = ca.vertsplit(velocity.sx + ca.cross(turning, self.turned(self.offset)))
         if self.rotates:
-            pose = [*pose, *([None] * 4 if orientation is None else ca.vertsplit(first))]
-            local = ca.mtimes(self.axes.T, spin)
-            twist = [*twist, *([None] * 3 if angular_velocity is None else ca.vertsplit(local))]
+            pose += [None] * 4 if orientation is None else ca.vertsplit(first)
+            twist += [None] * 3 if spin is None else ca.vertsplit(ca.mtimes(self.axes.T, spin.sx))
         return pose, twist
 
     def guessed(self) -> list[bool]:
