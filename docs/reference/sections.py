@@ -6,6 +6,7 @@ from dalembert.io import (
     decision_tables,
     orientations,
     schema,
+    synthesis_tables,
     tables,
     task_tables,
     trajectory_tables,
@@ -159,7 +160,7 @@ FIXED = {
             "worst_case": "all tolerances used up at once; statistical by default",
         },
     ),
-    "synthesis": (decision_tables.SynthesisTable, {}),
+    "synthesis": (synthesis_tables.SynthesisTable, {}),
     "trajectory": (
         trajectory_tables.TrajectoryTable,
         {"method": "name, or a table with `type` and keys, see [trajectories](trajectories.md)"},

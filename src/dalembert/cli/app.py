@@ -24,7 +24,7 @@ COMMANDS = {
     "pareto": "Find the designs of a model file of which none is better in all aims.",
     "reliability": "Find how probable it is that random parameters break a limit.",
     "tolerance": "Find how a response scatters within the tolerances of dimensions.",
-    "synthesize": "Find linkages for a path, a motion or a function.",
+    "synthesize": "Find linkages, or dimensions of a mechanism, for a path, a motion, a function.",
     "trajectory": "Find the best motion of a model file and the controls that make it.",
     "identify": "Find the parameter values that explain measured time series.",
     "invert": "Find the forces and drives that explain measured motion.",

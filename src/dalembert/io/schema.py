@@ -16,12 +16,12 @@ from dalembert.io.decision_tables import (
     OptimizeTable,
     ParetoTable,
     ReliabilityTable,
-    SynthesisTable,
     ToleranceTable,
 )
 from dalembert.io.orientations import FrameTable
 from dalembert.io.strategies import ANALYSES, RESPONSES
 from dalembert.io.structure_tables import ELEMENT, MESH, NodalLoadTable, SupportTable
+from dalembert.io.synthesis_tables import SynthesisTable
 from dalembert.io.tables import any_of, point_type, table_of
 from dalembert.io.task_tables import (
     CompareTable,
