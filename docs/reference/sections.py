@@ -36,6 +36,7 @@ FIXED = {
             "responses": "name → response",
             "cases": "name → another run that a design is judged by",
             "combined": "name → formula of responses",
+            "robust": "name → response with its scatter",
             "pareto": "between which aims `dalembert pareto` lets choose",
             "random": "list of random parameters",
             "reliability": "which limits `dalembert reliability` looks at",
@@ -135,6 +136,7 @@ FIXED = {
     ),
     "case": (schema.CaseTable, {}),
     "combined": (decision_tables.CombinedTable, {}),
+    "robust": (decision_tables.RobustTable, {"response": "name of a response of this run"}),
     "pareto": (
         decision_tables.ParetoTable,
         {

@@ -36,6 +36,15 @@ class CombinedTable(Record):
     unit: Text = Field(default="", description="shown in results")
 
 
+class RobustTable(Record):
+    """A response with its scatter over what ``[[random]]`` says: an aim or a limit of its own."""
+
+    response: Text
+    deviations: Number = Field(
+        default=3.0, description="standard deviations added to the mean; below zero, taken away"
+    )
+
+
 class OptimizeTable(Record):
     """What ``dalembert optimize`` minimises or maximises."""
 
@@ -49,6 +58,10 @@ class OptimizeTable(Record):
         default_factory=list, description="sizes to choose from: tables of parameters and values"
     )
     subject_to: list[LimitTable] = Field(default_factory=list, description=LIMITS)
+    beta: Number = Field(
+        default=None, description="index with which all limits hold, over what `[[random]]` says"
+    )
+    rounds: Integer = Field(default=20, description="of optimisation and reliability, with `beta`")
     method: one_name("dalembert.design.methods.registry:OPTIMIZERS") = "slsqp"  # type: ignore[valid-type]
     gradient: Method = "auto"  # type: ignore[valid-type]
     max_iterations: Integer = 100

@@ -16,6 +16,7 @@ from dalembert.io.decision_tables import (
     OptimizeTable,
     ParetoTable,
     ReliabilityTable,
+    RobustTable,
     ToleranceTable,
 )
 from dalembert.io.orientations import FrameTable
@@ -119,6 +120,7 @@ class ModelDocument(Record):
     )
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
     combined: dict[str, CombinedTable] = Field(default_factory=dict)
+    robust: dict[str, RobustTable] = Field(default_factory=dict)
     optimize: OptimizeTable = None  # type: ignore[assignment]
     pareto: ParetoTable = None  # type: ignore[assignment]
     random: list[RANDOM] = Field(default_factory=list)  # type: ignore[valid-type]
