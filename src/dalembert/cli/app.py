@@ -43,11 +43,11 @@ EXAMPLES = {
     "tolerance": "smooth_torque.toml --samples 500 --output results",
     "synthesize": "path_optimization.toml --starts 40 --output results",
     "trajectory": "swing_up.toml --output results",
-    "identify": "pendulum.toml --data run_1.csv --data run_2.csv --output results",
-    "invert": "pushed_mass.toml --data run_3.csv --output results",
+    "identify": "model.toml --data run_1.csv --data run_2.csv --output results",
+    "invert": "model.toml --data run_3.csv --output results",
     "sweep": "four_bar.toml --workers 2 --output results",
 }
-"""Command → arguments of an example."""
+"""Command → arguments of an example; ``model.toml`` is one's own, the other files are there."""
 
 HELP = """Analysis and design optimisation of constrained mechanical systems.
 

@@ -6,7 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.design.pages.optimum import optimum_page
+from dalembert.design.pages.plain import verdict
 from dalembert.report import views
+
+
+def reliable_page(best: Any, **first_view: Any) -> dict[str, Any]:
+    """What the report of a ``ReliableOptimum`` shows: the page of the optimum, and these views."""
+    page = optimum_page(best.optimum, **first_view)
+    return page | {"views": best.views(), "verdict": verdict(best)}
 
 
 def reliable_views(best: Any) -> list[dict[str, Any]]:
@@ -32,4 +40,4 @@ def reliable_views(best: Any) -> list[dict[str, Any]]:
         made.append(views.curves("Least margin", "round", "of its limit", [margin], levels=[0.0]))
     facts = [("β wanted", f"{best.beta:g}"), ("rounds", len(best.rounds))]
     made.append(views.facts("Reliability", [*facts, ("runs", best.runs)]))
-    return made
+    return [*made, *best.optimum.views()]

@@ -65,6 +65,7 @@ class ReliableOptimum(Decision):
     """
 
     word = "optimum"
+    drawn = "reliable_optimum:reliable"
     optimum: Optimum
     beta: float
     limits: list[ReliableLimit]
@@ -103,10 +104,8 @@ class ReliableOptimum(Decision):
         state = "" if self.settled else f", {self.message}"
         return f"{self.optimum.sentence}, limits at β = {self.beta:g}{state}"
 
-    def summary(self) -> dict[str, Any]:
-        return self.optimum.summary() | {
-            "ok": self.success,
-            "message": self.message,
+    def findings(self) -> dict[str, Any]:
+        return self.optimum.findings() | {
             "beta": self.beta,
             "reliability": [asdict(one) for one in self.limits],
             "rounds": [asdict(one) for one in self.rounds],
@@ -125,18 +124,6 @@ class ReliableOptimum(Decision):
             limit_value=("limit", [one.value for one in self.limits]),
             worst_point=(("limit", "random"), points),
         ).assign_coords(limit=limits, random=names)
-
-    def page(self, **first_view: Any) -> dict[str, Any]:
-        from dalembert.design.pages.optimum import optimum_page
-        from dalembert.design.pages.plain import verdict
-
-        page = optimum_page(self.optimum, **first_view)
-        return page | {"views": self.views(), "verdict": verdict(self)}
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.reliable_optimum import reliable_views
-
-        return [*reliable_views(self), *self.optimum.views()]
 
     def table_html(self) -> str:
         return self.optimum.table_html()

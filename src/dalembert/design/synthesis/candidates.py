@@ -82,6 +82,7 @@ class Candidates(Decision):
     """
 
     word = "synthesis"
+    drawn = "synthesis:synthesis"
     noun: ClassVar[str] = "mechanisms"
     target: Target
     solutions: Sequence[Any]
@@ -111,11 +112,8 @@ class Candidates(Decision):
     def kind(self) -> str:
         """What they are."""
 
-    def summary(self) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         return {
-            "ok": self.success,
-            "message": self.message,
-            "interrupted": self.interrupted,
             "linkage": self.kind,
             "starts": self.starts,
             "solutions": [
@@ -160,17 +158,6 @@ class Candidates(Decision):
         from dalembert.design.pages.synthesis import synthesis_designs
 
         return synthesis_designs(self)
-
-    def page(self, **first_view: Any) -> dict[str, Any]:
-        """The mechanisms to choose from, moving, with what they shall do."""
-        from dalembert.design.pages.synthesis import synthesis_page
-
-        return synthesis_page(self, **first_view)
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.synthesis import synthesis_views
-
-        return synthesis_views(self)
 
     def __repr__(self) -> str:
         found, least = f"{len(self.solutions)} {self.noun}", self.best.error
