@@ -6,6 +6,7 @@ from dalembert.io import (
     decision_tables,
     orientations,
     schema,
+    synthesis_tables,
     tables,
     task_tables,
     trajectory_tables,
@@ -35,6 +36,7 @@ FIXED = {
             "responses": "name → response",
             "cases": "name → another run that a design is judged by",
             "combined": "name → formula of responses",
+            "robust": "name → response with its scatter",
             "pareto": "between which aims `dalembert pareto` lets choose",
             "random": "list of random parameters",
             "reliability": "which limits `dalembert reliability` looks at",
@@ -134,6 +136,7 @@ FIXED = {
     ),
     "case": (schema.CaseTable, {}),
     "combined": (decision_tables.CombinedTable, {}),
+    "robust": (decision_tables.RobustTable, {"response": "name of a response of this run"}),
     "pareto": (
         decision_tables.ParetoTable,
         {
@@ -159,7 +162,7 @@ FIXED = {
             "worst_case": "all tolerances used up at once; statistical by default",
         },
     ),
-    "synthesis": (decision_tables.SynthesisTable, {}),
+    "synthesis": (synthesis_tables.SynthesisTable, {}),
     "trajectory": (
         trajectory_tables.TrajectoryTable,
         {"method": "name, or a table with `type` and keys, see [trajectories](trajectories.md)"},

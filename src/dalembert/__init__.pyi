@@ -80,8 +80,11 @@ from dalembert.design.reliability.distributions import (
     Uniform as Uniform,
     Weibull as Weibull,
 )
+from dalembert.design.reliability.optimize_reliable import optimize_reliable as optimize_reliable
 from dalembert.design.reliability.reliability import reliability as reliability
 from dalembert.design.reliability.reliable import Reliability as Reliability
+from dalembert.design.reliability.reliable_optimum import ReliableOptimum as ReliableOptimum
+from dalembert.design.robust import Robust as Robust, robust as robust
 from dalembert.design.studies.design import Design as Design
 from dalembert.design.studies.indices import (
     morris_indices as morris_indices,

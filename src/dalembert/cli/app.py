@@ -24,7 +24,7 @@ COMMANDS = {
     "pareto": "Find the designs of a model file of which none is better in all aims.",
     "reliability": "Find how probable it is that random parameters break a limit.",
     "tolerance": "Find how a response scatters within the tolerances of dimensions.",
-    "synthesize": "Find linkages for a path, a motion or a function.",
+    "synthesize": "Find linkages, or dimensions of a mechanism, for a path, a motion, a function.",
     "trajectory": "Find the best motion of a model file and the controls that make it.",
     "identify": "Find the parameter values that explain measured time series.",
     "invert": "Find the forces and drives that explain measured motion.",
@@ -43,11 +43,11 @@ EXAMPLES = {
     "tolerance": "smooth_torque.toml --samples 500 --output results",
     "synthesize": "path_optimization.toml --starts 40 --output results",
     "trajectory": "swing_up.toml --output results",
-    "identify": "pendulum.toml --data run_1.csv --data run_2.csv --output results",
-    "invert": "pushed_mass.toml --data run_3.csv --output results",
+    "identify": "model.toml --data run_1.csv --data run_2.csv --output results",
+    "invert": "model.toml --data run_3.csv --output results",
     "sweep": "four_bar.toml --workers 2 --output results",
 }
-"""Command → arguments of an example."""
+"""Command → arguments of an example; ``model.toml`` is one's own, the other files are there."""
 
 HELP = """Analysis and design optimisation of constrained mechanical systems.
 

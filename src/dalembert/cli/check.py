@@ -55,10 +55,11 @@ def _tell_synthesis(file: ModelFile, as_json: bool) -> int:
     from dalembert.io.synthesis import make_synthesis
 
     with wrong_input():
-        asked = make_synthesis(file)
-    kind, count = asked["linkage"].__name__, len(asked["target"])
+        target = make_synthesis(file).args[0]
+    asked: Any = file.document.synthesis  # type: ignore[union-attr]
+    kind, count = asked.linkage, len(target)
     if as_json:
         emit({"ok": True, "name": file.name, "linkage": kind, "entries": count})
     else:
-        head(file.name, f"a {kind} for a {file.document.synthesis.type} of {count} entries")  # type: ignore[union-attr]
+        head(file.name, f"a {kind} for a {asked.type} of {count} entries")
     return DONE

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import AsJson, Quiet, Settings, tell
+from dalembert.cli.console import AsJson, Quiet, Settings, WrongInput, tell
 from dalembert.cli.decision import Asked, Run, iterations
+from dalembert.errors import ModelError
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -25,6 +28,7 @@ def optimize(
     vary: Names = None,
     method: str | None = None,
     max_iterations: int | None = None,
+    beta: float | None = None,
     output: Path | None = None,
     history: Path | None = None,
     settings: Settings | None = None,
@@ -47,6 +51,8 @@ def optimize(
         How it is searched for, such as slsqp, ipopt or multistart.
     max_iterations
         Most iterations.
+    beta
+        Reliability index with which all limits hold, over the file's [[random]].
     output
         Folder for the best run (.optimum.nc), the numbers (.optimum.json) and the page
         (.optimum.report.html); none are written by default.
@@ -58,20 +64,31 @@ def optimize(
     objective = {"minimize": minimize, "maximize": maximize}
     if minimize or maximize:  # the file's own is replaced, whichever it is
         objective = {key: value or "" for key, value in objective.items()}
-    changes = {"vary": vary, "method": method, "max_iterations": max_iterations, **objective}
+    changes = {"vary": vary, "method": method, "max_iterations": max_iterations, "beta": beta}
+    changes |= objective
 
     def read(file: ModelFile, built: Any) -> Run:
-        from dalembert.design.optimization import optimize as best_of
         from dalembert.io.analyses import make_analysis
         from dalembert.io.designs import make_design
 
         design = make_design(changed(file, "optimize", changes), built)
-        task = make_analysis(file, built)
-        return lambda show: best_of(
-            built, **design, analysis=task, history=history, progress=iterations(show)
-        )
+        design["analysis"] = make_analysis(file, built)
+        best_of = _search("beta" in design, history)
+        return lambda show: best_of(built, **design, progress=iterations(show))
 
     return Asked(model, settings, output, quiet, as_json).decide(read, _show)
+
+
+def _search(reliable: bool, history: Path | None) -> Callable[..., Any]:
+    """What optimises: at the design alone, or with a reliability."""
+    from dalembert.design.optimization import optimize as best_of
+    from dalembert.design.reliability.optimize_reliable import optimize_reliable
+
+    if not reliable:
+        return partial(best_of, history=history)
+    if history is not None:
+        raise WrongInput(ModelError("an optimisation with beta keeps no history", "--history"))
+    return optimize_reliable
 
 
 def _show(made: dict[str, Any]) -> None:
@@ -87,5 +104,9 @@ def _show(made: dict[str, Any]) -> None:
         tell(f"  {price}")
     if made["violation"] > 0:
         tell(f"  largest relative violation of a limit: {made['violation']:.3g}")
+    for limit in made.get("reliability", []):
+        beta = "not found" if limit["beta"] is None else f"{limit['beta']:.6g}"
+        at = ", ".join(f"{name} = {value:.6g}" for name, value in limit["point"].items())
+        tell(f"  {limit['label']}: β {beta}, worst at {at}")
     failed = f", {made['failed_runs']} failed" if made["failed_runs"] else ""
     tell(f"  {made['iterations']} iterations, {made['runs']} runs{failed}")

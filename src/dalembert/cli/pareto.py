@@ -55,10 +55,10 @@ def pareto(
 
 def _show(made: dict[str, Any]) -> None:
     aims = [f"{a} [{u}]" if u else a for a, u in zip(made["aims"], made["units"], strict=True)]
-    names = list(made["points"][0]["parameters"])
-    heads = [*aims, *names]
-    wide = [max(12, len(head) + 2) for head in heads]
-    tell("  " + "".join(head.rjust(w) for head, w in zip(heads, wide, strict=True)))
+    if made["points"]:
+        heads = [*aims, *made["points"][0]["parameters"]]
+        wide = [max(12, len(head) + 2) for head in heads]
+        tell("  " + "".join(head.rjust(w) for head, w in zip(heads, wide, strict=True)))
     for point in made["points"]:
         row = [*point["aims"].values(), *point["parameters"].values()]
         tell("  " + "".join(f"{v:.6g}".rjust(w) for v, w in zip(row, wide, strict=True)))

@@ -1,4 +1,4 @@
-"""``dalembert synthesize``: linkages that do what a file asks for."""
+"""``dalembert synthesize``: mechanisms that do what a file asks for."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import AsJson, Quiet, tell
+from dalembert.cli.console import AsJson, Quiet, Settings, tell
 from dalembert.cli.decision import Asked, Run
 
 if TYPE_CHECKING:
@@ -22,38 +22,38 @@ def synthesize(
     *,
     starts: int | None = None,
     output: Path | None = None,
+    settings: Settings | None = None,
     quiet: Annotated[Quiet, Parameter(help="Do not show progress.")] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Find linkages for a path, a motion or a function.
+    """Find linkages, or dimensions of the file's mechanism, for a path, a motion or a function.
 
     Parameters
     ----------
     file
-        File with [synthesis]; it needs no bodies.
+        File with [synthesis]; it needs no bodies where a linkage is named.
     starts
-        How many linkages are polished, instead of the file's.
+        How many are polished, instead of the file's.
     output
-        Folder for the linkages (.synthesis.nc, .synthesis.json) and the page on which to choose
+        Folder for the candidates (.synthesis.nc, .synthesis.json) and the page on which to choose
         one (.synthesis.report.html); none are written by default.
     """
     from dalembert.io.changes import changed
 
     def read(given: ModelFile, _: Any) -> Run:
-        from dalembert.design.synthesis.synthesize import synthesize as linkages_for
         from dalembert.io.synthesis import make_synthesis
 
-        asked = make_synthesis(changed(given, "synthesis", {"starts": starts}))
+        search = make_synthesis(changed(given, "synthesis", {"starts": starts}))
 
         def run(show: bool) -> Any:
             with given.located("synthesis"):
-                found = linkages_for(**asked, progress=show)
+                found = search(progress=show)
             found.name = given.name
             return found
 
         return run
 
-    return Asked(file, None, output, quiet, as_json).decide(read, _show, assembled=False)
+    return Asked(file, settings, output, quiet, as_json).decide(read, _show, assembled=False)
 
 
 def _show(made: dict[str, Any]) -> None:

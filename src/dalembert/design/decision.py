@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -26,6 +28,8 @@ class Decision(ABC):
 
     word: ClassVar[str]
     """In names of files, such as ``pump.pareto.nc``."""
+    drawn: ClassVar[str]
+    """Of ``design.pages``: module and function of its page and views, without these words."""
     success: bool
     message: str
     name: str
@@ -41,28 +45,36 @@ class Decision(ABC):
         """What was found, in a line."""
         return self.message
 
-    @abstractmethod
     def summary(self) -> dict[str, Any]:
         """Everything found, as plain data."""
+        ended = {"ok": self.ok, "message": self.message, "interrupted": self.interrupted}
+        return ended | self.findings()
+
+    @abstractmethod
+    def findings(self) -> dict[str, Any]:
+        """What ``summary`` tells beside how it ended."""
 
     @property
     @abstractmethod
     def data(self) -> xr.Dataset:
         """Everything found, with names and units."""
 
-    @abstractmethod
     def views(self) -> list[dict[str, Any]]:
         """What its page shows beside a mechanism or structure."""
+        made: list[dict[str, Any]] = self._drawn_by("views")(self)
+        return made
 
     def table_of_designs(self) -> dict[str, Any] | None:
         """Designs that its page lets choose from, where there are some."""
         return None
 
     def page(self, **first_view: Any) -> dict[str, Any]:
-        """What its page shows, as plain data."""
-        from dalembert.design.pages.plain import plain_page
+        """What its page shows, as plain data: the mechanism or structure where there is one."""
+        made: dict[str, Any] = self._drawn_by("page")(self, **first_view)
+        return made
 
-        return plain_page(self)
+    def _drawn_by(self, what: str) -> Callable[..., Any]:
+        return resolve_name(f"dalembert.design.pages.{self.drawn}_{what}")  # type: ignore[no-any-return]
 
     # files ---------------------------------------------------------------------------------
     def to_dataframe(self) -> pd.DataFrame:

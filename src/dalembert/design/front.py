@@ -41,6 +41,7 @@ class Front(Decision):
     """
 
     word = "pareto"
+    drawn = "front:front"
     labels: list[str]
     units: list[str]
     names: list[str]
@@ -95,11 +96,8 @@ class Front(Decision):
             return f"one design, best in all aims ({self.message})"
         return f"{len(self)} designs, none better in all aims ({self.message})"
 
-    def summary(self) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         return {
-            "ok": self.success,
-            "message": self.message,
-            "interrupted": self.interrupted,
             "aims": self.labels,
             "units": self.units,
             "senses": ["minimize" if s > 0 else "maximize" for s in self.senses],
@@ -126,16 +124,6 @@ class Front(Decision):
             {"point": range(len(self)), "aim": self.labels, "parameter": self.names},
             {"message": self.message, "runs": self.runs},
         )
-
-    def page(self, **first_view: Any) -> dict[str, Any]:
-        from dalembert.design.pages.front import front_page
-
-        return front_page(self, **first_view)
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.front import front_views
-
-        return front_views(self)
 
     def table_of_designs(self) -> dict[str, Any]:
         """Aims and parameters, as a page shows them."""

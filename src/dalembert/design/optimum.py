@@ -45,6 +45,7 @@ class Optimum(Decision):
     """
 
     word = "optimum"
+    drawn = "optimum:optimum"
     x: dict[str, float]
     fun: float
     success: bool
@@ -86,11 +87,8 @@ class Optimum(Decision):
         state = "optimal" if self.success else "not optimal"
         return f"{self.label} {first:.4g} → {self.fun:.4g}{unit}, {state}"
 
-    def summary(self) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         return {
-            "ok": self.success,
-            "message": self.message,
-            "interrupted": self.interrupted,
             "x": self.x,
             "fun": self.fun,
             "objective": self.label,
@@ -120,17 +118,6 @@ class Optimum(Decision):
             optimum_objective=("iteration", [i.objective for i in self.history]),
             optimum_violation=("iteration", [i.violation for i in self.history]),
         ).assign_coords(variable=names)
-
-    def page(self, **first_view: Any) -> dict[str, Any]:
-        """The page of the best run, the first design as a ghost beside it."""
-        from dalembert.design.pages.optimum import optimum_page
-
-        return optimum_page(self, **first_view)
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.optimum import optimum_views
-
-        return optimum_views(self)
 
     def plot(self, ax: Any = None) -> Any:
         """Objective over the iterations; returns the axes."""

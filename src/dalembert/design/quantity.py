@@ -71,6 +71,27 @@ class CaseResponse(Quantity):
 
 
 @dataclass(frozen=True, eq=False)
+class Constant(Quantity):
+    """A number that no run changes."""
+
+    number: float
+
+    @property
+    def label(self) -> str:  # type: ignore[override]
+        return f"{self.number:g}"
+
+    @property
+    def terms(self) -> list[CaseResponse]:
+        return []
+
+    def value(self, values: np.ndarray) -> float:
+        return self.number
+
+    def slope(self, values: np.ndarray) -> np.ndarray:
+        return np.zeros(0)
+
+
+@dataclass(frozen=True, eq=False)
 class Combined(Quantity):
     """A formula of responses, also of different analyses: ``"mass + 0.1*peak"``.
 

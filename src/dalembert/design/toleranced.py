@@ -30,6 +30,7 @@ class Toleranced(Decision):
     """
 
     word = "tolerance"
+    drawn = "tolerance:tolerance"
     label: str
     nominal: float
     tolerances: dict[str, float]
@@ -145,12 +146,9 @@ class Toleranced(Decision):
 
         return dict(zip(names, map(float, allotted(_root(allotted, size, limit))), strict=True))
 
-    def summary(self) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         second = None if self.hessian is None else self.second_order
         return {
-            "ok": self.success,
-            "message": self.message,
-            "interrupted": self.interrupted,
             "response": self.label,
             "unit": self.unit,
             "nominal": self.nominal,
@@ -197,17 +195,6 @@ class Toleranced(Decision):
     def to_dataframe(self) -> Any:
         """One row a tolerance."""
         return self.data[["tolerance", "effect", "contribution"]].to_dataframe()
-
-    def page(self, **first_view: Any) -> dict[str, Any]:
-        """The run at nominal dimensions, and what the tolerances do to the response."""
-        from dalembert.design.pages.tolerance import tolerance_page
-
-        return tolerance_page(self, **first_view)
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.tolerance import tolerance_views
-
-        return tolerance_views(self)
 
     # for people ----------------------------------------------------------------------------
     def plot(self, ax: Any = None) -> Any:

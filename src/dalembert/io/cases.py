@@ -8,10 +8,12 @@ from typing import Any
 
 from dalembert.design.case import Case
 from dalembert.design.quantity import Combined, bound
+from dalembert.design.robust import Robust
 from dalembert.errors import ModelError
 from dalembert.io.analyses import make_analysis, make_table
 from dalembert.io.measures import measure_reader
 from dalembert.io.model_file import ModelFile, load_model_file
+from dalembert.io.random import correlations, random_parameters
 from dalembert.io.responses import make_response
 from dalembert.text import unknown
 
@@ -37,8 +39,8 @@ class Quantities:
 
     @property
     def names(self) -> list[str]:
-        """Of all responses and combinations."""
-        return [*self.document.responses, *self.document.combined]
+        """Of all responses, combinations, and responses with their scatter."""
+        return [*self.document.responses, *self.document.combined, *self.document.robust]
 
     @property
     def models(self) -> list[Any]:
@@ -63,11 +65,14 @@ class Quantities:
         return self._made[name]
 
     def _place(self, name: str) -> tuple[str, str]:
-        return ("combined" if name in self.document.combined else "responses", name)
+        sections = ("combined", "robust")
+        return next((s for s in sections if name in getattr(self.document, s)), "responses"), name
 
     def _make(self, name: str) -> Any:
         if name in self.document.combined:
             return self._combined(name)
+        if name in self.document.robust:
+            return self._robust(name)
         table = self.document.responses[name]
         owner = getattr(table, "case", None)
         if owner is None:
@@ -88,6 +93,17 @@ class Quantities:
             if not parts:
                 raise ModelError(f"{table.formula!r} names no response; known: {self.names}")
             return Combined(table.formula, parts, name, table.unit)
+
+    def _robust(self, name: str) -> Robust:
+        table, random = self.document.robust[name], random_parameters(self.file, self.model)
+        if name in self.document.responses:
+            raise self.file.located.error(
+                "a response has this name; choose another", "robust", name
+            )
+        response = self.checked(table.response, "robust", name, "response")
+        with self.file.located("robust", name):
+            correlation = correlations(self.file, random)
+            return Robust(response, random, table.deviations, correlation, name)
 
     # cases ---------------------------------------------------------------------------------
     def _case(self, name: str, *where: str) -> Case:

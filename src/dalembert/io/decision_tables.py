@@ -19,8 +19,6 @@ VARIED = "names of parameters; all with bounds by default"
 LIMITS = "list of limits, tables as below"
 DISTRIBUTIONS = ("Normal", "Lognormal", "Uniform", "Weibull", "Gumbel", "Truncated")
 """Classes of ``design.reliability.distributions``, which is imported when a file has one."""
-TARGETS = ("path", "motion", "function")
-"""What a linkage shall do."""
 
 
 class LimitTable(Record):
@@ -38,6 +36,15 @@ class CombinedTable(Record):
     unit: Text = Field(default="", description="shown in results")
 
 
+class RobustTable(Record):
+    """A response with its scatter over what ``[[random]]`` says: an aim or a limit of its own."""
+
+    response: Text
+    deviations: Number = Field(
+        default=3.0, description="standard deviations added to the mean; below zero, taken away"
+    )
+
+
 class OptimizeTable(Record):
     """What ``dalembert optimize`` minimises or maximises."""
 
@@ -51,6 +58,10 @@ class OptimizeTable(Record):
         default_factory=list, description="sizes to choose from: tables of parameters and values"
     )
     subject_to: list[LimitTable] = Field(default_factory=list, description=LIMITS)
+    beta: Number = Field(
+        default=None, description="index with which all limits hold, over what `[[random]]` says"
+    )
+    rounds: Integer = Field(default=20, description="of optimisation and reliability, with `beta`")
     method: one_name("dalembert.design.methods.registry:OPTIMIZERS") = "slsqp"  # type: ignore[valid-type]
     gradient: Method = "auto"  # type: ignore[valid-type]
     max_iterations: Integer = 100
@@ -159,38 +170,3 @@ class ToleranceTable(Record):
     allot: AllotTable = Field(  # type: ignore[assignment]
         default=None, description="which tolerances would be enough, a table as below"
     )
-
-
-class SynthesisTable(Record):
-    """What the linkages that ``dalembert synthesize`` finds shall do."""
-
-    type: one_name(TARGETS) = Field(  # type: ignore[valid-type]
-        description='`"path"`, `"motion"` or `"function"`'
-    )
-    linkage: one_name("dalembert.io.synthesis:LINKAGES") = Field(  # type: ignore[valid-type]
-        default="FourBar", description='`"FourBar"` or `"SliderCrank"`'
-    )
-    points: list[list_of(Number, 2, "x, y")] = Field(  # type: ignore[valid-type]
-        default_factory=list, description="that the coupler point passes [m]"
-    )
-    file: Text = Field(
-        default=None, description="table beside this file instead, columns named as these keys"
-    )
-    coupler_angles: list[Number] = Field(
-        default_factory=list, description="of a motion: how far the coupler turns [rad]"
-    )
-    outputs: list[Number] = Field(
-        default_factory=list, description="of a function: how far the output goes [rad], [m]"
-    )
-    crank_angles: list[Number] = Field(
-        default_factory=list, description="how far the crank turns [rad]; free where none are given"
-    )
-    closed: Flag = Field(default=False, description="the path leads back to its first point")
-    bounds: dict[str, Bounds] = Field(  # type: ignore[valid-type]
-        default_factory=dict, description="dimension → `[lower, upper]`"
-    )
-    crank_turns: Flag = Field(default=True, description="the crank turns all the way")
-    transmission: Number = Field(default=0.0, description="least transmission angle [rad]")
-    order: Flag = Field(default=True, description="points are passed in their order")
-    starts: Integer = Field(default=24, description="how many linkages are polished")
-    rng: Integer = Field(default=0, description="seed of what is drawn")

@@ -11,13 +11,15 @@ from dalembert.design.limit import Limit
 from dalembert.design.variables import Catalogue, Integer
 from dalembert.io.cases import Quantities
 from dalembert.io.model_file import ModelFile
+from dalembert.io.random import correlations, random_parameters
 from dalembert.io.responses import chosen_parameters
+from dalembert.responses.base import Response
 
 SEARCH = ("method", "gradient", "max_iterations", "tolerance")
 
 
 def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
-    """The arguments of ``optimize`` that the file gives.
+    """The arguments of ``optimize`` that the file gives; with ``beta`` of ``optimize_reliable``.
 
     Raises
     ------
@@ -36,7 +38,26 @@ def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
     design = {sense: made.checked(getattr(asked, sense), "optimize", sense)}
     design |= _limits_and_variables(file, model, made, "optimize")
     design[sense] = made.finished(design[sense])
+    if asked.beta is not None:
+        design |= _reliable(file, model, asked, design["subject_to"])
     return design | {key: getattr(asked, key) for key in SEARCH}
+
+
+def _reliable(file: ModelFile, model: Any, asked: Any, limits: list[Limit]) -> dict[str, Any]:
+    """What ``optimize_reliable`` is given beside."""
+    if not asked.beta > 0:
+        raise file.located.error(f"is {asked.beta:g}; it must be above zero", "optimize", "beta")
+    if not limits:
+        cure = "is empty; give the limits that shall hold with beta"
+        raise file.located.error(cure, "optimize", "subject_to")
+    for k, limit in enumerate(limits):
+        if not isinstance(limit.response, Response):
+            text = "a limit with a reliability is that of one response of this run"
+            raise file.located.error(text, "optimize", "subject_to", k, "response")
+    random = random_parameters(file, model)
+    correlation = correlations(file, random) or None
+    made = {"beta": float(asked.beta), "rounds": asked.rounds}
+    return made | {"random": random, "correlation": correlation}
 
 
 def make_front(file: ModelFile, model: Any) -> dict[str, Any]:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from dalembert.design.reliability.nataf import Nataf
 from dalembert.io.analyses import given_options
-from dalembert.io.decision_tables import distribution
 from dalembert.io.designs import make_limits
 from dalembert.io.model_file import ModelFile
+from dalembert.io.random import correlations, random_parameters
 from dalembert.io.responses import chosen_response, make_responses
 from dalembert.responses.base import Response
 from dalembert.text import unknown
@@ -41,49 +40,13 @@ def make_reliability(file: ModelFile, model: Any) -> dict[str, Any]:
         cure = "is empty; give e.g. [{ response = 'stress', upper = 2e8 }]"
         raise file.located.error(cure, "reliability", "limits")
     limits = make_limits(file, Responses(file, model), asked.limits, "reliability", "limits")
-    random = _random(file, model)
-    correlation = {}
-    for k, table in enumerate(asked.correlation):
-        for j, name in enumerate(table.between):
-            if name not in random:
-                text = unknown("random parameter", name, random)
-                raise file.located.error(text, "reliability", "correlation", k, "between", j)
-        correlation[tuple(table.between)] = float(table.value)
-    with file.located("reliability", "correlation"):
-        Nataf(random, correlation)
+    random = random_parameters(file, model)
+    correlation = correlations(file, random)
     keys = ("system", "method", "starts", "tolerance", "max_iterations")
     return {
         **{"limit_state": limits, "random": random, "correlation": correlation or None},
         **{key: getattr(asked, key) for key in (*keys, "samples", "sampling", "rng")},
     }
-
-
-def _random(file: ModelFile, model: Any) -> dict[str, Any]:
-    """Random parameter → distribution."""
-    tables: list[Any] = file.document.random
-    if not tables:
-        cure = "is missing; add [[random]] with parameter, type and its numbers"
-        raise file.located.error(cure, "random")
-    made: dict[str, Any] = {}
-    for k, table in enumerate(tables):
-        name = table.parameter
-        if name not in model.parameters:
-            text = unknown("parameter", name, model.parameters)
-            raise file.located.error(text, "random", k, "parameter")
-        if name in made:
-            text = f"{name!r} is random twice; give it one table"
-            raise file.located.error(text, "random", k, "parameter")
-        with file.located("random", k):
-            made[name] = _distribution(table)
-    return made
-
-
-def _distribution(table: Any) -> Any:
-    options = given_options(table)
-    options.pop("parameter", None)
-    if "of" in options:
-        options["of"] = _distribution(table.of)
-    return distribution(table.type)(**options)
 
 
 def make_tolerance(file: ModelFile, model: Any) -> tuple[dict[str, Any], dict[str, Any] | None]:

@@ -16,12 +16,13 @@ from dalembert.io.decision_tables import (
     OptimizeTable,
     ParetoTable,
     ReliabilityTable,
-    SynthesisTable,
+    RobustTable,
     ToleranceTable,
 )
 from dalembert.io.orientations import FrameTable
 from dalembert.io.strategies import ANALYSES, RESPONSES
 from dalembert.io.structure_tables import ELEMENT, MESH, NodalLoadTable, SupportTable
+from dalembert.io.synthesis_tables import SynthesisTable
 from dalembert.io.tables import any_of, point_type, table_of
 from dalembert.io.task_tables import (
     CompareTable,
@@ -119,6 +120,7 @@ class ModelDocument(Record):
     )
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
     combined: dict[str, CombinedTable] = Field(default_factory=dict)
+    robust: dict[str, RobustTable] = Field(default_factory=dict)
     optimize: OptimizeTable = None  # type: ignore[assignment]
     pareto: ParetoTable = None  # type: ignore[assignment]
     random: list[RANDOM] = Field(default_factory=list)  # type: ignore[valid-type]

@@ -164,7 +164,7 @@ CHECKED: dict[str, Callable[[ModelFile, Any], Any]] = {
     "identify": make_identification,
     "invert": make_inversion,
     "trajectory": make_trajectory,
-    "synthesis": lambda file, model: make_synthesis(file),
+    "synthesis": make_synthesis,
 }
 """Table of a file → what reads it."""
 

@@ -37,6 +37,7 @@ class Identification(Decision):
     """
 
     word = "identification"
+    drawn = "identification:identification"
     x: dict[str, float]
     success: bool
     message: str
@@ -160,11 +161,8 @@ class Identification(Decision):
         state = "converged" if self.success else self.message
         return f"{len(self.x)} unknowns from {self.samples} samples, {state}"
 
-    def summary(self) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         return {
-            "ok": self.success,
-            "message": self.message,
-            "interrupted": self.interrupted,
             "x": self.x,
             "deviation": self.deviation,
             "interval": self.interval(),
@@ -216,17 +214,6 @@ class Identification(Decision):
         with atomic_path(more[1]) as temporary:
             self.covariance.to_pandas().to_csv(temporary)
         return [*more, *super().write(base, **first_view)]
-
-    def page(self, **first_view: Any) -> dict[str, Any]:
-        """The run with the parameters found, data, residuals and how sure they are."""
-        from dalembert.design.pages.identification import identification_page
-
-        return identification_page(self, **first_view)
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.identification import identification_views
-
-        return identification_views(self)
 
     def table_html(self) -> str:
         from dalembert.design.identification.pictures import html

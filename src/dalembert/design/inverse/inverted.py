@@ -34,6 +34,7 @@ class Inversion(Decision):
     """
 
     word = "inversion"
+    drawn = "identification:inversion"
     values: dict[str, np.ndarray]
     deviation: dict[str, np.ndarray]
     x: dict[str, float]
@@ -66,11 +67,8 @@ class Inversion(Decision):
         state = "converged" if self.success else self.message
         return f"{', '.join(self.values)} from {self.misfit.size} samples, {state}"
 
-    def summary(self) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         return {
-            "ok": self.success,
-            "message": self.message,
-            "interrupted": self.interrupted,
             "histories": {
                 h.name: {
                     "knots": h.knots.tolist(),
@@ -119,17 +117,6 @@ class Inversion(Decision):
             for h in self.histories
         ]
         return pd.concat(parts, ignore_index=True)
-
-    def page(self, **first_view: Any) -> dict[str, Any]:
-        """The run with the histories found, the histories, and how smooth they are."""
-        from dalembert.design.pages.identification import inversion_page
-
-        return inversion_page(self, **first_view)
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.identification import inversion_views
-
-        return inversion_views(self)
 
     def plot(self) -> Any:
         """The histories with their deviation, and the L-curve; returns the figure."""

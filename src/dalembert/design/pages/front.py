@@ -16,7 +16,7 @@ MATRIX = 6
 
 def front_page(front: Any, **first_view: Any) -> dict[str, Any]:
     """What the report of a ``Front`` shows."""
-    first = front.result(0)
+    first = front.result(0) if len(front) else None
     if first is None or not getattr(first, "has_page", False):
         return plain_page(front)
     page = thinned(first.page(**first_view), len(front))
@@ -39,6 +39,8 @@ def front_designs(front: Any) -> dict[str, Any]:
 
 def knee(values: np.ndarray) -> int:
     """Number of the point nearest to the best of all aims, each measured by its range."""
+    if not len(values):
+        return 0
     span = np.ptp(values, axis=0)
     unit = (values - values.min(axis=0)) / np.where(span > 0, span, 1.0)
     return int(np.argmin(np.linalg.norm(unit, axis=1)))

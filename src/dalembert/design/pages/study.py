@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.design.pages.plain import plain_page
 from dalembert.report import views
 
 MOST = 1500
@@ -16,6 +17,11 @@ NUMBER = re.compile(r"[-−]?\d[\d.]*(?:e[-+]?\d+)?")
 """What tells reasons of one kind apart."""
 MATRIX = 7
 """Columns of which all pairs are drawn."""
+
+
+def study_page(study: Any) -> dict[str, Any]:
+    """What the report of a ``Study`` shows."""
+    return plain_page(study)
 
 
 def study_designs(study: Any) -> dict[str, Any]:

@@ -1,29 +1,24 @@
-"""The page of a synthesis: linkages to choose from, what they shall do and what they do."""
+"""The page of a synthesis: mechanisms to choose from, what they shall do and what they do."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.kinematics import Kinematics
 from dalembert.design.pages.alternatives import CHANGING
 from dalembert.design.pages.plain import plain_page, with_views
-from dalembert.errors import DalembertError
 from dalembert.report import views
 
 SHOWN = 12
-"""Linkages that a page has."""
-FRAMES = 121
+"""Mechanisms that a page has."""
 DOT = 0.012
 """Radius of a point of the target, of the size of the whole."""
-TURN = np.linspace(0, 2 * math.pi, 361)
 
 
 def synthesis_page(found: Any, **first_view: Any) -> dict[str, Any]:
-    """What the report of a ``Synthesis`` shows."""
-    pages = [_linkage_page(found, s) for s in found.solutions[:SHOWN]]
+    """What the report of ``Candidates`` shows."""
+    pages = [_candidate_page(found, s) for s in found.solutions[:SHOWN]]
     first = next((page for page in pages if page is not None), None)
     if first is None:
         return plain_page(found)
@@ -34,23 +29,16 @@ def synthesis_page(found: Any, **first_view: Any) -> dict[str, Any]:
         {} if other is None else {k: other[k] for k in (*kept, "parameters") if k in other}
         for other in pages
     ]
-    page["default_plots"] = [["follower.angle"]] if _has(page, "follower.angle") else []
+    there = {series["name"] for series in page["series"]}
+    page["default_plots"] = [[m] for m in found.best.watched if m in there]
     return page
 
 
-def _has(page: dict[str, Any], name: str) -> bool:
-    return any(series["name"] == name for series in page["series"])
-
-
-def _linkage_page(found: Any, solution: Any) -> dict[str, Any] | None:
-    """The page of a linkage over one turn, or over its entries; None where it cannot move so."""
-    linkage = solution.linkage
-    try:
-        model = linkage.system().build()
-        motion = Kinematics(2 * math.pi, outputs=FRAMES).run(model)
-    except DalembertError:
+def _candidate_page(found: Any, candidate: Any) -> dict[str, Any] | None:
+    """The page of a mechanism over one turn, with the points that it shall pass."""
+    page: dict[str, Any] | None = candidate.page()
+    if page is None:
         return None
-    page: dict[str, Any] = motion.page(trace=["coupler.P"])
     if found.target.points is not None:
         points = found.target.points
         size = DOT * float(np.max(np.ptp(points, axis=0)))
@@ -61,25 +49,21 @@ def _linkage_page(found: Any, solution: Any) -> dict[str, Any] | None:
 
 
 def synthesis_designs(found: Any) -> dict[str, Any]:
-    """The linkages as a table of designs."""
+    """The mechanisms as a table of designs."""
     some = found.solutions[:SHOWN]
-    unit = {"angle": "rad"}
     columns = [("error", "", "aim", [s.error for s in some])]
     worst = [float(np.max(s.distances, initial=0.0)) for s in some]
     columns.append(("largest distance", "", "aim", worst))
-    least = [math.degrees(_transmission(s)) for s in some]
-    columns.append(("transmission", "°", "aim", least))
-    for name in some[0].linkage.numbers:
-        values = [s.linkage.numbers[name] for s in some]
-        if name in some[0].linkage.lengths or np.ptp(values) > 0 or any(values):
-            columns.append((name, unit.get(name, ""), "parameter", values))
-    labels = [f"linkage {k + 1}" for k in range(len(some))]
+    judged = [s.judged() for s in some]
+    for name, (unit, _) in judged[0].items():
+        columns.append((name, unit, "aim", [one[name][1] for one in judged]))
+    numbers = [s.numbers for s in some]
+    for name in numbers[0]:
+        values = [one[name] for one in numbers]
+        if np.ptp(values) > 0 or any(values):
+            columns.append((name, some[0].units.get(name, ""), "parameter", values))
+    labels = [f"{found.noun[:-1]} {k + 1}" for k in range(len(some))]
     return views.designs(columns, labels=labels)
-
-
-def _transmission(solution: Any) -> float:
-    turns = solution.linkage.crank_turns
-    return float(solution.linkage.transmission(None if turns else solution.crank_angles))
 
 
 def synthesis_views(found: Any) -> list[dict[str, Any]]:
@@ -91,9 +75,9 @@ def synthesis_views(found: Any) -> list[dict[str, Any]]:
     if target.points is not None:
         lines = [views.line("target", target.points[:, 0], target.points[:, 1], "dots")]
         for k, s in enumerate(some):
-            path = s.linkage.path(TURN if s.linkage.crank_turns else np.sort(s.crank_angles))
+            path = s.curve()
             lines.append(views.line("obtained", path[:, 0], path[:, 1], design=k))
-            at = s.linkage.path(s.crank_angles)
+            at = s.passed()
             lines.append(
                 views.line("at the entries", at[:, 0], at[:, 1], "dots", design=k, open=True)
             )
@@ -120,8 +104,7 @@ def _function(target: Any, some: list[Any]) -> dict[str, Any]:
     at = np.arange(len(target)) if given is None else np.asarray(given)
     lines = [views.line("target", at, target.outputs - np.mean(target.outputs), "dots")]
     for k, s in enumerate(some):
-        output = s.linkage.output(s.crank_angles)
-        output = np.unwrap(output) if s.linkage.output_is_angle else output
+        output = s.reached()
         lines.append(views.line("obtained", at, output - output.mean(), design=k))
     x = "entry" if given is None else "crank angle [rad]"
     made = views.curves("Target and output", x, "output from its mean", lines, follows="design")

@@ -105,7 +105,7 @@ class Search:
             A run fails, or the limit state does not depend on what is random.
         """
         u, weight = start, 0.0
-        g = self._needed(u)
+        g = self.needed(u)
         for iteration in range(self.max_iterations + 1):
             slope, random, others = self.slope(u)
             size = float(np.linalg.norm(slope))
@@ -123,7 +123,7 @@ class Search:
                 break
             step = (slope @ u - g) / size**2 * slope - u
             if self.method == "hlrf":
-                following, value = u + step, self._needed(u + step)
+                following, value = u + step, self.needed(u + step)
             else:
                 weight = max(weight, 2 * float(np.linalg.norm(u)) / size + 1e-3 / scale)
                 following, value = self._searched(u, g, step, slope, weight)
@@ -157,7 +157,8 @@ class Search:
             length /= 2
         return u, g
 
-    def _needed(self, u: np.ndarray) -> float:
+    def needed(self, u: np.ndarray) -> float:
+        """``G(u)``, an error where a run fails."""
         g = self.value(u)
         if not np.isfinite(g):
             why = self.limits.failure
@@ -183,8 +184,8 @@ def design_points(search: Search, starts: int, rng: Any) -> list[DesignPoint]:
         Not even the search from the median can be made.
     """
     n = search.nataf.size
-    scale = abs(search._needed(np.zeros(n)))
-    scale = scale or abs(search._needed(np.full(n, 0.1))) or 1.0
+    scale = abs(search.needed(np.zeros(n)))
+    scale = scale or abs(search.needed(np.full(n, 0.1))) or 1.0
     found = [search.solve(np.zeros(n), scale)]
     radius = max(abs(found[0].beta), 1.0)
     for _ in range(starts - 1):

@@ -45,6 +45,7 @@ class Reliability(Decision):
     """
 
     word = "reliability"
+    drawn = "reliability:reliability"
     points: list[DesignPoint]
     system: str
     searches: list[Search] = field(repr=False)
@@ -194,11 +195,8 @@ class Reliability(Decision):
     def sentence(self) -> str:
         return f"β = {self.beta:.4g}, failure {self.probability:.3g}; {self.message}"
 
-    def summary(self) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         return {
-            "ok": self.success,
-            "message": self.message,
-            "interrupted": self.interrupted,
             "beta": self.beta,
             "probability": self.probability,
             "system": self.system,
@@ -242,17 +240,6 @@ class Reliability(Decision):
             {"point": range(len(points)), "variable": names},
             {"beta": self.beta, "probability": self.probability, "system": self.system},
         )
-
-    def page(self, **first_view: Any) -> dict[str, Any]:
-        """The run at the design point, and what leads there."""
-        from dalembert.design.pages.reliability import reliability_page
-
-        return reliability_page(self, **first_view)
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.reliability import reliability_views
-
-        return reliability_views(self)
 
     def plot(self, ax: Any = None) -> Any:
         """Importance of the random parameters; returns the axes."""

@@ -45,7 +45,6 @@ def sobol_indices(
 
     problem = _problem(ranges)
     values = sampling.sample(problem, samples, calc_second_order=False, seed=rng)
-    study = _complete(run(Design(tuple(ranges), values)))
 
     def indices(response: np.ndarray) -> Mapping[str, np.ndarray]:
         found = analysis.analyze(problem, response, calc_second_order=False, seed=rng)
@@ -56,7 +55,7 @@ def sobol_indices(
             "total_error": found["ST_conf"],
         }
 
-    return _labelled(study, ranges, indices)
+    return _of_runs(run, ranges, values, indices)
 
 
 def morris_indices(
@@ -80,14 +79,13 @@ def morris_indices(
 
     problem = _problem(ranges)
     values = sampling.sample(problem, trajectories, num_levels=levels, seed=rng)
-    study = _complete(run(Design(tuple(ranges), values)))
 
     def indices(response: np.ndarray) -> Mapping[str, np.ndarray]:
         found = analysis.analyze(problem, values, response, num_levels=levels, seed=rng)
         names = {"mean": "mu", "mean_absolute": "mu_star", "deviation": "sigma"}
         return {name: np.asarray(found[key]) for name, key in names.items()}
 
-    return _labelled(study, ranges, indices)
+    return _of_runs(run, ranges, values, indices)
 
 
 def _problem(ranges: Ranges) -> dict[str, Any]:
@@ -108,12 +106,16 @@ def _complete(study: Study) -> Study:
     return study
 
 
-def _labelled(
-    study: Study, ranges: Ranges, indices: Callable[[np.ndarray], Mapping[str, np.ndarray]]
+def _of_runs(
+    run: Run,
+    ranges: Ranges,
+    values: np.ndarray,
+    indices: Callable[[np.ndarray], Mapping[str, np.ndarray]],
 ) -> xr.Dataset:
-    """Response × parameter."""
+    """The indices of every response of these designs, response × parameter."""
     import xarray as xr
 
+    study = _complete(run(Design(tuple(ranges), values)))
     rows = [indices(study.column(name)) for name in study.responses]
     coords = {"response": list(study.responses), "parameter": list(ranges)}
     along = ("response", "parameter")

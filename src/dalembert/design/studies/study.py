@@ -35,6 +35,7 @@ class Study(Decision):
     """
 
     word = "study"
+    drawn = "study:study"
     name: str
     design: Design
     responses: tuple[str, ...]
@@ -92,9 +93,8 @@ class Study(Decision):
 
         return pd.DataFrame(self.columns).set_index("design")
 
-    def summary(self) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         return {
-            "ok": bool(self.success.any()),
             "designs": len(self.design),
             "reused": self.reused,
             "failed": self.failures,
@@ -131,11 +131,6 @@ class Study(Decision):
         from dalembert.design.pages.study import study_designs
 
         return study_designs(self)
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.study import study_views
-
-        return study_views(self)
 
     def plot(self, x: str, response: str | None = None, ax: Any = None) -> Any:
         """A response over a parameter, a point for each design; returns the axes."""

@@ -1,23 +1,29 @@
-"""What a synthesis ends with: linkages to choose from."""
+"""What the synthesis of linkages with one loop ends with."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.design.decision import Decision
+from dalembert.analysis.kinematics import Kinematics
+from dalembert.design.synthesis.candidates import Candidate, Candidates
 from dalembert.design.synthesis.linkage import Linkage
-from dalembert.design.synthesis.target import Target
+from dalembert.errors import DalembertError
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+FRAMES = 121
+"""Instants of a turn that a page shows."""
+TURN = np.linspace(0, 2 * math.pi, 361)
+
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(Candidate):
     """A linkage and how it meets the target.
 
     Attributes
@@ -33,109 +39,68 @@ class Solution:
     error: float
     distances: np.ndarray
 
-
-@dataclass(eq=False)
-class Synthesis(Decision):
-    """What was found, best first; each differs from the others.
-
-    Attributes
-    ----------
-    starts : linkages that were polished
-    interrupted : by Ctrl-C; the solutions found until then are kept
-    """
-
-    word = "synthesis"
-    target: Target
-    solutions: list[Solution]
-    starts: int
-    name: str = "synthesis"
-    interrupted: bool = False
+    @property
+    def numbers(self) -> dict[str, float]:
+        return self.linkage.numbers
 
     @property
-    def success(self) -> bool:  # type: ignore[override]
-        """Whether it went to its end."""
-        return not self.interrupted
+    def units(self) -> dict[str, str]:
+        return {"angle": "rad"}
 
     @property
-    def message(self) -> str:  # type: ignore[override]
-        """How many linkages, and the least error."""
-        text = f"{len(self.solutions)} linkages, least error {self.best.error:.3g}"
-        return f"{text}; interrupted after {self.starts} starts" if self.interrupted else text
+    def transmission(self) -> float:
+        """Least transmission angle [rad], of a turn, or at the entries where the crank rocks."""
+        turns = self.linkage.crank_turns
+        return float(self.linkage.transmission(None if turns else self.crank_angles))
 
-    @property
-    def best(self) -> Solution:
-        return self.solutions[0]
-
-    def summary(self) -> dict[str, Any]:
+    def told(self) -> dict[str, Any]:
         return {
-            "ok": self.success,
-            "message": self.message,
-            "interrupted": self.interrupted,
-            "linkage": type(self.best.linkage).__name__,
-            "starts": self.starts,
-            "solutions": [
-                {
-                    "error": s.error,
-                    "dimensions": s.linkage.numbers,
-                    "branch": s.linkage.branch,
-                    "crank_turns": s.linkage.crank_turns,
-                    "transmission": s.linkage.transmission(
-                        None if s.linkage.crank_turns else s.crank_angles
-                    ),
-                    "crank_angles": s.crank_angles.tolist(),
-                    "distances": s.distances.tolist(),
-                }
-                for s in self.solutions
-            ],
+            "branch": self.linkage.branch,
+            "crank_turns": self.linkage.crank_turns,
+            "transmission": self.transmission,
         }
+
+    def curve(self) -> np.ndarray:
+        return self.linkage.path(TURN if self.linkage.crank_turns else np.sort(self.crank_angles))
+
+    def passed(self) -> np.ndarray:
+        return self.linkage.path(self.crank_angles)
+
+    def reached(self) -> np.ndarray:
+        output = self.linkage.output(self.crank_angles)
+        return np.unwrap(output) if self.linkage.output_is_angle else output
+
+    def page(self) -> dict[str, Any] | None:
+        try:
+            model = self.linkage.system().build()
+            motion = Kinematics(2 * math.pi, outputs=FRAMES).run(model)
+        except DalembertError:
+            return None
+        return motion.page(trace=["coupler.P"])
+
+    @property
+    def watched(self) -> list[str]:
+        return ["follower.angle"]
+
+    def judged(self) -> dict[str, tuple[str, float]]:
+        return {"transmission": ("°", math.degrees(self.transmission))}
+
+
+@dataclass(eq=False, repr=False)
+class Synthesis(Candidates):
+    """Linkages with one loop, best first; each differs from the others."""
+
+    noun = "linkages"
+
+    @property
+    def kind(self) -> str:
+        return type(self.best.linkage).__name__
 
     @property
     def data(self) -> xr.Dataset:
-        """Dimensions, errors and crank angles of every solution."""
-        import xarray as xr
-
-        listed = self.solutions
-        return xr.Dataset(
-            {
-                "dimensions": (
-                    ("solution", "dimension"),
-                    [list(s.linkage.numbers.values()) for s in listed],
-                ),
-                "error": ("solution", [s.error for s in listed]),
-                "branch": ("solution", [s.linkage.branch for s in listed]),
-                "crank_angles": (("solution", "entry"), [s.crank_angles for s in listed]),
-                "distances": (("solution", "entry"), [s.distances for s in listed]),
-            },
-            {"dimension": list(self.best.linkage.numbers), "solution": range(len(listed))},
-            {"linkage": type(self.best.linkage).__name__},
-        )
+        branches = [s.linkage.branch for s in self.solutions]
+        return super().data.assign(branch=("solution", branches))
 
     def to_dataframe(self) -> pd.DataFrame:
         """One row a solution: error, dimensions, branch."""
-        import pandas as pd
-
-        return pd.DataFrame(
-            [
-                {"error": s.error, **s.linkage.numbers, "branch": s.linkage.branch}
-                for s in self.solutions
-            ]
-        )
-
-    def table_of_designs(self) -> dict[str, Any]:
-        from dalembert.design.pages.synthesis import synthesis_designs
-
-        return synthesis_designs(self)
-
-    def page(self, **first_view: Any) -> dict[str, Any]:
-        """The linkages to choose from, moving, with what they shall do."""
-        from dalembert.design.pages.synthesis import synthesis_page
-
-        return synthesis_page(self, **first_view)
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.synthesis import synthesis_views
-
-        return synthesis_views(self)
-
-    def __repr__(self) -> str:
-        return f"<Synthesis: {len(self.solutions)} linkages, least error {self.best.error:.3g}>"
+        return super().to_dataframe().assign(branch=[s.linkage.branch for s in self.solutions])

@@ -2,38 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from dalembert.design.synthesis.mechanism import FoundMechanism, mechanism_task
+from dalembert.analysis.progress import Reported, progress_reporter
+from dalembert.design.synthesis.found_mechanism import FoundMechanism, MechanismSynthesis
+from dalembert.design.synthesis.mechanism_search import MechanismSearch
+from dalembert.design.synthesis.mechanism_task import MechanismTask, mechanism_task
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
-
-
-@dataclass(frozen=True, eq=False)
-class MechanismSynthesis:
-    """What was found, best first.
-
-    Attributes
-    ----------
-    solutions : FoundMechanism each
-    starts : how many mechanisms it began with
-    """
-
-    target: Target
-    solutions: list[FoundMechanism]
-    starts: int
-
-    @property
-    def best(self) -> FoundMechanism:
-        return self.solutions[0]
-
-    def __repr__(self) -> str:
-        found = len(self.solutions)
-        return f"<MechanismSynthesis: {found} mechanisms, least error {self.best.error:.3g}>"
+from dalembert.results.motion import Motion
 
 
 def synthesize_mechanism(
@@ -49,12 +29,13 @@ def synthesize_mechanism(
     order: bool = True,
     starts: int = 8,
     rng: int | None = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Reported = False,
 ) -> MechanismSynthesis:
     """Parameters with which a mechanism of any topology does what the target says.
 
     Least squares from the model as it is and from random ones whose motor turns all the way,
-    polished by IPOPT with exact derivatives; every solution is run through a turn again.
+    polished by IPOPT with exact derivatives; every solution is run through a turn again. Ctrl-C
+    ends it with the solutions found until then.
 
     Parameters
     ----------
@@ -66,6 +47,7 @@ def synthesize_mechanism(
     speed : of the motor [rad/s]
     order : free timing passes the entries in their order
     starts : how many mechanisms are polished, the model itself first
+    progress : True for a bar, or a function of the fraction done
 
     Raises
     ------
@@ -74,26 +56,38 @@ def synthesize_mechanism(
         to a mechanism that turns.
     """
     task = mechanism_task(target, model, point, body, output, vary, bounds, speed, order)
-    generator, found, begun = np.random.default_rng(rng), [], 0
-    nominal = np.array([model.parameters[n].value for n in task.vary])
-    for k in range(starts):
-        run = task.turned(nominal) if k == 0 else None
-        drawn = (nominal, run) if run is not None else task.drawn(generator)
-        if drawn is None:
-            continue
-        begun += 1
-        made = task.solved(*drawn)
-        if made is not None:
-            found.append(made)
-        if progress:
-            progress((k + 1) / starts)
+    search, found, begun, done = MechanismSearch(task), list[FoundMechanism](), 0, 0
+    generator = np.random.default_rng(rng)
+    with progress_reporter(progress, "mechanisms") as report:
+        try:
+            for k in range(starts):
+                drawn = _start(task, generator, k)
+                made = None if drawn is None else search.solved(*drawn)
+                begun += drawn is not None
+                found += [] if made is None else [made]
+                done += 1
+                report(done / starts)
+        except KeyboardInterrupt:
+            if not found:
+                raise
     if not found:
         raise AnalysisError(
             f"none of {begun} starts leads to a mechanism whose motor turns all the way; give more "
             "starts, or a model that comes near the target"
         )
     found.sort(key=lambda solution: solution.error)
-    return MechanismSynthesis(target, _distinct(found), begun)
+    return MechanismSynthesis(
+        target, _distinct(found), begun, str(model.name), interrupted=done < starts
+    )
+
+
+def _start(
+    task: MechanismTask, rng: np.random.Generator, k: int
+) -> tuple[np.ndarray, Motion] | None:
+    """The model itself at first, where its motor turns; then others, drawn within the bounds."""
+    nominal = np.array([task.model.parameters[n].value for n in task.vary])
+    run = task.turned(nominal) if k == 0 else None
+    return task.drawn(rng) if run is None else (nominal, run)
 
 
 def _distinct(found: list[FoundMechanism]) -> list[FoundMechanism]:

@@ -43,6 +43,7 @@ class OptimalTrajectory(Decision):
     """
 
     word = "trajectory"
+    drawn = "trajectory:trajectory"
     status: Status
     fun: float
     duration: float
@@ -115,11 +116,8 @@ class OptimalTrajectory(Decision):
             ax.spines[["top", "right"]].set_visible(False)
         return figure
 
-    def summary(self) -> dict[str, Any]:
+    def findings(self) -> dict[str, Any]:
         return {
-            "ok": self.success,
-            "message": self.message,
-            "interrupted": self.interrupted,
             "objective": self.label,
             "unit": self.unit,
             "fun": self.fun,
@@ -153,17 +151,6 @@ class OptimalTrajectory(Decision):
     def to_dataframe(self) -> pd.DataFrame:
         """One row an instant of the motion, its controls among the measures."""
         return self.shown.to_dataframe()
-
-    def page(self, **first_view: Any) -> dict[str, Any]:
-        """The motion, the mechanism at its beginning as a ghost beside it."""
-        from dalembert.design.pages.trajectory import trajectory_page
-
-        return trajectory_page(self, **first_view)
-
-    def views(self) -> list[dict[str, Any]]:
-        from dalembert.design.pages.trajectory import trajectory_views
-
-        return trajectory_views(self)
 
     def __repr__(self) -> str:
         return (

@@ -1,0 +1,123 @@
+"""A response with its scatter: mean and standard deviation over random parameters, as one aim.
+
+By reduction to one variable at a time (Rahman and Xu 2004): ``r ≈ Σ r_k(u_k) − (n−1) r(0)`` in
+independent standard normal variables, each by three points of Gauss and Hermite. ``2n + 1`` runs;
+exact where a response is a sum of cubics of them, its deviation where it is a sum of parabolas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.design.case import Case
+from dalembert.design.quantity import CaseResponse, Quantity
+from dalembert.design.reliability.distribution import Distribution
+from dalembert.design.reliability.moved import case_at
+from dalembert.design.reliability.nataf import Correlation, Nataf
+from dalembert.errors import AnalysisError
+from dalembert.responses.base import Response
+
+POINTS = np.sqrt(3.0)
+WEIGHTS = (2 / 3, 1 / 6, 1 / 6)
+
+
+@dataclass(frozen=True, eq=False)
+class Robust(Quantity):
+    """``mean + deviations · standard deviation`` of a response.
+
+    Parameters
+    ----------
+    response : that scatters
+    random : parameter → distribution; about the design where the parameter varies
+    deviations : how many are added; less than zero for what is to be large
+    correlation : as of ``reliability``
+    name : label
+    """
+
+    response: Response
+    random: Mapping[str, Distribution]
+    deviations: float = 3.0
+    correlation: Correlation = None
+    name: str = ""
+    runs: Sequence[CaseResponse] = ()
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.response, Response):
+            raise AnalysisError(f"{self.response!r:.60} is not a response; give one of one run")
+        if not self.random:
+            raise AnalysisError("nothing is random; give parameter → distribution")
+
+    @property
+    def label(self) -> str:  # type: ignore[override]
+        return self.name or f"robust {self.response.label}"
+
+    @property
+    def terms(self) -> list[CaseResponse]:
+        return list(self.runs)
+
+    def _graph(self, values: Any) -> Any:
+        """The number, of the responses at the centre and at both sides of each variable."""
+        centre, mean, variance = values[0], values[0], 0
+        for k in range((values.numel() - 1) // 2):
+            seen = ca.vertcat(centre, values[1 + 2 * k], values[2 + 2 * k])
+            weights = ca.DM(WEIGHTS)
+            own = ca.dot(weights, seen)
+            mean += own - centre
+            variance += ca.dot(weights, (seen - own) ** 2)
+        return mean + self.deviations * ca.sqrt(variance + 1e-30)
+
+    def _function(self, size: int) -> ca.Function:
+        values = ca.SX.sym("values", size)
+        found = self._graph(values)
+        return ca.Function("robust", [values], [found, ca.gradient(found, values)])
+
+    def value(self, values: np.ndarray) -> float:
+        return float(self._function(values.size)(values)[0])
+
+    def slope(self, values: np.ndarray) -> np.ndarray:
+        return np.array(self._function(values.size)(values)[1]).ravel()
+
+    def unit(self, units: Sequence[str]) -> str:
+        return units[0]
+
+    def of(self, case: Any) -> Quantity:
+        """The same, drawn from runs about those of a case."""
+        if self.runs:
+            return self
+        if not isinstance(case, Case):
+            raise AnalysisError(f"{self.label}: of which run? give model and analysis=")
+        nataf = Nataf(self.random, self.correlation)
+        ends = [s * POINTS * row for row in np.eye(nataf.size) for s in (1, -1)]
+        places = [nataf.values(u) for u in (np.zeros(nataf.size), *ends)]
+        moves = [n for n, p in case.model.parameters.items() if np.any(np.isfinite(p.bounds))]
+        runs = [case_at(case, self.random, x, moves)[self.response] for x in places]
+        return replace(self, runs=runs)
+
+
+def robust(
+    response: Response,
+    random: Mapping[str, Distribution],
+    deviations: float = 3.0,
+    *,
+    correlation: Correlation = None,
+    name: str = "",
+) -> Robust:
+    """Mean of a response over random parameters, and so many standard deviations more.
+
+    An objective or a limit of ``optimize`` and ``pareto``, with exact gradients.
+
+    Parameters
+    ----------
+    response : that scatters
+    random : parameter → distribution; where the parameter has bounds, so that a design may vary
+        it, the distribution's mean moves along with the design
+    deviations : how many are added; less than zero for what is to be large
+    correlation : pair of names → linear correlation, or the whole matrix
+    name : label
+    """
+    return Robust(response, random, deviations, correlation, name)

@@ -1,0 +1,130 @@
+"""Optimisation with a reliability, and robust aims, asked for in files and on the command line."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from test_decision_files import ROD, run, written
+
+import dalembert as da
+from dalembert.cli import main
+
+RELIABLE = """
+[optimize]
+minimize = "mass"
+subject_to = [{ response = "stress", upper = 1.5e8 }]
+beta = 3.0
+[[random]]
+parameter = "load"
+type = "Lognormal"
+mean = 1e5
+std = 1e4
+"""
+ROBUST = """
+[robust.worst]
+response = "stress"
+deviations = 2.0
+[optimize]
+minimize = "mass"
+subject_to = [{ response = "worst", upper = 1.5e8 }]
+[[random]]
+parameter = "load"
+type = "Normal"
+mean = 1e5
+std = 1e4
+"""
+
+
+def test_an_optimum_with_a_reliability(tmp_path, capsys):
+    """``A = exp(μ + βσ)/s``, and twice as far with ``--beta 6``."""
+    path, out = written(tmp_path, ROD + RELIABLE), tmp_path / "o"
+    spread = math.log1p(0.1**2)
+
+    def needed(beta: float) -> float:
+        return math.exp(math.log(1e5) - spread / 2 + beta * math.sqrt(spread)) / 1.5e8
+
+    found = run(capsys, "optimize", path, "--output", out)
+    assert found["x"]["area"] == pytest.approx(needed(3.0), rel=1e-6)
+    assert found["reliability"][0]["beta"] == pytest.approx(3.0, rel=1e-6) and found["beta"] == 3
+    kept = json.loads((out / "model.optimum.json").read_text(encoding="utf-8"))
+    assert kept == {key: found[key] for key in kept}
+    assert da.load_results(out / "model.optimum.nc").limit_beta.item() == pytest.approx(3.0)
+    page = (out / "model.optimum.report.html").read_text(encoding="utf-8")
+    assert "Limits and their worst points" in page
+    again = run(capsys, "optimize", path, "--beta", "6")
+    assert again["x"]["area"] == pytest.approx(needed(6.0), rel=1e-6)
+    assert main(["optimize", str(path)]) == 0
+    told = capsys.readouterr().out
+    assert "limits at β = 3" in told and "stress < 1.5e+08: β 3, worst at load = " in told
+
+
+def test_robust_aims(tmp_path, capsys):
+    """Mean and two deviations of the load: as a limit, and between two aims."""
+    path = written(tmp_path, ROD + ROBUST)
+    found = run(capsys, "optimize", path)
+    assert found["x"]["area"] == pytest.approx(1.2e5 / 1.5e8, rel=1e-6)
+    text = ROBUST[: ROBUST.index("[optimize]")] + ROBUST[ROBUST.index("[[random]]") :]
+    text += '[pareto]\nminimize = ["mass", "worst"]\npoints = 3\n'
+    front = run(capsys, "pareto", written(tmp_path, ROD + text))
+    for point in front["points"]:
+        area = point["parameters"]["area"]
+        assert point["aims"]["worst"] == pytest.approx(1.2e5 / area, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "words"),
+    [
+        (RELIABLE, "beta = 3.0", "beta = 0", "optimize.beta: is 0; it must be above zero"),
+        (RELIABLE, "subject_to =", "#", "optimize.subject_to: is empty"),
+        (RELIABLE, '"load"', '"lod"', "random[0].parameter: unknown parameter 'lod'"),
+        (RELIABLE, RELIABLE[RELIABLE.index("[[random]]") :], "", "random: is missing"),
+        (ROBUST, 'response = "stress"\n', 'response = "stres"\n', "robust.worst.response: unknown"),
+        (ROBUST, '"worst", upper', '"wurst", upper', "unknown response 'wurst'"),
+        (ROBUST, ROBUST[ROBUST.index("[[random]]") :], "", "random: is missing"),
+    ],
+)
+def test_slips(text, old, new, words, tmp_path, capsys):
+    made = text.replace(old, new, 1)
+    assert made != text
+    path = written(tmp_path, ROD + made)
+    for command in ("check", "optimize"):
+        assert main([command, str(path)]) == 2
+        error = capsys.readouterr().err
+        assert words in error and str(path) in error
+
+
+def test_no_history_of_a_search_in_rounds(tmp_path, capsys):
+    path = written(tmp_path, ROD + RELIABLE)
+    assert main(["optimize", str(path), "--history", str(tmp_path / "h")]) == 2
+    assert "keeps no history" in capsys.readouterr().err
+
+
+def test_interrupted(tmp_path, capsys, monkeypatch):
+    from dalembert.design.problem import DesignProblem
+
+    honest, calls = DesignProblem._run, []
+
+    def stopped(self, x):
+        calls.append(1)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return honest(self, x)
+
+    monkeypatch.setattr(DesignProblem, "_run", stopped)
+    path = written(tmp_path, ROD + RELIABLE)
+    assert main(["optimize", str(path), "--output", str(tmp_path / "o")]) == 130
+    assert "interrupted" in capsys.readouterr().out
+    assert len(list((tmp_path / "o").iterdir())) == 3
+
+
+def test_beta_is_seen_in_numbers(tmp_path, capsys):
+    """A hundred thousand loads: as many break the rod as β says, within four deviations."""
+    path = written(tmp_path, ROD + RELIABLE.replace("beta = 3.0", "beta = 2.0"))
+    area = run(capsys, "optimize", path)["x"]["area"]
+    rng, spread = np.random.default_rng(0), math.sqrt(math.log1p(0.1**2))
+    loads = np.exp(math.log(1e5) - spread**2 / 2 + spread * rng.normal(size=100_000))
+    share = float(np.mean(loads / area > 1.5e8))
+    assert share == pytest.approx(0.02275, abs=4 * math.sqrt(0.02275 / 1e5))
