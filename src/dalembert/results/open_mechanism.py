@@ -33,6 +33,23 @@ def assembly_report(error: AssemblyError, path: str | Path) -> Path:
     ------
     FileError
         It cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("too short")
+    >>> bar = system.add(planar.Bar("bar", length=1.0))
+    >>> a = system.add(planar.Revolute("A", system.ground.center, bar.start))
+    >>> b = system.add(planar.Revolute("B", system.ground.point(2, 0), bar.end))
+    >>> try:
+    ...     model = system.build()
+    ... except da.AssemblyError as error:
+    ...     with tempfile.TemporaryDirectory() as folder:
+    ...         page = da.assembly_report(error, f"{folder}/why.html").name
+    >>> page
+    'why.html'
     """
     return write_page(open_payload(error), path)
 

@@ -46,7 +46,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3)))
     >>> floor = (system.ground.center, (0, 1))
     >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor]))
-    >>> analysis = da.Nonsmooth(duration=1.0, step=0.01, integrator=da.MoreauJean())
+    >>> analysis = da.Nonsmooth(duration=0.4, step=0.01, integrator=da.MoreauJean())
     >>> motion = analysis.run(system.build())
     >>> round(motion["ball.y"][-1].item(), 6)  # it lies on its radius
     0.1

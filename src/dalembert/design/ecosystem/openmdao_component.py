@@ -40,6 +40,25 @@ def openmdao_component(
     ------
     UnsupportedError
         OpenMDAO is not there.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> import openmdao.api as om
+    >>> from dalembert import structures
+    >>> rod = da.Structure("spring")
+    >>> k = rod.parameter("k", 50.0, bounds=(1, 1e3))
+    >>> end = rod.node("end", 0)
+    >>> part = rod.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> rod.load(end, fx=100.0)
+    >>> response = da.final("end.ux", name="u")
+    >>> problem = om.Problem(reports=None)
+    >>> made = da.openmdao_component(rod.build(), response, analysis=da.Statics())
+    >>> part = problem.model.add_subsystem("spring", made)
+    >>> ready = problem.setup()
+    >>> problem.run_model()
+    >>> float(problem["spring.u"][0])  # F/k
+    2.0
     """
     try:
         import openmdao.api as om
