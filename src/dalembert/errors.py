@@ -66,7 +66,7 @@ class ExpressionError(ModelError):
 
 
 class KeywordError(ModelError, TypeError):
-    """Nothing takes this keyword; tells the nearest one."""
+    """Nothing takes this keyword, or an argument is missing; tells the nearest, or all needed."""
 
 
 class UnknownNameError(ExpressionError, KeyError):

@@ -12,6 +12,7 @@ from dalembert.analysis.served import need_mechanism
 from dalembert.model.assembled_state import AssembledState
 from dalembert.model.assemblies import Assemblies
 from dalembert.model.model import Model
+from dalembert.spelling import spelled
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +71,7 @@ def solve_assembly(
 ) -> list[Assembly]: ...
 
 
+@spelled
 def solve_assembly(
     model: Model,
     parameters: Mapping[str, float] | None = None,

@@ -13,6 +13,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parser import parse_formula
 
@@ -129,6 +130,7 @@ class Combined(Quantity):
         return made
 
 
+@spelled
 def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Combined:
     """A formula of responses as one objective or limit.
 

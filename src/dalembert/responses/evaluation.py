@@ -9,6 +9,7 @@ from dalembert.responses import base
 from dalembert.responses.base import Response
 from dalembert.results.batch import Batch
 from dalembert.results.result import Result
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,6 +23,7 @@ def evaluate(result: Batch, response: Response) -> xr.DataArray: ...
 def evaluate(result: Batch, response: Sequence[Response]) -> xr.Dataset: ...
 
 
+@spelled
 def evaluate(
     result: Result | Batch, response: Response | Sequence[Response]
 ) -> float | xr.DataArray | xr.Dataset:

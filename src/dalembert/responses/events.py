@@ -9,6 +9,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, t
 
 
@@ -69,6 +70,7 @@ class AtEvent(Response):
         return np.ones(1)
 
 
+@spelled
 def at_event(
     event: str | Event, measure: str | Expression, occurrence: int = 1, name: str = ""
 ) -> AtEvent:
@@ -99,6 +101,7 @@ def at_event(
     return AtEvent(measure, name, event, occurrence)
 
 
+@spelled
 def event_time(event: str | Event, occurrence: int = 1, name: str = "") -> AtEvent:
     """Time at which an event happens the n-th time [s].
 

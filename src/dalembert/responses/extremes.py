@@ -9,6 +9,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.base import Response
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
 
 
@@ -90,6 +91,7 @@ class Minimum(Maximum):
     sign = -1.0
 
 
+@spelled
 def maximum(measure: str | Expression, smooth: float | None = None, name: str = "") -> Maximum:
     """Largest value of a measure over the run.
 
@@ -106,6 +108,7 @@ def maximum(measure: str | Expression, smooth: float | None = None, name: str = 
     return Maximum(measure, name, smooth)
 
 
+@spelled
 def minimum(measure: str | Expression, smooth: float | None = None, name: str = "") -> Minimum:
     """Smallest value of a measure over the run.
 

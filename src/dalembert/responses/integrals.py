@@ -16,6 +16,7 @@ from dalembert.analysis.instants import end_by_event
 from dalembert.responses.base import Response
 from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over
 from dalembert.results.result import Result
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
 
 
@@ -201,6 +202,7 @@ class Total(Response):
         return np.ones(times.size)
 
 
+@spelled
 def integral(measure: str | Expression, name: str = "") -> Integral:
     """Integral of a measure over the run.
 
@@ -217,6 +219,7 @@ def integral(measure: str | Expression, name: str = "") -> Integral:
     return Integral(measure, name)
 
 
+@spelled
 def mean(measure: str | Expression, name: str = "") -> Mean:
     """Mean of a measure over the run.
 
@@ -233,6 +236,7 @@ def mean(measure: str | Expression, name: str = "") -> Mean:
     return Mean(measure, name)
 
 
+@spelled
 def rms(measure: str | Expression, name: str = "") -> Rms:
     """Root mean square of a measure over the run.
 
@@ -249,6 +253,7 @@ def rms(measure: str | Expression, name: str = "") -> Rms:
     return Rms(measure, name)
 
 
+@spelled
 def total(measure: str | Expression, name: str = "") -> Total:
     """Sum of a measure over the outputs, such as squared distances to points of a path.
 

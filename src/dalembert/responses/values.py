@@ -9,6 +9,7 @@ import numpy as np
 from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
 
 
@@ -71,6 +72,7 @@ class At(Response):
         return np.ones(1)
 
 
+@spelled
 def final(measure: str | Expression, name: str = "") -> Final:
     """Value of a measure at the end of the run.
 
@@ -87,6 +89,7 @@ def final(measure: str | Expression, name: str = "") -> Final:
     return Final(measure, name)
 
 
+@spelled
 def at(time: float, measure: str | Expression, name: str = "") -> At:
     """Value of a measure at a time [s]; of a load case (from 0) or mode (from 1) by number.
 

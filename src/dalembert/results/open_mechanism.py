@@ -16,11 +16,13 @@ from dalembert.report.page import write_page
 from dalembert.results.contents import Contents
 from dalembert.results.page_parts import diagnosis, parameter_rows
 from dalembert.results.scene import is_spatial, motion_scene
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, stack, t
 
 GUESS, BEST = np.array([0]), np.array([1])
 
 
+@spelled
 def assembly_report(error: AssemblyError, path: str | Path) -> Path:
     """Write a page that draws why a mechanism cannot be assembled; returns its path.
 

@@ -12,6 +12,7 @@ from dalembert.errors import DalembertError, FileError
 from dalembert.readable import readable
 from dalembert.results.contents import Contents
 from dalembert.results.netcdf import write_netcdf
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,6 +32,7 @@ def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
     return Path(path)
 
 
+@spelled
 def load_results(path: str | Path) -> xr.Dataset:
     """Read a result file written by ``save`` as an ``xarray.Dataset``.
 

@@ -16,6 +16,7 @@ from dalembert.results.influence import (
     range_influence,
     relative_influence,
 )
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,6 +53,7 @@ class Chart:
         return lines
 
 
+@spelled
 def tornado(
     gradient: xr.DataArray, kind: str = "relative", most: int = 15, axes: Any = None
 ) -> Any:

@@ -16,11 +16,13 @@ from dalembert.sensitivity.gradient import (
     refuse_unknown_values,
 )
 from dalembert.sensitivity.registry import engine_of
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
+@spelled
 def hessian_product(
     result: Result,
     response: Response,

@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.amounts import check_unit
 from dalembert.errors import ExpressionError, ModelError
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.spline import CubicSpline, reached
 from dalembert.text import unknown
@@ -148,6 +149,7 @@ class Polyline(CubicSpline):
         return inside, (slopes[0], slopes[-1])
 
 
+@spelled
 def table(
     x: Sequence[Any] | np.ndarray,
     y: Sequence[Any] | np.ndarray,

@@ -21,6 +21,7 @@ from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactSch
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
+from dalembert.spelling import spelled
 
 
 @options
@@ -81,6 +82,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
         return replace(motion, trajectory=sampled(motion.model, motion.record, times))
 
 
+@spelled
 def solve_nonsmooth(
     model: Model,
     duration: Time | None = None,

@@ -12,9 +12,11 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 
 
+@spelled
 def openmdao_component(
     model: ParametricModel | None,
     responses: Any,

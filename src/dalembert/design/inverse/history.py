@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.elements.laws.table import Table
 from dalembert.errors import ModelError
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, t
 from dalembert.symbolic.parameter import Parameter
 
@@ -60,6 +61,7 @@ class History:
         return rows * np.sqrt((x[order:] - x[:-order]) / order)[:, None]
 
 
+@spelled
 def history(
     system: Any, name: str, knots: Sequence[float] | np.ndarray, value: float = 0.0, unit: str = ""
 ) -> History:

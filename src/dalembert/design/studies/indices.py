@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.design.studies.design import Design, Ranges
 from dalembert.design.studies.study import Study
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,6 +19,7 @@ Run = Callable[[Design], Study]
 """Runs the designs, such as ``lambda design: da.sweep(model, design, ...)``."""
 
 
+@spelled
 def sobol_indices(
     run: Run, ranges: Ranges, samples: int = 256, rng: int | None = None
 ) -> xr.Dataset:
@@ -74,6 +76,7 @@ def sobol_indices(
     return _labelled(study, ranges, indices)
 
 
+@spelled
 def morris_indices(
     run: Run, ranges: Ranges, trajectories: int = 20, levels: int = 4, rng: int | None = None
 ) -> xr.Dataset:

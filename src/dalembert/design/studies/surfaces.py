@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.design.studies.study import Study
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.spelling import spelled
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +68,7 @@ class Surface:
         return tuple(part.reshape(sides[0].shape)[()] for part in parts)
 
 
+@spelled
 def response_surface(study: Study, response: str | None = None, degree: int = 2) -> Surface:
     """Polynomial of all parameters by least squares.
 
@@ -101,6 +103,7 @@ def response_surface(study: Study, response: str | None = None, degree: int = 2)
     return _surface(study, response, made, terms)
 
 
+@spelled
 def gaussian_process(study: Study, response: str | None = None, rng: int = 0) -> Surface:
     """Gaussian process with a squared exponential kernel, a length for each parameter, and noise.
 

@@ -15,6 +15,7 @@ from dalembert.sensitivity.checks.replays import Replays
 from dalembert.sensitivity.checks.scales import parameter_scale
 from dalembert.sensitivity.checks.stencils import SCHEMES, checked_step, place
 from dalembert.sensitivity.gradient import sensitivity
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,6 +78,7 @@ class StepStudy:
         return self.data._repr_html_()
 
 
+@spelled
 def step_study(
     result: Result,
     response: Response,

@@ -9,11 +9,13 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.results.structural.eigenmodes import EigenModes, ModeWeights
 from dalembert.sensitivity.structural.loaded_pencil import PencilTangent
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
+@spelled
 def eigenvalue_slopes(
     modes: EigenModes, parameter: str, measure: str | None = None
 ) -> xr.DataArray:
