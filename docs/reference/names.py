@@ -15,9 +15,6 @@ NAMED = {
     "planar": "planar bodies, joints, drivers and forces",
     "spatial": "bodies, joints, drivers and forces in space",
     "rotation": "orientations: `axis_angle`, `euler`, `bryant`, `from_matrix`",
-    "absolute": "absolute value",
-    "where": "`where(condition, a, b)`: a where the condition holds, else b",
-    "sign": "−1, 0 or 1",
 }
 
 
@@ -41,8 +38,6 @@ def _first(name: str) -> str:
     value = getattr(dalembert, name)
     if name in NAMED:
         return NAMED[name]
-    if inspect.isfunction(value) and value.__name__ == "lifted":
-        return f"{name} of numbers and formulas"
     return (inspect.getdoc(value) or "").partition("\n")[0]
 
 

@@ -7,7 +7,20 @@ from typing import Any, Self
 
 
 class DalembertError(Exception):
-    """Base of all errors raised on purpose."""
+    """Base of all errors raised on purpose.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("slip")
+    >>> body = system.add(planar.Body("plate", mass=-1.0, inertia=1.0))
+    >>> try:
+    ...     model = system.build()
+    ... except da.DalembertError as error:  # whatever it is
+    ...     print(type(error).__name__)
+    ModelError
+    """
 
 
 class ModelError(DalembertError):
@@ -19,6 +32,16 @@ class ModelError(DalembertError):
         What is wrong and how to mend it.
     entity : str, optional
         Element, parameter or field at fault, e.g. ``"crank.mass"``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> try:
+    ...     body = planar.Body("plate", mass=1.0)
+    ... except da.ModelError as error:
+    ...     print(error.entity, "-", error.message.partition(";")[0])
+    plate - mass is given but inertia is missing
     """
 
     def __init__(self, message: str, entity: str | None = None):
@@ -28,15 +51,40 @@ class ModelError(DalembertError):
 
 
 class ExpressionError(ModelError):
-    """A formula is not in the allowed grammar or names something unknown."""
+    """A formula is not in the allowed grammar or names something unknown.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> try:
+    ...     length = planar.Bar("bar", length="2 kg")
+    ... except da.ExpressionError as error:
+    ...     print(error)
+    bar.length: 2 kg does not fit, expected m; write it with a unit of that kind, such as 'mm'
+    """
 
 
 class KeywordError(ModelError, TypeError):
-    """Nothing takes this keyword; tells the nearest one."""
+    """Nothing takes this keyword, or an argument is missing; tells the nearest, or all needed."""
 
 
 class UnknownNameError(ExpressionError, KeyError):
-    """Nothing has this name; tells the nearest names that there are."""
+    """Nothing has this name; tells the nearest names that there are.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw")
+    >>> stone = system.add(planar.Particle("stone", mass=1.0))
+    >>> model = system.build()
+    >>> try:
+    ...     measure = model["stone.positon"]
+    ... except da.UnknownNameError as error:
+    ...     print(error)
+    no measure 'stone.positon'; nearest: stone.position, stone.velocity, stone.y
+    """
 
     def __init__(self, message: str, name: str):
         self.name = name
@@ -47,11 +95,34 @@ class UnknownNameError(ExpressionError, KeyError):
 
 
 class FileError(DalembertError):
-    """A model file cannot be read or a result cannot be written."""
+    """A model file cannot be read or a result cannot be written.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> try:
+    ...     system = da.load_model("nowhere.toml")
+    ... except da.FileError as error:
+    ...     print(error)
+    nowhere.toml: no such file; check the name and the folder
+    """
 
 
 class AnalysisError(DalembertError):
-    """A numerical task failed; carries the residual that proves it."""
+    """A numerical task failed; carries the residual that proves it.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("free")
+    >>> stone = system.add(planar.Particle("stone", mass=1.0))
+    >>> try:
+    ...     motion = da.solve_kinematics(system.build(), 1.0)
+    ... except da.AnalysisError as error:
+    ...     print(error)
+    the drivers leave 2 degrees of freedom undetermined; add 2 driver(s), or use solve_dynamics
+    """
 
     def __init__(self, message: str, residual: float | None = None):
         self.residual = residual
@@ -68,6 +139,20 @@ class AssemblyError(AnalysisError):
     """The mechanism cannot be assembled from the given guesses and lengths.
 
     ``position`` is the best position found, for ``assembly_report``; None where there is none.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("too short")
+    >>> bar = system.add(planar.Bar("bar", length=1.0))
+    >>> a = system.add(planar.Revolute("A", system.ground.center, bar.start))
+    >>> b = system.add(planar.Revolute("B", system.ground.point(2, 0), bar.end))
+    >>> try:
+    ...     model = system.build()
+    ... except da.AssemblyError as error:
+    ...     print(round(error.residual, 3), error.position is not None)
+    1.0 True
     """
 
     def __init__(self, message: str, residual: float | None = None, position: Any = None):
@@ -86,7 +171,23 @@ class SolverFailure(AnalysisError):
 
 
 class SingularityError(AnalysisError):
-    """The equations have no unique solution at this position."""
+    """The equations have no unique solution at this position.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> loose = da.Structure("loose")
+    >>> a, b = loose.node("a", 0, 0), loose.node("b", 1, 0)
+    >>> bar = loose.add(structures.Truss("bar", a, b, area=1e-4, modulus=1e9))
+    >>> loose.support(a)
+    >>> loose.load(b, fy=1.0)
+    >>> try:
+    ...     result = da.solve_statics(loose.build())
+    ... except da.SingularityError as error:
+    ...     print(str(error).partition(" without")[0])
+    the structure is a mechanism: b can move
+    """
 
 
 class BudgetError(DalembertError):
@@ -94,4 +195,14 @@ class BudgetError(DalembertError):
 
 
 class UnsupportedError(DalembertError):
-    """A combination of choices that cannot work; names one that does."""
+    """A combination of choices that cannot work; names one that does.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> try:
+    ...     integrator = da.GeneralizedAlpha(rho_inf=2.0)
+    ... except da.UnsupportedError as error:
+    ...     print(error)
+    GeneralizedAlpha(rho_inf=2.0): the spectral radius at infinite frequency is between 0 and 1
+    """

@@ -112,11 +112,15 @@ _WANTED: dict[str, tuple[Callable[[Any], bool], str]] = {
 
 
 SECTIONS = ("Parameters", "Raises")
+EXAMPLES = "\n\nExamples\n--------\n"
 
 
 def inherit_texts(cls: type) -> None:
-    """Give a class's docstring the parameters that its bases describe and it does not."""
-    intro, own = _sections(cls.__doc__ or "")
+    """Give a class's docstring the parameters that its bases describe and it does not.
+
+    Its examples stay the last of it, and are of no other class.
+    """
+    intro, own, examples = _sections(cls.__doc__ or "")
     for base in cls.__mro__[1:]:
         for title, entries in _sections(base.__doc__ or "")[1].items():
             if title == "Parameters" or title not in own:
@@ -126,14 +130,15 @@ def inherit_texts(cls: type) -> None:
     for title in SECTIONS:
         if title in own:
             intro += "\n".join(["\n", title, "-" * len(title), *own[title].values()])
-    cls.__doc__ = intro
+    cls.__doc__ = intro + examples
 
 
-def _sections(doc: str) -> tuple[str, dict[str, dict[str, str]]]:
-    """The text before the sections, and title → first word → entry."""
-    intro, *rest = re.split(rf"\n\n({'|'.join(SECTIONS)})\n-+\n", inspect.cleandoc(doc))
+def _sections(doc: str) -> tuple[str, dict[str, dict[str, str]], str]:
+    """The text before the sections, title → first word → entry, and the section of examples."""
+    text, section, examples = inspect.cleandoc(doc).partition(EXAMPLES)
+    intro, *rest = re.split(rf"\n\n({'|'.join(SECTIONS)})\n-+\n", text)
     found: dict[str, dict[str, str]] = {}
     for title, body in zip(rest[::2], rest[1::2], strict=True):
         entries = re.split(r"\n(?=\S)", body)
         found[title] = {entry.split(maxsplit=1)[0]: entry for entry in entries}
-    return intro, found
+    return intro, found, section + examples

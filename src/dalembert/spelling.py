@@ -1,11 +1,11 @@
-"""Keywords that nothing takes, told with the nearest one that there is."""
+"""Keywords that nothing takes, told with the nearest one that there is, and missing arguments."""
 
 from __future__ import annotations
 
 import dataclasses
 import functools
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
 from dalembert.errors import KeywordError
@@ -13,6 +13,8 @@ from dalembert.text import listed, nearest
 
 P = ParamSpec("P")
 T = TypeVar("T")
+POSITIONAL = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+OPEN = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 
 
 def check_keywords(owner: str, given: Iterable[str], known: Iterable[str]) -> None:
@@ -31,14 +33,44 @@ def check_keywords(owner: str, given: Iterable[str], known: Iterable[str]) -> No
             )
 
 
+def check_complete(
+    owner: str, wanted: Sequence[inspect.Parameter], given: int, named: Iterable[str]
+) -> None:
+    """Refuse a call that leaves out an argument without default.
+
+    Raises
+    ------
+    KeywordError
+        Names the owner, what is missing and all that is needed.
+    """
+    ordered = [one.name for one in wanted if one.kind in POSITIONAL]
+    there = {*ordered[:given], *named}
+    needed = [one.name for one in wanted if one.default is one.empty and one.kind not in OPEN]
+    missing = [name for name in needed if name not in there]
+    if missing:
+        raise KeywordError(f"missing {listed(missing)}; needed: {listed(needed)}", owner)
+
+
 def spelled_fields(cls: type, *given: Any, **named: Any) -> Any:
-    """A ``__new__`` of dataclasses that looks at keywords before ``__init__`` does."""
+    """A ``__new__`` of dataclasses that looks at arguments before ``__init__`` does.
+
+    Without any it is left to Python, for that is how objects are copied, too.
+    """
+    wanted = arguments_of(cls)
     if named:
         known = [f.name for f in dataclasses.fields(cls) if f.init]
         if not known or set(named) - set(known):
-            known = list(inspect.signature(cls).parameters)  # of those that have their own
+            known = [one.name for one in wanted]  # of those that have their own
         check_keywords(cls.__name__, named, known)
+    if given or named:
+        check_complete(cls.__name__, wanted, len(given), named)
     return object.__new__(cls)
+
+
+@functools.cache
+def arguments_of(cls: type) -> list[inspect.Parameter]:
+    """What making one takes."""
+    return list(inspect.signature(cls).parameters.values())
 
 
 class OfInit:
@@ -50,12 +82,16 @@ class OfInit:
 
 
 def spelled(function: Callable[P, T]) -> Callable[P, T]:
-    """The function, which tells the nearest keyword of one that it does not take."""
-    known = list(inspect.signature(function).parameters)
+    """The function, which tells what is missing, and the nearest keyword of a wrong one."""
+    wanted = list(inspect.signature(function).parameters.values())
+    known = [one.name for one in wanted]
+    closed = not any(one.kind is one.VAR_KEYWORD for one in wanted)
 
     @functools.wraps(function)
     def checked(*given: P.args, **named: P.kwargs) -> T:
-        check_keywords(function.__name__, named, known)
+        if closed:
+            check_keywords(function.__name__, named, known)
+        check_complete(function.__name__, wanted, len(given), named)
         return function(*given, **named)
 
     return checked

@@ -34,6 +34,17 @@ CLASSES = {
 } | {name: getattr(da, name) for name in ("Dynamics", "Radau", "Projection", "Maximum")}
 
 
+def required(thing) -> list[str]:
+    """Arguments that must be given."""
+    taken = inspect.signature(thing).parameters.values()
+    return [p.name for p in taken if p.default is p.empty and p.kind is not p.VAR_KEYWORD]
+
+
+def other(cls: type, needed: list[str]) -> str:
+    """An argument beside those."""
+    return next((n for n in inspect.signature(cls).parameters if n not in needed), needed[0])
+
+
 @pytest.mark.parametrize("name", CLASSES)
 def test_a_misspelt_keyword_of_a_class_is_told_with_the_nearest(name):
     cls = CLASSES[name]
@@ -56,6 +67,38 @@ def test_a_misspelt_keyword_of_a_verb_is_told_with_the_nearest(verb):
     slip = list(inspect.signature(verb).parameters)[-1] + "x"
     with pytest.raises(KeywordError, match=rf"{verb.__name__}: unknown keyword '{slip}'"):
         verb(**{slip: 1.0})
+
+
+@pytest.mark.parametrize("name", [name for name in CLASSES if required(CLASSES[name])])
+def test_a_missing_argument_of_a_class_is_told_with_all_that_is_needed(name):
+    cls = CLASSES[name]
+    needed = required(cls)
+    with pytest.raises(KeywordError, match=rf"{cls.__name__}: missing .*{needed[-1]}; needed: "):
+        cls(**{name: 1.0 for name in [*needed[:-1], other(cls, needed)] if name != needed[-1]})
+
+
+def test_a_missing_argument_is_told_before_others_are_looked_at():
+    with pytest.raises(KeywordError, match="Bar: missing length; needed: name, length"):
+        planar.Bar("bob", mass=-1.0)
+    with pytest.raises(KeywordError, match="Revolute: missing point_j; needed: name, point_i, p"):
+        planar.Revolute("O", 3)
+    with pytest.raises(KeywordError, match="Harmonic: missing frequency; needed: amplitude, freq"):
+        da.Harmonic(1.0)
+
+
+@pytest.mark.parametrize(
+    "verb",
+    [
+        *(da.solve_dynamics, da.solve_kinematics, da.solve_inverse_dynamics, da.solve_nonsmooth),
+        *(da.solve_equilibrium, da.solve_assembly, da.linearize, da.solve_statics, da.evaluate),
+        *(da.solve_modes, da.solve_buckling, da.solve_load_path, da.solve_transient, da.final),
+        *(da.compare, da.identify, da.sensitivity, da.sweep, da.tolerance, da.synthesize, da.at),
+    ],
+)
+def test_a_missing_argument_of_a_verb_is_told(verb):
+    needed = required(verb)
+    with pytest.raises(KeywordError, match=f"^{verb.__name__}: missing {', '.join(needed)}; "):
+        verb()
 
 
 @pytest.mark.parametrize("bare", [True, False])

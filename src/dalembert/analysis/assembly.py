@@ -12,6 +12,7 @@ from dalembert.analysis.served import need_mechanism
 from dalembert.model.assembled_state import AssembledState
 from dalembert.model.assemblies import Assemblies
 from dalembert.model.model import Model
+from dalembert.spelling import spelled
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +71,7 @@ def solve_assembly(
 ) -> list[Assembly]: ...
 
 
+@spelled
 def solve_assembly(
     model: Model,
     parameters: Mapping[str, float] | None = None,
@@ -110,7 +112,7 @@ def solve_assembly(
     >>> wall = system.add(planar.PinInSlot("wall", system.ground.center, ladder.start, axis=(0, 1)))
     >>> floor = system.add(planar.PinInSlot("floor", system.ground.center, ladder.end))
     >>> foot = system.add(planar.CoordinateDriver("foot", ladder.end, 3.0))
-    >>> found = da.solve_assembly(system.build(), all=True, rng=1)
+    >>> found = da.solve_assembly(system.build(), all=True, count=2, rng=1)
     >>> sorted(round(float(one.y[1]), 6) for one in found)  # its middle, 2 above the floor or below
     [-2.0, 2.0]
     """

@@ -35,6 +35,7 @@ from dalembert.results.recording import Trajectory
 from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
+from dalembert.spelling import spelled
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.newton import NewtonSettings, Solution, solve
 
@@ -212,6 +213,7 @@ def solve_equilibrium(
 ) -> Batch: ...
 
 
+@spelled
 def solve_equilibrium(
     model: Model | StructuralModel,
     *,

@@ -17,6 +17,7 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     from dalembert.results.designs import ManyDesigns
@@ -70,6 +71,7 @@ def solve_inverse_dynamics(
 ) -> Batch: ...
 
 
+@spelled
 def solve_inverse_dynamics(
     model: Model,
     duration: Time | None = None,

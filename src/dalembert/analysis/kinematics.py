@@ -28,6 +28,7 @@ from dalembert.options import options
 from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     from dalembert.results.designs import ManyDesigns
@@ -159,6 +160,7 @@ def solve_kinematics(
 ) -> Batch: ...
 
 
+@spelled
 def solve_kinematics(
     model: Model,
     duration: Time | None = None,

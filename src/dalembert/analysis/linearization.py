@@ -28,6 +28,7 @@ from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.result import Analysis
 from dalembert.results.status import eigenpairs_status
+from dalembert.spelling import spelled
 
 ABSOLUTE = AbsoluteCoordinates()
 STEADY = 1e-3
@@ -192,6 +193,7 @@ def _doubts(state: Linearized) -> tuple[str, ...]:
     return (*unsteady, *unseen_contacts(model, instant, state.p, forces=True))
 
 
+@spelled
 def linearize(
     model: Model,
     at: Motion | None = None,

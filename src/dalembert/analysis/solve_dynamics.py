@@ -15,6 +15,7 @@ from dalembert.model.model import Model
 from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.structural.motion import StructuralMotion
+from dalembert.spelling import spelled
 from dalembert.structures.model import StructuralModel
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ def solve_dynamics(
 ) -> Batch: ...
 
 
+@spelled
 def solve_dynamics(
     model: Model | StructuralModel,
     duration: Time | None = None,

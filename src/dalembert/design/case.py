@@ -26,6 +26,23 @@ class Case:
     analysis : a strategy object, as ``Dynamics(...)`` or ``Statics()``
     given : parameter of this model → quantity of another case that sets it, as the load of a
         member by a joint's force; gradients follow the chain
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> def spring(name):
+    ...     made = da.Structure(name)
+    ...     k, load = made.parameter("k", 50.0, bounds=(1, 1e3)), made.parameter("load", 1.0)
+    ...     end = made.node("end", 0)
+    ...     part = made.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    ...     made.load(end, fx=load)
+    ...     return made.build()
+    >>> first = da.Case(spring("first"), da.Statics())
+    >>> second = da.Case(spring("second"), da.Statics(), given={"load": first[da.final("end.ux")]})
+    >>> least = da.combined("k + 4e6*u", k=first[da.final("k")], u=second[da.final("end.ux")])
+    >>> round(da.optimize(minimize=least).x["k"], 1)  # of k + 4e6/k²: (8e6)^(1/3)
+    200.0
     """
 
     model: ParametricModel

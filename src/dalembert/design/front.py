@@ -38,6 +38,20 @@ class Front(Decision):
     message : how it was found
     runs : of the analysis
     interrupted : by Ctrl-C; the points found until then are kept
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("spring")
+    >>> k = rod.parameter("k", 5.0, bounds=(1, 10))
+    >>> end = rod.node("end", 0)
+    >>> part = rod.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> rod.load(end, fx=20.0)
+    >>> aims = [da.final("k", name="effort"), da.final("end.ux", name="give")]
+    >>> front = da.pareto(rod.build(), aims, analysis=da.Statics(), points=4)
+    >>> type(front) is da.Front, front.labels, front.values[[0, -1]].round(6).tolist()  # the ends
+    (True, ['effort', 'give'], [[1.0, 20.0], [10.0, 2.0]])
     """
 
     word = "pareto"

@@ -16,6 +16,22 @@ class Limit:
     ----------
     response : Response, a response of a case, or a combination of such
     lower, upper : None leaves a side open
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("rod")
+    >>> area = rod.parameter("area", 1e-3, "m^2", bounds=(1e-5, 1e-2))
+    >>> top, end = rod.node("top", 0), rod.node("end", 2)
+    >>> part = rod.add(structures.Truss("rod", top, end, area=area, modulus=2e11, density=7850))
+    >>> rod.support(top)
+    >>> rod.load(end, fx=5e4)
+    >>> strong = da.Limit(da.final("rod.stress"), upper=1e8)
+    >>> task = dict(minimize=da.final("mass"), subject_to=[strong], analysis=da.Statics())
+    >>> best = da.optimize(rod.build(), **task)
+    >>> round(best.x["area"] * 1e4, 6), best.active  # F/σ [cm²]
+    (5.0, ['final(rod.stress)'])
     """
 
     response: Any

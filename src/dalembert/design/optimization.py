@@ -65,6 +65,21 @@ def optimize(
     ------
     AnalysisError
         The run fails at the starting design, or a name is unknown.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -9.81))
+    >>> angle = system.parameter("angle", 0.4, "rad", bounds=(0.1, 1.5))
+    >>> speed = 10 * da.cos(angle), 10 * da.sin(angle)
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=speed))
+    >>> analysis = da.Dynamics(3.0, step=0.05, events={"lands": da.Event("stone.y", direction=-1)})
+    >>> width = da.at_event("lands", "stone.x")
+    >>> best = da.optimize(system.build(), maximize=width, analysis=analysis)
+    >>> best.success, round(math.degrees(best.x["angle"]), 3), round(best.fun * 9.81, 3)  # v²/g
+    (True, 45.0, 100.0)
     """
     if (minimize is None) == (maximize is None):
         raise AnalysisError("give one objective: minimize=... or maximize=...")

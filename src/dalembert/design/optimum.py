@@ -42,6 +42,22 @@ class Optimum(Decision):
     stationarity : what multipliers leave of the gradient, relative: zero at an optimum
     variables, limits : names, values, bounds and prices
     optima : distinct optima of ``Multistart``, the best first
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("rod")
+    >>> area = rod.parameter("area", 1e-3, "m^2", bounds=(1e-5, 1e-2))
+    >>> top, end = rod.node("top", 0), rod.node("end", 2)
+    >>> part = rod.add(structures.Truss("rod", top, end, area=area, modulus=2e11, density=7850))
+    >>> rod.support(top)
+    >>> rod.load(end, fx=5e4)
+    >>> strong = da.Limit(da.final("rod.stress", name="stress"), upper=1e8)
+    >>> task = dict(minimize=da.final("mass"), subject_to=[strong], analysis=da.Statics())
+    >>> best = da.optimize(rod.build(), **task)
+    >>> isinstance(best, da.Optimum), best.active, round(best.fun, 6)  # ρ L F/σ
+    (True, ['stress'], 7.85)
     """
 
     word = "optimum"

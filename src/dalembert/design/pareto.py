@@ -64,6 +64,20 @@ def pareto(
     ------
     AnalysisError
         Fewer than two aims, or the starting design fails.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("spring")
+    >>> k = rod.parameter("k", 5.0, bounds=(1, 10))
+    >>> end = rod.node("end", 0)
+    >>> part = rod.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> rod.load(end, fx=20.0)
+    >>> aims = [da.final("k"), da.final("end.ux")]
+    >>> front = da.pareto(rod.build(), aims, analysis=da.Statics(), points=5)
+    >>> (front.values[:, 0] * front.values[:, 1]).round(6)  # k · F/k, wherever on the front
+    array([20., 20., 20., 20., 20.])
     """
     aims = [*minimize, *maximize]
     senses = [1.0] * len(minimize) + [-1.0] * len(maximize)

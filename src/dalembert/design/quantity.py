@@ -13,6 +13,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parser import parse_formula
 
@@ -150,6 +151,7 @@ class Combined(Quantity):
         return made
 
 
+@spelled
 def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Combined:
     """A formula of responses as one objective or limit.
 
@@ -158,6 +160,20 @@ def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Comb
     formula : of the names of ``parts``
     name, unit : shown in results
     **parts : responses, responses of cases (``case[response]``), other combinations
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> spring = da.Structure("spring")
+    >>> k = spring.parameter("k", 50.0, bounds=(1, 1e3))
+    >>> end = spring.node("end", 0)
+    >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> spring.load(end, fx=100.0)
+    >>> cost = da.combined("size/10 + give", size=da.final("k"), give=da.final("end.ux"))
+    >>> best = da.optimize(spring.build(), cost, analysis=da.Statics())
+    >>> round(best.x["k"], 3), round(best.fun, 6)  # of k/10 + 100/k
+    (31.623, 6.324555)
     """
     return Combined(formula, parts, name, unit)
 
@@ -172,6 +188,22 @@ class SumOfSquares(Quantity):
     targets : numbers, zero by default
     scales : what a residual is measured in, one by default
     name : label
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> spring = da.Structure("spring")
+    >>> k = spring.parameter("k", 50.0, bounds=(1, 1e3))
+    >>> end = spring.node("end", 0)
+    >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> for name, load in (("a", 10.0), ("b", 30.0)):
+    ...     spring.load(end, case=name, fx=load)
+    >>> seen = [da.at(0, "end.ux"), da.at(1, "end.ux")]
+    >>> aim = da.SumOfSquares(seen, targets=[0.11, 0.29])
+    >>> best = da.optimize(spring.build(), aim, analysis=da.Statics())
+    >>> round(best.x["k"], 3)  # Σ F²/Σ F u
+    102.041
     """
 
     responses: Sequence[Any]

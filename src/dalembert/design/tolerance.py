@@ -129,6 +129,22 @@ def tolerance(
     ------
     ModelError, AnalysisError
         Unknown parameters, a tolerance not above zero, or a run that fails.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> stack = da.Structure("two plates")
+    >>> a, b = stack.parameter("a", 20.0, "mm"), stack.parameter("b", 30.0, "mm")
+    >>> end = stack.node("end", a + b)
+    >>> part = stack.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
+    >>> height = da.final("a + b", name="height")
+    >>> limits = {"a": 0.3e-3, "b": 0.4e-3}
+    >>> found = da.tolerance(stack.build(), height, limits, analysis=da.Statics())
+    >>> round(3 * found.std * 1e3, 6)  # √(0.3² + 0.4²) [mm]
+    0.5
+    >>> [round(x * 1e3, 6) for x in found.worst]  # 0.7 mm off
+    [49.3, 50.7]
     """
     if not tolerances:
         raise AnalysisError("there are no tolerances; give tolerances={'name': 0.1e-3}")

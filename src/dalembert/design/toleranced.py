@@ -27,6 +27,21 @@ class Toleranced(Decision):
     worst : smallest and largest response within all tolerances, or None
     sampled : responses of Monte Carlo, or None
     interrupted : by Ctrl-C; what there was by then is kept
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> stack = da.Structure("two plates")
+    >>> a, b = stack.parameter("a", 20.0, "mm"), stack.parameter("b", 30.0, "mm")
+    >>> end = stack.node("end", a + b)
+    >>> part = stack.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
+    >>> limits = {"a": 0.3e-3, "b": 0.4e-3}
+    >>> found = da.tolerance(stack.build(), da.final("a - b"), limits, analysis=da.Statics())
+    >>> isinstance(found, da.Toleranced), {n: round(e * 1e3, 6) for n, e in found.effects.items()}
+    (True, {'a': 0.3, 'b': -0.4})
+    >>> {name: round(share, 6) for name, share in found.contributions.items()}  # 9 and 16 of 25
+    {'a': 0.36, 'b': 0.64}
     """
 
     word = "tolerance"

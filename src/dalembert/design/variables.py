@@ -16,7 +16,23 @@ from dalembert.text import nearest
 
 @dataclass(frozen=True)
 class Integer:
-    """A parameter that takes whole numbers within its bounds, as a number of teeth."""
+    """A parameter that takes whole numbers within its bounds, as a number of teeth.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> model = da.Structure("gears")
+    >>> z1 = model.parameter("z1", 20, bounds=(20, 22))
+    >>> z2 = model.parameter("z2", 60, bounds=(60, 70))
+    >>> end = model.node("end", 0)
+    >>> part = model.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
+    >>> off = da.final("(z2/z1 - 3.14159265)**2")
+    >>> teeth = [da.Integer("z1"), da.Integer("z2")]
+    >>> best = da.optimize(model.build(), off, analysis=da.Statics(), vary=teeth)
+    >>> round(best.x["z2"]), round(best.x["z1"])  # Archimedes' fraction
+    (66, 21)
+    """
 
     name: str
 
@@ -41,6 +57,22 @@ class Catalogue:
     Parameters
     ----------
     columns : parameter → its values, row by row; the first has no value twice
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> model = da.Structure("sold springs")
+    >>> k, price = model.parameter("k", 10.0), model.parameter("price", 1.0)
+    >>> end = model.node("end", 0)
+    >>> part = model.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> model.load(end, fx=100.0)
+    >>> sold = da.Catalogue({"k": [10.0, 30.0, 60.0], "price": [1.0, 4.0, 3.0]})
+    >>> soft = da.Limit(da.final("end.ux"), upper=5.0)
+    >>> task = dict(minimize=da.final("price"), subject_to=[soft], analysis=da.Statics())
+    >>> best = da.optimize(model.build(), **task, vary=[sold], method="enumeration")
+    >>> best.x
+    {'k': 60.0, 'price': 3.0}
     """
 
     columns: Mapping[str, Sequence[float]]

@@ -36,6 +36,19 @@ class AugmentedLagrangian(Formulation):
     ------
     UnsupportedError
         ``factor`` not positive or ``iterations`` below one.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("door on two hinges", gravity=(0, -10))
+    >>> door = system.add(planar.Bar("door", length=2.0, mass=3.0))
+    >>> a = system.add(planar.Revolute("A", system.ground.center, door.start))
+    >>> b = system.add(planar.Weld("B", system.ground.center, door.start))  # holds it once more
+    >>> model = system.build()
+    >>> motion = da.solve_dynamics(model, 0.1, step=0.1, formulation=da.AugmentedLagrangian())
+    >>> [round(motion[f"{name}.force.y"][0].item(), 6) for name in "AB"]  # they share the weight
+    [15.0, 15.0]
     """
 
     factor: float = 1e7

@@ -37,6 +37,19 @@ class EnergyProjection(Projection):
     ------
     UnsupportedError
         A constraint that moves with time: scaled speeds would violate it.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -10))
+    >>> bob = system.add(planar.Particle("bob", mass=1.0, position=(1, 0)))
+    >>> rod = system.add(planar.RigidLink("rod", system.ground.center, bob.center, length=1.0))
+    >>> model = system.build()
+    >>> keep = da.EnergyProjection()
+    >>> motion = da.solve_dynamics(model, 2.0, step=0.02, integrator=da.Heun(), stabilization=keep)
+    >>> bool(abs(motion["energy"]).max() < 1e-12)  # zero at the start
+    True
     """
 
     @property

@@ -38,6 +38,19 @@ class Kkt(Formulation):
     """Implicit elimination: ``[M Cᵀ; C 0] [v̇; λ] = [f − d; ξ]`` (5.7) solved as it stands.
 
     Takes massless bodies; costs more than ``RangeSpace``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("rod without mass", gravity=(0, -10))
+    >>> rod = system.add(planar.Bar("rod", length=1.0))
+    >>> bob = system.add(planar.Particle("bob", mass=2.0, position=(1, 0)))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, rod.start))
+    >>> end = system.add(planar.Revolute("A", rod.end, bob.center))
+    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1, formulation=da.Kkt())
+    >>> round(motion["bob.ay"][0].item(), 6)
+    -10.0
     """
 
     @property

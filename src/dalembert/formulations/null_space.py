@@ -68,6 +68,18 @@ class NullSpace(Formulation):
     ------
     UnsupportedError
         Unknown basis, or a limit that no choice can keep.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -10))
+    >>> bar = system.add(planar.Bar("bar", length=1.5, mass=2.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
+    >>> model = system.build()
+    >>> motion = da.solve_dynamics(model, 0.1, step=0.1, formulation=da.NullSpace(basis="qr"))
+    >>> round(motion["bar.angular_acceleration"][0].item(), 6)  # -3 g/(2 l)
+    -10.0
     """
 
     basis: str = "partitioning"

@@ -55,6 +55,18 @@ class RangeSpace(Formulation):
     """Eliminate accelerations first, ``C M⁻¹Cᵀ λ = C M⁻¹(f − d) − ξ`` (5.11–5.12).
 
     The default: fastest in absolute coordinates. Takes massless members that constraints hold.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("Atwood", gravity=(0, -10))
+    >>> a = system.add(planar.Particle("a", mass=3.0, position=(-1, 0)))
+    >>> b = system.add(planar.Particle("b", mass=1.0, position=(1, 0)))
+    >>> cord = system.add(planar.UserConstraint("cord", a.y + b.y))
+    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1, formulation=da.RangeSpace())
+    >>> round(motion["b.ay"][0].item(), 6)  # g (m1 - m2)/(m1 + m2)
+    5.0
     """
 
     def solver(

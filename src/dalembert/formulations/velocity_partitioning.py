@@ -50,6 +50,18 @@ class VelocityPartitioning(Formulation):
         A limit that no choice can keep; on running: unknown names, wrong number, Baumgarte.
     SingularityError
         Given speeds that do not determine the others at a position of the run.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -10))
+    >>> bar = system.add(planar.Bar("bar", length=1.5, mass=2.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
+    >>> turn = da.VelocityPartitioning(independent=("bar.angle",))
+    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1, formulation=turn)
+    >>> round(motion["bar.ay"][0].item(), 6)  # of its middle, -3/4 g
+    -7.5
     """
 
     independent: tuple[str, ...] | None = None

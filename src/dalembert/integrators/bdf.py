@@ -51,6 +51,19 @@ class Bdf(Integrator):
     ------
     UnsupportedError
         A tolerance or ``max_step`` that is not positive, or another order.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("drag")
+    >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
+    >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
+    >>> model = system.build()
+    >>> precise = dict(formulation=da.Dae(index=1), integrator=da.Bdf(rtol=1e-8))
+    >>> motion = da.solve_dynamics(model, 2.0, **precise)
+    >>> round(motion["boat.vx"][-1].item(), 6)  # exp(-2)
+    0.135335
     """
 
     rtol: float = 1e-10

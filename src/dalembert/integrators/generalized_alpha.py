@@ -23,6 +23,18 @@ class GeneralizedAlpha(NewmarkFamily):
     ------
     UnsupportedError
         ``ρ`` outside 0…1.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -10))
+    >>> bar = system.add(planar.Bar("bar", length=1.5, mass=2.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
+    >>> implicit = dict(formulation=da.Dae(index=3), integrator=da.GeneralizedAlpha(rho_inf=0.8))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.01, **implicit)
+    >>> bool(motion["position_violation"].max() < 1e-9), motion["balance_error"][-1].item() < 1e-3
+    (True, True)
     """
 
     rho_inf: float = 0.8
@@ -55,6 +67,20 @@ class HHT(NewmarkFamily):
     ------
     UnsupportedError
         ``α`` outside 0…1/3.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> bar = da.Structure("stiff oscillator")
+    >>> a, b = bar.node("a", 0), bar.node("b", 1)
+    >>> spring = bar.add(structures.AxialSpring("spring", a, b, stiffness=1e8))
+    >>> mass = bar.add(structures.PointMass("mass", b, mass=1.0))
+    >>> bar.support(a)
+    >>> bar.initial(b, ux=1.0)
+    >>> motion = da.solve_transient(bar.build(), 5.0, step=0.05, integrator=da.HHT(alpha=0.1))
+    >>> bool(abs(motion["b.ux"][-1]) < 1e-6)  # what is too fast for the step dies away
+    True
     """
 
     alpha: float = 0.1

@@ -43,6 +43,21 @@ class Newmark(NewmarkFamily):
     UnsupportedError
         ``γ`` below 1/2 (unstable) or ``β`` that is not positive; on running: ``γ = 1/2`` with
         ``Dae(index=3)`` and no projection, where disturbances of accelerations grow.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> bar = da.Structure("oscillator")
+    >>> a, b = bar.node("a", 0), bar.node("b", 1)
+    >>> spring = bar.add(structures.AxialSpring("spring", a, b, stiffness=100.0))
+    >>> mass = bar.add(structures.PointMass("mass", b, mass=1.0))
+    >>> bar.support(a)
+    >>> bar.initial(b, ux=1.0)
+    >>> motion = da.solve_transient(bar.build(), 50.0, step=0.05, integrator=da.Newmark())
+    >>> kinetic, strain = motion["kinetic_energy"], 50 * motion["b.ux"]**2
+    >>> bool(abs(kinetic + strain - 50).max() < 1e-9)  # keeps k x²/2 for ever
+    True
     """
 
     gamma: float = 0.5

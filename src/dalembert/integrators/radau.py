@@ -58,6 +58,18 @@ class Radau(ImplicitRungeKutta):
     ------
     UnsupportedError
         A tolerance or ``max_step`` that is not positive.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("hard buffer")
+    >>> mass = system.add(planar.Particle("mass", mass=1.0, velocity=(1, 0)))
+    >>> stiff = planar.Force("buffer", mass.center, (-1e6 * mass.x - 1e6 * mass.vx, 0))
+    >>> force = system.add(stiff)
+    >>> motion = da.solve_dynamics(system.build(), 1.0, integrator=da.Radau(rtol=1e-6))
+    >>> int(motion.statistics["steps"]) < 200  # its fastest time is a microsecond
+    True
     """
 
     rtol: float = 1e-8

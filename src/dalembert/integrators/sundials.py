@@ -115,6 +115,18 @@ class Cvodes(SundialsIntegrator):
     ------
     UnsupportedError
         A tolerance that is not positive, or a formulation without accelerations.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("drag")
+    >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
+    >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
+    >>> model = system.build()
+    >>> motion = da.solve_dynamics(model, 2.0, step=0.5, integrator=da.Cvodes(rtol=1e-9))
+    >>> round(motion["boat.vx"][-1].item(), 6)  # exp(-2)
+    0.135335
     """
 
     def check(self, problem: Problem) -> None:
@@ -144,6 +156,19 @@ class Ida(SundialsIntegrator):
     ------
     UnsupportedError
         A tolerance that is not positive, or a system of index 2 or 3.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("drag")
+    >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
+    >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
+    >>> model = system.build()
+    >>> index_one = dict(formulation=da.Dae(index=1), integrator=da.Ida(rtol=1e-9))
+    >>> motion = da.solve_dynamics(model, 2.0, step=0.5, **index_one)
+    >>> round(motion["boat.x"][-1].item(), 6)  # 1 - exp(-2)
+    0.864665
     """
 
     @property

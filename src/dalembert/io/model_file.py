@@ -166,6 +166,26 @@ def load_model(path: str | Path) -> System | Structure:
     ------
     FileError, ModelError
         With file, place, value and cure.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import dalembert as da
+    >>> text = '''
+    ... format = 1
+    ... name = "stone"
+    ... gravity = [0.0, -9.81]
+    ... [bodies.stone]
+    ... type = "Particle"
+    ... mass = 2.0
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "stone.toml")
+    ...     written = path.write_text(text)
+    ...     model = da.load_model(path).build()
+    >>> model.diagnosis.degrees_of_freedom
+    2
     """
     return load_model_file(path).build()
 

@@ -16,7 +16,23 @@ CANDIDATES: tuple[Coordinates, ...] = (AbsoluteCoordinates(), JointCoordinates()
 @dataclass(frozen=True)
 class AutomaticCoordinates(Coordinates):
     """Absolute or joint coordinates, whichever need fewer operations for accelerations and
-    corrections: joints for open chains, bodies for long loops. What refuses the model is out."""
+    corrections: joints for open chains, bodies for long loops. What refuses the model is out.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("chain", gravity=(0, -10))
+    >>> last = system.ground.center
+    >>> for k in range(4):
+    ...     link = system.add(planar.Bar(f"link{k}", length=1.0, mass=1.0, position=(k + 0.5, 0)))
+    ...     hinge = system.add(planar.Revolute(f"O{k}", last, link.start))
+    ...     last = link.end
+    >>> choose = da.AutomaticCoordinates()
+    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.01, coordinates=choose)
+    >>> motion.statistics["coordinates"]
+    'JointCoordinates'
+    """
 
     def chosen(self, cost: Callable[[Coordinates], int]) -> Coordinates:
         costs: dict[Coordinates, int] = {}

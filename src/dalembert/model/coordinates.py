@@ -96,7 +96,20 @@ class Coordinates:
 
 @dataclass(frozen=True)
 class AbsoluteCoordinates(Coordinates):
-    """Pose and twist of every body; all joints are constraint equations (Ch. 5)."""
+    """Pose and twist of every body; all joints are constraint equations (Ch. 5).
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -10))
+    >>> bar = system.add(planar.Bar("bar", length=1.5, mass=2.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
+    >>> poses = da.AbsoluteCoordinates()
+    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1, coordinates=poses)
+    >>> motion.data["coordinate"].values.tolist()
+    ['bar.x', 'bar.y', 'bar.angle']
+    """
 
     def view(self, model: Model, every_equation: bool = False) -> AbsoluteView:
         return AbsoluteView(model, every_equation)

@@ -26,6 +26,18 @@ class JointCoordinates(Coordinates):
     ------
     UnsupportedError
         Another word for ``angles`` or ``reactions``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -10))
+    >>> bar = system.add(planar.Bar("bar", length=1.5, mass=2.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
+    >>> relative = da.JointCoordinates()
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.01, coordinates=relative)
+    >>> round(motion["position_violation"].max().item(), 12) + 0.0  # nothing can come apart
+    0.0
     """
 
     cut: tuple[str, ...] = ()

@@ -50,6 +50,20 @@ class Model(ParametricModel):
     closure : how it is assembled
     diagnosis : Diagnosis
     build_time : seconds it took to make it
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -9.81))
+    >>> length = system.parameter("length", 0.5, "m")
+    >>> bob = system.add(planar.Bar("bob", length=length, mass=2.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, bob.start))
+    >>> model = system.build()
+    >>> isinstance(model, da.Model), model.diagnosis.summary, list(model.parameters)
+    (True, '1 degree of freedom', ['length'])
+    >>> "bob.angle" in model.measure_names
+    True
     """
 
     def __init__(self, parts: Description, strict: bool = False):

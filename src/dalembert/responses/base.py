@@ -29,6 +29,17 @@ class Response:
     ----------
     measure : name or formula, in Python also an Expression; scalar
     name : label; made from the measure if empty
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(1, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> width = da.final("stone.x", name="width")  # every response is one
+    >>> isinstance(width, da.Response), width.label, round(da.evaluate(motion, width), 6)
+    (True, 'width', 2.0)
     """
 
     measure: str | Expression

@@ -9,6 +9,7 @@ from dalembert.responses import base
 from dalembert.responses.base import Response
 from dalembert.results.batch import Batch
 from dalembert.results.result import Result
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,6 +23,7 @@ def evaluate(result: Batch, response: Response) -> xr.DataArray: ...
 def evaluate(result: Batch, response: Sequence[Response]) -> xr.Dataset: ...
 
 
+@spelled
 def evaluate(
     result: Result | Batch, response: Response | Sequence[Response]
 ) -> float | xr.DataArray | xr.Dataset:
@@ -42,6 +44,17 @@ def evaluate(
     ------
     AnalysisError
         No such measure, or it is no single number.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> speed = system.parameter("speed", 5.0)
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(1, speed)))
+    >>> many = da.solve_dynamics(system.build(), 1.0, step=0.01, parameters={"speed": [4.0, 6.0]})
+    >>> da.evaluate(many, da.maximum("stone.y")).values.round(4)  # v²/(2 g) of each design
+    array([0.8, 1.8])
     """
     if isinstance(result, Batch):
         from dalembert.responses.batch import batch_response, batch_responses

@@ -9,6 +9,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, t
 
 
@@ -23,6 +24,18 @@ class AtEvent(Response):
     ----------
     event : name of one that was declared with the analysis; in Python also an Event
     occurrence : how often the event has happened then, from 1
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
+    >>> top = {"top": da.Event("stone.vy")}
+    >>> motion = da.solve_dynamics(system.build(), 3.0, step=0.1, events=top)
+    >>> height = da.AtEvent("stone.y", event="top")
+    >>> round(da.evaluate(motion, height), 6)  # v²/(2 g)
+    5.0
     """
 
     event: str | Event = ""
@@ -60,6 +73,7 @@ class AtEvent(Response):
         return np.ones(1)
 
 
+@spelled
 def at_event(
     event: str | Event, measure: str | Expression, occurrence: int = 1, name: str = ""
 ) -> AtEvent:
@@ -71,10 +85,38 @@ def at_event(
     measure : name, formula or Expression
     occurrence : n, from 1
     name : label
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> up = system.parameter("up", 10.0, "m/s")
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, up)))
+    >>> lands = {"lands": da.Event("stone.y", direction=-1)}
+    >>> motion = da.solve_dynamics(system.build(), 3.0, step=0.1, events=lands)
+    >>> width = da.at_event("lands", "stone.x")
+    >>> round(da.evaluate(motion, width), 6)  # 2 v u/g
+    6.0
+    >>> round(da.sensitivity(motion, width).item(), 6)  # 2 v/g: the instant moves too
+    0.6
     """
     return AtEvent(measure, name, event, occurrence)
 
 
+@spelled
 def event_time(event: str | Event, occurrence: int = 1, name: str = "") -> AtEvent:
-    """Time at which an event happens the n-th time [s]."""
+    """Time at which an event happens the n-th time [s].
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("drop", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, position=(0, 5)))
+    >>> lands = {"lands": da.Event("stone.y")}
+    >>> motion = da.solve_dynamics(system.build(), 1.5, step=0.1, events=lands)
+    >>> round(da.evaluate(motion, da.event_time("lands")), 9)  # √(2 h/g)
+    1.0
+    """
     return AtEvent(t, name, event, occurrence)

@@ -9,6 +9,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.base import Response
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
 
 
@@ -22,6 +23,20 @@ class Maximum(Response):
     Parameters
     ----------
     smooth : ``ρ``, one over the unit of the measure
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("crank")
+    >>> crank = system.add(planar.Bar("crank", length=2.0, mass=1.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
+    >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
+    >>> peak = da.Maximum("crank.end.y", smooth=50.0)  # has a gradient wherever the peak is
+    >>> round(da.evaluate(motion, da.Maximum("crank.end.y")), 3), da.evaluate(motion, peak) > 1.9
+    (2.0, True)
     """
 
     smooth: float | None = None
@@ -56,16 +71,55 @@ class Maximum(Response):
 
 @dataclass(frozen=True)
 class Minimum(Maximum):
-    """Smallest sample, or its smooth upper bound."""
+    """Smallest sample, or its smooth upper bound.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("crank")
+    >>> crank = system.add(planar.Bar("crank", length=2.0, mass=1.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
+    >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
+    >>> lowest = da.Minimum("crank.end.y", name="lowest")
+    >>> lowest.label, round(da.evaluate(motion, lowest), 3)
+    ('lowest', -2.0)
+    """
 
     sign = -1.0
 
 
+@spelled
 def maximum(measure: str | Expression, smooth: float | None = None, name: str = "") -> Maximum:
-    """Largest value of a measure over the run."""
+    """Largest value of a measure over the run.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> round(da.evaluate(motion, da.maximum("stone.y")), 6)  # v²/(2 g)
+    5.0
+    """
     return Maximum(measure, name, smooth)
 
 
+@spelled
 def minimum(measure: str | Expression, smooth: float | None = None, name: str = "") -> Minimum:
-    """Smallest value of a measure over the run."""
+    """Smallest value of a measure over the run.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> round(da.evaluate(motion, da.minimum("hypot(stone.vx, stone.vy)")), 6)  # at the top
+    3.0
+    """
     return Minimum(measure, name, smooth)

@@ -16,6 +16,7 @@ from dalembert.analysis.instants import end_by_event
 from dalembert.responses.base import Response
 from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over
 from dalembert.results.result import Result
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
 
 
@@ -108,7 +109,22 @@ class OverRun(Response):
 
 @dataclass(frozen=True)
 class Integral(OverRun):
-    """``∫ m dt`` over the run, or ``Σ m_k`` over modes and load cases."""
+    """``∫ m dt`` over the run, or ``Σ m_k`` over modes and load cases.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("crank")
+    >>> crank = system.add(planar.Bar("crank", length=2.0, mass=1.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
+    >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
+    >>> way = da.Integral("crank.end.speed", name="way")
+    >>> round(da.evaluate(motion, way) / (2 * math.pi), 6)  # by the turn: the length
+    2.0
+    """
 
     def by(self, rule: Rule) -> Response:
         return Weighted(self.measure, self.label, rule=rule)
@@ -116,7 +132,21 @@ class Integral(OverRun):
 
 @dataclass(frozen=True)
 class Mean(OverRun):
-    """``(1/T) ∫ m dt`` over the run, or the plain mean over modes and load cases."""
+    """``(1/T) ∫ m dt`` over the run, or the plain mean over modes and load cases.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("crank")
+    >>> crank = system.add(planar.Bar("crank", length=2.0, mass=1.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
+    >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
+    >>> round(da.evaluate(motion, da.Mean("crank.end.y**2")), 6)  # l²/2
+    2.0
+    """
 
     def by(self, rule: Rule) -> Response:
         rule = rule if rule.weights.size > 1 else Count(1)  # of an instant: its value
@@ -125,7 +155,21 @@ class Mean(OverRun):
 
 @dataclass(frozen=True)
 class Rms(OverRun):
-    """``√((1/T) ∫ m² dt)``, or the root of the plain mean square over modes and load cases."""
+    """``√((1/T) ∫ m² dt)``, or the root of the plain mean square over modes and load cases.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("crank")
+    >>> crank = system.add(planar.Bar("crank", length=2.0, mass=1.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
+    >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
+    >>> round(da.evaluate(motion, da.Rms("crank.end.y"))**2, 6)  # l²/2
+    2.0
+    """
 
     def by(self, rule: Rule) -> Response:
         rule = rule if rule.weights.size > 1 else Count(1)
@@ -135,7 +179,21 @@ class Rms(OverRun):
 
 @dataclass(frozen=True)
 class Total(Response):
-    """``Σ m_k`` over the outputs, or over modes and load cases; each counts one."""
+    """``Σ m_k`` over the outputs, or over modes and load cases; each counts one.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("crank")
+    >>> crank = system.add(planar.Bar("crank", length=2.0, mass=1.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
+    >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
+    >>> round(da.evaluate(motion, da.Total("crank.end.y**2 + crank.end.x**2")), 6)  # 101 of l²
+    404.0
+    """
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         return float(samples.sum())
@@ -144,21 +202,70 @@ class Total(Response):
         return np.ones(times.size)
 
 
+@spelled
 def integral(measure: str | Expression, name: str = "") -> Integral:
-    """Integral of a measure over the run."""
+    """Integral of a measure over the run.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> round(da.evaluate(motion, da.integral("stone.vx")), 6)  # its way
+    6.0
+    """
     return Integral(measure, name)
 
 
+@spelled
 def mean(measure: str | Expression, name: str = "") -> Mean:
-    """Mean of a measure over the run."""
+    """Mean of a measure over the run.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> round(da.evaluate(motion, da.mean("stone.vy")), 6) + 0.0  # as fast down as up
+    0.0
+    """
     return Mean(measure, name)
 
 
+@spelled
 def rms(measure: str | Expression, name: str = "") -> Rms:
-    """Root mean square of a measure over the run."""
+    """Root mean square of a measure over the run.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> round(da.evaluate(motion, da.rms("stone.vx")), 6)
+    3.0
+    """
     return Rms(measure, name)
 
 
+@spelled
 def total(measure: str | Expression, name: str = "") -> Total:
-    """Sum of a measure over the outputs, such as squared distances to points of a path."""
+    """Sum of a measure over the outputs, such as squared distances to points of a path.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> off = da.total("(stone.y - 5)**2")  # squares of how far it is from a line
+    >>> round(da.evaluate(motion, off), 6) == round(float(((motion["stone.y"] - 5)**2).sum()), 6)
+    True
+    """
     return Total(measure, name)

@@ -9,12 +9,25 @@ import numpy as np
 from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
 
 
 @dataclass(frozen=True)
 class Final(Response):
-    """Value at the end of the run."""
+    """Value at the end of the run.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> landed = da.Final("stone.x", name="width")
+    >>> landed.label, round(da.evaluate(motion, landed), 6)
+    ('width', 6.0)
+    """
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         return float(samples[-1])
@@ -30,6 +43,17 @@ class At(Response):
     Parameters
     ----------
     time : instant within the run [s], or number
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> top = da.At("stone.y", time=1.0)
+    >>> top.label, round(da.evaluate(motion, top), 6)
+    ('at(1, stone.y)', 5.0)
     """
 
     time: float = 0.0
@@ -48,11 +72,38 @@ class At(Response):
         return np.ones(1)
 
 
+@spelled
 def final(measure: str | Expression, name: str = "") -> Final:
-    """Value of a measure at the end of the run."""
+    """Value of a measure at the end of the run.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> round(da.evaluate(motion, da.final("kinetic_energy + potential_energy")), 6)  # as at first
+    54.5
+    """
     return Final(measure, name)
 
 
+@spelled
 def at(time: float, measure: str | Expression, name: str = "") -> At:
-    """Value of a measure at a time [s]; of a load case (from 0) or mode (from 1) by number."""
+    """Value of a measure at a time [s]; of a load case (from 0) or mode (from 1) by number.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> spring = da.Structure("spring")
+    >>> end = spring.node("end", 0)
+    >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=10.0))
+    >>> for name, force in (("light", 1.0), ("heavy", 5.0)):
+    ...     spring.load(end, case=name, fx=force)
+    >>> result = da.solve_statics(spring.build())
+    >>> da.evaluate(result, da.at(1, "end.ux"))  # of the second load case
+    0.5
+    """
     return At(measure, name, time)

@@ -40,6 +40,18 @@ class Batch:
     results : number of the design → its result, of those that are kept whole
     statistics : name → number or text, for people
     warnings : doubts about the choices made
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("scale", gravity=(0, -10))
+    >>> k = system.parameter("k", 100.0)
+    >>> pan = system.add(planar.Particle("pan", mass=2.0, position=(0, -0.1)))
+    >>> spring = system.add(planar.Spring("spring", system.ground.center, pan.center, stiffness=k))
+    >>> many = da.solve_equilibrium(system.build(), parameters={"k": [50.0, 100.0, 200.0]})
+    >>> isinstance(many, da.Batch), many["pan.y"].values.ravel().round(6)  # -m g/k
+    (True, array([-0.4, -0.2, -0.1]))
     """
 
     model: ParametricModel

@@ -28,7 +28,22 @@ LARGEST = ("position_violation", "velocity_violation")
 
 @dataclass(eq=False, repr=False)
 class Motion(LabelledRecording):
-    """Motion of a mechanism: its data, files, pictures and report."""
+    """Motion of a mechanism: its data, files, pictures and report.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=0.5, velocity=(3, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> isinstance(motion, da.Motion), motion.status.outcome.name
+    (True, 'COMPLETED')
+    >>> motion["stone.y"].sel(time=1.0, method="nearest").item(), motion["stone.y"].attrs["units"]
+    (5.0, 'm')
+    >>> round(motion["0.5*hypot(stone.vx, stone.vy)**2"][0].item(), 6)  # a formula of measures
+    54.5
+    """
 
     def summary(self) -> dict[str, Any]:
         """Status, statistics, events, final energies and largest violations."""

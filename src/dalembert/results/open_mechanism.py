@@ -16,11 +16,13 @@ from dalembert.report.page import write_page
 from dalembert.results.contents import Contents
 from dalembert.results.page_parts import diagnosis, parameter_rows
 from dalembert.results.scene import is_spatial, motion_scene, standing
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, stack, t
 
 GUESS, BEST = np.array([0]), np.array([1])
 
 
+@spelled
 def assembly_report(error: AssemblyError, path: str | Path) -> Path:
     """Write a page that draws why a mechanism cannot be assembled; returns its path.
 
@@ -33,6 +35,23 @@ def assembly_report(error: AssemblyError, path: str | Path) -> Path:
     ------
     FileError
         It cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("too short")
+    >>> bar = system.add(planar.Bar("bar", length=1.0))
+    >>> a = system.add(planar.Revolute("A", system.ground.center, bar.start))
+    >>> b = system.add(planar.Revolute("B", system.ground.point(2, 0), bar.end))
+    >>> try:
+    ...     model = system.build()
+    ... except da.AssemblyError as error:
+    ...     with tempfile.TemporaryDirectory() as folder:
+    ...         page = da.assembly_report(error, f"{folder}/why.html").name
+    >>> page
+    'why.html'
     """
     return write_page(open_payload(error), path)
 

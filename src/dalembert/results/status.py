@@ -9,7 +9,21 @@ from dalembert.sparse.eigenvalues import CONVERGED
 
 
 class Outcome(StrEnum):
-    """Ways in which a run ends."""
+    """Ways in which a run ends.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("ladder that is pulled away")
+    >>> ladder = system.add(planar.Bar("ladder", length=5.0, angle=-0.9))
+    >>> wall = system.add(planar.PinInSlot("wall", system.ground.center, ladder.start, axis=(0, 1)))
+    >>> floor = system.add(planar.PinInSlot("floor", system.ground.center, ladder.end))
+    >>> foot = system.add(planar.CoordinateDriver("foot", ladder.end, 3 + da.t))
+    >>> motion = da.solve_kinematics(system.build(), 4.0, step=0.1)  # its length is 5
+    >>> motion.status.outcome is da.Outcome.LOCKED, bool(1.8 < motion.time[-1] < 2.1)
+    (True, True)
+    """
 
     COMPLETED = "completed"
     TERMINATED = "terminated by an event"
@@ -37,6 +51,18 @@ class Status:
     time : last time with a valid state [s]
     residual : of what was returned: largest constraint violation, or what is left of equilibrium
         or of equations of motion, relative to the largest of their terms
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("scale", gravity=(0, -10))
+    >>> pan = system.add(planar.Particle("pan", mass=2.0, position=(0, -0.1)))
+    >>> spring = planar.Spring("spring", system.ground.center, pan.center, stiffness=100.0)
+    >>> hung = system.add(spring)
+    >>> status = da.solve_equilibrium(system.build()).status
+    >>> isinstance(status, da.Status), status.success, status.outcome.name, status.residual < 1e-9
+    (True, True, 'COMPLETED', True)
     """
 
     outcome: Outcome

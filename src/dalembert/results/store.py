@@ -12,6 +12,7 @@ from dalembert.errors import DalembertError, FileError
 from dalembert.readable import readable
 from dalembert.results.contents import Contents
 from dalembert.results.netcdf import write_netcdf
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,6 +32,7 @@ def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
     return Path(path)
 
 
+@spelled
 def load_results(path: str | Path) -> xr.Dataset:
     """Read a result file written by ``save`` as an ``xarray.Dataset``.
 
@@ -40,6 +42,20 @@ def load_results(path: str | Path) -> xr.Dataset:
         Missing file, or not a result of this program.
     BudgetError
         It unpacks to more than a task may take.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("fall", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = motion.save(f"{folder}/fall.nc")
+    ...     data = da.load_results(path)
+    >>> data["position"].sel(body="stone", axis="y")[-1].item()
+    -5.0
     """
     import xarray as xr
 

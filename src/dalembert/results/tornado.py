@@ -16,6 +16,7 @@ from dalembert.results.influence import (
     range_influence,
     relative_influence,
 )
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,6 +53,7 @@ class Chart:
         return lines
 
 
+@spelled
 def tornado(
     gradient: xr.DataArray, kind: str = "relative", most: int = 15, axes: Any = None
 ) -> Any:
@@ -74,6 +76,18 @@ def tornado(
     ------
     AnalysisError
         Another kind, parameters without bounds, or a gradient without its labels.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> a, b = system.parameter("a", 3.0), system.parameter("b", 10.0)
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(a, b)))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> axes = da.tornado(da.sensitivity(motion, da.final("stone.x")))
+    >>> len(axes.patches)  # one bar: "b" has no influence
+    1
     """
     if kind not in KINDS:
         raise AnalysisError(f"no tornado chart {kind!r}; known: {', '.join(KINDS)}")

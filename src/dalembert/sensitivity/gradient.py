@@ -54,6 +54,19 @@ def sensitivity(
     AnalysisError
         Unknown parameter or method; a run that failed; a response that has no derivative at these
         parameters, e.g. at an event that is only just reached.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> a, b = system.parameter("a", 3.0, "m/s"), system.parameter("b", 10.0, "m/s")
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(a, b)))
+    >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
+    >>> responses = [da.final("stone.x"), da.final("stone.y")]
+    >>> da.sensitivity(motion, responses).values.round(6)  # t on the diagonal
+    array([[2., 0.],
+           [0., 2.]])
     """
     listed = as_responses(responses)
     if isinstance(motion, Batch):

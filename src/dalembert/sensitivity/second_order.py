@@ -17,11 +17,13 @@ from dalembert.sensitivity.gradient import (
     refuse_unknown_values,
 )
 from dalembert.sensitivity.registry import engine_of
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
+@spelled
 def hessian_product(
     result: Result,
     response: Response,
@@ -47,6 +49,20 @@ def hessian_product(
         Unknown parameter, a direction of a wrong length, a run that failed, no derivative there.
     UnsupportedError
         Second derivatives of this analysis, integrator or response are not available.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> spring = da.Structure("spring")
+    >>> k, load = spring.parameter("k", 10.0), spring.parameter("load", 5.0)
+    >>> end = spring.node("end", 0)
+    >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> spring.load(end, fx=load)
+    >>> result = da.solve_statics(spring.build())
+    >>> row = da.hessian_product(result, da.final("end.ux"), {"k": 1.0})
+    >>> row.values.round(6)  # 2 F/k³, -1/k²
+    array([ 0.01, -0.01])
     """
     import xarray as xr
 

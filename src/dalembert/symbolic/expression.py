@@ -25,6 +25,19 @@ class Expression:
         Column of scalar expressions.
     name, unit : str
         Labels used in results; arithmetic drops them.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("lever")
+    >>> length = system.parameter("length", 0.5, "m")
+    >>> bar = system.add(planar.Bar("bar", length=length))
+    >>> reach = 2 * length * da.cos(bar.angle) + 0.1  # formulas of parameters, measures and da.t
+    >>> isinstance(reach, da.Expression), bar.angle.name, bar.angle.unit
+    (True, 'bar.angle', 'rad')
+    >>> float(da.Expression(2.0) ** 3)
+    8.0
     """
 
     __slots__ = ("name", "sx", "unit")

@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.amounts import check_unit
 from dalembert.errors import ExpressionError, ModelError
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.spline import CubicSpline, reached
 from dalembert.text import unknown
@@ -49,9 +50,14 @@ class Interpolation:
     Examples
     --------
     >>> import dalembert as da
-    >>> torque = da.table([0, 1000, 3000], [10, 30, 0], kind="linear", units=("rpm", "N m"))
-    >>> round(float(torque("2000 rpm")), 12)
-    15.0
+    >>> from dalembert import planar
+    >>> system = da.System("gas spring")
+    >>> piston = system.add(planar.Particle("piston", mass=0.5, position=(0.01, 0)))
+    >>> gas = da.Interpolation(["0 mm", "10 mm", "30 mm"], [2000.0, 1500.0, 300.0])
+    >>> pressure = system.add(planar.Force("gas", piston.center, (gas(piston.x), 0)))
+    >>> motion = da.solve_dynamics(system.build(), 1e-3, step=1e-3)
+    >>> round(motion["piston.ax"][0].item(), 6)  # 1500 N by the mass
+    3000.0
     """
 
     def __init__(
@@ -147,6 +153,7 @@ class Polyline(CubicSpline):
         return inside, ends
 
 
+@spelled
 def table(
     x: Sequence[Any] | np.ndarray,
     y: Sequence[Any] | np.ndarray,
@@ -160,9 +167,9 @@ def table(
     Examples
     --------
     >>> import dalembert as da
-    >>> gas = da.table(["0 mm", "10 mm", "30 mm"], [2000.0, 1500.0, 300.0])
-    >>> round(float(gas("10 mm")), 9)
-    1500.0
+    >>> torque = da.table([0, 1000, 3000], [10, 30, 0], kind="linear", units=("rpm", "N m"))
+    >>> round(float(torque("2000 rpm")), 12)
+    15.0
     """
     return Interpolation(x, y, kind, outside, units, name)
 

@@ -52,8 +52,8 @@ class Parameter(Expression):
     --------
     >>> import dalembert as da
     >>> crank = da.System("press").parameter("crank", 45, unit="mm", bounds=(30, "6 cm"))
-    >>> crank.value, crank.unit, crank.given_unit
-    (0.045, 'm', 'mm')
+    >>> isinstance(crank, da.Parameter), crank.value, crank.unit, crank.given_unit
+    (True, 0.045, 'm', 'mm')
     """
 
     __slots__ = ("bounds", "description", "given_unit", "value")

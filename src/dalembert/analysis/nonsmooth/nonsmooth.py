@@ -21,6 +21,7 @@ from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactSch
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
+from dalembert.spelling import spelled
 
 
 @options
@@ -46,7 +47,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3)))
     >>> floor = (system.ground.center, (0, 1))
     >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor]))
-    >>> analysis = da.Nonsmooth(duration=1.0, step=0.01, integrator=da.MoreauJean())
+    >>> analysis = da.Nonsmooth(duration=0.4, step=0.01, integrator=da.MoreauJean())
     >>> motion = analysis.run(system.build())
     >>> round(motion["ball.y"][-1].item(), 6)  # it lies on its radius
     0.1
@@ -81,6 +82,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
         return replace(motion, trajectory=sampled(motion.model, motion.record, times))
 
 
+@spelled
 def solve_nonsmooth(
     model: Model,
     duration: Time | None = None,

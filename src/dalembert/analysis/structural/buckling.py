@@ -18,6 +18,7 @@ from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
 from dalembert.results.result import Given
 from dalembert.results.structural.buckling_modes import BucklingModes
+from dalembert.spelling import spelled
 from dalembert.structures.eigenpairs import largest
 from dalembert.structures.model import StructuralModel
 
@@ -111,6 +112,7 @@ class Buckling(SpectralAnalysis[BucklingModes]):
         return Spectrum(pencil, (a, b), values, vectors)
 
 
+@spelled
 def solve_buckling(
     model: StructuralModel,
     count: int = 3,

@@ -23,6 +23,7 @@ from dalembert.options import options
 from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult, Plane
+from dalembert.spelling import spelled
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.newton import solve
 
@@ -278,6 +279,7 @@ class Walk:
         )
 
 
+@spelled
 def solve_load_path(
     model: StructuralModel,
     *,

@@ -21,6 +21,7 @@ from dalembert.results.result import Given
 from dalembert.results.structural.result import StructuralResult
 from dalembert.results.structural.vibration_modes import VibrationModes
 from dalembert.sparse.factorise import indefinite_factors
+from dalembert.spelling import spelled
 from dalembert.structures.eigenpairs import nearest
 from dalembert.structures.model import StructuralModel
 
@@ -152,6 +153,7 @@ class Modal(SpectralAnalysis[VibrationModes]):
         return factor.solve  # type: ignore[union-attr]
 
 
+@spelled
 def solve_modes(
     model: StructuralModel,
     count: int = 6,

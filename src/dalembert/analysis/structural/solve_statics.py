@@ -13,6 +13,7 @@ from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of
 from dalembert.results.batch import Batch
 from dalembert.results.structural.result import StructuralResult
+from dalembert.spelling import spelled
 from dalembert.structures.model import StructuralModel
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def solve_statics(
 ) -> Batch: ...
 
 
+@spelled
 def solve_statics(
     model: StructuralModel,
     *,

@@ -21,6 +21,7 @@ from dalembert.integrators.newmark import Newmark, NewmarkFamily
 from dalembert.options import options
 from dalembert.results.result import Analysis, Given
 from dalembert.results.structural.motion import StructuralMotion
+from dalembert.spelling import spelled
 from dalembert.structures.model import StructuralModel
 
 
@@ -139,6 +140,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
         return TransientRun(self, motion.model, p).execute(False).at(motion.time)
 
 
+@spelled
 def solve_transient(
     model: StructuralModel,
     duration: Time | None = None,

@@ -40,6 +40,22 @@ class DesignFunctions:
     names, labels : of the variables and of the responses
     x0 : (n,) start
     bounds : (n, 2)
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> from scipy.optimize import minimize
+    >>> rod = da.Structure("spring")
+    >>> k = rod.parameter("k", 50.0, bounds=(1, 1e3))
+    >>> end = rod.node("end", 0)
+    >>> part = rod.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> rod.load(end, fx=100.0)
+    >>> cost = da.final("k + 100*end.ux")
+    >>> design = da.DesignFunctions(rod.build(), cost, analysis=da.Statics())
+    >>> found = minimize(design.fun, design.x0, jac=design.jac, bounds=design.bounds)
+    >>> found.x.round(3)  # of k + 1e4/k
+    array([100.])
     """
 
     def __init__(

@@ -12,9 +12,11 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 
 
+@spelled
 def openmdao_component(
     model: ParametricModel | None,
     responses: Any,
@@ -40,6 +42,25 @@ def openmdao_component(
     ------
     UnsupportedError
         OpenMDAO is not there.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> import openmdao.api as om
+    >>> from dalembert import structures
+    >>> rod = da.Structure("spring")
+    >>> k = rod.parameter("k", 50.0, bounds=(1, 1e3))
+    >>> end = rod.node("end", 0)
+    >>> part = rod.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> rod.load(end, fx=100.0)
+    >>> response = da.final("end.ux", name="u")
+    >>> problem = om.Problem(reports=None)
+    >>> made = da.openmdao_component(rod.build(), response, analysis=da.Statics())
+    >>> part = problem.model.add_subsystem("spring", made)
+    >>> ready = problem.setup()
+    >>> problem.run_model()
+    >>> float(problem["spring.u"][0])  # F/k
+    2.0
     """
     try:
         import openmdao.api as om

@@ -11,12 +11,14 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
+from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
 
 FAILED = 1e12
 """Objectives and violations of a design whose run fails."""
 
 
+@spelled
 def pymoo_problem(
     model: ParametricModel | None,
     minimize: Sequence[Any],
@@ -41,6 +43,21 @@ def pymoo_problem(
     ------
     UnsupportedError
         pymoo is not there.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("spring")
+    >>> k = rod.parameter("k", 50.0, bounds=(1, 1e3))
+    >>> end = rod.node("end", 0)
+    >>> part = rod.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> rod.load(end, fx=100.0)
+    >>> aims = [da.final("k"), da.final("end.ux")]
+    >>> problem = da.pymoo_problem(rod.build(), aims, analysis=da.Statics())
+    >>> problem.evaluate(np.array([[20.0]]), return_values_of=["F"])  # k, F/k
+    array([[20.,  5.]])
     """
     functions = DesignFunctions(
         model, list(minimize), analysis=analysis, subject_to=subject_to, vary=vary

@@ -33,6 +33,24 @@ class Experiment:
     parameters : values that this run had, by name
     own : parameters that are unknown and this run's own, such as its initial state
     analysis : how this run is simulated; by default as the others
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("sledge")
+    >>> speed, push = system.parameter("speed", 0.0), system.parameter("push", 0.0, "N")
+    >>> mass = system.parameter("mass", 5.0, "kg", bounds=(1, 20))
+    >>> sledge = system.add(planar.Particle("sledge", mass=mass, velocity=(speed, 0)))
+    >>> force = system.add(planar.Force("force", sledge.center, (push, 0)))
+    >>> t = np.linspace(0, 1, 11)
+    >>> first = da.Experiment(data={"t": t, "sledge.x": t**2 / 4}, parameters={"push": 4.0})
+    >>> other = da.Experiment(data={"t": t, "sledge.x": t}, parameters={"speed": 1.0})
+    >>> runs = [first, other]
+    >>> found = da.identify(system.build(), runs, vary=["mass"])
+    >>> round(found.x["mass"], 4)  # x = F t²/(2 m); the second run tells nothing of it
+    8.0
     """
 
     data: Any

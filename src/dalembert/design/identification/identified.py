@@ -34,6 +34,21 @@ class Identification(Decision):
     predicted : (K, columns) of each experiment, NaN where no sample is used
     at_bounds : unknowns that ended at a bound; their intervals mean little
     interrupted : by Ctrl-C; the unknowns are the best reached
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw")
+    >>> v = system.parameter("v", 1.0, "m/s", bounds=(0, 10))
+    >>> stone = system.add(planar.Particle("stone", mass=2.0, velocity=(v, 0)))
+    >>> t = np.linspace(0, 2, 21)
+    >>> noise = np.random.default_rng(1).normal(0, 0.01, t.size)
+    >>> found = da.identify(system.build(), {"time": t, "stone.x": 3 * t + noise}, vary=["v"])
+    >>> expected = 0.01 / np.sqrt((t**2).sum())  # of a line through the origin
+    >>> type(found) is da.Identification, bool(abs(found.x["v"] - 3) < 4 * expected)
+    (True, True)
     """
 
     word = "identification"

@@ -61,6 +61,21 @@ def identify(
     ------
     AnalysisError
         Data that cannot be used, or a run that fails at the start.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("rolling")
+    >>> drag = system.parameter("drag", 0.1, "N s/m", bounds=(0, 10))
+    >>> cart = system.add(planar.Particle("cart", mass=2.0, velocity=(3.0, 0)))
+    >>> resistance = system.add(planar.Force("wind", cart.center, (-drag * cart.vx, 0)))
+    >>> t = np.linspace(0, 2, 21)
+    >>> data = {"time": t, "speed": 3 * np.exp(-0.4 * t)}  # as if measured
+    >>> found = da.identify(system.build(), data, {"speed": "cart.vx"}, ["drag"])
+    >>> found.success, round(found.x["drag"], 6)  # c = 0.4 m
+    (True, 0.8)
     """
     misfit = prepared(model, data, measures, vary, analysis, time, noise, delays, start)
     solver = LeastSquares(misfit, loss, tolerance, max_iterations, progress=progress)

@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.elements.laws.table import Table
 from dalembert.errors import ModelError
+from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, t
 from dalembert.symbolic.parameter import Parameter
 
@@ -24,6 +25,17 @@ class History:
     knots : (n,) times [s]
     parameters : one for each knot
     law : the spline, for drivers
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> system = da.System("robot axis")
+    >>> turn = da.history(system, "turn", np.linspace(0, 1, 5), unit="rad")
+    >>> isinstance(turn, da.History), turn.names, len(turn.parameters)
+    (True, ['turn_0', 'turn_1', 'turn_2', 'turn_3', 'turn_4'], 5)
+    >>> type(turn.law).__name__  # for drivers; turn.value is for forces
+    'Table'
     """
 
     name: str
@@ -49,6 +61,7 @@ class History:
         return rows * np.sqrt((x[order:] - x[:-order]) / order)[:, None]
 
 
+@spelled
 def history(
     system: Any, name: str, knots: Sequence[float] | np.ndarray, value: float = 0.0, unit: str = ""
 ) -> History:
@@ -64,6 +77,18 @@ def history(
     ------
     ModelError
         Fewer than four knots, or knots not increasing.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pushed mass")
+    >>> mass = system.add(planar.Particle("mass", mass=2.0))
+    >>> push = da.history(system, "push", [0, 0.5, 1.0, 1.5], value=3.0, unit="N")
+    >>> force = system.add(planar.Force("push", mass.center, (push.value, 0)))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> list(system.parameters), round(motion["mass.vx"][-1].item(), 6)  # F t/m
+    (['push_0', 'push_1', 'push_2', 'push_3'], 1.5)
     """
     times = np.asarray(knots, dtype=float)
     if times.ndim != 1 or times.size < 4 or not np.all(np.diff(times) > 0):

@@ -60,6 +60,21 @@ def invert(
     ------
     AnalysisError
         Data that cannot be used, or a run that fails at the start.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pushed mass")
+    >>> mass = system.add(planar.Particle("mass", mass=2.0))
+    >>> push = da.history(system, "push", np.linspace(0, 1, 5), unit="N")
+    >>> force = system.add(planar.Force("push", mass.center, (push.value, 0)))
+    >>> t = np.linspace(0, 1, 21)
+    >>> seen = {"time": t, "mass.x": 0.75 * t**2}  # under a force of 3 N
+    >>> found = da.invert(system.build(), seen, histories=[push], smoothing=1e-6)
+    >>> found.values["push"].round(3)
+    array([3., 3., 3., 3., 3.])
     """
     if not histories:
         raise AnalysisError("nothing to find; give histories=[da.history(system, ...)]")

@@ -31,6 +31,21 @@ class Inversion(Decision):
     curve : misfit and roughness over the smoothing
     misfit_norm, roughness_norm : of the solution
     interrupted : by Ctrl-C; the histories are the best reached
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pushed mass")
+    >>> mass = system.add(planar.Particle("mass", mass=2.0))
+    >>> push = da.history(system, "push", np.linspace(0, 1, 5), unit="N")
+    >>> force = system.add(planar.Force("push", mass.center, (push.value, 0)))
+    >>> t = np.linspace(0, 1, 21)
+    >>> seen = {"time": t, "mass.x": t**3}  # under a force of 12 t
+    >>> found = da.invert(system.build(), seen, histories=[push], smoothing=1e-9)
+    >>> isinstance(found, da.Inversion), found.at("push", [0.25, 0.5]).round(2)
+    (True, array([3., 6.]))
     """
 
     word = "inversion"

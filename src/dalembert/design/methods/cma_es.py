@@ -23,6 +23,20 @@ class CmaEs(Optimizer):
     penalty : on violations of limits
     rng : seed, above zero
     polish : gradient method that ends it; None for none
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> model = da.Structure("waves")
+    >>> a, b = (model.parameter(name, 3.0, bounds=(-5, 5)) for name in "ab")
+    >>> end = model.node("end", 0)
+    >>> part = model.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
+    >>> waves = da.final("(a**2 + b**2)/20 - cos(3*a) - cos(3*b)")  # many valleys
+    >>> search = da.CmaEs(generations=30)
+    >>> best = da.optimize(model.build(), waves, analysis=da.Statics(), method=search)
+    >>> best.success, round(best.fun, 6)
+    (True, -2.0)
     """
 
     spread: float = 0.25

@@ -23,6 +23,20 @@ class DifferentialEvolution(Optimizer):
     generations : at most
     rng : seed
     polish : gradient method that ends it; None for none
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> model = da.Structure("waves")
+    >>> a = model.parameter("a", 3.0, bounds=(-5, 5))
+    >>> end = model.node("end", 0)
+    >>> part = model.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
+    >>> waves = da.final("a**2/20 - cos(3*a)")  # a valley every third of a turn
+    >>> search = da.DifferentialEvolution(population=10, generations=10)
+    >>> best = da.optimize(model.build(), waves, analysis=da.Statics(), method=search)
+    >>> round(best.x["a"], 3) + 0.0, round(best.fun, 6)
+    (0.0, -1.0)
     """
 
     population: int = 10

@@ -42,6 +42,22 @@ class BranchAndBound(Optimizer):
     ----------
     local : gradient method of the relaxed problems
     max_nodes : relaxed problems at most
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> model = da.Structure("springs side by side")
+    >>> count = model.parameter("count", 5, bounds=(1, 20))
+    >>> end = model.node("end", 0)
+    >>> part = model.add(structures.GroundSpring("spring", end, stiffness_x=30.0 * count))
+    >>> model.load(end, fx=100.0)
+    >>> stiff = da.Limit(da.final("end.ux"), upper=1.0)
+    >>> task = dict(minimize=da.final("count"), subject_to=[stiff], analysis=da.Statics())
+    >>> search = dict(vary=[da.Integer("count")], method=da.BranchAndBound())
+    >>> best = da.optimize(model.build(), **task, **search)
+    >>> round(best.x["count"])  # 100/30 is not enough for three
+    4
     """
 
     local: Optimizer = Slsqp()

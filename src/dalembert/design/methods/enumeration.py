@@ -35,6 +35,24 @@ class Enumeration(Optimizer):
     ----------
     max_designs : combinations at most, by formulas
     max_runs : combinations at most, where each is a run
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("rod")
+    >>> d = rod.parameter("d", 0.02, "m")
+    >>> top, end = rod.node("top", 0), rod.node("end", 2)
+    >>> area = 0.785398163 * d**2
+    >>> part = rod.add(structures.Truss("rod", top, end, area=area, modulus=2e11, density=7850))
+    >>> rod.support(top)
+    >>> rod.load(end, fx=2e4)
+    >>> strong = da.Limit(da.final("rod.stress"), upper=1e8)
+    >>> task = dict(minimize=da.final("mass"), subject_to=[strong], analysis=da.Statics())
+    >>> search = dict(vary=[da.Catalogue({"d": [0.012, 0.016, 0.02]})], method=da.Enumeration())
+    >>> best = da.optimize(rod.build(), **task, **search)
+    >>> best.x["d"]  # 16 mm is the first of at least √(4 F/(π σ))
+    0.016
     """
 
     max_designs: int = 20_000_000

@@ -15,7 +15,25 @@ from dalembert.options import options
 
 @options
 class Ipopt(Optimizer):
-    """For many variables and many limits; Hessians by limited-memory BFGS."""
+    """For many variables and many limits; Hessians by limited-memory BFGS.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> row = da.Structure("springs in a row")
+    >>> a, b = (row.parameter(name, 1.0, bounds=(0.1, 50)) for name in ("a", "b"))
+    >>> wall, mid, end = row.node("wall", 0), row.node("mid", 1), row.node("end", 2)
+    >>> i = row.add(structures.AxialSpring("i", wall, mid, stiffness=a))
+    >>> j = row.add(structures.AxialSpring("j", mid, end, stiffness=b))
+    >>> row.support(wall)
+    >>> row.load(end, fx=1.0)
+    >>> give = da.Limit(da.final("end.ux"), upper=0.5)
+    >>> task = dict(minimize=da.final("a + b"), subject_to=[give], analysis=da.Statics())
+    >>> best = da.optimize(row.build(), **task, method=da.Ipopt())
+    >>> {name: round(value, 3) for name, value in best.x.items()}  # 1/a + 1/b = 0.5
+    {'a': 4.0, 'b': 4.0}
+    """
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         values = _Values(program)

@@ -13,7 +13,24 @@ from dalembert.options import options
 
 @options
 class LeastSquares(Optimizer):
-    """For a sum of squares without limits: Gauss–Newton steps from the residuals' gradients."""
+    """For a sum of squares without limits: Gauss–Newton steps from the residuals' gradients.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> row = da.Structure("springs in a row")
+    >>> a, b = (row.parameter(name, 1.0, bounds=(0.1, 50)) for name in ("a", "b"))
+    >>> wall, mid, end = row.node("wall", 0), row.node("mid", 1), row.node("end", 2)
+    >>> i = row.add(structures.AxialSpring("i", wall, mid, stiffness=a))
+    >>> j = row.add(structures.AxialSpring("j", mid, end, stiffness=b))
+    >>> row.support(wall)
+    >>> row.load(end, fx=1.0)
+    >>> aim = da.SumOfSquares([da.final("mid.ux"), da.final("end.ux")], targets=[0.25, 0.75])
+    >>> best = da.optimize(row.build(), aim, analysis=da.Statics(), method=da.LeastSquares())
+    >>> {name: round(value, 4) for name, value in best.x.items()}  # 1/0.25, 1/0.5
+    {'a': 4.0, 'b': 2.0}
+    """
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         from scipy.optimize import least_squares

@@ -68,6 +68,23 @@ class Mma(Optimizer):
     Parameters
     ----------
     move : largest step, in ranges
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> row = da.Structure("springs in a row")
+    >>> a, b = (row.parameter(name, 2.0, bounds=(0.1, 10)) for name in ("a", "b"))
+    >>> wall, mid, end = row.node("wall", 0), row.node("mid", 1), row.node("end", 2)
+    >>> i = row.add(structures.AxialSpring("i", wall, mid, stiffness=a))
+    >>> j = row.add(structures.AxialSpring("j", mid, end, stiffness=b))
+    >>> row.support(wall)
+    >>> row.load(end, fx=1.0)
+    >>> give = da.Limit(da.final("end.ux"), upper=1.0)
+    >>> task = dict(minimize=da.final("a + 4*b"), subject_to=[give], analysis=da.Statics())
+    >>> best = da.optimize(row.build(), **task, method=da.Mma())
+    >>> round(best.x["a"], 3), round(best.x["b"], 3)  # a = 2 b where b is four times as dear
+    (3.0, 1.5)
     """
 
     move: float = 0.2

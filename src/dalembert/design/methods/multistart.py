@@ -20,6 +20,19 @@ class Multistart(Optimizer):
     local : gradient method
     rng : seed
     apart : distance, in ranges, from which optima are different
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> model = da.Structure("two valleys")
+    >>> a = model.parameter("a", 1.0, bounds=(-2, 2))
+    >>> end = model.node("end", 0)
+    >>> part = model.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
+    >>> valleys, search = da.final("(a**2 - 1)**2"), da.Multistart(starts=6)
+    >>> best = da.optimize(model.build(), valleys, analysis=da.Statics(), method=search)
+    >>> sorted(round(one.parameters["a"], 3) for one in best.optima)
+    [-1.0, 1.0]
     """
 
     starts: int = 20

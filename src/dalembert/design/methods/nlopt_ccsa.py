@@ -14,7 +14,25 @@ from dalembert.options import options
 
 @options
 class Ccsaq(Optimizer):
-    """NLopt's CCSAQ, for many variables; ``pip install dalembert[nlopt]``."""
+    """NLopt's CCSAQ, for many variables; ``pip install dalembert[nlopt]``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> row = da.Structure("springs in a row")
+    >>> a, b = (row.parameter(name, 2.0, bounds=(0.1, 10)) for name in ("a", "b"))
+    >>> wall, mid, end = row.node("wall", 0), row.node("mid", 1), row.node("end", 2)
+    >>> i = row.add(structures.AxialSpring("i", wall, mid, stiffness=a))
+    >>> j = row.add(structures.AxialSpring("j", mid, end, stiffness=b))
+    >>> row.support(wall)
+    >>> row.load(end, fx=1.0)
+    >>> shared = da.Limit(da.final("a + b"), upper=6.0)
+    >>> task = dict(minimize=da.final("end.ux"), subject_to=[shared], analysis=da.Statics())
+    >>> best = da.optimize(row.build(), **task, method=da.Ccsaq())
+    >>> round(best.x["a"], 3), round(best.x["b"], 3)  # equal ones give least
+    (3.0, 3.0)
+    """
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         try:

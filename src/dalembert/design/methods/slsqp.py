@@ -13,7 +13,22 @@ from dalembert.options import options
 
 @options
 class Slsqp(Optimizer):
-    """Quick for up to about a hundred variables, with limits and equations."""
+    """Quick for up to about a hundred variables, with limits and equations.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> spring = da.Structure("spring")
+    >>> k = spring.parameter("k", 50.0, bounds=(1, 1e3))
+    >>> end = spring.node("end", 0)
+    >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> spring.load(end, fx=100.0)
+    >>> cost = da.final("k + 4*100*end.ux")
+    >>> best = da.optimize(spring.build(), cost, analysis=da.Statics(), method=da.Slsqp())
+    >>> round(best.x["k"])  # of k + 4e4/k
+    200
+    """
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         from scipy.optimize import minimize

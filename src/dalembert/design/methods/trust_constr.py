@@ -13,7 +13,24 @@ from dalembert.options import options
 
 @options
 class TrustConstr(Optimizer):
-    """Slower than SLSQP, and steadier on badly curved limits."""
+    """Slower than SLSQP, and steadier on badly curved limits.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("rod")
+    >>> area = rod.parameter("area", 1e-3, "m^2", bounds=(1e-5, 1e-2))
+    >>> top, end = rod.node("top", 0), rod.node("end", 2)
+    >>> part = rod.add(structures.Truss("rod", top, end, area=area, modulus=2e11, density=7850))
+    >>> rod.support(top)
+    >>> rod.load(end, fx=5e4)
+    >>> stiff = da.Limit(da.final("end.ux"), upper=1e-3)
+    >>> task = dict(minimize=da.final("mass"), subject_to=[stiff], analysis=da.Statics())
+    >>> best = da.optimize(rod.build(), **task, method=da.TrustConstr())
+    >>> round(best.x["area"] * 1e4, 2)  # F L/(E u) [cm²]
+    5.0
+    """
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         from scipy.optimize import BFGS, Bounds, NonlinearConstraint, minimize

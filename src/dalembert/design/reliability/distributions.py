@@ -18,6 +18,14 @@ class Normal(Distribution):
     Parameters
     ----------
     mean, std : mean and standard deviation
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> strength, load = da.Normal(mean=10.0, std=2.0), da.Normal(mean=4.0, std=1.5)
+    >>> safe = da.reliability(None, "r - s", random={"r": strength, "s": load})
+    >>> round(safe.beta, 6)  # 6/√(2² + 1.5²)
+    2.4
     """
 
     mean: float
@@ -47,6 +55,14 @@ class Lognormal(Distribution):
     Parameters
     ----------
     mean, std : of ``x`` itself
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> yield_stress = da.Lognormal(mean=235e6, std=23.5e6)
+    >>> round(float(yield_stress.from_normal(0.0)) * math.sqrt(1.01) / 1e6, 6)  # median by mean
+    235.0
     """
 
     mean: float
@@ -79,7 +95,15 @@ class Lognormal(Distribution):
 
 @options
 class Uniform(Distribution):
-    """Every value between two numbers equally likely."""
+    """Every value between two numbers equally likely.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> clearance = da.Uniform(lower=0.01, upper=0.05)
+    >>> round(float(clearance.from_normal(0.0)), 6), round(clearance.moments[1]**2 * 12, 6)
+    (0.03, 0.0016)
+    """
 
     lower: float
     upper: float
@@ -109,7 +133,15 @@ class Uniform(Distribution):
 
 @options
 class Weibull(Distribution):
-    """Weibull distribution of least values, ``F = 1 − exp(−((x − location)/scale)^shape)``."""
+    """Weibull distribution of least values, ``F = 1 − exp(−((x − location)/scale)^shape)``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> life = da.Weibull(scale=1000.0, shape=1.0)  # of shape one: exponential
+    >>> [round(number, 3) for number in life.moments]
+    [1000.0, 1000.0]
+    """
 
     scale: float
     shape: float
@@ -149,6 +181,17 @@ class Gumbel(Distribution):
     Parameters
     ----------
     mean, std : mean and standard deviation
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> wind = da.Gumbel(mean=20.0, std=3.0)  # the largest of a year
+    >>> scale = 3.0 * math.sqrt(6) / math.pi
+    >>> mode = 20.0 - 0.5772156649 * scale
+    >>> median = float(wind.from_normal(0.0))
+    >>> round(math.exp(-math.exp(-(median - mode) / scale)), 6)  # F there
+    0.5
     """
 
     mean: float
@@ -194,6 +237,13 @@ class Truncated(Distribution):
     ----------
     of : what is cut
     lower, upper : where; infinity leaves a side open
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> sorted_out = da.Truncated(da.Normal(0.0, 1.0), lower=-1.0, upper=1.0)
+    >>> [round(float(sorted_out.from_normal(u)), 3) + 0.0 for u in (-8.0, 0.0, 8.0)]
+    [-1.0, 0.0, 1.0]
     """
 
     of: Distribution

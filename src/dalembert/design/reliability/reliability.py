@@ -67,6 +67,22 @@ def reliability(
         Unknown parameters, or correlations that cannot be.
     AnalysisError
         A limit state that cannot be evaluated at the median, or does not change.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("rod")
+    >>> load, area = rod.parameter("load", 1e5, "N"), rod.parameter("area", 1e-3, "m^2")
+    >>> top, end = rod.node("top", 0), rod.node("end", 2)
+    >>> part = rod.add(structures.Truss("rod", top, end, area=area, modulus=2e11))
+    >>> rod.support(top)
+    >>> rod.load(end, fx=load)
+    >>> strong = da.Limit(da.final("rod.stress"), upper=2e8)
+    >>> random = {"load": da.Lognormal(1e5, 1e4), "area": da.Lognormal(1e-3, 5e-5)}
+    >>> found = da.reliability(rod.build(), strong, random, analysis=da.Statics())
+    >>> found.success, round(found.beta, 3)  # ln(σ A/F) is normal: a closed form
+    (True, 6.246)
     """
     if system not in SYSTEMS:
         raise UnsupportedError(f"unknown system {system!r}; known: {', '.join(SYSTEMS)}")

@@ -42,6 +42,16 @@ class Reliability(Decision):
     system : ``"series"``, one limit that breaks is failure; ``"parallel"``, all must break
     sampled : an estimate by samples, where one was asked for
     interrupted : by Ctrl-C; the points found until then are kept
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> random = {"r": da.Normal(10.0, 2.0), "s": da.Normal(4.0, 1.5)}
+    >>> found = da.reliability(None, "r - s", random)
+    >>> isinstance(found, da.Reliability), round(found.probability, 6)  # Φ(-2.4)
+    (True, 0.008198)
+    >>> {name: round(share, 3) for name, share in found.importance.items()}  # 4 and 2.25 of 6.25
+    {'r': 0.64, 's': 0.36}
     """
 
     word = "reliability"

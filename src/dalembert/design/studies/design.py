@@ -27,6 +27,16 @@ class Design:
     ----------
     names : of the k parameters
     values : (n, k)
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> grid = da.Design.grid({"length": [0.5, 1.0], "mass": [1.0, 2.0, 3.0]})
+    >>> len(grid), grid.values[1].tolist()
+    (6, [0.5, 2.0])
+    >>> spread = da.Design.latin_hypercube({"length": (0, 1)}, count=4, rng=1)
+    >>> sorted(int(4 * x) for x in spread.values[:, 0])  # one in every quarter
+    [0, 1, 2, 3]
     """
 
     names: tuple[str, ...]

@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.design.studies.design import Design, Ranges
 from dalembert.design.studies.study import Study
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,6 +19,7 @@ Run = Callable[[Design], Study]
 """Runs the designs, such as ``lambda design: da.sweep(model, design, ...)``."""
 
 
+@spelled
 def sobol_indices(
     run: Run, ranges: Ranges, samples: int = 256, rng: int | None = None
 ) -> xr.Dataset:
@@ -38,6 +40,21 @@ def sobol_indices(
     ------
     AnalysisError
         A design fails: the estimates need them all.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> model = da.Structure("sum")
+    >>> a, b = model.parameter("a", 1.0), model.parameter("b", 1.0)
+    >>> end = model.node("end", 0)
+    >>> part = model.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
+    >>> built, response = model.build(), da.final("3*a + b")
+    >>> def run(design):
+    ...     return da.sweep(built, design, analysis=da.Statics(), responses=response)
+    >>> shares = da.sobol_indices(run, {"a": (0, 1), "b": (0, 1)}, samples=32, rng=1)
+    >>> shares["total"].values.round(1).ravel()  # 9 and 1 of 10
+    array([0.9, 0.1])
     """
     _salib()
     from SALib.analyze import sobol as analysis
@@ -58,6 +75,7 @@ def sobol_indices(
     return _of_runs(run, ranges, values, indices)
 
 
+@spelled
 def morris_indices(
     run: Run, ranges: Ranges, trajectories: int = 20, levels: int = 4, rng: int | None = None
 ) -> xr.Dataset:
@@ -72,6 +90,21 @@ def morris_indices(
     ------
     AnalysisError
         A design fails: the effects need them all.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> model = da.Structure("sum")
+    >>> a, b = model.parameter("a", 1.0), model.parameter("b", 1.0)
+    >>> end = model.node("end", 0)
+    >>> part = model.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
+    >>> built, response = model.build(), da.final("3*a + b")
+    >>> def run(design):
+    ...     return da.sweep(built, design, analysis=da.Statics(), responses=response)
+    >>> effects = da.morris_indices(run, {"a": (0, 1), "b": (0, 1)}, trajectories=2, rng=1)
+    >>> effects["mean"].values.round(6).ravel()
+    array([3., 1.])
     """
     _salib()
     from SALib.analyze import morris as analysis

@@ -32,6 +32,21 @@ class Study(Decision):
     folder : where it is kept
     reused : how many answers were in the folder already
     units : of parameters and responses, by name
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> spring = da.Structure("spring")
+    >>> k = spring.parameter("k", 50.0)
+    >>> end = spring.node("end", 0)
+    >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> spring.load(end, fx=100.0)
+    >>> designs = da.Design.table({"k": [10.0, 0.0]})
+    >>> give = da.final("end.ux")
+    >>> study = da.sweep(spring.build(), designs, analysis=da.Statics(), responses=give)
+    >>> isinstance(study, da.Study), study.success.tolist(), study.values[0].round(6)
+    (True, [True, False], array([10.]))
     """
 
     word = "study"

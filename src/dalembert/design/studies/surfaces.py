@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.design.studies.study import Study
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.spelling import spelled
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +23,21 @@ class Surface:
     lower, upper : (k,) ends of the designs that it was fitted to
     error : root mean square error at designs left out of the fit (cross-validation)
     determination : share of the variance that it explains there, 1 at best
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> spring = da.Structure("spring")
+    >>> k = spring.parameter("k", 50.0)
+    >>> end = spring.node("end", 0)
+    >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> grid = da.Design.grid({"k": [1.0, 2.0, 3.0, 4.0, 5.0]})
+    >>> response = da.final("3*k**2 + 1", name="y")
+    >>> study = da.sweep(spring.build(), grid, analysis=da.Statics(), responses=response)
+    >>> surface = da.response_surface(study, degree=2)
+    >>> isinstance(surface, da.Surface), round(float(surface(k=2.5)), 6), round(surface.error, 9)
+    (True, 19.75, 0.0)
     """
 
     response: str
@@ -52,6 +68,7 @@ class Surface:
         return tuple(part.reshape(sides[0].shape)[()] for part in parts)
 
 
+@spelled
 def response_surface(study: Study, response: str | None = None, degree: int = 2) -> Surface:
     """Polynomial of all parameters by least squares.
 
@@ -59,6 +76,20 @@ def response_surface(study: Study, response: str | None = None, degree: int = 2)
     ------
     AnalysisError
         Fewer designs than the polynomial has terms.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> spring = da.Structure("spring")
+    >>> a, b = spring.parameter("a", 1.0), spring.parameter("b", 1.0)
+    >>> end = spring.node("end", 0)
+    >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=a))
+    >>> grid = da.Design.grid({"a": [1.0, 2.0, 3.0], "b": [1.0, 2.0, 3.0]})
+    >>> study = da.sweep(spring.build(), grid, analysis=da.Statics(), responses=da.final("a*b"))
+    >>> plane = da.response_surface(study, degree=1)
+    >>> round(float(plane(a=2.0, b=2.0)), 6), plane.determination < 1  # a plane does not bend
+    (4.0, True)
     """
     _sklearn()
     from math import comb
@@ -72,10 +103,25 @@ def response_surface(study: Study, response: str | None = None, degree: int = 2)
     return _surface(study, response, made, terms)
 
 
+@spelled
 def gaussian_process(study: Study, response: str | None = None, rng: int = 0) -> Surface:
     """Gaussian process with a squared exponential kernel, a length for each parameter, and noise.
 
     Source: C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine Learning*, ch. 2.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> spring = da.Structure("spring")
+    >>> k = spring.parameter("k", 50.0)
+    >>> end = spring.node("end", 0)
+    >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> grid = da.Design.grid({"k": [0.5 * n for n in range(1, 12)]})
+    >>> study = da.sweep(spring.build(), grid, analysis=da.Statics(), responses=da.final("sin(k)"))
+    >>> process = da.gaussian_process(study)
+    >>> round(float(process(k=1.25)), 2)  # sin 1.25 = 0.949
+    0.95
     """
     _sklearn()
     from sklearn.gaussian_process import GaussianProcessRegressor

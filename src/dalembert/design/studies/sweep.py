@@ -61,6 +61,20 @@ def sweep(
         No such response, or no scheduler at the address.
     FileError
         The folder holds another study.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> spring = da.Structure("spring")
+    >>> k = spring.parameter("k", 50.0, bounds=(1, 1e3))
+    >>> end = spring.node("end", 0)
+    >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    >>> spring.load(end, fx=100.0)
+    >>> grid = da.Design.grid({"k": [10.0, 20.0, 50.0]})
+    >>> study = da.sweep(spring.build(), grid, analysis=da.Statics(), responses=da.final("end.ux"))
+    >>> study.values[:, 0].round(6)  # F/k
+    array([10.,  5.,  2.])
     """
     make = _maker(model, analysis, as_responses(responses), scheduler)
     return run_study(make, design, folder, workers, scheduler, chunk, progress)

@@ -86,7 +86,20 @@ def _plane(z: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FlatFaceCam(Cam):
-    """A follower with a flat face square to its way: ``P = e^{−iθ}(s' + i (R + s))``."""
+    """A follower with a flat face square to its way: ``P = e^{−iθ}(s' + i (R + s))``.
+
+    Examples
+    --------
+    >>> import math
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> lift = da.CycloidalRise(height=0.01, duration=2.0, fall=2.0, period=2 * math.pi)
+    >>> cam = da.FlatFaceCam(law=lift, base_radius=0.04)
+    >>> np.linalg.norm(cam.profile([0.0, 2.0]), axis=1).round(6)  # base circle, and the lift more
+    array([0.04, 0.05])
+    >>> [round(side * 1e3, 3) for side in cam.face]  # ± s' = 2 h/2 [mm]: half its face
+    [-10.0, 10.0]
+    """
 
     def profile(self, theta: Any = None) -> np.ndarray:
         angles = self._angles(theta)
@@ -176,6 +189,17 @@ class RollerCam(RolledCam):
 
     ``p = e + i h``, ``h = √((R + r)² − e²) + s``; the pressure angle is ``atan((s' − e)/h)``. With
     ``r = 0`` the follower has a knife edge.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> lift = da.CycloidalRise(height=0.01, duration=2.0, fall=2.0, period=2 * math.pi)
+    >>> cam = da.RollerCam(law=lift, base_radius=0.04, roller_radius=0.01)
+    >>> round(math.tan(cam.pressure_angle(1.0)) * 5.5, 6)  # s'/(R + r + s) = 1/5.5
+    1.0
+    >>> cam.undercut()
+    False
     """
 
     offset: float = 0.0

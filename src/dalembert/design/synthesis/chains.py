@@ -88,6 +88,17 @@ def six_bar(
     ------
     ModelError
         An unknown kind, or joints that are missing.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> sorted(da.INVERSIONS["watt II"].chain)  # its links
+    ['left', 'long', 'outer', 'right', 'short', 'upper']
+    >>> joints = {"A": (4, 0), "B": (0, 0), "C": (8, 0), "F": (1, 0.5)}
+    >>> joints |= {"D": (4.5, 3), "E": (6.5, 2.2), "G": (9, 3)}
+    >>> model = da.six_bar("watt II", joints).build()
+    >>> len(model.bodies), model.diagnosis.degrees_of_freedom
+    (5, 1)
     """
     if kind not in INVERSIONS:
         raise ModelError(unknown("six-bar", kind, INVERSIONS))
@@ -133,6 +144,15 @@ def linkage_from_chain(
     ------
     ModelError
         A joint without place or not of two links, an unknown link.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> chain = {"frame": "AD", "crank": "AB", "coupler": "BC", "rocker": "CD"}
+    >>> joints = {"A": (0, 0), "B": (0, 1), "C": (3, 2), "D": (3, 0)}
+    >>> model = da.linkage_from_chain(chain, joints, ground="frame", crank="crank").build()
+    >>> model.diagnosis.summary
+    '1 degree of freedom, 1 driven, 0 free'
     """
     _refuse(chain, joints, (ground, crank, *(points or {})))
     made = System(name)
@@ -215,6 +235,14 @@ def geared_five_bar(
     ------
     ModelError
         A ratio of zero, or joints that are missing.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> joints = {"O1": (0, 0), "O2": (4, 0), "A": (1, 1), "C": (2, 4), "B": (4, 1)}
+    >>> model = da.geared_five_bar(joints, ratio=-1.0).build()
+    >>> model.diagnosis.summary
+    '1 degree of freedom, 1 driven, 0 free'
     """
     if not ratio:
         raise ModelError("the ratio of the gears is zero; give that of their speeds")

@@ -36,6 +36,14 @@ def dead_centre_four_bar(
     ------
     AnalysisError
         There is none.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> bar = da.dead_centre_four_bar(swing=math.radians(60), advance=math.radians(10))
+    >>> bar.kind, round(math.degrees(bar.transmission()), 1) > 30
+    ('crank-rocker', True)
     """
     if not 0 < swing < math.pi or not abs(advance) < math.pi / 2:
         raise AnalysisError(

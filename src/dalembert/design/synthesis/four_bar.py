@@ -20,6 +20,17 @@ from dalembert.symbolic.functions import cos, sin
 class FourBar(Linkage):
     """``d e^{iθ} + c e^{iφ} = g e^{iγ} + f e^{iψ}``: crank d, coupler c, ground g at ``angle`` γ,
     follower f at the output ψ. The branch is the sign of ``sin(ψ − φ)``.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> bar = da.FourBar(crank=0.2, coupler=0.7, follower=0.6, ground=0.8)
+    >>> bar.kind, bar.crank_turns
+    ('crank-rocker', True)
+    >>> model = bar.system().build()
+    >>> model.diagnosis.degrees_of_freedom
+    1
     """
 
     follower: float

@@ -79,6 +79,15 @@ def five_point_four_bars(
     ------
     AnalysisError
         Not five points, two that are one, or pivots that are one.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> bar = da.FourBar(crank=0.4, coupler=1.1, follower=0.9, ground=1.0, u=0.5, v=0.4)
+    >>> points = bar.path([0.2, 0.9, 1.7, 2.6, 3.4])
+    >>> found = da.five_point_four_bars(points)
+    >>> found.isolated
+    36
     """
     given, (first, second) = _checked(points, pivots)
     apart = second - first

@@ -20,6 +20,14 @@ class SliderCrank(Linkage):
     """``d e^{iθ} + c e^{iφ} = (s + i e) e^{iγ}``: crank d, rod c, offset e of the rail, whose
     direction is ``angle`` γ, and the place s of the slider. The branch is the sign of
     ``cos(φ − γ)``.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> engine = da.SliderCrank(crank=0.1, coupler=0.3)
+    >>> [round(float(engine.output(angle)), 6) for angle in (0.0, math.pi)]  # l + r, l - r
+    [0.4, 0.2]
     """
 
     offset: float = 0.0

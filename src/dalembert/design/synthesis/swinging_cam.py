@@ -30,6 +30,17 @@ class SwingingRollerCam(RolledCam):
     ----------
     arm : from the pivot to the centre of the roller [m]
     distance : of the pivot from the axis of the cam [m]
+
+    Examples
+    --------
+    >>> import math
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> swing = da.CycloidalRise(height=0.2, duration=2.0, fall=2.0, period=2 * math.pi)
+    >>> sizes = dict(base_radius=0.04, roller_radius=0.01, arm=0.1, distance=0.12)
+    >>> cam = da.SwingingRollerCam(law=swing, **sizes)
+    >>> np.linalg.norm(cam.pitch([0.0]), axis=1).round(6), cam.undercut()  # R + r
+    (array([0.05]), False)
     """
 
     arm: float
@@ -169,6 +180,17 @@ class SwingingFlatCam(Cam):
     ----------
     distance : of the pivot from the axis of the cam [m]
     offset : of the face from the pivot, towards the cam [m]
+
+    Examples
+    --------
+    >>> import math
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> swing = da.CycloidalRise(height=0.2, duration=2.0, fall=2.0, period=2 * math.pi)
+    >>> cam = da.SwingingFlatCam(law=swing, base_radius=0.04, distance=0.12)
+    >>> radii = np.linalg.norm(cam.profile([0.0, 2.0]), axis=1)
+    >>> radii.round(6), round(0.12 * math.sin(math.asin(1 / 3) + 0.2), 6)  # R, c sin ψ
+    (array([0.04   , 0.06168]), 0.06168)
     """
 
     distance: float

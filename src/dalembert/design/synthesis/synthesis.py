@@ -32,6 +32,17 @@ class Solution(Candidate):
     crank_angles : (n,) of the crank at the entries of the target
     error : sum of squares of the distances; for functions and motions of the angles, too [rad]
     distances : (n,) of the points, or of the outputs
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> turn = np.linspace(0.5, 1.5, 4)
+    >>> engine = da.SliderCrank(crank=0.1, coupler=0.3)
+    >>> target = da.Target.function(turn, [engine.output(angle) for angle in turn])
+    >>> best = da.synthesize(target, da.SliderCrank, starts=2).best
+    >>> isinstance(best, da.Solution), best.error < 1e-10, len(best.crank_angles)
+    (True, True, 4)
     """
 
     linkage: Linkage
@@ -88,7 +99,21 @@ class Solution(Candidate):
 
 @dataclass(eq=False, repr=False)
 class Synthesis(Candidates):
-    """Linkages with one loop, best first; each differs from the others."""
+    """Linkages with one loop, best first; each differs from the others.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> turn = np.linspace(0.0, 1.0, 3)
+    >>> half = da.Target.function(turn, 0.5 * turn)  # the rocker goes half as far
+    >>> found = da.synthesize(half, starts=4)
+    >>> isinstance(found, da.Synthesis), found.best is found.solutions[0]
+    (True, True)
+    >>> errors = [one.error for one in found.solutions]
+    >>> errors == sorted(errors)
+    True
+    """
 
     noun = "linkages"
 

@@ -54,6 +54,14 @@ def synthesize(
     ------
     AnalysisError
         Bounds of no dimension, or no start leads to a linkage within the limits.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> points = [(20, 20 + 5 * k) for k in range(5)]  # straight up
+    >>> found = da.synthesize(da.Target.path(points), starts=4)
+    >>> found.best.error < 1e-8, found.best.linkage.crank_turns
+    (True, True)
     """
     if not isinstance(target, Target):
         raise AnalysisError(f"give a target such as da.Target.path(points); got {target!r:.60}")

@@ -54,6 +54,18 @@ def synthesize_mechanism(
     AnalysisError
         A measure that the target needs is not named, a parameter has no bounds, or no start leads
         to a mechanism that turns.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> chain = {"frame": "AD", "crank": "AB", "coupler": "BC", "rocker": "CD"}
+    >>> joints = {"A": (0, 0), "B": (0, 1), "C": (3, 2.5), "D": (3, 0)}
+    >>> tip = {"coupler": {"P": (1.5, 3)}}
+    >>> system = da.linkage_from_chain(chain, joints, "frame", "crank", tip, reach=0.5)
+    >>> aim = da.Target.path([(1.5, 3.0), (1.0, 3.1), (0.5, 3.0)])
+    >>> found = da.synthesize_mechanism(aim, system.build(), point="coupler.P", starts=1)
+    >>> found.best.error < 1e-12  # it passes the three points
+    True
     """
     task = mechanism_task(target, model, point, body, output, vary, bounds, speed, order)
     search, found, begun, done = MechanismSearch(task), list[FoundMechanism](), 0, 0

@@ -21,6 +21,16 @@ class Target:
     outputs : (n,) how far the follower turns [rad], or the slider goes, from any start
     crank_angles : (n,) how far the crank turns [rad], from any start; None leaves the timing free
     closed : the path leads from the last point to the first
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dalembert as da
+    >>> turn = np.linspace(0, 1, 4)
+    >>> twice = da.Target.function(crank_angles=turn, outputs=2 * turn)
+    >>> line = da.Target.path([(0, 0), (0.1, 0), (0.2, 0)])
+    >>> line.points.shape, line.crank_angles is None  # its timing is free
+    ((3, 2), True)
     """
 
     points: np.ndarray | None = None

@@ -15,7 +15,23 @@ from dalembert.options import options
 
 @options
 class DirectCollocation(TrajectoryMethod):
-    """Hermite–Simpson collocation (Hargraves and Paris 1987): cubics for states."""
+    """Hermite–Simpson collocation (Hargraves and Paris 1987): cubics for states.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("cart")
+    >>> push = system.parameter("push", 0.0, "N", bounds=(-4, 4))
+    >>> cart = system.add(planar.Particle("cart", mass=1.0))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, cart.center))
+    >>> force = system.add(planar.Force("force", cart.center, (push, 0)))
+    >>> fine = da.DirectCollocation(intervals=8)
+    >>> best = da.optimize_trajectory(system.build(), da.final("time"), controls=["push"],
+    ...     duration=(0.5, 3), end={"cart.x": 1, "cart.vx": 0}, method=fine)
+    >>> round(best.duration, 3)  # 2 √(m x/F): full on, full back
+    1.0
+    """
 
     spoken = "direct collocation"
 

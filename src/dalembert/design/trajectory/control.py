@@ -20,6 +20,21 @@ class Control:
     name, unit : of its parameter
     times : (2N + 1,) ends and middles of the intervals [s]
     values : (2N + 1,)
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("cart")
+    >>> push = system.parameter("push", 0.0, "N", bounds=(-20, 20))
+    >>> cart = system.add(planar.Particle("cart", mass=1.0))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, cart.center))
+    >>> force = system.add(planar.Force("force", cart.center, (push, 0)))
+    >>> best = da.optimize_trajectory(system.build(), da.integral("push**2"), controls=["push"],
+    ...     duration=1.0, end={"cart.x": 1, "cart.vx": 0}, method=da.DirectCollocation(intervals=4))
+    >>> control = best.control("push")
+    >>> isinstance(control, da.Control), [round(float(control(t)), 3) for t in (0, 1)]  # 6 - 12 t
+    (True, [6.0, -6.0])
     """
 
     name: str

@@ -40,6 +40,22 @@ class OptimalTrajectory(Decision):
         mechanism is unstable and needs feedback
     iterations : of the solver
     label, unit : of the objective
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("cart")
+    >>> push = system.parameter("push", 0.0, "N", bounds=(-20, 20))
+    >>> cart = system.add(planar.Particle("cart", mass=1.0))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, cart.center))
+    >>> force = system.add(planar.Force("force", cart.center, (push, 0)))
+    >>> best = da.optimize_trajectory(system.build(), da.integral("push**2"), controls=["push"],
+    ...     duration=1.0, end={"cart.x": 1, "cart.vx": 0}, method=da.DirectCollocation(intervals=4))
+    >>> isinstance(best, da.OptimalTrajectory), best.deviation < 1e-4
+    (True, True)
+    >>> round(best.motion["cart.x"][-1].item(), 4)  # run forward under the control found
+    1.0
     """
 
     word = "trajectory"

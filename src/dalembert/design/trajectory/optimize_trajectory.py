@@ -84,6 +84,20 @@ def optimize_trajectory(
     AnalysisError
         An unknown name, nothing to control, or a guess that cannot be made; ``UnsupportedError``
         for rigid contacts, and for controls that change masses or lengths.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("cart")
+    >>> push = system.parameter("push", 0.0, "N", bounds=(-20, 20))
+    >>> cart = system.add(planar.Particle("cart", mass=1.0))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, cart.center))
+    >>> force = system.add(planar.Force("force", cart.center, (push, 0)))
+    >>> best = da.optimize_trajectory(system.build(), da.integral("push**2"), controls=["push"],
+    ...     duration=1.0, end={"cart.x": 1, "cart.vx": 0}, method=da.DirectCollocation(intervals=4))
+    >>> best.success, round(best.fun, 6)  # 12 x²/T³
+    (True, 12.0)
     """
     need_mechanism(model, "optimize_trajectory", "optimise it by da.optimize")
     method = method or DirectCollocation()

@@ -49,6 +49,19 @@ class ContactSolver:
     ----------
     tolerance : largest residual, relative to the largest speed of a contact
     max_iterations : rounds of the proximal method
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("landing", gravity=(0, -10))
+    >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3)))
+    >>> floor = (system.ground.center, (0, 1))
+    >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor]))
+    >>> solver = da.ContactSolver(tolerance=1e-12)
+    >>> motion = da.solve_nonsmooth(system.build(), 0.5, step=0.01, solver=solver)
+    >>> round(float(motion.impulse("hits").sum()), 6)  # m g t: all that gravity gave
+    5.0
     """
 
     tolerance: float = 1e-9

@@ -81,6 +81,19 @@ class MoreauJean(ContactScheme):
     theta : 0.5 keeps energy, 1 is implicit
     gamma : part of a step over which a gap is looked ahead
     projection : positions with closed gaps are corrected
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("clack", gravity=(0, 0))
+    >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3), velocity=(0, -2)))
+    >>> floor = (system.ground.center, (0, 1))
+    >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor], restitution=0.5))
+    >>> scheme = da.MoreauJean(theta=0.5)
+    >>> motion = da.solve_nonsmooth(system.build(), 0.2, step=0.01, integrator=scheme)
+    >>> round(motion["ball.vy"][-1].item(), 9)  # e times as fast
+    1.0
     """
 
     theta: float = 0.5
@@ -120,6 +133,19 @@ class AnticipatedImpacts(ContactScheme):
     contact does work where it stops what a force turns back within the step; if all contacts
     together would, ``u⁺ + u⁻`` takes the place of ``u⁺`` there, against which they do none, so that
     contacts never create energy.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("bounce", gravity=(0, -10))
+    >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3)))
+    >>> floor = (system.ground.center, (0, 1))
+    >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor], restitution=1.0))
+    >>> scheme = da.AnticipatedImpacts()
+    >>> motion = da.solve_nonsmooth(system.build(), 1.0, step=0.01, integrator=scheme)
+    >>> bool(motion["ball.y"].min() > 0.1 - 1e-12), bool(abs(motion["energy"] - 3).max() < 1e-9)
+    (True, True)
     """
 
     theta: ClassVar[float] = 0.5  # type: ignore[misc]

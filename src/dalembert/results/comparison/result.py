@@ -21,6 +21,18 @@ class Comparison(ComparisonData):
     Attributes
     ----------
     data : xarray.Dataset, one entry of ``run`` per combination
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -10))
+    >>> bar = system.add(planar.Bar("bar", length=1.0, mass=2.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
+    >>> forms = ["RangeSpace", "Kkt"]
+    >>> told = da.compare(system.build(), 0.2, formulations=forms, integrators="RK4", steps=0.01)
+    >>> isinstance(told, da.Comparison), told.data["outcome"].values.tolist()
+    (True, ['completed', 'completed'])
     """
 
     def summary(self) -> list[str]:

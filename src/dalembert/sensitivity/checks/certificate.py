@@ -59,6 +59,19 @@ class Certificate:
 
     Verdicts: confirmed; no influence; unconfirmed, where differences are too rough to tell;
     contradicted; exact, where the response is linear and nothing remains.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> speed = system.parameter("speed", 3.0, "m/s", bounds=(1, 5))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(speed, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> gradient = da.sensitivity(motion, da.final("stone.x**2"), certificate=True)
+    >>> certificate = gradient.attrs["certificate"]
+    >>> isinstance(certificate, da.Certificate), certificate.data["verdict"].values.ravel().tolist()
+    (True, ['confirmed'])
     """
 
     data: xr.Dataset

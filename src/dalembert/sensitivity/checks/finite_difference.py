@@ -32,6 +32,18 @@ class FiniteDifference:
     ------
     UnsupportedError
         Unknown scheme, or a step that is not positive.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> speed = system.parameter("speed", 3.0, "m/s")
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(speed, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> rough = da.FiniteDifference("forward", step=0.1)  # relative: 0.3 m/s
+    >>> round(da.sensitivity(motion, da.final("stone.x**2"), method=rough).item(), 6)  # 6.3, not 6
+    6.3
     """
 
     scheme: str = "richardson"

@@ -15,6 +15,7 @@ from dalembert.sensitivity.checks.replays import Replays
 from dalembert.sensitivity.checks.scales import parameter_scale
 from dalembert.sensitivity.checks.stencils import SCHEMES, checked_step, place
 from dalembert.sensitivity.gradient import sensitivity
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +31,20 @@ class StepStudy:
     ``data`` holds over ``scheme × step`` the ``value``, its ``error`` against the exact derivative
     (``exact``) and the ``relative_error``; not a number where a run failed or a step did not fit,
     for the reasons in ``attrs["notes"]``. ``step`` is relative, ``length`` in the parameter's unit.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> speed = system.parameter("speed", 3.0, "m/s")
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(speed, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> study = da.step_study(motion, da.final("stone.x**2"), "speed", steps=[0.1, 0.01])
+    >>> isinstance(study, da.StepStudy)
+    True
+    >>> study.data["value"].sel(scheme="forward").values.round(6)  # 2 v + h
+    array([6.3 , 6.03])
     """
 
     data: xr.Dataset
@@ -63,6 +78,7 @@ class StepStudy:
         return self.data._repr_html_()
 
 
+@spelled
 def step_study(
     result: Result,
     response: Response,
@@ -83,6 +99,19 @@ def step_study(
     ------
     AnalysisError, UnsupportedError
         Unknown parameter or scheme, a step that is not positive; what ``sensitivity`` raises.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> speed = system.parameter("speed", 2.0, "m/s")
+    >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(speed, 10)))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> study = da.step_study(motion, da.final("stone.x**3"), "speed", steps=[0.1, 0.01])
+    >>> errors = study.data["error"].sel(scheme="central").values
+    >>> round(errors[0] / errors[1])  # order 2
+    100
     """
     motion = result
     for scheme in schemes:

@@ -9,11 +9,13 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.results.structural.eigenmodes import EigenModes, ModeWeights
 from dalembert.sensitivity.structural.loaded_pencil import PencilTangent
+from dalembert.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
+@spelled
 def eigenvalue_slopes(
     modes: EigenModes, parameter: str, measure: str | None = None
 ) -> xr.DataArray:
@@ -33,6 +35,21 @@ def eigenvalue_slopes(
     ------
     AnalysisError
         Unknown parameter; a measure of shapes.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> cross = da.Structure("cross")
+    >>> k = cross.parameter("k", 100.0)
+    >>> hub = cross.node("hub", 0, 0)
+    >>> part = cross.add(structures.GroundSpring("spring", hub, stiffness_x=k, stiffness_y=100.0))
+    >>> mass = cross.add(structures.PointMass("mass", hub, mass=1.0))
+    >>> modes = da.solve_modes(cross.build(), 2)  # both at 10 rad/s
+    >>> slopes = da.eigenvalue_slopes(modes, "k", measure="eigenvalue")
+    >>> slopes.values.round(6)  # one of them follows k/m
+    array([0., 1.])
     """
     import xarray as xr
 

@@ -41,6 +41,18 @@ def clear_cache() -> int:
     -------
     int
         How many were deleted.
+
+    Examples
+    --------
+    >>> import os, tempfile
+    >>> import dalembert as da
+    >>> kept = os.environ.get("DALEMBERT_CACHE", "")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     os.environ["DALEMBERT_CACHE"] = folder  # instead of what all programs of the user share
+    ...     deleted = da.clear_cache()
+    >>> os.environ["DALEMBERT_CACHE"] = kept
+    >>> deleted  # nothing had been compiled into it
+    0
     """
     found = list(_kept(cache_folder()))
     for path in found:
