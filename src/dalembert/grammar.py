@@ -11,11 +11,13 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.amounts import Amount, with_names
+from dalembert.dimensions import Dimension, dimension_of
 from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.text import nearest, unknown
 
@@ -84,6 +86,9 @@ class Grammar:
     ):
         self.text, self.lookup, self.known, self.functions = text, lookup, known, functions
         self.amounts: dict[str, Amount] = {}
+        self.numbers: dict[ast.AST, Amount | float] = {}
+        self.names: dict[str, Any] = {}
+        self.dimension: Dimension = None
         self.nodes = 0
 
     def fail(self, message: str) -> ExpressionError:
@@ -120,7 +125,24 @@ class Grammar:
             raise self.fail(f"syntax error at column {error.offset}: {error.msg}") from None
         except (ValueError, RecursionError, MemoryError):
             raise self.fail("it cannot be read as a formula") from None
-        return self.visit(tree.body, 0)
+        value = self.visit(tree.body, 0)
+        try:
+            self.dimension = dimension_of(tree.body, self)
+        except ExpressionError as error:
+            raise self.fail(error.message) from None
+        return value
+
+    def shown(self, node: ast.AST) -> str:
+        """The text of a part."""
+        written = ast.get_source_segment(self.formula, node) or ""
+        for name, amount in self.amounts.items():
+            told = f"{amount.value / amount.unit.factor:g} {amount.unit.text}"
+            written = re.sub(rf"\b{name}\b", told, written)
+        return written
+
+    def behind(self, node: ast.AST) -> Any:
+        """What stands behind a name."""
+        return self.names.get(self.spelled(node))
 
     def is_known(self, name: str) -> bool:
         """Whether something has this name, allowed here or not."""
@@ -130,6 +152,12 @@ class Grammar:
             return True
 
     def visit(self, node: ast.AST, depth: int) -> Any:
+        value = self.evaluated(node, depth)
+        if isinstance(value, (Amount, float)):
+            self.numbers[node] = value
+        return value
+
+    def evaluated(self, node: ast.AST, depth: int) -> Any:
         self.nodes += 1
         if depth > MAX_DEPTH or self.nodes > MAX_NODES:
             raise self.fail(f"too large (at most {MAX_NODES} parts, {MAX_DEPTH} deep)")
@@ -155,8 +183,7 @@ class Grammar:
                 self.visit(node.comparators[0], depth + 1),
             )
         if self.is_name(node):
-            written = ast.get_source_segment(self.formula, node) or ""
-            return self.name("".join(written.split()))
+            return self.name(self.spelled(node))
         if isinstance(node, ast.Call):
             return self.call(node, depth)
         raise self.fail(
@@ -218,11 +245,16 @@ class Grammar:
             raise self.fail("a dotted name must be made of names only")
         return dotted
 
+    def spelled(self, node: ast.AST) -> str:
+        """A name without spaces."""
+        return "".join((ast.get_source_segment(self.formula, node) or "").split())
+
     def name(self, name: str) -> Any:
         if name in self.amounts:
             return self.amounts[name]
         found = self.lookup(name)
         if found is not None:
+            self.names[name] = found
             return found
         if name in CONSTANTS:
             return CONSTANTS[name]

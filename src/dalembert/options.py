@@ -11,7 +11,8 @@ from typing import Any, TypeVar, dataclass_transform
 import numpy as np
 
 from dalembert.budget import LARGEST, afford, numeral
-from dalembert.errors import UnsupportedError
+from dalembert.errors import ExpressionError, UnsupportedError
+from dalembert.measured import measured
 from dalembert.spelling import OfInit, spelled_fields
 
 Class = TypeVar("Class", bound=type)
@@ -29,9 +30,9 @@ COPY = 4_000_000
 def options(cls: Class | None = None, /, **how: bool) -> Any:
     """Make a frozen dataclass that refuses what its annotations do not say.
 
-    ``float`` is a number of usable size, ``int`` a whole one, ``bool`` true or false, ``str`` a
-    text; with ``| None`` there may be none. What else a class demands is told by its
-    ``__post_init__``.
+    ``float`` is a number of usable size, or a text that gives it with its unit, ``int`` a whole
+    one, ``bool`` true or false, ``str`` a text; with ``| None`` there may be none. What else a
+    class demands is told by its ``__post_init__``.
 
     Parameters
     ----------
@@ -43,6 +44,8 @@ def options(cls: Class | None = None, /, **how: bool) -> Any:
 
     def __post_init__(self: Any) -> None:
         for field in dataclasses.fields(self):
+            if isinstance(given := getattr(self, field.name), str):
+                object.__setattr__(self, field.name, _read(field, given))
             check_option(type(self).__name__, field, getattr(self, field.name))
         if demands is not None:
             demands(self)
@@ -51,6 +54,16 @@ def options(cls: Class | None = None, /, **how: bool) -> Any:
     setattr(cls, "__new__", spelled_fields)  # noqa: B010
     setattr(cls, "__signature__", OfInit())  # noqa: B010
     return dataclasses.dataclass(frozen=True, **how)(cls)  # type: ignore[call-overload]
+
+
+def _read(field: dataclasses.Field, text: str) -> Any:
+    """The number behind the text of a number with its unit, where numbers stand."""
+    if str(field.type) not in ("float", "float | None"):
+        return text
+    try:
+        return measured(text)
+    except ExpressionError:  # told as what is no number
+        return text
 
 
 def check_option(owner: str, field: dataclasses.Field, value: Any) -> None:

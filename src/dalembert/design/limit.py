@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from dalembert.errors import AnalysisError
+from dalembert.measured import check_measured
 from dalembert.options import options
+from dalembert.responses.base import Response
 
 
 @options
@@ -15,7 +17,7 @@ class Limit:
     Parameters
     ----------
     response : Response, a response of a case, or a combination of such
-    lower, upper : None leaves a side open
+    lower, upper : numbers, or texts with units such as ``"200 MPa"``; None leaves a side open
 
     Examples
     --------
@@ -44,6 +46,8 @@ class Limit:
             raise AnalysisError(f"limit on {label}: give lower or upper")
         if self.lower is not None and self.upper is not None and self.lower > self.upper:
             raise AnalysisError(f"limit on {label}: lower {self.lower} is above upper {self.upper}")
+        unit = self.response.known_unit if isinstance(self.response, Response) else ""
+        check_measured((self.lower, self.upper), unit, f"limit on {label}")
 
     @classmethod
     def all_of(cls, given: Any) -> list[Limit]:

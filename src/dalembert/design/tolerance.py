@@ -17,6 +17,7 @@ from dalembert.design.optimization import design_problem
 from dalembert.design.problem import DesignProblem
 from dalembert.design.toleranced import Toleranced
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.measured import check_measured, measured
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Analysis
 from dalembert.spelling import spelled
@@ -98,7 +99,7 @@ class Box:
 def tolerance(
     model: ParametricModel,
     response: Response,
-    tolerances: Mapping[str, float],
+    tolerances: Mapping[str, float | str],
     *,
     analysis: Analysis,
     sigmas: float = 3.0,
@@ -116,7 +117,7 @@ def tolerance(
     ----------
     model : Model or StructuralModel
     response : what must come out right
-    tolerances : parameter → half width, ``±t``, about its nominal value
+    tolerances : parameter → half width, ``±t``, about its nominal value; or ``"0.1 mm"``
     analysis : how the response is computed
     sigmas : how many standard deviations a tolerance is; dimensions are normal
     second_order : the Hessian too, by two gradients for each tolerance
@@ -148,16 +149,18 @@ def tolerance(
     """
     if not tolerances:
         raise AnalysisError("there are no tolerances; give tolerances={'name': 0.1e-3}")
-    for name, width in tolerances.items():
+    widths: dict[str, Any] = {name: measured(width) for name, width in tolerances.items()}
+    for name, width in widths.items():
         if name not in model.parameters:
             raise ModelError(unknown("parameter with a tolerance", name, model.parameters))
+        check_measured([width], model.parameters[name].unit, f"tolerance of {name}")
         if not (np.isfinite(width) and width > 0):
             raise ModelError(f"its tolerance is {width!r}; it must be above zero", name)
     if not sigmas > 0:
         raise AnalysisError(f"sigmas is {sigmas!r}; it must be above zero")
-    names, listed = list(tolerances), list(model.parameters)
+    names, listed = list(widths), list(model.parameters)
     nominal = np.array([model.nominal[listed.index(n)] for n in names])
-    half = np.array([float(t) for t in tolerances.values()])
+    half = np.array([float(t) for t in widths.values()])
     problem = design_problem(model, analysis, as_responses(response), names)
     box, still = Box(problem, nominal, half), np.zeros(half.size)
     found = Toleranced(

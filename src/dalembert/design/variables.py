@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.measured import check_measured, measured
 from dalembert.symbolic.parameter import Parameter
 from dalembert.text import nearest
 
@@ -36,9 +37,9 @@ class Integer:
 
     name: str
 
-    def sizes(self, parameter: Parameter) -> dict[str, np.ndarray]:
+    def sizes(self, parameters: Mapping[str, Parameter]) -> dict[str, np.ndarray]:
         """Parameter → its values, in rising order."""
-        lower, upper = parameter.bounds
+        lower, upper = parameters[self.name].bounds
         if not (math.isfinite(lower) and math.isfinite(upper)):
             raise AnalysisError(f"{self.name} takes whole numbers: give it two finite bounds")
         whole = np.arange(math.ceil(lower), math.floor(upper) + 1, dtype=float)
@@ -56,7 +57,8 @@ class Catalogue:
 
     Parameters
     ----------
-    columns : parameter → its values, row by row; the first has no value twice
+    columns : parameter → its values, row by row, or texts such as ``"12 mm"``; the first has no
+        value twice
 
     Examples
     --------
@@ -75,16 +77,20 @@ class Catalogue:
     {'k': 60.0, 'price': 3.0}
     """
 
-    columns: Mapping[str, Sequence[float]]
+    columns: Mapping[str, Sequence[float | str]]
 
     @property
     def name(self) -> str:
         """The parameter that tells the sizes apart."""
         return next(iter(self.columns))
 
-    def sizes(self, parameter: Parameter) -> dict[str, np.ndarray]:
+    def sizes(self, parameters: Mapping[str, Parameter]) -> dict[str, np.ndarray]:
         """Parameter → its values, in rising order of the first, within its bounds."""
-        made = {name: np.asarray(values, dtype=float) for name, values in self.columns.items()}
+        made, parameter = dict[str, np.ndarray](), parameters[self.name]
+        for name, values in self.columns.items():
+            read = [measured(value) for value in values]
+            check_measured(read, parameters[name].unit, f"catalogue of {self.name}: {name}")
+            made[name] = np.asarray(read, dtype=float)
         lead = made[self.name]
         if any(values.shape != lead.shape or values.ndim != 1 for values in made.values()):
             raise AnalysisError(f"catalogue of {self.name}: give columns of the same length")
@@ -177,7 +183,7 @@ def make_variables(
     made = Variables(names, bounds[:, 0].copy(), bounds[:, 1].copy(), np.array(begin, float), units)
     for k, one in enumerate(listed):
         if not isinstance(one, str):
-            _add_sizes(made, k, one.sizes(parameters[names[k]]))
+            _add_sizes(made, k, one.sizes(parameters))
     made.start = np.clip(made.start, made.lower, made.upper)
     return made
 

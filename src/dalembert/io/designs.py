@@ -13,6 +13,7 @@ from dalembert.io.cases import Quantities
 from dalembert.io.model_file import ModelFile
 from dalembert.io.random import correlations, random_parameters
 from dalembert.io.responses import chosen_parameters
+from dalembert.measured import check_measured
 from dalembert.responses.base import Response
 
 SEARCH = ("method", "gradient", "max_iterations", "tolerance")
@@ -118,10 +119,10 @@ def _limits_and_variables(
             chosen_parameters(file, vary, section, "vary")
     chosen_parameters(file, own, section, "vary")
     limits = [replace(limit, response=made.finished(limit.response)) for limit in limits]
-    return {"subject_to": limits, "vary": _with_sizes(file, vary, section)}
+    return {"subject_to": limits, "vary": _with_sizes(file, model, vary, section)}
 
 
-def _with_sizes(file: ModelFile, vary: list[str], section: str) -> list[Any]:
+def _with_sizes(file: ModelFile, model: Any, vary: list[str], section: str) -> list[Any]:
     """What varies, with whole numbers and catalogues in place of their names."""
     asked: Any = getattr(file.document, section)
     integers = chosen_parameters(file, asked.integers, section, "integers")
@@ -130,6 +131,9 @@ def _with_sizes(file: ModelFile, vary: list[str], section: str) -> list[Any]:
     made |= {name: Integer(name) for name in whole}
     for k, columns in enumerate(asked.catalogues):
         names = chosen_parameters(file, list(columns), section, "catalogues", k)
+        for name, values in columns.items():
+            with file.located(section, "catalogues", k, name):
+                check_measured(values, model.parameters[name].unit, "")
         for name in names[1:]:
             made.pop(name, None)
         made[names[0]] = Catalogue(columns)

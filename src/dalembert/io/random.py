@@ -34,6 +34,7 @@ def random_parameters(file: ModelFile, model: Any) -> dict[str, Any]:
             raise file.located.error(text, "random", k, "parameter")
         with file.located("random", k):
             made[name] = _distribution(table)
+            made[name].check_units(model.parameters[name].unit)
     return made
 
 

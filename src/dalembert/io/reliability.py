@@ -9,6 +9,7 @@ from dalembert.io.designs import make_limits
 from dalembert.io.model_file import ModelFile
 from dalembert.io.random import correlations, random_parameters
 from dalembert.io.responses import chosen_response, make_responses
+from dalembert.measured import check_measured
 from dalembert.responses.base import Response
 from dalembert.text import unknown
 
@@ -69,6 +70,8 @@ def make_tolerance(file: ModelFile, model: Any) -> tuple[dict[str, Any], dict[st
         if name not in model.parameters:
             text = unknown("parameter", name, model.parameters)
             raise file.located.error(text, "tolerance", "tolerances", name)
+        with file.located("tolerance", "tolerances", name):
+            check_measured([width], model.parameters[name].unit, "")
         if not width > 0:
             text = f"is {width:g}; a half width is above zero"
             raise file.located.error(text, "tolerance", "tolerances", name)
@@ -77,14 +80,16 @@ def make_tolerance(file: ModelFile, model: Any) -> tuple[dict[str, Any], dict[st
         raise file.located.error(text, "tolerance", "sigmas")
     keys = ("tolerances", "sigmas", "second_order", "worst_case", "samples", "rng")
     made = {"response": response, **{key: getattr(asked, key) for key in keys}}
-    return made, None if asked.allot is None else _allot(file, asked)
+    return made, None if asked.allot is None else _allot(file, asked, response.known_unit)
 
 
-def _allot(file: ModelFile, asked: Any) -> dict[str, Any]:
+def _allot(file: ModelFile, asked: Any, unit: str) -> dict[str, Any]:
     for name in asked.tolerances:
         if name not in asked.allot.costs:
             text = f"has no cost of {name}; give every tolerance one"
             raise file.located.error(text, "tolerance", "allot", "costs")
+    with file.located("tolerance", "allot", "limit"):
+        check_measured([asked.allot.limit], unit, "")
     for key in ("limit", "exponent"):
         if not getattr(asked.allot, key) > 0:
             text = f"is {getattr(asked.allot, key):g}; it must be above zero"

@@ -22,6 +22,7 @@ from dalembert.io.schema import Document
 from dalembert.io.strategies import STRATEGIES
 from dalembert.io.synthesis import make_synthesis
 from dalembert.io.trajectories import make_trajectory
+from dalembert.measured import check_measured
 from dalembert.responses.base import Response
 from dalembert.results.headings import checked_units
 from dalembert.results.labelled import DATA_ONLY
@@ -69,6 +70,9 @@ def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
     where = ("sweep", "responses")
     responses = [chosen_response(file, made, n, *where, k) for k, n in enumerate(names)]
     chosen_parameters(file, list(asked.vary), "sweep", "vary")
+    for name, values in asked.vary.items():
+        with file.located("sweep", "vary", name):
+            check_measured(values, model.parameters[name].unit, "")
     given = asked.vary or {
         name: list(q.bounds)
         for name, q in model.parameters.items()

@@ -11,9 +11,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
 
-from dalembert.amounts import Amount
 from dalembert.errors import ExpressionError
-from dalembert.grammar import amount_of
+from dalembert.measured import Measured, measured
 from dalembert.text import nearest
 
 
@@ -27,7 +26,7 @@ def shown(value: Any) -> str:
 
 
 def constant(value: Any) -> float:
-    """A finite number; a text is read as a formula of numbers alone, such as ``2*pi``.
+    """A finite number; a text is read as a formula of numbers alone, ``2*pi``, or with units.
 
     Raises
     ------
@@ -36,7 +35,7 @@ def constant(value: Any) -> float:
     """
     if isinstance(value, str):
         try:
-            value = float(amount_of(value))
+            value = measured(value)
         except ExpressionError as error:
             raise ValueError(f"{error.message}; a plain number is needed here") from None
     if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -47,7 +46,7 @@ def constant(value: Any) -> float:
 def in_own_unit(value: Any) -> float | str:
     """A finite number, or a text that gives its unit with it; the unit is kept."""
     number = constant(value)
-    return value if isinstance(value, str) and isinstance(amount_of(value), Amount) else number
+    return value if isinstance(number, Measured) else number
 
 
 def _finite(value: int | float) -> float:
@@ -57,7 +56,7 @@ def _finite(value: int | float) -> float:
         number = math.inf
     if not math.isfinite(number):
         raise ValueError(f"{shown(value)} is not a finite number; give a finite one")
-    return number
+    return value if isinstance(value, Measured) else number
 
 
 def number_or_formula(value: Any) -> float | str:

@@ -53,6 +53,12 @@ class Response:
         text = self.measure if isinstance(self.measure, str) else self.measure.name or "formula"
         return f"{type(self).__name__.lower()}({text})"
 
+    @property
+    def known_unit(self) -> str:
+        """Its unit where that is known before a run, else nothing."""
+        given = self.measure.unit if isinstance(self.measure, Expression) else ""
+        return self.unit(given) if given else ""
+
     def named(self, name: str) -> Response:
         """The same response under a name."""
         from dataclasses import replace

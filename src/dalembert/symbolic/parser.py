@@ -12,6 +12,7 @@ from dalembert.grammar import Grammar
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.functions import FORMULA_FUNCTIONS
 from dalembert.symbolic.interpolation import Interpolation, interp
+from dalembert.units import MOST_POWER, si_unit
 
 FUNCTIONS = {**FORMULA_FUNCTIONS, "interp": (interp, 2)}
 """Functions of formulas."""
@@ -25,7 +26,7 @@ def parse_formula(
     Parameters
     ----------
     text : str
-        The formula; a text of numbers and units alone has their dimension as its unit.
+        The formula; its unit is that of its dimension, where that is known.
     lookup : callable
         Gives the expression behind a (dotted) name, or None.
     known : callable, optional
@@ -36,11 +37,16 @@ def parse_formula(
     ExpressionError
         With the text, the place and a cure; ``UnknownNameError`` where a name is unknown.
     """
-    value = Grammar(text, lookup, known, FUNCTIONS).run()
+    grammar = Grammar(text, lookup, known, FUNCTIONS)
+    value = grammar.run()
     if isinstance(value, Amount):
         return Expression(value.value, "", value.si)
     if isinstance(value, Interpolation):
         raise ExpressionError(
             f"in formula {text[:60]!r}: a table is no number; write interp(x, {value.name})"
         )
-    return value if isinstance(value, Expression) else Expression(value)
+    made = value if isinstance(value, Expression) else Expression(value)
+    kind = grammar.dimension
+    if kind is None or made.unit or any(abs(n) > MOST_POWER for n in kind.values()):
+        return made
+    return Expression(made.sx, made.name, si_unit(kind))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import ModelError
+from dalembert.measured import check_measured
 
 
 class Distribution(ABC):
@@ -40,6 +41,21 @@ class Distribution(ABC):
         """Name → number of what describes it."""
         every = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
         return {n: v for n, v in every.items() if isinstance(v, (int, float))}
+
+    def check_units(self, unit: str, name: str = "") -> None:
+        """Its numbers with units fit those of the parameter that it is of.
+
+        Raises
+        ------
+        ExpressionError
+            Names the parameter and what was given.
+        """
+        for number, value in self.numbers.items():
+            entity = f"{name}.{number}" if name else number
+            check_measured([value], "1" if number == "shape" else unit, entity)
+        for inner in (getattr(self, f.name) for f in fields(self)):  # type: ignore[arg-type]
+            if isinstance(inner, Distribution):
+                inner.check_units(unit, name)
 
     def changes(self, u: float) -> dict[str, float]:
         """Number → derivative of ``x(u)`` by it, by central differences."""

@@ -95,6 +95,8 @@ def reliability(
             raise AnalysisError(
                 f"random[{name!r}] is {distribution!r}; give a distribution as da.Normal(mean, std)"
             )
+        if model is not None and name in model.parameters:
+            distribution.check_units(model.parameters[name].unit, name)
     nataf = Nataf(dict(random), correlation)
     limits = limit_states(model, limit_state, list(random), analysis)
     generator = np.random.default_rng(rng)

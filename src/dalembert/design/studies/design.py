@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, ExpressionError
+from dalembert.measured import measured
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,6 +28,7 @@ class Design:
     ----------
     names : of the k parameters
     values : (n, k)
+    given : parameter → the numbers that texts gave with units, where there are some
 
     Examples
     --------
@@ -41,6 +43,7 @@ class Design:
 
     names: tuple[str, ...]
     values: np.ndarray
+    given: Mapping[str, Sequence[Any]] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if not self.names:
@@ -67,9 +70,10 @@ class Design:
         count = int(np.prod([float(np.size(v)) for v in axes.values()])) if axes else 0
         if count > MOST:
             raise AnalysisError(f"the grid has {count} designs, more than {MOST}; take fewer")
-        sides = [np.asarray(values, dtype=float).ravel() for values in axes.values()]
-        mesh = np.meshgrid(*sides, indexing="ij")
-        return cls(tuple(axes), np.stack([m.ravel() for m in mesh], axis=1) if axes else mesh)  # type: ignore
+        read = _read(axes)
+        mesh = np.meshgrid(*(np.asarray(v, dtype=float) for v in read.values()), indexing="ij")
+        values: Any = np.stack([m.ravel() for m in mesh], axis=1) if axes else mesh
+        return cls(tuple(axes), values, read)
 
     @classmethod
     def latin_hypercube(cls, ranges: Ranges, count: int, rng: Any = None) -> Design:
@@ -97,23 +101,42 @@ class Design:
             if hasattr(given, "rvs"):
                 columns.append(given.rvs(size=_counted(count), random_state=generator))
             else:
-                lower, upper = _range(name, given)
+                lower, upper = _range(name, _read({name: given})[name])
                 columns.append(generator.uniform(lower, upper, _counted(count)))
-        return cls.table(dict(zip(distributions, columns, strict=True)))
+        ranges = {name: v for name, v in distributions.items() if not hasattr(v, "rvs")}
+        made = cls.table(dict(zip(distributions, columns, strict=True)))
+        return cls(made.names, made.values, _read(ranges))
 
     @classmethod
     def table(cls, columns: Mapping[str, Any] | pd.DataFrame) -> Design:
         """Given designs: parameter → its values, or a DataFrame."""
-        made = {str(name): np.asarray(columns[name], dtype=float).ravel() for name in columns}
+        read = _read({str(name): columns[name] for name in columns})
+        made = {name: np.asarray(values, dtype=float) for name, values in read.items()}
         if len({column.size for column in made.values()}) > 1:
             sizes = ", ".join(f"{name} {column.size}" for name, column in made.items())
             raise AnalysisError(f"columns of a table are of one length, got {sizes}")
-        return cls(tuple(made), np.stack(list(made.values()), axis=1) if made else np.zeros((0, 0)))
+        values = np.stack(list(made.values()), axis=1) if made else np.zeros((0, 0))
+        return cls(tuple(made), values, read)
 
     @classmethod
     def _stretched(cls, ranges: Ranges, unit: np.ndarray) -> Design:
-        ends = np.array([_range(name, given) for name, given in ranges.items()])
-        return cls(tuple(ranges), ends[:, 0] + unit * (ends[:, 1] - ends[:, 0]))
+        read = _read(ranges)
+        ends = np.array([_range(name, given) for name, given in read.items()])
+        return cls(tuple(ranges), ends[:, 0] + unit * (ends[:, 1] - ends[:, 0]), read)
+
+
+def _read(columns: Mapping[str, Any]) -> dict[str, Any]:
+    """Numbers, with those of texts that have units, ``"10 mm"``."""
+    made: dict[str, Any] = {}
+    for name, values in columns.items():
+        if getattr(getattr(values, "dtype", None), "kind", "O") in "fiu":
+            made[name] = np.asarray(values).ravel()
+            continue
+        try:
+            made[name] = [measured(one) for one in np.asarray(values, dtype=object).ravel()]
+        except ExpressionError as error:
+            raise AnalysisError(f"{name}: {error.message}") from None
+    return made
 
 
 def _range(name: str, given: Any) -> tuple[float, float]:

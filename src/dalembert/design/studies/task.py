@@ -17,6 +17,7 @@ from dalembert.design.optimization import design_problem
 from dalembert.design.problem import NOT_FINITE
 from dalembert.design.studies.design import Design
 from dalembert.errors import AnalysisError, DalembertError
+from dalembert.measured import check_measured
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
 from dalembert.responses.batch import batch_responses
@@ -141,6 +142,9 @@ class StudyTask:
                 )
         one = dict(zip(design.names, design.values[0], strict=True))
         parameter_vector(self.model.parameters, one, self.model.name)
+        for name, values in design.given.items():
+            given = [] if isinstance(values, np.ndarray) else values
+            check_measured(given, self.model.parameters[name].unit, name)
 
     def identity(self, design: Design) -> str:
         """Hash of everything that decides what the study finds."""
