@@ -14,13 +14,21 @@ from dalembert.symbolic.native.c_functions import struct_lines, written_function
 from dalembert.symbolic.native.c_instructions import Surroundings
 from dalembert.symbolic.native.c_text import CFunction, CText
 from dalembert.symbolic.native.c_types import INT, REAL
+from dalembert.symbolic.native.lines import slot_count
+from dalembert.symbolic.native.loop import PIECES
+from dalembert.symbolic.native.piece import ZEROS
 from dalembert.symbolic.native.real import Real
-from dalembert.symbolic.native.straight_line import ZEROS, longest_input, slot_count, straight_line
+from dalembert.symbolic.native.straight_line import cut_up, longest_input, straight_line
 from dalembert.symbolic.native.toolchain import NotTranslated
 
 CALLED = re.compile(r"(casadi_f\d+)\(arg[^,()]*, res[^,()]*, iw[^,()]*, w(?:\+(\d+))?, ")
 PLACED = re.compile(r"(?:\*w\d+=|\bm\.\w+ = )w\+(\d+)\b")
 """Numbers of a caller that outlast calls; others in the work vector are made and used between."""
+
+
+MOST = 200_000
+"""Different operations from which machine code gains little over the virtual machine, whose
+instructions are shorter: code that does not fit the caches is read from memory in every step."""
 
 
 @dataclass(frozen=True)
@@ -37,8 +45,15 @@ class Module:
     in_memory: tuple[str, ...]
 
 
-def translated(source: str, entry: str, lanes: int = 1) -> Module:
+def translated(source: str, entry: str, lanes: int, short: int) -> Module:
     """The function ``entry`` of a C text and all it calls.
+
+    Parameters
+    ----------
+    source : C
+    entry : name of the function
+    lanes : numbers in the place of one
+    short : operations up to which a body is compiled as a whole
 
     Raises
     ------
@@ -56,10 +71,15 @@ def translated(source: str, entry: str, lanes: int = 1) -> Module:
     parsed = [function for function in functions if not function.straight]
     structs = [s for s in text.structs if any(s.split()[1] in f.uses for f in parsed)]
     lines = written_functions(functions, structs, around)
-    for function in straight:
-        lines += straight_line(function, real)
+    cuts = {function.name: cut_up(function, short) for function in straight}
+    if (different := sum(cut.different_operations for cut in cuts.values())) > MOST:
+        raise NotTranslated(f"{different:,} different operations would gain little")
+    for name, cut in cuts.items():
+        lines += straight_line(name, cut, real)
     longest = max(map(longest_input, straight), default=1)
     arrays = [f"@{ZEROS} = internal constant [{longest} x {real.ir}] zeroinitializer, align 8"]
+    counts = sum(c.count for c in cuts.values()), sum(len(c.different) for c in cuts.values())
+    arrays.append(f"@{PIECES} = constant [2 x i64] [i64 {counts[0]}, i64 {counts[1]}]")
     arrays += [_array(name, *text.arrays[name], real) for name in wanted]
     head = f"i64 @{entry}("
     body = "\n".join(lines).replace(f"define internal {head}", f"define {head}")
@@ -67,6 +87,13 @@ def translated(source: str, entry: str, lanes: int = 1) -> Module:
         arrays.append("@_fltused = global i32 1")
     everything = [*struct_lines(around), *arrays, *real.declarations(body), body, ""]
     return Module("\n".join(everything), tuple(function.name for function in parsed))
+
+
+def different_operations(source: str, entry: str, short: int) -> int:
+    """How many operations would be compiled, of which others are repetitions."""
+    needed = CText.read(source).needed(entry)
+    cuts = (cut_up(function, short) for function in needed if function.straight)
+    return sum(cut.different_operations for cut in cuts)
 
 
 def _array(name: str, kind: str, count: int, numbers: list[str], real: Real) -> str:
