@@ -18,7 +18,7 @@ from dalembert import planar
 from dalembert.errors import SolverFailure
 from dalembert.symbolic import backends, switching
 from dalembert.symbolic.columns import NativeColumns, VirtualColumns
-from dalembert.symbolic.native import c_compiler, code_cache, llvm, source
+from dalembert.symbolic.native import c_compiler, code_cache, llvm, source, translation
 from dalembert.symbolic.native.c_compiler import Compiler
 from dalembert.symbolic.native.llvm import Llvm
 
@@ -212,18 +212,6 @@ def test_graphs_of_matrices_give_the_same_numbers():
         np.testing.assert_array_equal(found, expected)
 
 
-def test_long_bodies_are_cut_into_pieces_that_hand_on_their_values(monkeypatch):
-    from dalembert.symbolic.native import straight_line
-
-    monkeypatch.setattr(straight_line, "PIECE", 7)
-    monkeypatch.setattr(straight_line, "SHORT", 7)
-    x = ca.SX.sym("x", 6)
-    value = x
-    for k in range(12):
-        value = ca.sin(value) + ca.cumsum(value) * (k + 1) - value[::-1] / (2 + x**2)
-    assert_columns_agree(ca.Function("long", [x], [value, ca.sum1(value)]), np.random.rand(6, 3))
-
-
 @pytest.mark.parametrize("backend", COMPILED)
 def test_a_matrix_that_is_singular_stops_all_alike(backend):
     y, q = ca.MX.sym("y", 2), ca.MX.sym("q")
@@ -242,15 +230,16 @@ def test_a_matrix_that_is_singular_stops_all_alike(backend):
 
 
 @pytest.mark.parametrize("backend", COMPILED)
-def test_what_is_too_large_stays_on_the_virtual_machine_and_says_so(
-    backend, monkeypatch, compilations
-):
-    """Forty four-bars are seven times faster compiled, 320 of them hardly."""
-    monkeypatch.setattr(source, "LARGE", 1000)
+def test_what_is_too_large_stays_on_the_virtual_machine_and_says_so(backend, monkeypatch, cache):
+    """A model of few equal parts, whose code is as long as its list of operations."""
+    monkeypatch.setattr(Compiler, "longest", 1000)
+    monkeypatch.setattr(translation, "MOST", 100)
     model = four_bar()
     expected, found = run(model, "vm"), run(model, backend)
-    assert re.fullmatch(r"VM \(.* MB of C would gain little\)", found.statistics["backend"])
-    assert not compilations
+    assert re.fullmatch(
+        r"VM \(.* (MB of C|different operations) would gain little\)", found.statistics["backend"]
+    )
+    assert not files(cache)
     np.testing.assert_array_equal(found.trajectory.y, expected.trajectory.y)
 
 
@@ -415,7 +404,8 @@ def test_auto_compiles_what_repays_it_and_takes_what_is_there(cache):
 def test_auto_is_the_default_and_changes_over_while_it_runs(monkeypatch):
     """Nobody announces how often short runs are repeated."""
     assert da.Dynamics(1.0).backend == "auto"
-    monkeypatch.setattr(switching, "COMPILE_RATES", {"LLVM": (0.1, 0.0)})
+    monkeypatch.setattr(Llvm, "effort", lambda self, text: 0.1)
+    monkeypatch.setattr(Llvm, "least_effort", lambda self, text: 0.1)
     model, seen = four_bar(), []
     for _ in range(2000):
         motion = da.solve_dynamics(model, 0.5, step=0.002, outputs=[0.5])

@@ -12,7 +12,7 @@ from dalembert.io.model_file import load_model_file
 from dalembert.symbolic.backends import BACKENDS
 from dalembert.symbolic.columns import VirtualColumns, instructions
 from dalembert.symbolic.lanes import LaneColumns
-from dalembert.symbolic.native.straight_line import SHORT
+from dalembert.symbolic.native.llvm import SHORT
 
 RNG = np.random.default_rng(5)
 X = np.sort(RNG.uniform(0.0, 1.0, 12))

@@ -162,7 +162,9 @@ def statistics(
         "integrator": kernel.integrator,
     }
     made: dict[str, Any] = {name: type(choice).__name__ for name, choice in choices.items()}
-    made["backend"] = kernel.steps(int(steps.mode[-1]) if steps.count else 0).report
+    columns = kernel.steps(int(steps.mode[-1]) if steps.count else 0)
+    made["backend"] = columns.report
+    made |= dict(zip(("pieces of code", "different pieces"), columns.pieces, strict=False))
     made |= {
         "steps": steps.lasting.size,
         "rejected steps": steps.rejected,

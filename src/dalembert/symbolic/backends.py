@@ -114,7 +114,7 @@ class Compiled(Backend):
     def _made(self, function: ca.Function, carried: bool, fixed: tuple[int, ...]) -> Columns:
         toolchain = self._needed()
         text = c_source(function)
-        why = hindrance(text)
+        why = hindrance(text, toolchain)
         if text is None or why:
             return VirtualColumns(function, carried, fixed, why)
         try:
@@ -146,6 +146,10 @@ class _WhereMany(Columns):
     @property
     def compiled(self) -> bool:
         return self._many is not None and self._many.compiled
+
+    @property
+    def pieces(self) -> tuple[int, ...]:
+        return () if self._many is None else self._many.pieces
 
 
 class Automatic(Backend):

@@ -66,6 +66,11 @@ class Columns(ABC):
         """They are evaluated by machine code now."""
         return False
 
+    @property
+    def pieces(self) -> tuple[int, ...]:
+        """Pieces of machine code, and how many of them differ, where that is known."""
+        return ()
+
 
 class VirtualColumns(Columns):
     """By CasADi's virtual machine.
@@ -184,6 +189,10 @@ class NativeColumns(Columns):
     @property
     def compiled(self) -> bool:
         return True
+
+    @property
+    def pieces(self) -> tuple[int, ...]:
+        return getattr(self._loop, "pieces", ())
 
     def _call(self, count: int, given: list[np.ndarray], results: list[np.ndarray]) -> int:
         """How many columns are done; every call has its own memory, so that threads may call."""

@@ -42,7 +42,7 @@ class LaneColumns:
     def side_by_side(self) -> SideBySide | None:
         """The function in lanes; None where there are none for it."""
         text, found = c_source(self.function), find_llvm()
-        if text is None or hindrance(text) or found is None:
+        if text is None or found is None or hindrance(text, found):
             return None
         toolchain = type(found)(lane_count())
         try:

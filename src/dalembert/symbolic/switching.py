@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
@@ -34,8 +34,6 @@ from dalembert.symbolic.native.toolchain import Call, Toolchain
 VIRTUAL_RATE = 2e-9
 TEXT_RATE = 4e-6
 """Rough: seconds for an instruction, to evaluate it and to write it as C."""
-COMPILE_RATES = {"LLVM": (0.05, 1.5e-6), "C": (0.1, 8e-6)}
-"""Rough: seconds to begin, and for a character of C."""
 WORTH_WAITING = 1.5
 """Times the cost of compiling from which announced work waits for it."""
 LATEST = 1.0
@@ -101,6 +99,10 @@ class SwitchingColumns(Columns):
     def compiled(self) -> bool:
         return self._native is not None
 
+    @property
+    def pieces(self) -> tuple[int, ...]:
+        return () if self._native is None else self._native.pieces
+
     def __call__(self, count: int, *arguments: Any) -> list[np.ndarray]:
         if not self._ended:
             self._decide(max(count, self._announced))
@@ -125,7 +127,7 @@ class SwitchingColumns(Columns):
             if self._seconds + coming < TEXT_RATE * self._instructions / 2:
                 return
             self._text = c_source(self._called) or ""
-            if hindrance(self._text or None):
+            if hindrance(self._text or None, self._toolchain):
                 self._ended = True
                 return
             self._take(kept(self._text, self._toolchain))
@@ -133,10 +135,9 @@ class SwitchingColumns(Columns):
             self._compile(coming)
 
     def _compile(self, coming: float) -> None:
-        fixed, rate = COMPILE_RATES[self._toolchain.name]
-        cost = fixed + rate * len(str(self._text))
-        known = coming >= WORTH_WAITING * cost
-        if not known and self._seconds + coming < min(cost, LATEST):
+        least = self._toolchain.least_effort(str(self._text))
+        known = coming >= WORTH_WAITING * least and coming >= WORTH_WAITING * self._effort
+        if not known and self._seconds + coming < min(least, LATEST):
             return
         if not known and possible():
             self._compilation = Compilation(str(self._text), self._toolchain)
@@ -145,6 +146,10 @@ class SwitchingColumns(Columns):
             self._take(made(str(self._text), self._toolchain))
         except UnsupportedError:  # a run must not fail for what it did not ask for
             self._ended = True
+
+    @cached_property
+    def _effort(self) -> float:
+        return self._toolchain.effort(str(self._text))
 
     def _end(self) -> None:
         """Take what another process has compiled, once it has."""
@@ -162,8 +167,9 @@ class SwitchingColumns(Columns):
 
 def repays(function: ca.Function, called: ca.Function, count: int) -> bool:
     """Whether so many columns of a function take longer than to compile ``called`` by LLVM."""
-    coming = count * VIRTUAL_RATE * instructions(function)
-    if coming < TEXT_RATE * instructions(called):
+    coming, toolchain = count * VIRTUAL_RATE * instructions(function), find_llvm()
+    if toolchain is None or coming < TEXT_RATE * instructions(called):
         return False
-    fixed, rate = COMPILE_RATES["LLVM"]
-    return coming >= WORTH_WAITING * (fixed + rate * len(c_source(called) or ""))
+    text = c_source(called) or ""
+    efforts = (toolchain.least_effort, toolchain.effort)
+    return all(coming >= WORTH_WAITING * effort(text) for effort in efforts)

@@ -61,8 +61,18 @@ class PlanarFrame(BodyElement):
         return self.turned(local) + (place if local.numel() == 2 else ca.vertcat(place, 0))
 
     def turned(self, local: ca.SX) -> ca.SX:
-        in_plane = ca.mtimes(rotation(self.pose_angle), local[:2])
+        in_plane = ca.mtimes(self._axes, local[:2])
         return in_plane if local.numel() == 2 else ca.vertcat(in_plane, local[2])
+
+    @property
+    def _axes(self) -> ca.SX:
+        """``A(φ)``, the same expression for every point, so that its derivatives are, too."""
+        angle = self.pose_angle
+        known: tuple[ca.SX, ca.SX] | None = vars(self).get("_turned")
+        if known is None or known[0].element_hash() != angle.element_hash():
+            known = angle, rotation(angle)
+            vars(self)["_turned"] = known
+        return known[1]
 
     @property
     def orientation(self) -> ca.SX:

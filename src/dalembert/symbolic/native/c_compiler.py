@@ -21,6 +21,9 @@ from dalembert.symbolic.native.toolchain import Call, Toolchain
 FLAGS = ("-fPIC", "-shared", "-ffp-contract=off", "-w")
 """Sums of products are rounded as the virtual machine rounds them, so that both agree."""
 OPTIMISED = "-O1"
+LONGEST = 5_000_000
+BEGIN, RATE = 0.1, 8e-6
+"""Rough: seconds to begin, and for a character."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,7 @@ class Compiler(Toolchain):
     backend: ClassVar[str] = "c"
     suffix: ClassVar[str] = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
     maker: ClassVar[tuple[str, str]] = (__name__, "needed_compiler")
+    longest: ClassVar[int | None] = LONGEST
 
     command: tuple[str, ...]
     version: str
@@ -38,6 +42,9 @@ class Compiler(Toolchain):
     @property
     def identity(self) -> tuple[str, ...]:
         return (self.version, *self.command, OPTIMISED, *FLAGS)
+
+    def least_effort(self, text: str) -> float:
+        return BEGIN + RATE * len(text)
 
     def build(self, text: str, target: Path) -> None:
         command = [*self.command, OPTIMISED, *FLAGS, "-x", "c", "-", "-o", str(target), "-lm"]

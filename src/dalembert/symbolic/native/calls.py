@@ -16,6 +16,8 @@ SET = re.compile(r"  (arg|res)\[(\d+)\]=(?:w\+(\d+)|0);$")
 PUT = re.compile(r"  w\[(\d+)\] = (a\d+|-?\d+\.\d*(?:e[+-]?\d+)?);$")
 CALL = re.compile(r"  if \((\w+)\(arg\+(\d+), res\+(\d+), iw, w\+(\d+), 0\)\) return 1;$")
 TAKE = re.compile(r"  (a\d+) = w\[(\d+)\];$")
+BEGUN = ("  arg[", "  res[", "  w[")
+"""How the lines of a call begin."""
 LONE = "_lone"
 """Ends the names of functions of numbers in a module of lanes."""
 
@@ -42,12 +44,9 @@ class Called:
     places: dict[tuple[str, int], int | None] = field(default_factory=dict)
 
     @property
-    def reads(self) -> tuple[str, ...]:
-        return tuple(self.given.values())
-
-    @property
-    def writes(self) -> tuple[str, ...]:
-        return tuple(self.taken.values())
+    def way(self) -> str:
+        """What calls that differ in slots only have in common."""
+        return f"{self.name} {self.arg} {self.res} {self.w} {self.places} {[*self.taken]}"
 
 
 def read_call(line: str, lines: Iterator[str]) -> tuple[Called, str]:

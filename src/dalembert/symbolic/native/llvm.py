@@ -14,14 +14,17 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.native.loop import ENTRY, SIGNATURE
+from dalembert.symbolic.native.loop import ENTRY, PIECES, SIGNATURE
 from dalembert.symbolic.native.real import LIBRARY
 from dalembert.symbolic.native.toolchain import Call, NotTranslated, Toolchain
 
-VERSION = 4
+VERSION = 5
 """Raised when the same text makes other instructions."""
 OPTIMISED = 1
 """Level of code generation; none changes how a number is rounded."""
+SHORT = 6000
+BEGIN, READING, COMPILING = 0.05, 0.1e-6, 45e-6
+"""Rough: seconds to begin, for a character, and for each of the operations that differ."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,8 @@ class Llvm(Toolchain):
     Parameters
     ----------
     lanes : numbers that are computed side by side, one for each of so many sets of arguments
+    short : operations up to which a body is compiled as a whole; in longer ones equal pieces are
+        compiled once
     """
 
     name: ClassVar[str] = "LLVM"
@@ -39,6 +44,7 @@ class Llvm(Toolchain):
     maker: ClassVar[tuple[str, str]] = (__name__, "needed_llvm")
 
     lanes: int = 1
+    short: int = SHORT
 
     @cached_property
     def identity(self) -> tuple[str, ...]:
@@ -48,13 +54,25 @@ class Llvm(Toolchain):
         version = ".".join(map(str, llvm.llvm_version_info))
         features = llvm.get_host_cpu_features().flatten()
         about = (llvmlite.__version__, version, llvm.get_host_cpu_name(), features)
-        return (*about, str(OPTIMISED), str(VERSION), str(self.lanes))
+        return (*about, str(OPTIMISED), str(VERSION), str(self.lanes), str(self.short))
+
+    def least_effort(self, text: str) -> float:
+        return BEGIN + READING * len(text)
+
+    def effort(self, text: str) -> float:
+        from dalembert.symbolic.native.translation import different_operations
+
+        try:
+            different = different_operations(text, ENTRY, self.short)
+        except UnsupportedError:  # what it is will be told when it is compiled
+            different = 0
+        return self.least_effort(text) + COMPILING * different
 
     def build(self, text: str, target: Path) -> None:
         from dalembert.symbolic.native.translation import translated
 
         try:
-            code = _object_code(translated(text, ENTRY, self.lanes))
+            code = _object_code(translated(text, ENTRY, self.lanes, self.short))
         except NotTranslated:
             raise
         except Exception as error:  # other versions of CasADi may write what nobody has seen
@@ -139,6 +157,8 @@ class _Loaded:
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
         self._loop = SIGNATURE(self._engine.get_function_address(ENTRY))
+        counts = (ctypes.c_longlong * 2).from_address(self._engine.get_global_value_address(PIECES))
+        self.pieces = tuple(counts)
 
     def __call__(self, *given: Any) -> int:
         return self._loop(*given)

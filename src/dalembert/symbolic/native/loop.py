@@ -6,6 +6,8 @@ import ctypes
 
 ENTRY = "dalembert_columns"
 """The function of a library that is called."""
+PIECES = "dalembert_pieces"
+"""Two numbers of a library of LLVM: pieces of straight bodies, and how many of these differ."""
 SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_longlong, *[ctypes.c_longlong] * 3, *[ctypes.c_void_p] * 8)
 """Its type: three counts and eight addresses."""
 LOOP = f"""

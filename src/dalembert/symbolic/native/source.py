@@ -9,10 +9,8 @@ from io import StringIO
 import casadi as ca
 
 from dalembert.symbolic.native.loop import LOOP
+from dalembert.symbolic.native.toolchain import Toolchain
 
-LARGE = 5_000_000
-"""Characters of C from which machine code gains little over the virtual machine, whose
-instructions are shorter: code that does not fit the caches is read from memory in every step."""
 FACTORISED = re.compile(
     r"^  casadi_qr\(\w+, \w+, \w+, \w+, \w+, (\w+), (\w+), \w+, \w+, (\w+)\);$", re.MULTILINE
 )
@@ -35,8 +33,10 @@ def c_source(function: ca.Function) -> str | None:
     return FACTORISED.sub(rf"\g<0>\n{SINGULAR}", text) + LOOP
 
 
-def hindrance(text: str | None) -> str:
-    """Why a function stays on the virtual machine; nothing where machine code pays."""
+def hindrance(text: str | None, toolchain: Toolchain) -> str:
+    """Why a function stays on the virtual machine; nothing where machine code may pay."""
     if text is None:
         return "CasADi cannot write this integrator as C"
-    return f"{len(text) / 1e6:.1f} MB of C would gain little" if len(text) > LARGE else ""
+    if toolchain.longest is None or len(text) <= toolchain.longest:
+        return ""
+    return f"{len(text) / 1e6:.1f} MB of C would gain little"

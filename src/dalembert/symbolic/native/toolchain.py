@@ -27,12 +27,24 @@ class Toolchain(ABC):
     backend : what it is called where it is chosen
     suffix : of its files
     maker : module and name of the function that makes it, for another process
+    longest : characters of C from which its code gains little over the virtual machine, whose
+        instructions are shorter: code that does not fit the caches is read from memory in every
+        step; None where that is not seen from their number
     """
 
     name: ClassVar[str]
     backend: ClassVar[str]
     suffix: ClassVar[str]
     maker: ClassVar[tuple[str, str]]
+    longest: ClassVar[int | None] = None
+
+    @abstractmethod
+    def least_effort(self, text: str) -> float:
+        """Rough: the least seconds that compiling a text may take."""
+
+    def effort(self, text: str) -> float:
+        """Rough: seconds that compiling it takes, by a closer look."""
+        return self.least_effort(text)
 
     @property
     @abstractmethod

@@ -15,13 +15,22 @@ from dalembert.symbolic.native.c_instructions import Surroundings
 from dalembert.symbolic.native.c_text import CFunction, CText
 from dalembert.symbolic.native.c_types import INT, REAL
 from dalembert.symbolic.native.calls import called_from
+from dalembert.symbolic.native.lines import slot_count
+from dalembert.symbolic.native.loop import PIECES
+from dalembert.symbolic.native.piece import ZEROS
 from dalembert.symbolic.native.real import Real
-from dalembert.symbolic.native.straight_line import ZEROS, longest_input, slot_count, straight_line
+from dalembert.symbolic.native.repeats import Pieces
+from dalembert.symbolic.native.straight_line import cut_up, longest_input, straight_line
 from dalembert.symbolic.native.toolchain import NotTranslated
 
 CALLED = re.compile(r"(casadi_f\d+)\(arg[^,()]*, res[^,()]*, iw[^,()]*, w(?:\+(\d+))?, ")
 PLACED = re.compile(r"(?:\*w\d+=|\bm\.\w+ = )w\+(\d+)\b")
 """Numbers of a caller that outlast calls; others in the work vector are made and used between."""
+
+
+MOST = 200_000
+"""Different operations from which machine code gains little over the virtual machine, whose
+instructions are shorter: code that does not fit the caches is read from memory in every step."""
 
 
 @dataclass(frozen=True)
@@ -38,8 +47,15 @@ class Module:
     in_memory: tuple[str, ...]
 
 
-def translated(source: str, entry: str, lanes: int = 1) -> Module:
+def translated(source: str, entry: str, lanes: int, short: int) -> Module:
     """The function ``entry`` of a C text and all it calls.
+
+    Parameters
+    ----------
+    source : C
+    entry : name of the function
+    lanes : numbers in the place of one
+    short : operations up to which a body is compiled as a whole
 
     Raises
     ------
@@ -48,13 +64,19 @@ def translated(source: str, entry: str, lanes: int = 1) -> Module:
     """
     text = CText.read(source)
     _check_work(text.needed(entry))
-    parts = [_Part(text, text.needed(entry), Real())]
+    parts = [_Part(text, text.needed(entry), Real(), short)]
     if lanes > 1:
         own, lone = text.parted(entry)
-        parts = [_Part(text, own, Real(lanes)), _Part(lone, list(lone.functions.values()), Real())]
+        others = list(lone.functions.values())
+        parts = [_Part(text, own, Real(lanes), short), _Part(lone, others, Real(), short)]
+    cuts = [cut for part in parts for cut in part.cuts]
+    if (different := sum(cut.different_operations for cut in cuts)) > MOST:
+        raise NotTranslated(f"{different:,} different operations would gain little")
     longest = max([longest_input(f) for part in parts for f in part.straight], default=1)
     zeros = f"[{longest} x {parts[0].real.ir}] zeroinitializer"
+    counts = sum(c.count for c in cuts), sum(len(c.different) for c in cuts)
     lines = [f"@{ZEROS} = internal constant {zeros}, align 8"]
+    lines.append(f"@{PIECES} = constant [2 x i64] [i64 {counts[0]}, i64 {counts[1]}]")
     if sys.platform == "win32":  # its linkers want to know of numbers like these
         lines.append("@_fltused = global i32 1")
     head = f"i64 @{entry}("
@@ -68,10 +90,11 @@ def translated(source: str, entry: str, lanes: int = 1) -> Module:
 class _Part:
     """Functions of a text, for numbers or for lanes."""
 
-    def __init__(self, text: CText, functions: list[CFunction], real: Real):
+    def __init__(self, text: CText, functions: list[CFunction], real: Real, short: int):
         self.text, self.functions, self.real = text, functions, real
         self.straight = [function for function in functions if function.straight]
         self.parsed = [function for function in functions if not function.straight]
+        self.cuts: list[Pieces] = [cut_up(function, short) for function in self.straight]
 
     def lines(self) -> list[str]:
         """Their IR and that of what they need."""
@@ -82,10 +105,17 @@ class _Part:
         used = {name for function in self.parsed for name in function.uses}
         structs = [s for s in self.text.structs if s.split()[1] in used]
         lines = written_functions(self.functions, structs, around)
-        for function in self.straight:
-            lines += straight_line(function, self.real)
+        for function, cut in zip(self.straight, self.cuts, strict=True):
+            lines += straight_line(function, cut, self.real)
         told = [_array(name, *arrays[name], self.real) for name in wanted]
         return [*struct_lines(around), *told, *self.real.declarations("\n".join(lines)), *lines]
+
+
+def different_operations(source: str, entry: str, short: int) -> int:
+    """How many operations would be compiled, of which others are repetitions."""
+    needed = CText.read(source).needed(entry)
+    cuts = (cut_up(function, short) for function in needed if function.straight)
+    return sum(cut.different_operations for cut in cuts)
 
 
 def _array(name: str, kind: str, count: int, numbers: list[str], real: Real) -> str:
