@@ -42,6 +42,14 @@ def task() -> dict:
     return {"minimize": goal, "analysis": da.Kinematics(t_span=(0.0, 1e-3), outputs=2)}
 
 
+def squares() -> da.SumOfSquares:
+    """The same objective as a sum of squares, for least squares."""
+    last, names = f"link{N - 1}.end", range(N)
+    rows = [f"a{k} - a{k - 1}" for k in names[1:]] + [f"sqrt(0.1*l{k})" for k in names]
+    rows += [f"sqrt(1e3)*({last}.x - 1.2)", f"sqrt(1e3)*({last}.y - 0.9)"]
+    return da.SumOfSquares([da.final(row, name=f"r{k}") for k, row in enumerate(rows)])
+
+
 class Counted:
     """Counts the analyses, whoever asks for them; stops a search that has had its share."""
 
@@ -66,12 +74,14 @@ def main(most: int = 10_000) -> None:
 
     def search(name: str, **options) -> da.Optimum:
         counted.count, begun = 0, time.perf_counter()
-        best = da.optimize(model, **task(), **options)
+        best = da.optimize(model, **(task() | options))
         spent = time.perf_counter() - begun
         print(f"{name:24} {best.fun:.8f}  {counted.count:6} analyses  {spent:6.1f} s", flush=True)
         return best
 
     exact = search("exact gradients", tolerance=1e-10)
+    squared = {"minimize": squares(), "method": "least-squares"}
+    search("least squares", tolerance=1e-10, **squared)
     search("differences", tolerance=1e-10, gradient="finite-difference")
 
     def near(number: int, objective: float) -> None:
@@ -83,6 +93,26 @@ def main(most: int = 10_000) -> None:
     if find_spec("cma") is not None:
         strategy = da.CmaEs(generations=10_000, polish=None)
         search("CMA-ES", method=strategy, progress=near)
+    if find_spec("pymoo") is not None:
+        genetic(counted, model, 1.01 * exact.fun)
+
+
+def genetic(counted: Counted, model: da.Model, enough: float) -> None:
+    """pymoo's genetic algorithm as it comes, a hundred designs in a generation."""
+    from pymoo.algorithms.soo.nonconvex.ga import GA
+
+    asked, counted.count, begun = task(), 0, time.perf_counter()
+    problem = da.pymoo_problem(model, [asked["minimize"]], analysis=asked["analysis"])
+    search, best = GA(pop_size=100), math.inf
+    search.setup(problem, termination=("n_gen", counted.most), seed=0, verbose=False)
+    try:
+        while best > enough:
+            search.next()
+            best = float(search.opt[0].F[0])
+    except KeyboardInterrupt:
+        pass
+    spent = time.perf_counter() - begun
+    print(f"{'genetic algorithm':24} {best:.8f}  {counted.count:6} analyses  {spent:6.1f} s")
 
 
 if __name__ == "__main__":
