@@ -75,7 +75,7 @@ def entry(spoken: str, thing: Any) -> str:
         except (ValueError, TypeError):
             signature = "(...)"
     shown = f"## `{spoken}`\n\n```python\n{signature_text(spoken, signature)}\n```"
-    text = markdown(inspect.getdoc(thing) or "") if callable(thing) else f"`{thing!r}`"
+    text = markdown(thing) if callable(thing) else f"`{thing!r}`"
     return f"{shown}\n\n{text}"
 
 

@@ -2,21 +2,46 @@
 
 from __future__ import annotations
 
+import dataclasses
+import inspect
 import re
+from typing import Any
+
+from reference.markdown import FIELD, field_texts
 
 SECTION = re.compile(r"(?:\A|\n\n)(\w+)\n-{3,}\n")
 WIDE = 88
 """Characters of a signature on one line."""
 
 
-def markdown(text: str) -> str:
+def markdown(thing: Any) -> str:
     """What it says, lists of parameters and errors, and the examples in colours."""
-    intro, *rest = SECTION.split(text)
+    intro, *rest = SECTION.split(inspect.getdoc(thing) or "")
+    sections = dict(zip(rest[::2], rest[1::2], strict=True))
+    if inspect.isclass(thing) and (inherited := further_entries(thing)):
+        own = sections.pop("Parameters", "")
+        sections = {"Parameters": "\n".join(filter(None, [own.strip(), *inherited]))} | sections
     parts = [prose(intro)]
-    for title, body in zip(rest[::2], rest[1::2], strict=True):
+    for title, body in sections.items():
         shown = f"```pycon\n{body.strip()}\n```" if title == "Examples" else entries(body)
         parts.append(f"**{title}**\n\n{shown}")
     return "\n\n".join(part for part in parts if part)
+
+
+def further_entries(cls: type) -> list[str]:
+    """Parameters that its bases describe, or the fields of an element themselves."""
+    texts = field_texts(cls)
+    for field in dataclasses.fields(cls) if dataclasses.is_dataclass(cls) else ():
+        if text := field.metadata.get("description"):
+            unit = field.metadata.get("unit", "")
+            texts.setdefault(field.name, f"{text} [{unit}]" if unit else text)
+    own = inspect.cleandoc(vars(cls).get("__doc__") or "").splitlines()
+    told = {n for line in own if (m := FIELD.match(line)) for n in m[1].split(", ")}
+    try:
+        taken = list(inspect.signature(cls).parameters)
+    except ValueError:  # of errors
+        return []
+    return [f"{n} : {texts[n]}" for n in taken if n in texts and n not in told]
 
 
 def prose(text: str) -> str:

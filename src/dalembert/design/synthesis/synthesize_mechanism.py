@@ -66,6 +66,8 @@ def synthesize_mechanism(
     speed : of the motor [rad/s]
     order : free timing passes the entries in their order
     starts : how many mechanisms are polished, the model itself first
+    rng : seed of the starts
+    progress : a function of the fraction done
 
     Raises
     ------
