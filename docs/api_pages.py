@@ -8,6 +8,8 @@ import re
 from pathlib import Path
 from typing import Any
 
+from docstrings import markdown, signature_text
+
 PAGES = {
     "dalembert": "Analyses, results, gradients, design",
     "dalembert.planar": "Elements of the plane",
@@ -68,10 +70,13 @@ def entry(spoken: str, thing: Any) -> str:
     if callable(thing):
         try:
             signature = re.sub(r"(:|->) '([^']*)'", r"\1 \2", str(inspect.signature(thing)))
+            signature = re.sub(r"<class '[\w.]*?(\w+)'>", r"\1", signature)
+            signature = signature.removesuffix(" -> None")
         except (ValueError, TypeError):
-            signature = "(…)"
-    text = inspect.getdoc(thing) if callable(thing) else f"{thing!r}"
-    return f"## `{spoken}`\n\n```text\n{spoken}{signature}\n\n{text or ''}\n```"
+            signature = "(...)"
+    shown = f"## `{spoken}`\n\n```python\n{signature_text(spoken, signature)}\n```"
+    text = markdown(thing) if callable(thing) else f"`{thing!r}`"
+    return f"{shown}\n\n{text}"
 
 
 def fenced(text: str) -> str:

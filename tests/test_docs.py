@@ -209,6 +209,17 @@ def test_generated_parts_are_up_to_date(monkeypatch):
     assert used == set(generator.PARTS)
 
 
+def test_a_page_has_signatures_parameters_and_examples(monkeypatch):
+    monkeypatch.syspath_prepend(DOCS)
+    pages = importlib.import_module("api_pages")
+    text = pages.page("dalembert.planar", dalembert.planar)
+    assert text.count("\n**Examples**\n\n```pycon\n>>> ") == len(dalembert.planar.__all__)
+    assert "## `planar.Cable`\n\n```python\nplanar.Cable(\n    name: str," in text
+    assert "\n- `clearance`: by how much the hole has a larger radius [m]\n" in text  # of a base
+    text = pages.page("dalembert", dalembert)
+    assert "\n- `AnalysisError`: The run fails at the starting design" in text
+
+
 def test_every_public_name_is_told():
     text = "\n".join(p.read_text(encoding="utf-8") for p in PAGES)
     told = set(re.findall(r"\w+", text))

@@ -1,7 +1,9 @@
 """Every public name shows by an example what it is for, and the examples run as printed."""
 
+import dataclasses
 import doctest
 import inspect
+import re
 from typing import Any
 
 import pytest
@@ -68,6 +70,28 @@ def test_a_public_name_shows_an_example(name):
     examples = doctest.DocTestParser().get_examples(example)
     assert examples[-1].want, "its example shows nothing"
     assert len(example.splitlines()) <= 20, "its example is too long to be read at a glance"
+
+
+MADE = {
+    *("da.Front", "da.Identification", "da.Inversion", "da.OptimalTrajectory", "da.Optimum"),
+    *("da.Outcome", "da.Reliability", "da.Surface", "da.Synthesis", "da.Toleranced"),
+}
+"""Results, which verbs make: their attributes are told."""
+ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*) : ", re.MULTILINE)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in MADE])
+def test_every_parameter_is_described(name):
+    """In the docstring, in that of a base class, or by the field of an element itself."""
+    thing = NAMES[name]
+    told = {"name"}
+    for one in getattr(thing, "__mro__", (thing,)):
+        text = inspect.cleandoc(one.__doc__ or "").partition("\n\nExamples\n")[0]
+        told |= {word.strip("*") for listed in ENTRY.findall(text) for word in listed.split(", ")}
+    if dataclasses.is_dataclass(thing):
+        told |= {f.name for f in dataclasses.fields(thing) if f.metadata.get("description")}
+    if not (inspect.isclass(thing) and issubclass(thing, Exception)):
+        assert set(inspect.signature(thing).parameters) <= told
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -65,6 +65,12 @@ def test_least_squares():
         da.optimize(model, goal, analysis=da.Statics(), subject_to=[limit], method="least-squares")
 
 
+def test_cma_es_takes_two_variables_or_more():
+    available("cma-es")
+    with pytest.raises(UnsupportedError, match="two or more; for one use DifferentialEvolution"):
+        solve({"x": (1.0, -2.0, 2.0)}, "(x - 1.2)**2", [], method="cma-es")
+
+
 def test_prices_are_slopes_of_the_optimum():
     """``df*/d(bound)`` by differences of solved problems, for limits and bounds of parameters."""
 

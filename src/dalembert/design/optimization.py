@@ -60,6 +60,7 @@ def optimize(
     tolerance : on the relative change of the scaled objective
     history : file in which evaluations are kept; a search that was interrupted goes on from it
     progress : True prints each iteration, or a function of its number and objective
+    max_iterations : of the method
 
     Raises
     ------

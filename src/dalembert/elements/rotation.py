@@ -150,6 +150,10 @@ def _attitude(letters: list[str], angles: Sequence) -> list[Condition]:
 def bryant(x, y, z) -> Orientation:
     """Bryant (Cardan) angles: turns about the body's x, y and z axes, one after the other [rad].
 
+    Parameters
+    ----------
+    x, y, z : angles [rad], numbers or formulas
+
     Examples
     --------
     >>> import math
@@ -168,6 +172,10 @@ def bryant(x, y, z) -> Orientation:
 
 def from_matrix(rows) -> Orientation:
     """By a rotation matrix, whose columns are the axes of the turned frame.
+
+    Parameters
+    ----------
+    rows : (3, 3) numbers or formulas
 
     Raises
     ------

@@ -125,6 +125,10 @@ def _chosen(cls, known: dict[str, Number], needed: str, what: str) -> dict[str, 
 def rectangle(width: Number, height: Number) -> Section:
     """A solid rectangle.
 
+    Parameters
+    ----------
+    width, height : along its z and its y axis [m], numbers or formulas
+
     Examples
     --------
     >>> from dalembert import structures
@@ -144,6 +148,10 @@ def rectangle(width: Number, height: Number) -> Section:
 def circle(diameter: Number) -> Section:
     """A solid circle.
 
+    Parameters
+    ----------
+    diameter : [m], number or formula
+
     Examples
     --------
     >>> import math
@@ -158,6 +166,10 @@ def circle(diameter: Number) -> Section:
 
 def tube(diameter: Number, wall: Number) -> Section:
     """A circular tube by its outer diameter and its wall; shear areas of a thin one.
+
+    Parameters
+    ----------
+    diameter, wall : outer diameter and thickness [m], numbers or formulas
 
     Examples
     --------

@@ -162,6 +162,10 @@ def _schema(data: dict[str, Any], path: Path) -> type[Document] | type[Structure
 def load_model(path: str | Path) -> System | Structure:
     """Read a mechanism or structure from a TOML or JSON model file; ``build()`` it to analyse it.
 
+    Parameters
+    ----------
+    path : of the file
+
     Raises
     ------
     FileError, ModelError

@@ -40,6 +40,11 @@ SYSTEM_MEASURES = {
 class Model(ParametricModel):
     """A mechanism, checked, assembled and frozen; made by ``System.build``.
 
+    Parameters
+    ----------
+    parts : Description of the mechanism
+    strict : refuse inconsistent initial speeds instead of projecting them
+
     Attributes
     ----------
     parts : Description of the mechanism

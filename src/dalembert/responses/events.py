@@ -108,6 +108,12 @@ def at_event(
 def event_time(event: str | Event, occurrence: int = 1, name: str = "") -> AtEvent:
     """Time at which an event happens the n-th time [s].
 
+    Parameters
+    ----------
+    event : name of one that was declared with the analysis, or an Event
+    occurrence : how often the event has happened then, from 1
+    name : label; made from the event if empty
+
     Examples
     --------
     >>> import dalembert as da

@@ -95,6 +95,12 @@ class Minimum(Maximum):
 def maximum(measure: str | Expression, smooth: float | None = None, name: str = "") -> Maximum:
     """Largest value of a measure over the run.
 
+    Parameters
+    ----------
+    measure : name, formula or Expression; scalar
+    smooth : ``ρ`` of ``Maximum``, one over the unit of the measure; None for the maximum itself
+    name : label; made from the measure if empty
+
     Examples
     --------
     >>> import dalembert as da
@@ -111,6 +117,12 @@ def maximum(measure: str | Expression, smooth: float | None = None, name: str = 
 @spelled
 def minimum(measure: str | Expression, smooth: float | None = None, name: str = "") -> Minimum:
     """Smallest value of a measure over the run.
+
+    Parameters
+    ----------
+    measure : name, formula or Expression; scalar
+    smooth : ``ρ`` of ``Maximum``, one over the unit of the measure; None for the minimum itself
+    name : label; made from the measure if empty
 
     Examples
     --------

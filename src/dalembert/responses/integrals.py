@@ -206,6 +206,11 @@ class Total(Response):
 def integral(measure: str | Expression, name: str = "") -> Integral:
     """Integral of a measure over the run.
 
+    Parameters
+    ----------
+    measure : name, formula or Expression; scalar
+    name : label; made from the measure if empty
+
     Examples
     --------
     >>> import dalembert as da
@@ -222,6 +227,11 @@ def integral(measure: str | Expression, name: str = "") -> Integral:
 @spelled
 def mean(measure: str | Expression, name: str = "") -> Mean:
     """Mean of a measure over the run.
+
+    Parameters
+    ----------
+    measure : name, formula or Expression; scalar
+    name : label; made from the measure if empty
 
     Examples
     --------
@@ -240,6 +250,11 @@ def mean(measure: str | Expression, name: str = "") -> Mean:
 def rms(measure: str | Expression, name: str = "") -> Rms:
     """Root mean square of a measure over the run.
 
+    Parameters
+    ----------
+    measure : name, formula or Expression; scalar
+    name : label; made from the measure if empty
+
     Examples
     --------
     >>> import dalembert as da
@@ -256,6 +271,11 @@ def rms(measure: str | Expression, name: str = "") -> Rms:
 @spelled
 def total(measure: str | Expression, name: str = "") -> Total:
     """Sum of a measure over the outputs, such as squared distances to points of a path.
+
+    Parameters
+    ----------
+    measure : name, formula or Expression; scalar
+    name : label; made from the measure if empty
 
     Examples
     --------

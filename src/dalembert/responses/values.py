@@ -76,6 +76,11 @@ class At(Response):
 def final(measure: str | Expression, name: str = "") -> Final:
     """Value of a measure at the end of the run.
 
+    Parameters
+    ----------
+    measure : name, formula or Expression; scalar
+    name : label; made from the measure if empty
+
     Examples
     --------
     >>> import dalembert as da
@@ -92,6 +97,12 @@ def final(measure: str | Expression, name: str = "") -> Final:
 @spelled
 def at(time: float, measure: str | Expression, name: str = "") -> At:
     """Value of a measure at a time [s]; of a load case (from 0) or mode (from 1) by number.
+
+    Parameters
+    ----------
+    time : instant within the run [s], or number of a load case, mode or point
+    measure : name, formula or Expression; scalar
+    name : label; made from the measure if empty
 
     Examples
     --------

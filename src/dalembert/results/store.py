@@ -36,6 +36,10 @@ def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
 def load_results(path: str | Path) -> xr.Dataset:
     """Read a result file written by ``save`` as an ``xarray.Dataset``.
 
+    Parameters
+    ----------
+    path : of the file
+
     Raises
     ------
     FileError

@@ -164,6 +164,10 @@ def table(
 ) -> Interpolation:
     """A function through the rows of a table, see ``Interpolation``.
 
+    Parameters
+    ----------
+    x, y, kind, outside, units, name : as of ``Interpolation``
+
     Examples
     --------
     >>> import dalembert as da

@@ -163,6 +163,7 @@ def compare(
     repeat : how often each run is timed after a first one; the shortest time counts
     progress : True for a bar, or a function of the fraction done
     outputs : number of equally spaced times of comparison, or the times [s]
+    t_span : (start, end) of the run [s]
 
     Returns
     -------

@@ -56,6 +56,7 @@ def identify(
     loss : ``"linear"``, or against outliers ``"soft_l1"``, ``"huber"``, ``"cauchy"``, ``"arctan"``
     start : initial values; default the nominal ones
     progress : True prints each iteration, or a function of its number and cost
+    max_iterations, tolerance : at which the search ends
 
     Raises
     ------

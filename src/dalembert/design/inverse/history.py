@@ -72,6 +72,7 @@ def history(
     system : System or Structure that gets the parameters
     knots : times, increasing; the spline is natural and C² between them [s]
     value : of all knots at first
+    unit : of the values
 
     Raises
     ------

@@ -55,6 +55,8 @@ def invert(
     vary : further unknown parameters, such as initial values
     smoothing : ``"l-curve"``, ``"cross-validation"``, ``"discrepancy"`` (needs noise), or ``μ``
     order : of the derivative that is to be small; 3 for drives whose accelerations matter
+    max_iterations, tolerance : at which the search ends
+    progress : True prints each iteration, or a function of its number and misfit
 
     Raises
     ------

@@ -24,6 +24,11 @@ class CmaEs(Optimizer):
     rng : seed, above zero
     polish : gradient method that ends it; None for none
 
+    Raises
+    ------
+    UnsupportedError, AnalysisError
+        On use: cma is not there, one variable alone, open bounds.
+
     Examples
     --------
     >>> import dalembert as da
@@ -53,6 +58,11 @@ class CmaEs(Optimizer):
                 "CmaEs needs cma: pip install dalembert[design], or use DifferentialEvolution()"
             ) from None
         program.refuse_open("CMA-ES")
+        if z.size == 1:
+            raise UnsupportedError(
+                "CMA-ES learns how variables go together and takes two or more; for one use "
+                "DifferentialEvolution() or Multistart()"
+            )
         settings = {
             "bounds": [program.z_lower, program.z_upper],
             "maxiter": self.generations,

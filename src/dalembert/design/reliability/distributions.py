@@ -97,6 +97,10 @@ class Lognormal(Distribution):
 class Uniform(Distribution):
     """Every value between two numbers equally likely.
 
+    Parameters
+    ----------
+    lower, upper : ends of the range
+
     Examples
     --------
     >>> import dalembert as da
@@ -134,6 +138,11 @@ class Uniform(Distribution):
 @options
 class Weibull(Distribution):
     """Weibull distribution of least values, ``F = 1 − exp(−((x − location)/scale)^shape)``.
+
+    Parameters
+    ----------
+    scale, shape : above zero
+    location : least value
 
     Examples
     --------

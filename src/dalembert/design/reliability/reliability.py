@@ -60,6 +60,7 @@ def reliability(
         ``"openturns-subset"``
     rng : seed or generator of the starts, and of the samples
     progress : True for a bar, or a function of the fraction done
+    max_iterations : of the search for a design point
 
     Raises
     ------

@@ -35,6 +35,7 @@ def sobol_indices(
     run : computes the designs
     ranges : parameter → lower and upper end
     samples : a power of two
+    rng : seed
 
     Raises
     ------
@@ -85,6 +86,14 @@ def morris_indices(
     the ``deviation``, which is large where the effect is not linear or depends on others. It takes
     ``trajectories·(k + 1)`` designs.
     Source: M. D. Morris (1991), Technometrics 33; F. Campolongo et al. (2007), by SALib.
+
+    Parameters
+    ----------
+    run : computes the designs
+    ranges : parameter → lower and upper end
+    trajectories : how many, of one step along every parameter each
+    levels : of the grid on which they go, an even number
+    rng : seed
 
     Raises
     ------

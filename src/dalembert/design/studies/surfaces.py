@@ -72,6 +72,12 @@ class Surface:
 def response_surface(study: Study, response: str | None = None, degree: int = 2) -> Surface:
     """Polynomial of all parameters by least squares.
 
+    Parameters
+    ----------
+    study : designs and their responses
+    response : label; not needed where there is one only
+    degree : of the polynomial
+
     Raises
     ------
     AnalysisError
@@ -108,6 +114,12 @@ def gaussian_process(study: Study, response: str | None = None, rng: int = 0) ->
     """Gaussian process with a squared exponential kernel, a length for each parameter, and noise.
 
     Source: C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine Learning*, ch. 2.
+
+    Parameters
+    ----------
+    study : designs and their responses
+    response : label; not needed where there is one only
+    rng : seed
 
     Examples
     --------

@@ -88,6 +88,11 @@ def _plane(z: np.ndarray) -> np.ndarray:
 class FlatFaceCam(Cam):
     """A follower with a flat face square to its way: ``P = e^{−iθ}(s' + i (R + s))``.
 
+    Parameters
+    ----------
+    law : of the lift [m] by the angle of the cam [rad], a Law or a formula in ``da.t``
+    base_radius : ``R`` [m]
+
     Examples
     --------
     >>> import math
@@ -189,6 +194,13 @@ class RollerCam(RolledCam):
 
     ``p = e + i h``, ``h = √((R + r)² − e²) + s``; the pressure angle is ``atan((s' − e)/h)``. With
     ``r = 0`` the follower has a knife edge.
+
+    Parameters
+    ----------
+    law : of the lift [m] by the angle of the cam [rad], a Law or a formula in ``da.t``
+    base_radius : ``R`` [m]
+    roller_radius : ``r`` [m]
+    offset : ``e`` of the way of the follower from the axis of the cam [m]
 
     Examples
     --------

@@ -21,6 +21,14 @@ class FourBar(Linkage):
     """``d e^{iθ} + c e^{iφ} = g e^{iγ} + f e^{iψ}``: crank d, coupler c, ground g at ``angle`` γ,
     follower f at the output ψ. The branch is the sign of ``sin(ψ − φ)``.
 
+    Parameters
+    ----------
+    crank, coupler, follower, ground : lengths ``d``, ``c``, ``f``, ``g``; metres for ``system()``
+    x, y : pivot of the crank
+    angle : ``γ`` [rad]
+    u, v : coupler point, along the coupler from the crank pin and square to it
+    branch : +1 or −1
+
     Examples
     --------
     >>> import math

@@ -74,6 +74,7 @@ def five_point_four_bars(
     ----------
     points : (5, 2) of the coupler point
     pivots : (2, 2) of crank and follower
+    rng : seed of the path that the continuation takes
 
     Raises
     ------

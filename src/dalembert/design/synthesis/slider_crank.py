@@ -21,6 +21,15 @@ class SliderCrank(Linkage):
     direction is ``angle`` γ, and the place s of the slider. The branch is the sign of
     ``cos(φ − γ)``.
 
+    Parameters
+    ----------
+    crank, coupler : lengths ``d``, ``c``; metres for ``system()``
+    offset : ``e``
+    x, y : pivot of the crank
+    angle : ``γ`` [rad]
+    u, v : coupler point, along the rod from the crank pin and square to it
+    branch : +1 or −1
+
     Examples
     --------
     >>> import math

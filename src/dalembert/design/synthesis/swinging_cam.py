@@ -30,6 +30,7 @@ class SwingingRollerCam(RolledCam):
     ----------
     arm : from the pivot to the centre of the roller [m]
     distance : of the pivot from the axis of the cam [m]
+    roller_radius : ``r`` [m]
 
     Examples
     --------

@@ -49,6 +49,7 @@ def synthesize(
     order : free timing passes the entries in their order
     starts : how many linkages are polished
     progress : True for a bar, or a function of the fraction done
+    rng : seed of the starts
 
     Raises
     ------

@@ -48,6 +48,7 @@ def synthesize_mechanism(
     order : free timing passes the entries in their order
     starts : how many mechanisms are polished, the model itself first
     progress : True for a bar, or a function of the fraction done
+    rng : seed of the starts
 
     Raises
     ------

@@ -18,6 +18,10 @@ ROUNDING = 1e-15
 def achieved_restitution(factor: float) -> float:
     """The restitution ``e`` of an impact with the speed ``v₀`` that a factor ``d`` leads to.
 
+    Parameters
+    ----------
+    factor : ``d``, not negative
+
     Raises
     ------
     ModelError
@@ -46,6 +50,10 @@ def damping_factor(restitution: float) -> float:
     """The factor ``d`` with which an impact of the speed ``v₀`` has this restitution.
 
     ``HuntCrossley(stiffness=…, damping=damping_factor(e) / v₀)`` achieves what is asked for.
+
+    Parameters
+    ----------
+    restitution : ``e``, above zero and up to one
 
     Raises
     ------

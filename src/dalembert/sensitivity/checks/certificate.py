@@ -60,6 +60,10 @@ class Certificate:
     Verdicts: confirmed; no influence; unconfirmed, where differences are too rough to tell;
     contradicted; exact, where the response is linear and nothing remains.
 
+    Parameters
+    ----------
+    data : Dataset, see above
+
     Examples
     --------
     >>> import dalembert as da

@@ -32,6 +32,10 @@ class StepStudy:
     (``exact``) and the ``relative_error``; not a number where a run failed or a step did not fit,
     for the reasons in ``attrs["notes"]``. ``step`` is relative, ``length`` in the parameter's unit.
 
+    Parameters
+    ----------
+    data : Dataset, see above
+
     Examples
     --------
     >>> import dalembert as da
