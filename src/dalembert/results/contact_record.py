@@ -18,7 +18,7 @@ class ContactRecord:
     ends : Trajectory of K+1 states, at the start and at the ends of the steps; accelerations and
         multipliers are means over the step before, at the start over the first
     names : elements that have gaps
-    step, owner : (c,) in which step, and of which element, each impulse was
+    step, owner, key : (c,) in which step, of which element, and of which gap each impulse was
     impulse : (c, k) [N s], the normal component first
     loss : (K,) energy that contacts took [J]
     penetration : (K+1,) of the deepest gap [m]
@@ -30,6 +30,7 @@ class ContactRecord:
     names: tuple[str, ...]
     step: np.ndarray
     owner: np.ndarray
+    key: np.ndarray
     impulse: np.ndarray
     loss: np.ndarray
     penetration: np.ndarray

@@ -8,6 +8,7 @@ from dalembert.analysis.dynamics import Dynamics
 from dalembert.analysis.equilibrium import Equilibrium
 from dalembert.analysis.kinematics import Kinematics
 from dalembert.analysis.linearization import Linearization
+from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
 from dalembert.analysis.structural.buckling import Buckling
 from dalembert.analysis.structural.load_path import ArcLength
 from dalembert.analysis.structural.modal import Modal
@@ -21,6 +22,7 @@ from dalembert.sensitivity.eigenvalues import EigenvalueEngine
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.events import EventEngine
 from dalembert.sensitivity.marching.dynamics import DynamicsEngine
+from dalembert.sensitivity.nonsmooth.contact_march import ContactEngine
 from dalembert.sensitivity.pointwise import PointwiseEngine
 from dalembert.sensitivity.samples import take_sample
 from dalembert.sensitivity.structural.eigenpairs import EigenpairEngine
@@ -30,6 +32,7 @@ from dalembert.sensitivity.structural.transient import TransientEngine
 
 ENGINES: dict[type, type[Engine]] = {
     Dynamics: DynamicsEngine,
+    Nonsmooth: ContactEngine,
     Kinematics: PointwiseEngine,
     Equilibrium: PointwiseEngine,
     Linearization: EigenvalueEngine,

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.gap_source import GapSource
+from dalembert.analysis.nonsmooth.gap_source import GapSource, StatedGap
 from dalembert.elements.contact.balls import meeting_at_wall, meeting_of_balls
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
@@ -48,6 +48,7 @@ class CollisionGaps(GapSource):
         self._velocities = Patterned("velocities", inputs, [ca.jacobian(moving, e.v)])
         columns = [ca.horzcat(*places), ca.horzcat(*turned) if turned else ca.SX(3, 0)]
         columns = [model.at_ground(ca.densify(c)) if c.numel() else c for c in columns]
+        self._stated = moving, *columns, radii, shares
         outputs = [*columns, ca.densify(radii), shares]
         self._places = Kernel(ca.Function("places", inputs, outputs))
         names = [p.body.name for p in points]
@@ -86,6 +87,18 @@ class CollisionGaps(GapSource):
             first * places.shape[0] + second,
             np.zeros(count, dtype=int),
         ).some(distance <= reach)
+
+    def stated(self, key: int) -> StatedGap:
+        moving, places, normals, radii, shares = self._stated
+        here, there = divmod(key, places.shape[1])
+        wall, balls = here >= radii.numel(), radii.numel()
+        own = normals[:, here - balls] if wall else radii[here]
+        twists = [moving[k * TWIST : (k + 1) * TWIST] for k in (here, there)]
+        distance, directions = _meeting(self.width, wall)(
+            ca.vertcat(places[:, here], own), ca.vertcat(places[:, there], radii[there])
+        )
+        speeds = ca.mtimes(directions, ca.vertcat(*twists))
+        return StatedGap(distance, speeds, *ca.vertsplit(shares))
 
     # who is near whom -----------------------------------------------------------------------
     def _pairs(self, places: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:

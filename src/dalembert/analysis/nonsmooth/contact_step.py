@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gap_source import GapSource
+from dalembert.analysis.nonsmooth.gap_source import GapSource, StatedGap
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion, Solve
 from dalembert.integrators.contact.contact_solver import ContactSolver, Impulses
 from dalembert.integrators.contact.contacts import Contacts
@@ -88,6 +88,11 @@ class ContactStep:
             )
             elements += len(source.elements)
         return Contacts.joined(parts)
+
+    def stated(self, key: int) -> StatedGap:
+        """The gap with a key, as formulas."""
+        number, own = divmod(int(key), APART)
+        return self.sources[number].stated(own)
 
     def closed(self, t: float, y: np.ndarray) -> Contacts:
         """Gaps that are negative, more than by rounding."""

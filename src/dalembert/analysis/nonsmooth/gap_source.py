@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -16,6 +17,24 @@ from dalembert.model.model import Model
 from dalembert.symbolic.expression import t
 from dalembert.symbolic.kernel import Kernel
 from dalembert.symbolic.patterned import Patterned, dense
+
+
+@dataclass(frozen=True, eq=False)
+class StatedGap:
+    """A gap as formulas of the model's ``t``, ``y``, ``v``, ``p``, the ground at rest.
+
+    Attributes
+    ----------
+    distance : ``g``
+    speeds : (k,) ``u``, the normal component first
+    restitution, tangential, friction : law of impact
+    """
+
+    distance: ca.SX
+    speeds: ca.SX
+    restitution: ca.SX
+    tangential: ca.SX
+    friction: ca.SX
 
 
 class GapSource(ABC):
@@ -38,6 +57,10 @@ class GapSource(ABC):
 
         Their velocities have ``width`` components, zero where there are fewer.
         """
+
+    @abstractmethod
+    def stated(self, key: int) -> StatedGap:
+        """The gap with this key."""
 
 
 class FormulaGaps(GapSource):
@@ -74,6 +97,7 @@ class FormulaGaps(GapSource):
         shares = ca.horzcat(
             *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws if law)
         )
+        self._stated = distances, speeds, shares
         inputs = [e.t, e.y, e.p]
         outputs = [distances, directions, drift]
         self._gaps = Patterned("gaps", inputs, outputs)
@@ -99,6 +123,11 @@ class FormulaGaps(GapSource):
             self.owner,
         )
         return every.some(distance <= reach)
+
+    def stated(self, key: int) -> StatedGap:
+        distances, speeds, shares = self._stated
+        own = speeds[key * self.width : (key + 1) * self.width]
+        return StatedGap(distances[key], own, *ca.vertsplit(shares[:, int(self.owner[key])]))
 
 
 def _refuse_poisson(elements: list[Unilateral]) -> None:

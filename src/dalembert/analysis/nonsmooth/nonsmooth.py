@@ -29,8 +29,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     """Dynamics with rigid contacts as a strategy object.
 
     Impacts are not located: all that fall into a step are solved at once, as impulses. The motion
-    is of first order in the step. There are no gradients: the impulses are solutions of
-    inequalities, whose derivatives are those of the scheme and not of the motion.
+    is of first order in the step, and so are gradients, which ``MoreauJean`` has.
 
     Parameters
     ----------

@@ -66,7 +66,10 @@ class StepLog:
         )[:, : h.size]
         pressed = [s.impulses.impulses[:, 0] > 0 for s in taken]
         impulses = [s.impulses.impulses[w] for s, w in zip(taken, pressed, strict=True)]
-        owners = [s.contacts.owner[w] for s, w in zip(taken, pressed, strict=True)]
+        owners, keys = (
+            [getattr(s.contacts, name)[w] for s, w in zip(taken, pressed, strict=True)]
+            for name in ("owner", "key")
+        )
         counts = [int(w.sum()) for w in pressed]
         loss = np.array([s.loss for s in taken])
         return ContactRecord(
@@ -81,6 +84,7 @@ class StepLog:
             names=tuple(e.name for source in self.step.sources for e in source.elements),
             step=np.repeat(np.arange(h.size), counts),
             owner=np.concatenate([*owners, np.zeros(0, dtype=int)]),
+            key=np.concatenate([*keys, np.zeros(0, dtype=int)]),
             impulse=np.concatenate([*impulses, np.zeros((0, self.step.width))]),
             loss=loss,
             penetration=np.array(self.depths),

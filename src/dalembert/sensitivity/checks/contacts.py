@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
+from dalembert.sensitivity.nonsmooth.pattern_changes import pattern_changes
 
 GRAZING = 1e-4
 """Speed at which a gap closes, in natural units, by which its instant hardly has a derivative."""
@@ -13,6 +15,8 @@ GRAZING = 1e-4
 
 def through_contacts(motion: Result) -> list[str]:
     """Sentences about impacts whose order or number changes with the parameters."""
+    if isinstance(motion, NonsmoothMotion):
+        return pattern_changes(motion)
     kernel = getattr(getattr(motion, "record", None), "kernel", None)
     if not isinstance(motion, Recording) or not isinstance(kernel, DynamicsKernel):
         return []

@@ -1,0 +1,1 @@
+"""Gradients of motions with many impacts."""

@@ -1,0 +1,154 @@
+"""The maps that a step with contacts consists of, where it is known which press and which slip.
+
+    (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ − Wᵀ P = h F,      C v⁺ = −Φ_t,
+    u_N⁺ + e u_N⁻ = 0,      u_T⁺ + e_T u_T⁻ = 0  or  P_T = −μ P_N u_T/|u_T|
+
+then ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``; positions opened along ``M⁻¹``; speeds that joints allow.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from functools import cached_property
+
+import casadi as ca
+
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.sensitivity.nonsmooth.implicit_map import ImplicitMap
+from dalembert.symbolic.expression import stack
+
+
+class Rubbing(Enum):
+    """What a contact that presses does along the surface."""
+
+    NOT = 0
+    STICKS = 1
+    SLIPS = 2
+
+
+Pattern = tuple[tuple[int, Rubbing], ...]
+"""Keys of the gaps that press, and how they rub."""
+
+
+class ContactMaps:
+    """Maps of one model and scheme, made when they are asked for.
+
+    Parameters
+    ----------
+    step : ContactStep of the run
+    """
+
+    def __init__(self, step: ContactStep):
+        self.contact_step = step
+        self.e = e = step.model.equations
+        self.x = ca.vertcat(e.y, e.v)
+        self.h, self.none = ca.SX.sym("h"), ca.SX(0, 1)
+        self._steps: dict[Pattern, ImplicitMap] = {}
+        self._openings: dict[tuple[tuple[int, bool], ...], ImplicitMap] = {}
+        self._gaps: dict[int, ca.Function] = {}
+
+    @cached_property
+    def _smooth(self) -> ca.Function:
+        """``(t, y, v, p) → M, F, D, K``."""
+        e = self.e
+        driving = ca.densify(e.force - e.bias)
+        outputs = [e.mass, driving, ca.jacobian(driving, e.v), e.by_displacement(driving)]
+        return ca.Function("smooth", [e.t, e.y, e.v, e.p], outputs)
+
+    @cached_property
+    def _joints(self) -> ca.Function:
+        """``(t, y, p) → C, Φ_t, Φ``."""
+        e = self.e
+        still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
+        return ca.Function("joints", [e.t, e.y, e.p], [e.jacobian, still, e.constraints])
+
+    def gap(self, key: int) -> ca.Function:
+        """``(t, y, v, p) → g, u, e, e_T, μ``."""
+        if key not in self._gaps:
+            e, gap = self.e, self.contact_step.stated(key)
+            laws = [gap.restitution, gap.tangential, gap.friction]
+            self._gaps[key] = ca.Function(
+                "gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds, *laws]
+            )
+        return self._gaps[key]
+
+    def step(self, pattern: Pattern) -> ImplicitMap:
+        """From the start of a step to where it leads before anything is corrected."""
+        if pattern not in self._steps:
+            self._steps[pattern] = self._step(pattern)
+        return self._steps[pattern]
+
+    def _step(self, pattern: Pattern) -> ImplicitMap:
+        e, h, theta = self.e, self.h, self.contact_step.scheme.theta
+        after = ca.SX.sym("v", e.v.numel())
+        multiplier = ca.SX.sym("multiplier", e.constraint_count)
+        at, middle = e.t + theta * h, e.manifold.going(e.y, theta * h * e.v)
+        mass, force, damping, stiffness = self._smooth(at, middle, e.v, e.p)
+        jacobian, still, _ = self._joints(at, middle, e.p)
+        matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
+        dynamics = ca.mtimes(matrix, after - e.v) + ca.mtimes(jacobian.T, multiplier) - h * force
+        impulses, rows = [], [ca.mtimes(jacobian, after) + still]
+        for key, rubbing in pattern:
+            gap = self.gap(key)
+            _, before, bounce, back, friction = gap(e.t, e.y, e.v, e.p)
+            then = gap(e.t, e.y, after, e.p)[1]
+            impulse = ca.SX.sym("P", then.numel())
+            impulses.append(impulse)
+            dynamics -= ca.mtimes(ca.jacobian(before, e.v).T, impulse)
+            rows.append(then[0] + bounce * before[0])
+            along = then[1:] + back * before[1:]
+            if rubbing is Rubbing.NOT:
+                rows.append(impulse[1:])
+            elif rubbing is Rubbing.STICKS:
+                rows.append(along)
+            else:
+                way = along / ca.norm_2(along)
+                rows.append(impulse[1:] + friction * impulse[0] * way)
+        place = e.manifold.going(e.y, h * (theta * after + (1 - theta) * e.v))
+        z = ca.vertcat(after, multiplier, *impulses)
+        equations = ca.vertcat(dynamics, *rows)
+        return ImplicitMap(z, self.x, e.t, e.p, h, equations, ca.vertcat(place, after))
+
+    def opening(self, keys: tuple[tuple[int, bool], ...]) -> ImplicitMap:
+        """One iteration towards closed joints and open gaps, ``M δ + Cᵀ λ − Nᵀ π = 0``.
+
+        Beside the key of a gap stands whether its contact presses. The lift of others is constant:
+        their impact is still to come, and its instant depends on where they are.
+        """
+        if keys not in self._openings:
+            e = self.e
+            jacobian, _, open_by = self._joints(e.t, e.y, e.p)
+            gaps = [self.gap(key)(e.t, e.y, e.v, e.p) for key, _ in keys]
+            normals = stack(ca.jacobian(gap[1][0], e.v) for gap in gaps)
+            if not gaps:
+                normals = ca.SX(0, e.v.numel())
+            lifts = ca.SX.sym("lift", len(keys))
+            open_gaps = [
+                gap[0] if presses else lifts[n]
+                for n, (gap, (_, presses)) in enumerate(zip(gaps, keys, strict=True))
+            ]
+            rows = ca.vertcat(jacobian, -normals)
+            z = ca.SX.sym("z", e.v.numel() + rows.shape[0])
+            shift, pushed = z[: e.v.numel()], z[e.v.numel() :]
+            equations = ca.vertcat(
+                ca.mtimes(e.mass, shift) + ca.mtimes(rows.T, pushed),
+                ca.mtimes(jacobian, shift) + open_by,
+                ca.mtimes(normals, shift) + stack(open_gaps),
+            )
+            following = ca.vertcat(e.manifold.going(e.y, shift), e.v)
+            self._openings[keys] = ImplicitMap(z, self.x, e.t, e.p, lifts, equations, following)
+        return self._openings[keys]
+
+    @cached_property
+    def consistent(self) -> ImplicitMap:
+        """To the nearest speeds that joints allow."""
+        e = self.e
+        jacobian, still, _ = self._joints(e.t, e.y, e.p)
+        z = ca.SX.sym("z", e.v.numel() + e.constraint_count)
+        change, multiplier = z[: e.v.numel()], z[e.v.numel() :]
+        equations = ca.vertcat(
+            ca.mtimes(e.mass, change) + ca.mtimes(jacobian.T, multiplier),
+            ca.mtimes(jacobian, e.v + change) + still,
+        )
+        following = ca.vertcat(e.y, e.v + change)
+        return ImplicitMap(z, self.x, e.t, e.p, self.none, equations, following)

@@ -1,0 +1,171 @@
+"""Direct and adjoint gradients of motions with many impacts, step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import UnsupportedError
+from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.marching.walk import BackwardWalk, ForwardWalk
+from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
+from dalembert.sensitivity.nonsmooth.moving_impacts import taken_step
+from dalembert.sensitivity.samples import Sample
+
+Seen = tuple[np.ndarray, np.ndarray]
+"""Weights (n, r) of a state, and (np, r) of the parameters."""
+
+
+class ContactPass:
+    """What both directions share.
+
+    Parameters
+    ----------
+    samples : of the same run
+    """
+
+    def __init__(self, samples: Sequence[Sample]):
+        self.samples = list(samples)
+        self.steps = ContactSteps(samples[0].motion)
+        self.p, self.rows = self.steps.p, len(self.samples)
+        self.seen: dict[int, Seen] = {}
+        for row, sample in enumerate(self.samples):
+            self._look(row, sample)
+
+    @property
+    def count(self) -> int:
+        """Number of steps."""
+        return self.steps.count
+
+    def _look(self, row: int, sample: Sample) -> None:
+        """Lay the weights of a response on the ends of steps."""
+        t, slopes = self.steps.record.t, _slopes(sample)
+        slack = 1e-12 * max(abs(t[0]), abs(t[-1]))
+        for k in np.flatnonzero(sample.weights):
+            time = sample.motion.time[k]
+            n = int(np.clip(np.searchsorted(t, time - slack), 0, t.size - 1))
+            share = 1.0 if n == 0 else (time - t[n - 1]) / (t[n] - t[n - 1])
+            ends = [(n, 1.0)] if abs(t[n] - time) <= slack else [(n, share), (n - 1, 1 - share)]
+            if len(ends) > 1 and not self.steps.maps.e.manifold.flat:
+                raise UnsupportedError(
+                    "gradients between the ends of steps are not available where bodies turn in "
+                    "space; choose outputs that are multiples of the step"
+                )
+            trajectory = sample.motion.trajectory
+            state = time, trajectory.y[:, k], trajectory.v[:, k], self.p
+            by_x, by_p = (sample.weights[k] * s.full().ravel() for s in slopes(*state))
+            for number, part in ends:
+                x_bar, p_bar = self._of(number)
+                x_bar[:, row] += part * by_x
+                p_bar[:, row] += part * by_p
+
+    def _of(self, number: int) -> Seen:
+        size = self.steps.x.shape[0]
+        empty = np.zeros((size, self.rows)), np.zeros((self.p.size, self.rows))
+        return self.seen.setdefault(number, empty)
+
+    def start(self) -> tuple[float, np.ndarray]:
+        """Instant and positions of the start."""
+        return float(self.steps.record.t[0]), self.steps.split(0)[0]
+
+
+class ContactAdjoint(ContactPass, BackwardWalk[np.ndarray]):
+    """Gradients of all responses by one march backwards."""
+
+    def gradient(self) -> np.ndarray:
+        """(rows, np)"""
+        self.p_bar = np.zeros((self.p.size, self.rows))
+        self.backwards()
+        return self.p_bar.T
+
+    def depart(self) -> np.ndarray:
+        return self._taken(self.count)
+
+    def _taken(self, number: int) -> np.ndarray:
+        x_bar, p_bar = self._of(number)
+        self.p_bar += p_bar
+        return x_bar
+
+    def pull(self, begin: int, end: int, weights: np.ndarray) -> np.ndarray:
+        weights, p_bar = taken_step(self.steps, begin).pull(weights)
+        self.p_bar += p_bar
+        return weights + self._taken(begin)
+
+    def pull_start(self, weights: np.ndarray) -> None:
+        (t, y), size = self.start(), self.steps.size
+        adjoint = self.samples[0].motion.model.initial_state.adjoint
+        for row, column in enumerate(weights.T):
+            parts = adjoint(t, y, self.p, column[:size], column[size:])
+            self.p_bar[:, row] += parts[2].full().ravel()
+
+
+class ContactDirect(ContactPass, ForwardWalk[np.ndarray]):
+    """Derivatives of the motion by some parameters, all at once.
+
+    Parameters
+    ----------
+    samples : of the same run
+    columns : numbers of the parameters
+    """
+
+    def __init__(self, samples: Sequence[Sample], columns: Sequence[int]):
+        super().__init__(samples)
+        self.directions = samples[0].motion.model.tangents(self.p, columns)
+        self.found = np.zeros((self.rows, len(columns)))
+
+    def gradient(self) -> np.ndarray:
+        """(rows, columns)"""
+        self.forwards()
+        return self.found
+
+    def push_start(self) -> np.ndarray:
+        (t, y), c = self.start(), self.directions.shape[1]
+        tangent = self.samples[0].motion.model.initial_state.tangent.map(c)
+        parts = tangent(t, y, self.p, 0, np.zeros((y.size, c)), self.directions)
+        return np.vstack([part.full() for part in parts])
+
+    def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
+        self._see(begin, change)
+        return taken_step(self.steps, begin).push(change, self.directions)
+
+    def arrive(self, change: np.ndarray) -> None:
+        self._see(self.count, change)
+
+    def _see(self, number: int, change: np.ndarray) -> None:
+        if number in self.seen:
+            x_bar, p_bar = self.seen[number]
+            self.found += x_bar.T @ change + p_bar.T @ self.directions
+
+
+class ContactEngine(Engine):
+    """Motions of ``solve_nonsmooth``."""
+
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        return ContactDirect(self.samples, columns).gradient()
+
+    def adjoint(self) -> np.ndarray:
+        return self.gathered(list(ContactAdjoint(self.samples).gradient()))
+
+
+def _slopes(sample: Sample) -> ca.Function:
+    """``(t, y, v, p) → ∂m/∂(y, v), ∂m/∂p``.
+
+    Raises
+    ------
+    UnsupportedError
+        The measure needs accelerations or reactions.
+    """
+    model = sample.motion.model
+    e, measure = model.all_equations, model.at_ground(sample.measure.sx)
+    known = ca.vertcat(e.t, e.y, e.v, e.p)
+    allowed = {symbol.element_hash() for symbol in ca.vertsplit(known)}
+    if any(symbol.element_hash() not in allowed for symbol in ca.symvar(measure)):
+        raise UnsupportedError(
+            f"{sample.measure.name or 'the measure'} looks at accelerations, reactions or energies "
+            "taken over time, which are means over steps with contacts: no gradient; take a "
+            "measure of positions and speeds"
+        )
+    slopes = [ca.jacobian(measure, by) for by in (ca.vertcat(e.y, e.v), e.p)]
+    return ca.Function("slopes", [e.t, e.y, e.v, e.p], [ca.densify(s) for s in slopes])

@@ -1,0 +1,175 @@
+"""Gradients of motions with many impacts: of the steps, and of impacts that move in time.
+
+Where no impact comes, the derivatives are those of the steps, and differences of the run confirm
+them. Impacts are taken at the ends of steps, so that the run itself jumps with its parameters; the
+derivatives are those of the motion, to the order of the step, with exact ones beside.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, spatial
+
+
+def run(model: da.Model, duration: float, step: float, **options) -> da.Motion:
+    scheme = options.pop("integrator", da.MoreauJean())
+    motion = da.solve_nonsmooth(model, duration, step=step, integrator=scheme, **options)
+    assert motion.status.success
+    return motion
+
+
+def both(motion: da.Motion, *responses) -> np.ndarray:
+    """Direct derivatives, which are the adjoint ones."""
+    direct = da.sensitivity(motion, list(responses), method="direct").values
+    adjoint = da.sensitivity(motion, list(responses), method="adjoint").values
+    np.testing.assert_allclose(adjoint, direct, rtol=1e-8, atol=1e-10 * abs(direct).max())
+    return direct
+
+
+def confirmed(motion: da.Motion, *responses) -> None:
+    found = both(motion, *responses)
+    values = da.sensitivity(motion, list(responses), method=da.FiniteDifference("richardson"))
+    np.testing.assert_allclose(found, values.values, rtol=1e-5, atol=1e-7 * abs(found).max())
+
+
+def bouncing() -> da.Model:
+    system = da.System("ball", gravity=(0.0, -10.0))
+    height, speed = system.parameter("height", 5.0, "m"), system.parameter("speed", -0.1, "m/s")
+    bounce = system.parameter("bounce", 0.8)
+    start = {"position": (0.0, height), "velocity": (0.0, speed)}
+    ball = system.add(planar.Body("ball", mass=1.0, inertia=0.004, **start))
+    floor = [(system.ground.point(0.0, 0.0), (0.0, 1.0))]
+    system.add(planar.Collisions("floor", [(ball, 1e-9)], floor, restitution=bounce))
+    return system.build()
+
+
+@pytest.mark.parametrize("projection", [True, False])
+def test_bouncing_ball(projection):
+    """The case of Ma et al. (2021): exact derivatives of height and speed after one bounce."""
+    exact = [
+        [0.8378281129, 0.1015317211, 9.0999549761],
+        [1.7999100067, 0.9820008999, 10.0004999875],
+    ]
+    scheme = da.MoreauJean(projection=projection)
+    end = [da.final("ball.y"), da.final("ball.vy")]
+    errors = []
+    for step in (2e-2, 5e-3):
+        found = both(run(bouncing(), 1.9, step, integrator=scheme), *end)
+        errors.append(abs(found / exact - 1).max())
+    assert errors[0] < 0.4
+    assert errors[1] < 0.06
+
+
+def test_two_elastic_discs():
+    """They change their speeds, ∂x₂(T)/∂(x₁, x₂, v, w) = (1, 0, 1, 0) (NimblePhysics, issue 97)."""
+    system = da.System("discs", gravity=(0.0, 0.0))
+    first, second = system.parameter("first", 0.0), system.parameter("second", 0.52)
+    v, w = system.parameter("v", 1.0), system.parameter("w", 0.0)
+    discs = []
+    for name, x, speed in (("left", first, v), ("right", second, w)):
+        like = {"mass": 1.0, "inertia": 0.1, "position": (x, 0.0), "velocity": (speed, 0.0)}
+        discs.append((system.add(planar.Body(name, **like)), 0.1))
+    system.add(planar.Collisions("discs", discs, restitution=1.0))
+    found = both(run(system.build(), 1.0, 4e-3), da.final("right.x"))
+    np.testing.assert_allclose(found, [[1.0, 0.0, 1.0, 0.0]], atol=8e-3)
+
+
+def test_block_that_slides():
+    """``x = v t + (g sin α − μ g cos α) t²/2`` down an incline."""
+    system = da.System("block", gravity=(0.0, -10.0))
+    slope, friction = system.parameter("slope", 0.5, "rad"), system.parameter("friction", 0.3)
+    speed = system.parameter("speed", 0.4, "m/s")
+    along = (da.cos(slope), -da.sin(slope))
+    low = 0.1 - 1e-7  # rounding does not decide whether it touches
+    start = {"position": (low * da.sin(slope), low * da.cos(slope)), "angle": 0.0}
+    start |= {"velocity": (speed * along[0], speed * along[1])}
+    block = system.add(planar.Body("block", mass=2.0, inertia=1e9, **start))
+    floor = [(system.ground.point(0.0, 0.0), (da.sin(slope), da.cos(slope)))]
+    system.add(planar.Collisions("floor", [(block, 0.1)], floor, friction=friction))
+    motion = run(system.build(), 0.5, 1e-2, integrator=da.MoreauJean(projection=False))
+    confirmed(motion, da.final("block.x"), da.final("block.vy"))
+    way = both(motion, da.final("block.x"))[0] / np.cos(0.5)
+    np.testing.assert_allclose(way[1:], [-10 * np.cos(0.5) * 0.125, 0.5], rtol=1e-6)
+
+
+def test_ball_that_slips_and_rolls_in_space():
+    """Slip at first, then rolling: friction turns in space, ``v = 5 v₀/7`` in the end."""
+    system = da.System("bowl", gravity=(0.0, 0.0, -9.81))
+    speed, friction = system.parameter("speed", 1.0, "m/s"), system.parameter("friction", 0.2)
+    size = system.parameter("radius", 0.1, "m")
+    start = {"position": (0.0, 0.0, size), "velocity": (speed, 0.2, 0.0)}
+    about = 0.4 * 2.0 * size**2
+    ball = spatial.Body("ball", mass=2.0, inertia=(about,) * 3, rotation=np.eye(3), **start)
+    system.add(ball)
+    floor = [(system.ground.point(0.0, 0.0, 0.0), (0.0, 0.0, 1.0))]
+    system.add(spatial.Collisions("floor", [(ball, size)], floor, friction=friction))
+    model = system.build()
+    slipping = run(model, 0.1, 1e-2)
+    confirmed(slipping, da.final("ball.x"), da.final("ball.vy"))
+    rolling = both(run(model, 0.4, 2.5e-3), da.final("ball.vx"))
+    np.testing.assert_allclose(rolling, [[5 / 7, 0.0, 0.0]], atol=1e-5)
+
+
+def test_pendulum_at_a_wall():
+    """Joints, an impact, and a wall that moves by the clock, against located impacts."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    length, bounce = system.parameter("length", 0.5, "m"), system.parameter("bounce", 0.6)
+    bar = system.add(planar.Bar("bar", length=length, mass=1.0, angle=-0.6))
+    system.add(planar.Revolute("O", system.ground.center, bar.start))
+    gap = bar.end.x - 0.05 * da.cos(2.0 * da.t)
+    system.add(planar.UnilateralConstraint("wall", gap, restitution=bounce))
+    model, end = system.build(), [da.final("bar.angle"), da.final("bar.angular_velocity")]
+    located = da.solve_dynamics(model, 0.5, step=1e-3)
+    assert len(located.impacts) == 1
+    exact = da.sensitivity(located, end).values
+    found = both(run(model, 0.5, 2e-3), *end)
+    np.testing.assert_allclose(found, exact, atol=0.03 * abs(exact).max())
+
+
+def test_impacts_on_one_body_in_one_step_are_refused():
+    system = da.System("dumb-bell", gravity=(0.0, -9.81))
+    height = system.parameter("height", 0.3, "m")
+    bar = planar.Body("bar", mass=1.0, inertia=0.05, position=(0.0, height), angle=0.0)
+    system.add(bar)
+    ends = [(bar.point(x, 0.0), 0.02) for x in (-0.5, 0.5)]
+    floor = [(system.ground.point(0.0, 0.0), (0.0, 1.0))]
+    system.add(planar.Collisions("floor", ends, floor, restitution=0.5))
+    motion = run(system.build(), 0.3, 1e-3)
+    with pytest.raises(da.SingularityError, match="come within one step"):
+        da.sensitivity(motion, da.final("bar.y"))
+
+
+def test_impacts_of_different_bodies_in_one_step():
+    """Each moves by itself, as if the other were not there."""
+    system = da.System("balls", gravity=(0.0, -10.0))
+    heights = [system.parameter(name, 1.0, "m") for name in ("left", "right")]
+    balls = []
+    for x, height in enumerate(heights):
+        like = {"mass": 1.0, "inertia": 0.1, "position": (float(x), height)}
+        balls.append((system.add(planar.Body(f"ball{x}", **like)), 0.1))
+    floor = [(system.ground.point(0.0, 0.0), (0.0, 1.0))]
+    system.add(planar.Collisions("floor", balls, floor, restitution=0.5))
+    found = both(run(system.build(), 0.6, 4e-3), da.final("ball0.y"), da.final("ball1.y"))
+    fall, e = np.sqrt(2 * 0.9 / 10), 0.5
+    left = 0.6 - fall  # y = e g t* (T − t*) − g (T − t*)²/2 with dt*/dH = 1/(g t*)
+    exact = (e * 10 * (left - fall) + 10 * left) / (10 * fall)
+    np.testing.assert_allclose(found, exact * np.eye(2), atol=2e-2)
+
+
+def test_other_schemes_and_measures_are_refused():
+    motion = da.solve_nonsmooth(bouncing(), 0.5, step=1e-2)
+    with pytest.raises(da.UnsupportedError, match="MoreauJean"):
+        da.sensitivity(motion, da.final("ball.y"))
+    motion = run(bouncing(), 0.5, 1e-2)
+    with pytest.raises(da.UnsupportedError, match="means over steps"):
+        da.sensitivity(motion, da.final("ball.ay"))
+
+
+def test_what_notes_tell():
+    found = da.sensitivity(run(bouncing(), 1.9, 2e-2), da.final("ball.y"))
+    text = " ".join(found.attrs["notes"])
+    assert "1 impact moves in time" in text
+    assert "slip" not in text
