@@ -5,6 +5,7 @@ from benchmarks.cases import (
     cold_start,
     flexible_bar,
     gradients,
+    machine_code,
     memory,
     motions,
     plate,
@@ -18,6 +19,7 @@ CASES = [
     plate.CASE,
     gradients.CASE,
     build.CASE,
+    machine_code.CASE,
     cold_start.CASE,
     memory.CASE,
 ]
