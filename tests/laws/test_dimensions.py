@@ -192,3 +192,12 @@ def test_numbers_of_tasks_in_files_have_units(text, tmp_path):
             continue
         with pytest.raises(da.ModelError, match=f"{place}.*{wrong} does not fit, expected m"):
             check_tasks(file, file.model())
+
+
+def test_the_first_value_of_a_history_is_in_its_unit(tmp_path):
+    path = tmp_path / "model.toml"
+    for value in ("5", "'5 kN'", "'5000 N'"):
+        history = f"[histories.push]\nknots = [0, 1, 2, 3]\nvalue = {value}\nunit = 'kN'\n"
+        path.write_text(FILE + history)
+        parameter = load_model_file(path).model().parameters["push_0"]
+        assert (parameter.value, parameter.unit, parameter.given_unit) == (5000.0, "N", "kN")

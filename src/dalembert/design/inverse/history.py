@@ -50,7 +50,11 @@ class History:
 
 
 def history(
-    system: Any, name: str, knots: Sequence[float] | np.ndarray, value: float = 0.0, unit: str = ""
+    system: Any,
+    name: str,
+    knots: Sequence[float] | np.ndarray,
+    value: float | str = 0.0,
+    unit: str = "",
 ) -> History:
     """An unknown history for a system: parameters ``name_0``, ``name_1`` … at its knots.
 
@@ -58,7 +62,8 @@ def history(
     ----------
     system : System or Structure that gets the parameters
     knots : times, increasing; the spline is natural and C² between them [s]
-    value : of all knots at first
+    value : of all knots at first, in ``unit``, or a text such as ``"5 kN"``
+    unit : of the value; SI units by default
 
     Raises
     ------
