@@ -5,12 +5,12 @@ from hypothesis import given, settings, strategies as st
 
 import dalembert as da
 from dalembert import planar
-from dalembert.amounts import Amount
-from dalembert.grammar import Grammar
 from dalembert.io.model_file import load_model_file
 from dalembert.io.tasks import check_tasks
 from dalembert.symbolic.parser import parse_formula
-from dalembert.units import unit
+from dalembert.units.amounts import Amount
+from dalembert.units.grammar import Grammar
+from dalembert.units.unit import unit
 
 UNITS = {"a": "m", "b": "m", "c": "s", "d": "kg", "f": "N", "n": "1", "s": "m/s"}
 NAMES = {name: da.Parameter(name, 1.5, unit=text) for name, text in UNITS.items()}

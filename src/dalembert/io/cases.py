@@ -13,7 +13,7 @@ from dalembert.io.analyses import make_analysis, make_table
 from dalembert.io.measures import measure_reader
 from dalembert.io.model_file import ModelFile, load_model_file
 from dalembert.io.responses import make_response
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 OWN = ""
 """Name of the run that the file itself asks for."""

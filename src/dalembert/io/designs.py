@@ -12,7 +12,7 @@ from dalembert.design.variables import Catalogue, Integer
 from dalembert.io.cases import Quantities
 from dalembert.io.model_file import ModelFile
 from dalembert.io.responses import chosen_parameters
-from dalembert.measured import check_measured
+from dalembert.units.measured import check_measured
 
 SEARCH = ("method", "gradient", "max_iterations", "tolerance")
 

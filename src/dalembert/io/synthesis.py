@@ -13,7 +13,7 @@ from dalembert.design.synthesis.slider_crank import SliderCrank
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
 from dalembert.io.model_file import ModelFile
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 LINKAGES: dict[str, type[Linkage]] = {"FourBar": FourBar, "SliderCrank": SliderCrank}
 NEEDS = {

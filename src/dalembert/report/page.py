@@ -17,10 +17,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from dalembert.atomic import atomic_path
 from dalembert.errors import FileError
+from dalembert.files.atomic import atomic_path
 from dalembert.report.packing import packed
-from dalembert.text import visible
+from dalembert.text.wording import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
 

@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dalembert.atomic import atomic_path
 from dalembert.budget import afford
 from dalembert.errors import DalembertError, FileError
-from dalembert.readable import readable
+from dalembert.files.atomic import atomic_path
+from dalembert.files.readable import readable
 from dalembert.results.contents import Contents
 from dalembert.results.netcdf import write_netcdf
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.atomic import atomic_path
 from dalembert.errors import AnalysisError
+from dalembert.files.atomic import atomic_path
 from dalembert.results.comparison.lines import COLOURS
 from dalembert.results.influence import (
     absolute_influence,

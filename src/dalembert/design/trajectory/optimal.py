@@ -12,7 +12,7 @@ from dalembert.design.trajectory.control import Control
 from dalembert.errors import AnalysisError
 from dalembert.results.motion import Motion
 from dalembert.results.status import Status
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 @dataclass(eq=False)

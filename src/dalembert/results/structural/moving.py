@@ -9,7 +9,7 @@ from matplotlib import pyplot as plt
 from matplotlib.collections import LineCollection, PolyCollection
 
 from dalembert.errors import AnalysisError, FileError
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 TURN = (-0.6, -1.15)
 """Turn about z and tilt of what stands in space, as on its page."""
