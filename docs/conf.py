@@ -5,6 +5,7 @@ sphinx-build -W docs docs/_build
 """
 
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -18,6 +19,8 @@ author = "The dalembert developers"
 version = release = dalembert.__version__
 root_doc = "contents"
 extensions = ["myst_parser"]
+if find_spec("sphinx-mathjax-offline"):  # MathJax and its fonts among the files of the site
+    extensions += ["sphinx.ext.mathjax", "sphinx-mathjax-offline"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 exclude_patterns = ["_build"]

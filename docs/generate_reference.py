@@ -66,7 +66,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "integrators": lambda: records(INTEGRATORS),
     "responses": lambda: records(RESPONSES),
     "distributions": lambda: records(
-        {n: decision_tables.distribution(n) for n in decision_tables.DISTRIBUTIONS}
+        {n: decision_tables.distribution(n) for n in decision_tables.DISTRIBUTIONS}, "###"
     ),
     "functions": functions,
     "api": api,

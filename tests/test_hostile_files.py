@@ -17,7 +17,7 @@ from test_bad_input import GOOD, LAW, K, edited, load_or_refuse
 import dalembert as da
 from dalembert.cli import main
 from dalembert.errors import FileError, ModelError
-from dalembert.text import HIDDEN, plain_text, visible
+from dalembert.text.wording import HIDDEN, plain_text, visible
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 STRUCTURE = """\

@@ -16,7 +16,7 @@ from report_payload import crowd, four_bar, gallery
 
 from dalembert.errors import FileError
 from dalembert.report.page import render_page, write_page
-from dalembert.text import visible
+from dalembert.text.wording import visible
 
 HOSTILE = (
     "</script><b id=bad>x</b><!-- {{data}} \u2028 \" ' & <img src=x onerror=document.title='bad'>"

@@ -12,7 +12,9 @@ from test_structure_pictures import BUILDERS, cantilever
 
 import dalembert as da
 from dalembert import structures
+from dalembert.report.compared import compared
 from dalembert.report.page import write_page
+from dalembert.results.film import write_film
 from dalembert.results.store import report_of
 from dalembert.results.structural import payload as payload_module
 
@@ -210,3 +212,52 @@ def test_what_is_clamped_in_space_is_no_pin() -> None:
     structure.load(top, fx=100.0)
     (support,) = da.solve_statics(structure.build()).page()["supports"]
     assert support["turns"] and not support["roller"]
+
+
+def gif_frames(path: Path) -> int:
+    return path.read_bytes().count(b"\x21\xf9\x04")
+
+
+@pytest.mark.parametrize(
+    ("make", "frames", "state"),
+    [
+        (lambda: solved("box"), 8, None),
+        (lambda: da.solve_modes(truss(1e-4).build(), count=2), 8, "second"),
+        (motion, 8, None),
+    ],
+)
+def test_structures_are_filmed(tmp_path: Path, make, frames: int, state: str | None) -> None:
+    page = make().page()
+    named = str(page["cases"][1]) if state else None
+    short = {"fps": 8, "seconds": 1.0, "width": 160}
+    made = write_film(page, tmp_path / "film.gif", state=named, **short)
+    assert gif_frames(made) == frames
+    with pytest.raises(da.FileError, match="unknown state 'mode 99'"):
+        write_film(page, tmp_path / "film.gif", state="mode 99", **short)
+
+
+def test_two_structures_are_on_one_page(show) -> None:
+    """The second one is twice as strong and moves half as far, pale behind the first."""
+    runs = [da.solve_statics(truss(area).build()).page() for area in (1e-4, 2e-4)]
+    page = show(compared(*runs, "other.nc"))
+    moved = page.js("[dalembert.structure, dalembert.structure.ghost].map((s) => s.moved[0][4])")
+    assert moved[1] == pytest.approx(moved[0] / 2, rel=1e-6)
+    chip = page.page.locator("#show-ghost")
+    assert chip.text_content() == "Other run: other.nc"
+    before = page.picture("#scene")
+    chip.click()
+    page.frames()
+    assert page.picture("#scene") != before
+    with pytest.raises(da.FileError, match="of one name"):
+        compared(runs[0], runs[1] | {"cases": ["snow"]}, "x")
+
+
+def truss(area: float):
+    structure = da.Structure("mast")
+    a, b, c = structure.node("a", 0, 0), structure.node("b", 1, 0), structure.node("c", 0, 1)
+    for name, ends in (("low", (a, b)), ("high", (c, b))):
+        structure.add(structures.Truss(name, *ends, area=area, modulus=1e9, density=1e3))
+    structure.support(a)
+    structure.support(c)
+    structure.load(b, fy=-100.0)
+    return structure

@@ -12,8 +12,8 @@ import numpy as np
 
 from dalembert.budget import LARGEST, afford, numeral
 from dalembert.errors import ExpressionError, UnsupportedError
-from dalembert.measured import measured
-from dalembert.spelling import OfInit, spelled_fields
+from dalembert.text.spelling import OfInit, spelled_fields
+from dalembert.units.measured import measured
 
 Class = TypeVar("Class", bound=type)
 ROUNDS = {"max_iterations", "steps", "max_points", "repeat"}

@@ -5,12 +5,12 @@ from hypothesis import given, settings, strategies as st
 
 import dalembert as da
 from dalembert import planar
-from dalembert.amounts import Amount
-from dalembert.grammar import Grammar
 from dalembert.io.model_file import load_model_file
 from dalembert.io.tasks import check_tasks
 from dalembert.symbolic.parser import parse_formula
-from dalembert.units import unit
+from dalembert.units.amounts import Amount
+from dalembert.units.grammar import Grammar
+from dalembert.units.unit import unit
 
 UNITS = {"a": "m", "b": "m", "c": "s", "d": "kg", "f": "N", "n": "1", "s": "m/s"}
 NAMES = {name: da.Parameter(name, 1.5, unit=text) for name, text in UNITS.items()}
@@ -192,3 +192,12 @@ def test_numbers_of_tasks_in_files_have_units(text, tmp_path):
             continue
         with pytest.raises(da.ModelError, match=f"{place}.*{wrong} does not fit, expected m"):
             check_tasks(file, file.model())
+
+
+def test_the_first_value_of_a_history_is_in_its_unit(tmp_path):
+    path = tmp_path / "model.toml"
+    for value in ("5", "'5 kN'", "'5000 N'"):
+        history = f"[histories.push]\nknots = [0, 1, 2, 3]\nvalue = {value}\nunit = 'kN'\n"
+        path.write_text(FILE + history)
+        parameter = load_model_file(path).model().parameters["push_0"]
+        assert (parameter.value, parameter.unit, parameter.given_unit) == (5000.0, "N", "kN")

@@ -8,16 +8,16 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.amounts import Amount
 from dalembert.design.identification.table import read_table
 from dalembert.elements.base import Element
 from dalembert.elements.registry import SPACES
-from dalembert.grammar import amount_of
 from dalembert.io.analyses import make_analysis
 from dalembert.io.model_file import load_model_file
 from dalembert.results.labelled import DATA_ONLY
 from dalembert.symbolic.parser import parse_formula
-from dalembert.units import unit
+from dalembert.units.amounts import Amount
+from dalembert.units.grammar import amount_of
+from dalembert.units.unit import unit
 
 KNOWN = {  # text -> value in SI units, unit
     "45 mm": (0.045, "m"),

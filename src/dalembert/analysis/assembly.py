@@ -12,7 +12,7 @@ from dalembert.analysis.served import need_mechanism
 from dalembert.model.assembled_state import AssembledState
 from dalembert.model.assemblies import Assemblies
 from dalembert.model.model import Model
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,9 +35,9 @@ from dalembert.results.recording import Trajectory
 from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
-from dalembert.spelling import spelled
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.newton import NewtonSettings, Solution, solve
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     from dalembert.results.designs import ManyDesigns

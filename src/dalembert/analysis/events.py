@@ -12,7 +12,7 @@ from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.newton import Equations, NewtonSettings, Residual, solve
-from dalembert.text import plain_text
+from dalembert.text.wording import plain_text
 
 T = TypeVar("T")
 AGAIN = NewtonSettings(tolerance=1e-15, slack=1e6, max_iterations=20)

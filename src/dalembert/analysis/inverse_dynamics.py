@@ -17,7 +17,7 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     from dalembert.results.designs import ManyDesigns

@@ -28,7 +28,7 @@ from dalembert.options import options
 from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     from dalembert.results.designs import ManyDesigns

@@ -28,7 +28,7 @@ from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.result import Analysis
 from dalembert.results.status import eigenpairs_status
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 ABSOLUTE = AbsoluteCoordinates()
 STEADY = 1e-3

@@ -15,8 +15,8 @@ from dalembert.model.model import Model
 from dalembert.results.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.spelling import spelled
 from dalembert.structures.model import StructuralModel
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     from dalembert.results.designs import ManyDesigns

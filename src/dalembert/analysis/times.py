@@ -9,13 +9,13 @@ from typing import Any, Self, TypeVar
 import casadi as ca
 import numpy as np
 
-from dalembert.amounts import check_unit
 from dalembert.analysis.served import need_model
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.results.designs import are_designs
 from dalembert.results.result import Analysis
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.units.amounts import check_unit
 
 Time = float | str | Expression
 """Seconds, a text with a unit, or a formula of parameters."""

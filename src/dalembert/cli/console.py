@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from dalembert.errors import DalembertError
-from dalembert.text import as_document, visible
+from dalembert.text.wording import as_document, visible
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -81,8 +81,8 @@ def _known() -> dict[str, Path]:
 
 def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> list[Path]:
     """The example and the files beside it that it names."""
-    from dalembert.atomic import atomic_path
-    from dalembert.text import unknown
+    from dalembert.files.atomic import atomic_path
+    from dalembert.text.wording import unknown
 
     if name not in known and f"{name}.py" in known:
         name = f"{name}.py"

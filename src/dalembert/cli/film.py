@@ -16,6 +16,7 @@ def film(
     fps: int = 20,
     seconds: float = 5.0,
     width: int = 720,
+    state: str | None = None,
     as_json: AsJson = False,
 ) -> int:
     """Write the motion of a result file (.nc) as a film, GIF or MP4.
@@ -32,6 +33,9 @@ def film(
         How long the film runs, whatever the motion takes.
     width
         In pixels.
+    state
+        Load case or mode of a structure that swings; by default the first, or, of a motion, all of
+        them one after the other.
     """
     import matplotlib
 
@@ -43,7 +47,7 @@ def film(
         page = report_of(load_results(results))
         made = output or results.with_suffix(".gif")
         refuse_replacing(results, [made])
-        write_film(page, made, fps=fps, seconds=seconds, width=width)
+        write_film(page, made, fps=fps, seconds=seconds, width=width, state=state)
     if as_json:
         emit({"ok": True, "files": [str(made)]})
     else:

@@ -12,7 +12,7 @@ from dalembert.cli.loading import is_deck, loaded
 from dalembert.errors import ExpressionError, UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 Texts = list[str] | None
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from dalembert.analysis.projection_time import projection_time
 from dalembert.cli.console import console
-from dalembert.text import visible
+from dalembert.text.wording import visible
 from dalembert.timing import ENDING, Timing
 
 INSIDE = {

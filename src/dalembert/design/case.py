@@ -11,7 +11,7 @@ from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 @dataclass(frozen=True, eq=False)

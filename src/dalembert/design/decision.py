@@ -87,10 +87,10 @@ class Decision(ABC):
         ``.nc`` has ``data`` and the page, ``load_results`` reads it back; ``.json`` has the
         ``summary``, ``.csv`` and ``.parquet`` the table.
         """
-        from dalembert.atomic import atomic_path
+        from dalembert.files.atomic import atomic_path
         from dalembert.report.page import as_json
         from dalembert.results.store import save_dataset
-        from dalembert.text import as_document
+        from dalembert.text.wording import as_document
 
         path = Path(path)
         if path.suffix == ".json":

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from dalembert.errors import AnalysisError
-from dalembert.measured import check_measured
 from dalembert.options import options
 from dalembert.responses.base import Response
+from dalembert.units.measured import check_measured
 
 
 @options

@@ -22,9 +22,9 @@ from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
-from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text import unknown
+from dalembert.text.spelling import spelled
+from dalembert.text.wording import unknown
 
 
 @spelled

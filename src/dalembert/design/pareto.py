@@ -17,9 +17,9 @@ from dalembert.design.methods.registry import make_optimizer
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
-from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text import unknown
+from dalembert.text.spelling import spelled
+from dalembert.text.wording import unknown
 
 EVOLUTIONS = ("nsga2", "nsga3")
 METHODS = ("normal-constraint", "epsilon-constraint", *EVOLUTIONS)

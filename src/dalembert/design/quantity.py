@@ -13,9 +13,9 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parser import parse_formula
+from dalembert.text.spelling import spelled
 
 
 class Quantity(ABC):

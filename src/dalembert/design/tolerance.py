@@ -17,12 +17,12 @@ from dalembert.design.optimization import design_problem
 from dalembert.design.problem import DesignProblem
 from dalembert.design.toleranced import Toleranced
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.measured import check_measured, measured
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Analysis
-from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text import unknown
+from dalembert.text.spelling import spelled
+from dalembert.text.wording import unknown
+from dalembert.units.measured import check_measured, measured
 
 STEP = 1e-3
 """Step of the second differences, relative to a tolerance."""

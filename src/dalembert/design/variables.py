@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.measured import check_measured, measured
 from dalembert.symbolic.parameter import Parameter
-from dalembert.text import nearest
+from dalembert.text.wording import nearest
+from dalembert.units.measured import check_measured, measured
 
 
 @dataclass(frozen=True)

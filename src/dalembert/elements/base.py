@@ -26,8 +26,8 @@ import numpy as np
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import ModelError
-from dalembert.spelling import OfInit, spelled_fields
 from dalembert.symbolic.expression import Expression, as_expression, stack
+from dalembert.text.spelling import OfInit, spelled_fields
 
 Scalar = Any  # number or Expression
 Vector = Any  # two numbers or Expressions

@@ -15,7 +15,7 @@ from dalembert.elements.named import Named
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression
-from dalembert.text import listed, nearest, unknown
+from dalembert.text.wording import listed, nearest, unknown
 
 
 class Axes(TypedDict, total=False):

@@ -11,9 +11,9 @@ import numpy as np
 
 from dalembert.elements.base import Rows, Scalar, option, quantity
 from dalembert.errors import ModelError
-from dalembert.spelling import OfInit, spelled_fields
 from dalembert.symbolic.expression import Expression, as_expression, as_sx
 from dalembert.symbolic.spline import CubicSpline
+from dalembert.text.spelling import OfInit, spelled_fields
 
 u = Expression(ca.SX.sym("u"), "u", "")
 """Curve parameter, for curves written as formulas."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from dalembert.elements.base import Condition
-from dalembert.spelling import OfInit, spelled_fields
 from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.text.spelling import OfInit, spelled_fields
 
 
 @dataclass(eq=False)

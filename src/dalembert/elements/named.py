@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TypeVar
 
 from dalembert.errors import UnknownNameError
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 V = TypeVar("V")
 

@@ -22,7 +22,7 @@ from dalembert.io.tables import EventTable
 from dalembert.model.model import Model
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:

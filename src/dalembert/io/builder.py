@@ -52,7 +52,7 @@ from dalembert.io.structure_schema import StructureDocument
 from dalembert.model.system import System
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.expression import Expression, as_expression
-from dalembert.text import visible
+from dalembert.text.wording import visible
 
 
 class Builder:

@@ -15,7 +15,7 @@ from dalembert.io.measures import measure_reader
 from dalembert.io.model_file import ModelFile, load_model_file
 from dalembert.io.random import correlations, random_parameters
 from dalembert.io.responses import make_response
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 OWN = ""
 """Name of the run that the file itself asks for."""

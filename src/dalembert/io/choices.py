@@ -18,7 +18,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from dalembert.io.messages import UnknownKey
 from dalembert.io.values import shown
-from dalembert.text import nearest
+from dalembert.text.wording import nearest
 
 PLAIN = "plain"
 

@@ -10,11 +10,11 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, WithJsonSchema
 
 from dalembert.errors import FileError, ModelError
+from dalembert.files.readable import read_text
 from dalembert.io.choices import Record
 from dalembert.io.values import Text, number_or_formula, shown
-from dalembert.readable import read_text
 from dalembert.symbolic.interpolation import KINDS, OUTSIDE
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 def _column(value: Any) -> str | list[float | str]:

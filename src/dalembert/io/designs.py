@@ -13,8 +13,8 @@ from dalembert.io.cases import Quantities
 from dalembert.io.model_file import ModelFile
 from dalembert.io.random import correlations, random_parameters
 from dalembert.io.responses import chosen_parameters
-from dalembert.measured import check_measured
 from dalembert.responses.base import Response
+from dalembert.units.measured import check_measured
 
 SEARCH = ("method", "gradient", "max_iterations", "tolerance")
 

@@ -11,7 +11,7 @@ from dalembert.io.schema import Document
 from dalembert.io.structure_tables import DISPLACEMENTS, FORCES, NodeChoice
 from dalembert.model.system import System
 from dalembert.structures.elastic_structure import ElasticStructure
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 class FiniteElements:

@@ -11,7 +11,7 @@ from dalembert.errors import AnalysisError
 from dalembert.io.measures import measure_reader
 from dalembert.io.model_file import ModelFile
 from dalembert.io.responses import chosen_parameters
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 def make_identification(file: ModelFile, model: Any, data: list[Path] | None = None) -> dict:

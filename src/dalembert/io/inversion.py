@@ -12,7 +12,7 @@ from dalembert.io.histories import knots_of
 from dalembert.io.measures import measure_reader
 from dalembert.io.model_file import ModelFile
 from dalembert.io.values import constant
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 def make_inversion(file: ModelFile, model: Any, data: list[Path] | None = None) -> dict[str, Any]:

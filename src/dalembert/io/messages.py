@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from dalembert.errors import ModelError
 from dalembert.io.values import shown
-from dalembert.text import nearest
+from dalembert.text.wording import nearest
 
 SHOWN = 5
 _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")

@@ -23,7 +23,7 @@ from dalembert.model.model import Model
 from dalembert.model.system import RESERVED, System
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.structure import Structure
-from dalembert.text import nearest, visible
+from dalembert.text.wording import nearest, visible
 
 BUILDERS: dict[str, Any] = {"mechanism": Builder, "structure": StructureBuilder}
 """Value of ``kind`` in a file → what makes its contents."""

@@ -8,7 +8,7 @@ from dalembert.design.reliability.nataf import Nataf
 from dalembert.io.analyses import given_options
 from dalembert.io.decision_tables import distribution
 from dalembert.io.model_file import ModelFile
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 def random_parameters(file: ModelFile, model: Any) -> dict[str, Any]:

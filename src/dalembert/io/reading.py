@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.errors import FileError
+from dalembert.files.readable import read_text
 from dalembert.io.messages import place
-from dalembert.readable import read_text
-from dalembert.text import plain_text
+from dalembert.text.wording import plain_text
 
 MAX_DEPTH = 40
 MAX_KEY_PARTS = 1000

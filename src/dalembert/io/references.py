@@ -11,7 +11,7 @@ from dalembert.io.formulas import Formulas
 from dalembert.io.orientations import FrameTable, read_frame
 from dalembert.io.schema import Document
 from dalembert.model.system import System
-from dalembert.text import listed, nearest, unknown
+from dalembert.text.wording import listed, nearest, unknown
 
 
 class References:

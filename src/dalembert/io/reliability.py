@@ -9,9 +9,9 @@ from dalembert.io.designs import make_limits
 from dalembert.io.model_file import ModelFile
 from dalembert.io.random import correlations, random_parameters
 from dalembert.io.responses import chosen_response, make_responses
-from dalembert.measured import check_measured
 from dalembert.responses.base import Response
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
+from dalembert.units.measured import check_measured
 
 
 class Responses:

@@ -13,7 +13,7 @@ from dalembert.io.strategies import RESPONSES
 from dalembert.responses.base import Response
 from dalembert.responses.events import AtEvent
 from dalembert.symbolic.expression import Expression
-from dalembert.text import nearest, unknown
+from dalembert.text.wording import nearest, unknown
 
 
 def make_responses(file: ModelFile, model: Any) -> dict[str, Response]:

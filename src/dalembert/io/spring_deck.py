@@ -18,9 +18,9 @@ from typing import Any
 from dalembert.elements.fem.node import Node
 from dalembert.elements.fem.springs import AxialSpring
 from dalembert.errors import FileError, ModelError
-from dalembert.readable import read_text
+from dalembert.files.readable import read_text
 from dalembert.structures.structure import Structure
-from dalembert.text import visible
+from dalembert.text.wording import visible
 
 QUOTES = "'\"‘’`´"
 KINDS = ("spring", "force", "displacement")

@@ -24,7 +24,7 @@ from dalembert.io.structure_tables import (
 )
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.structure import Structure
-from dalembert.text import unknown, visible
+from dalembert.text.wording import unknown, visible
 
 
 class StructureBuilder:

@@ -19,7 +19,7 @@ from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
 from dalembert.io.model_file import ModelFile
 from dalembert.model.system import System
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 LINKAGES: dict[str, type[Linkage]] = {"FourBar": FourBar, "SliderCrank": SliderCrank}
 GEARED, OWN = "geared five-bar", "own"

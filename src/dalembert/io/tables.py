@@ -59,7 +59,7 @@ from dalembert.io.values import (
 )
 from dalembert.results.result import Analysis
 from dalembert.results.structural.result import StructuralResult
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 def point_type(dimension: int) -> Any:

@@ -7,7 +7,7 @@ from pydantic import Field
 from dalembert.io.choices import Record, table_or
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.tables import strategy_type
-from dalembert.io.values import Bound, Entry, Integer, Number, Text, list_of, one_name
+from dalembert.io.values import Bound, Entry, Integer, Number, OwnNumber, Text, list_of, one_name
 
 Method = one_name("dalembert.sensitivity.methods:METHODS")
 SAMPLINGS = ("Grid", "LatinHypercube", "MonteCarlo", "Sobol", "Table")
@@ -77,8 +77,10 @@ class HistoryTable(Record):
     knots: table_or(KnotsTable, list[Number]) = Field(  # type: ignore[valid-type]
         description="times, or a table `{ start, end, count }` [s]"
     )
-    value: Number = Field(default=0.0, description="at all knots at first")
-    unit: Text = Field(default="", description="label for results")
+    value: OwnNumber = Field(default=0.0, description="at all knots at first")
+    unit: Text = Field(
+        default="", description='of the value, as `"kN"`, and shown in results; SI by default'
+    )
 
 
 class InvertTable(Record):

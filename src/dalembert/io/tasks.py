@@ -22,11 +22,11 @@ from dalembert.io.schema import Document
 from dalembert.io.strategies import STRATEGIES
 from dalembert.io.synthesis import make_synthesis
 from dalembert.io.trajectories import make_trajectory
-from dalembert.measured import check_measured
 from dalembert.responses.base import Response
 from dalembert.results.headings import checked_units
 from dalembert.results.labelled import DATA_ONLY
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
+from dalembert.units.measured import check_measured
 
 COMPARED = {
     "formulations": "formulation",

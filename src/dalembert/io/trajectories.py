@@ -17,7 +17,7 @@ from dalembert.io.model_file import ModelFile
 from dalembert.io.responses import chosen_parameters
 from dalembert.io.trajectory_tables import GUESSES
 from dalembert.responses.values import Final
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 def make_trajectory(file: ModelFile, model: Any) -> dict[str, Any]:

@@ -12,8 +12,8 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
 
 from dalembert.errors import ExpressionError
-from dalembert.measured import Measured, measured
-from dalembert.text import nearest
+from dalembert.text.wording import nearest
+from dalembert.units.measured import Measured, measured
 
 
 def shown(value: Any) -> str:

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.cards import card, table
 from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
@@ -20,7 +19,8 @@ from dalembert.symbolic.expression import Expression, as_expression, stack, t
 from dalembert.symbolic.interpolation import Interpolation
 from dalembert.symbolic.parameter import Parameter
 from dalembert.symbolic.parser import parse_formula
-from dalembert.text import plain_text
+from dalembert.text.cards import card, table
+from dalembert.text.wording import plain_text
 
 
 class Description:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import scipy
 
-from dalembert.cards import card, messages, table
 from dalembert.elements.driver import Driver
 from dalembert.model.checks import doubts_of
 from dalembert.model.closure import Closure
 from dalembert.model.description import Description
 from dalembert.model.independence import columns_of
 from dalembert.model.topology import Topology, analyse_topology
+from dalembert.text.cards import card, messages, table
 
 NOT_SHARED = 1e-9
 """Share of an equation in another, both of length one, that is rounding."""

@@ -10,7 +10,6 @@ from time import perf_counter
 import casadi as ca
 import numpy as np
 
-from dalembert.cards import card, messages, table
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.absolute import absolute_equations, at_ground
@@ -27,6 +26,7 @@ from dalembert.symbolic.implicit import ImplicitFunction
 from dalembert.symbolic.names import Names
 from dalembert.symbolic.once import once
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.cards import card, messages, table
 
 SYSTEM_MEASURES = {
     "time": "s",

@@ -22,12 +22,14 @@ def compared(first: dict[str, Any], second: dict[str, Any], name: str) -> dict[s
     Raises
     ------
     FileError
-        One of them is no motion, or they are of different dimension.
+        They are of different kind or dimension, or have no states of one name.
     """
     first, second = unpacked(first), unpacked(second)
     kinds = [page.get("kind", "mechanism") for page in (first, second)]
-    if "structure" in kinds or kinds[0] != kinds[1]:
-        raise FileError(f"two runs of one mechanism can be compared, not {' and '.join(kinds)}")
+    if kinds[0] != kinds[1]:
+        raise FileError(f"two runs of one kind can be compared, not {' and '.join(kinds)}")
+    if kinds[0] == "structure":
+        return _structures(first, second, name)
     time, other = (np.asarray(page["time"], dtype=float) for page in (first, second))
     if time.size == 0 or other.size == 0:
         raise FileError("one of the runs has no outputs to compare")
@@ -48,3 +50,15 @@ def compared(first: dict[str, Any], second: dict[str, Any], name: str) -> dict[s
     ]
     scene = first["scene"] | {"ghosts": [*first["scene"].get("ghosts", []), *ghosts]}
     return first | {"series": series, "scene": scene, "other": name}
+
+
+def _structures(first: dict[str, Any], second: dict[str, Any], name: str) -> dict[str, Any]:
+    """The second structure behind the first one, in the states of the same names."""
+    if first["dimension"] != second["dimension"]:
+        raise FileError("the structures are of different dimension")
+    known = dict(zip(second["cases"], second["moved"], strict=True))
+    if not any(case in known for case in first["cases"]):
+        raise FileError(f"the runs have no {first.get('kind_of_state', 'case')} of one name")
+    rest = [0.0] * len(second["drawing"]["rest"])
+    moved = [known.get(case, rest) for case in first["cases"]]
+    return first | {"ghost": {"drawing": second["drawing"], "moved": moved}, "other": name}

@@ -17,10 +17,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from dalembert.atomic import atomic_path
 from dalembert.errors import FileError
+from dalembert.files.atomic import atomic_path
 from dalembert.report.packing import packed
-from dalembert.text import visible
+from dalembert.text.wording import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
 
@@ -30,6 +30,7 @@ _FRAME = (
     "svg.js",
     "share.js",
     "player.js",
+    "plot_painter.js",
     "plots.js",
     "plot_board.js",
     "picker.js",
@@ -83,6 +84,9 @@ SCRIPTS = {
         "share.js",
         *_VIEWS,
         "structure.js",
+        "structure_camera.js",
+        "structure_painter.js",
+        "structure_marks.js",
         "structure_scene.js",
         "structure_tables.js",
         "structure_page.js",

@@ -18,7 +18,7 @@ from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import options
 from dalembert.results.result import Result
 from dalembert.symbolic.expression import Expression
-from dalembert.text import plain_text
+from dalembert.text.wording import plain_text
 
 
 @options

@@ -9,7 +9,7 @@ from dalembert.responses import base
 from dalembert.responses.base import Response
 from dalembert.results.batch import Batch
 from dalembert.results.result import Result
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,8 +9,8 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
-from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, t
+from dalembert.text.spelling import spelled
 
 
 @options

@@ -9,8 +9,8 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.base import Response
-from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
+from dalembert.text.spelling import spelled
 
 
 @options

@@ -16,8 +16,8 @@ from dalembert.analysis.instants import end_by_event
 from dalembert.responses.base import Response
 from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over
 from dalembert.results.result import Result
-from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression
+from dalembert.text.spelling import spelled
 
 
 @dataclass(frozen=True, kw_only=True)

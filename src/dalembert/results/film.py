@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.atomic import atomic_path
 from dalembert.errors import AnalysisError, FileError
+from dalembert.files.atomic import atomic_path
 from dalembert.report.packing import unpacked
 
 MOST = 400
@@ -17,9 +17,15 @@ WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 
 
 def write_film(
-    page: dict[str, Any], path: Path, *, fps: int = 20, seconds: float = 5.0, width: int = 720
+    page: dict[str, Any],
+    path: Path,
+    *,
+    fps: int = 20,
+    seconds: float = 5.0,
+    width: int = 720,
+    state: str | None = None,
 ) -> Path:
-    """The motion that a page shows, as a film.
+    """The motion that a page shows, as a film; a structure goes through its states or swings.
 
     Parameters
     ----------
@@ -27,11 +33,13 @@ def write_film(
     fps : frames a second
     seconds : how long the film runs, whatever the motion takes
     width : in pixels
+    state : load case or mode of a structure that swings; all, one after the other, where they are
+        instants of a motion, else the first
 
     Raises
     ------
     FileError
-        Another ending, a writer that is not installed, or a result without motion.
+        Another ending, a writer that is not installed, or no such state.
     AnalysisError
         No outputs, or no positive rate, length or width.
     """
@@ -46,7 +54,7 @@ def write_film(
         raise FileError(f"{path}: {writer} writes such films and is not installed; {cure}")
     if min(fps, seconds, width) <= 0:
         raise AnalysisError("a film needs positive fps, seconds and width")
-    picture, frames = _picture(unpacked(page), int(np.clip(fps * seconds, 2, MOST)))
+    picture, frames = _picture(unpacked(page), int(np.clip(fps * seconds, 2, MOST)), state)
     figure = picture.ax.figure
     figure.set_dpi(width / figure.get_figwidth())
     film = FuncAnimation(figure, picture.show, frames=frames, interval=1000 / fps, blit=False)
@@ -61,12 +69,16 @@ def write_film(
     return path
 
 
-def _picture(page: dict[str, Any], frames: int) -> tuple[Any, int]:
-    """The mechanism at evenly spaced instants, and how many these are."""
+def _picture(page: dict[str, Any], frames: int, state: str | None) -> tuple[Any, int]:
+    """The mechanism at evenly spaced instants, or the structure, and how many these are."""
     from dalembert.results.picture import ScenePicture
+    from dalembert.results.structural.moving import MovingStructure
 
     if page.get("kind", "mechanism") == "structure":
-        raise FileError("the result of a structure has no motion to film; its report swings it")
+        moving = MovingStructure(page, frames, state)
+        return moving, moving.count
+    if state is not None:
+        raise FileError("a motion has no states to choose from; leave state out")
     time = np.asarray(page["time"], dtype=float)
     if not time.size:
         raise AnalysisError("there is no output to film")

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.units import shown_in, unit
+from dalembert.units.unit import shown_in, unit
 
 if TYPE_CHECKING:
     import pandas as pd

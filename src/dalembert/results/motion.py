@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dalembert.cards import card, folded, messages, table
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.expression import Expression
+from dalembert.text.cards import card, folded, messages, table
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -16,8 +16,8 @@ from dalembert.report.page import write_page
 from dalembert.results.contents import Contents
 from dalembert.results.page_parts import diagnosis, parameter_rows
 from dalembert.results.scene import is_spatial, motion_scene, standing
-from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, stack, t
+from dalembert.text.spelling import spelled
 
 GUESS, BEST = np.array([0]), np.array([1])
 

@@ -13,7 +13,7 @@ from dalembert.results.labelled import LabelledRecording
 from dalembert.results.page_parts import diagnosis, parameter_rows, statistics
 from dalembert.results.scene import is_spatial, motion_scene
 from dalembert.results.series import measured_series
-from dalembert.units import shown_in
+from dalembert.units.unit import shown_in
 
 MAX_FRAMES = 20_000
 MAX_NUMBERS = 6_000_000

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVa
 
 import numpy as np
 
-from dalembert.cards import card, messages, table
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.expression import Expression
+from dalembert.text.cards import card, messages, table
 
 if TYPE_CHECKING:
     import pandas as pd

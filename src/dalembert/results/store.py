@@ -6,13 +6,13 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dalembert.atomic import atomic_path
 from dalembert.budget import afford
 from dalembert.errors import DalembertError, FileError
-from dalembert.readable import readable
+from dalembert.files.atomic import atomic_path
+from dalembert.files.readable import readable
 from dalembert.results.contents import Contents
 from dalembert.results.netcdf import write_netcdf
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     import pandas as pd

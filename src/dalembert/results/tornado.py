@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.atomic import atomic_path
 from dalembert.errors import AnalysisError
+from dalembert.files.atomic import atomic_path
 from dalembert.results.comparison.lines import COLOURS
 from dalembert.results.influence import (
     absolute_influence,
     range_influence,
     relative_influence,
 )
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -18,7 +18,7 @@ from dalembert.sensitivity.checks.finite_difference import FiniteDifference
 from dalembert.sensitivity.checks.kinks import refuse_kinks
 from dalembert.sensitivity.methods import METHODS, Adjoint, Automatic, Direct, Method, Strategy
 from dalembert.sensitivity.moving_times import of_moving_times
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -17,7 +17,7 @@ from dalembert.sensitivity.gradient import (
     refuse_unknown_values,
 )
 from dalembert.sensitivity.registry import engine_of
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -38,7 +38,7 @@ from dalembert.structures.description import StructureDescription
 from dalembert.structures.mesh import Mesh
 from dalembert.structures.nodes import Nodes
 from dalembert.symbolic.expression import Expression, as_expression, as_sx
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 @dataclass(eq=False)

@@ -19,7 +19,7 @@ from dalembert.structures.spread_loads import LineLoad, Spread, Weight
 from dalembert.structures.temperatures import Temperatures
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parametric_array import ArrayEntries
-from dalembert.text import plain_text
+from dalembert.text.wording import plain_text
 
 
 class LoadCaseMaker:

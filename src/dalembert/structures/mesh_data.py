@@ -13,8 +13,8 @@ import numpy as np
 
 from dalembert.elements.fem.cells import CELLS, cell_name
 from dalembert.errors import FileError, ModelError, UnsupportedError
-from dalembert.readable import readable
-from dalembert.text import plain_text
+from dalembert.files.readable import readable
+from dalembert.text.wording import plain_text
 
 WEIGHT = 4
 """Bytes of memory that a byte of a file takes while it is read."""

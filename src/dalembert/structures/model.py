@@ -9,7 +9,6 @@ from time import perf_counter
 import casadi as ca
 import numpy as np
 
-from dalembert.cards import card, table
 from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.errors import ModelError
 from dalembert.structures.assembly import Assembly
@@ -30,6 +29,7 @@ from dalembert.symbolic.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.names import Names
 from dalembert.symbolic.parametric_array import ArrayEntries
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.cards import card, table
 
 
 class StructuralModel(ParametricModel):

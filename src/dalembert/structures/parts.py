@@ -16,7 +16,7 @@ from dalembert.structures.spans import Spans
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.interpolation import Interpolation
 from dalembert.symbolic.parameter import Bounds, Parameter
-from dalembert.text import plain_text
+from dalembert.text.wording import plain_text
 
 S = TypeVar("S", bound=StructuralElement)
 

@@ -9,11 +9,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.amounts import Amount, check_unit
 from dalembert.budget import LARGEST
 from dalembert.errors import ExpressionError, UnknownNameError
-from dalembert.grammar import amount_of
 from dalembert.symbolic.ufuncs import FUNCTIONS, OPERATORS
+from dalembert.units.amounts import Amount, check_unit
+from dalembert.units.grammar import amount_of
 
 
 class Expression:

@@ -9,13 +9,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.amounts import check_unit
 from dalembert.errors import ExpressionError, ModelError
-from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.spline import CubicSpline, reached
-from dalembert.text import unknown
-from dalembert.units import unit
+from dalembert.text.spelling import spelled
+from dalembert.text.wording import unknown
+from dalembert.units.amounts import check_unit
+from dalembert.units.unit import unit
 
 KINDS = ("spline", "linear")
 OUTSIDE = ("error", "extrapolate", "clamp")

@@ -9,12 +9,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.amounts import Amount, check_unit
 from dalembert.errors import ExpressionError, ModelError
-from dalembert.grammar import amount_of
 from dalembert.symbolic.expression import Expression, refuse_unusable
-from dalembert.text import plain_text, unknown
-from dalembert.units import Unit, unit
+from dalembert.text.wording import plain_text, unknown
+from dalembert.units.amounts import Amount, check_unit
+from dalembert.units.grammar import amount_of
+from dalembert.units.unit import Unit, unit
 
 Bounds = tuple[float | str | None, float | str | None] | None
 """Lower and upper, with None where a side is open."""

@@ -1,4 +1,4 @@
-"""Formulas in text, as expressions; the grammar is that of :mod:`dalembert.grammar`, with the
+"""Formulas in text, as expressions; the grammar is that of :mod:`dalembert.units.grammar`, with the
 functions of :mod:`dalembert.symbolic.functions`.
 """
 
@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from dalembert.amounts import Amount
 from dalembert.errors import ExpressionError
-from dalembert.grammar import Grammar
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.functions import FORMULA_FUNCTIONS
 from dalembert.symbolic.interpolation import Interpolation, interp
-from dalembert.units import MOST_POWER, si_unit
+from dalembert.units.amounts import Amount
+from dalembert.units.grammar import Grammar
+from dalembert.units.unit import MOST_POWER, si_unit
 
 FUNCTIONS = {**FORMULA_FUNCTIONS, "interp": (interp, 2)}
 """Functions of formulas."""

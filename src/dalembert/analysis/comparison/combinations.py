@@ -17,7 +17,7 @@ from dalembert.integrators.base import Integrator
 from dalembert.integrators.registry import INTEGRATORS
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.registry import COORDINATES
-from dalembert.text import nearest
+from dalembert.text.wording import nearest
 
 
 @dataclass(frozen=True)

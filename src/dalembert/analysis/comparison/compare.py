@@ -25,7 +25,7 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.comparison.result import Comparison, comparison_of
 from dalembert.results.motion import Motion
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 
 @options

@@ -21,7 +21,7 @@ from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactSch
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 
 @options

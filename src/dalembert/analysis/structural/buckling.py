@@ -18,9 +18,9 @@ from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
 from dalembert.results.result import Given
 from dalembert.results.structural.buckling_modes import BucklingModes
-from dalembert.spelling import spelled
 from dalembert.structures.eigenpairs import largest
 from dalembert.structures.model import StructuralModel
+from dalembert.text.spelling import spelled
 
 
 @options

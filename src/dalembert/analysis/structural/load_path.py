@@ -23,9 +23,9 @@ from dalembert.options import options
 from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult, Plane
-from dalembert.spelling import spelled
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.newton import solve
+from dalembert.text.spelling import spelled
 
 QUICK = 4
 """Iterations after which a step keeps its length."""

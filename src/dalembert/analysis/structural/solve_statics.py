@@ -13,8 +13,8 @@ from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of
 from dalembert.results.batch import Batch
 from dalembert.results.structural.result import StructuralResult
-from dalembert.spelling import spelled
 from dalembert.structures.model import StructuralModel
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     from dalembert.results.designs import ManyDesigns

@@ -21,8 +21,8 @@ from dalembert.integrators.newmark import Newmark, NewmarkFamily
 from dalembert.options import options
 from dalembert.results.result import Analysis, Given
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.spelling import spelled
 from dalembert.structures.model import StructuralModel
+from dalembert.text.spelling import spelled
 
 
 @options(eq=False)

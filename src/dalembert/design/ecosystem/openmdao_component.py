@@ -12,8 +12,8 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
-from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.spelling import spelled
 
 
 @spelled

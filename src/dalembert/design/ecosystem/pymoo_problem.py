@@ -11,8 +11,8 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
-from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.spelling import spelled
 
 FAILED = 1e12
 """Objectives and violations of a design whose run fails."""

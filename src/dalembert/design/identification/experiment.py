@@ -15,7 +15,7 @@ from dalembert.options import options
 from dalembert.results.result import Analysis
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text import nearest
+from dalembert.text.wording import nearest
 
 TIMES = ("time", "t")
 """Names of the column of times where none is given."""

@@ -15,8 +15,8 @@ from dalembert.design.identification.misfit import Misfit
 from dalembert.design.identification.unknowns import Delays, Unknowns, unknowns_of
 from dalembert.errors import AnalysisError
 from dalembert.results.result import Analysis
-from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.spelling import spelled
 
 
 @spelled

@@ -11,7 +11,7 @@ import numpy as np
 
 from dalembert.design.identification.c3d import read_markers
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.units import unit
+from dalembert.units.unit import unit
 
 READERS = {".csv": "read_csv", ".txt": "read_csv", ".parquet": "read_parquet"}
 """Ending of a file → what of pandas reads it."""

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.design.identification.experiment import Observation
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 Delays = Mapping[str, tuple[float, float]]
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from dalembert.elements.laws.table import Table
 from dalembert.errors import ModelError
-from dalembert.spelling import spelled
 from dalembert.symbolic.expression import Expression, t
 from dalembert.symbolic.parameter import Parameter
+from dalembert.text.spelling import spelled
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,11 @@ class History:
 
 @spelled
 def history(
-    system: Any, name: str, knots: Sequence[float] | np.ndarray, value: float = 0.0, unit: str = ""
+    system: Any,
+    name: str,
+    knots: Sequence[float] | np.ndarray,
+    value: float | str = 0.0,
+    unit: str = "",
 ) -> History:
     """An unknown history for a system: parameters ``name_0``, ``name_1`` … at its knots.
 
@@ -71,8 +75,8 @@ def history(
     ----------
     system : System or Structure that gets the parameters
     knots : times, increasing; the spline is natural and C² between them [s]
-    value : of all knots at first
-    unit : of the values
+    value : of all knots at first, in ``unit``, or a text such as ``"5 kN"``
+    unit : of the value; SI units by default
 
     Raises
     ------

@@ -20,8 +20,8 @@ from dalembert.design.inverse.inverted import Inversion
 from dalembert.design.inverse.smoothing import Curve, chosen, curve
 from dalembert.errors import AnalysisError
 from dalembert.results.result import Analysis
-from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.spelling import spelled
 
 ROUNDS = 6
 """Most solutions until the smoothing that is chosen stays."""

@@ -17,7 +17,7 @@ from dalembert.design.methods.nlopt_ccsa import Ccsaq
 from dalembert.design.methods.slsqp import Slsqp
 from dalembert.design.methods.trust_constr import TrustConstr
 from dalembert.errors import AnalysisError
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 OPTIMIZERS: dict[str, type[Optimizer]] = {
     "slsqp": Slsqp,

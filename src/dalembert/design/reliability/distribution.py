@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import ModelError
-from dalembert.measured import check_measured
+from dalembert.units.measured import check_measured
 
 
 class Distribution(ABC):

@@ -17,7 +17,7 @@ from dalembert.results.result import Analysis
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.symbolic.parser import parse_formula
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 class LimitStates(ABC):

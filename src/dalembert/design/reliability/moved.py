@@ -13,7 +13,7 @@ from dalembert.design.quantity import Combined, Constant, Quantity
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.errors import ModelError
 from dalembert.responses.values import Final
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 from dalembert.design.reliability.distribution import Distribution, normal_points
 from dalembert.design.reliability.distributions import Lognormal, Normal
 from dalembert.errors import ModelError
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 Correlation = Mapping[tuple[str, str], float] | np.ndarray | None
 

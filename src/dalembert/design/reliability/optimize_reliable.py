@@ -30,8 +30,8 @@ from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
-from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.spelling import spelled
 
 SETTLED = 1e-5
 """Change of a design, of its size, and of a limit, of its own, that ends the rounds."""

@@ -15,9 +15,9 @@ from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.reliable import SAMPLINGS, Reliability
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
-from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text import unknown
+from dalembert.text.spelling import spelled
+from dalembert.text.wording import unknown
 
 SYSTEMS = ("series", "parallel")
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ExpressionError
-from dalembert.measured import measured
+from dalembert.units.measured import measured
 
 if TYPE_CHECKING:
     import pandas as pd

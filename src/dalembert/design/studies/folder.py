@@ -9,9 +9,9 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.atomic import atomic_path
 from dalembert.design.studies.task import Answer
 from dalembert.errors import FileError, UnsupportedError
+from dalembert.files.atomic import atomic_path
 
 if TYPE_CHECKING:
     import pyarrow as pa

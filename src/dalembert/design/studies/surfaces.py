@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.design.studies.study import Study
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 
 @dataclass(frozen=True, eq=False)

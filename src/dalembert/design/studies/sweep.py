@@ -18,8 +18,8 @@ from dalembert.design.studies.workers import Chunk, Here, Processes, Workers
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Analysis
-from dalembert.spelling import spelled
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.spelling import spelled
 
 ModelSource = ParametricModel | Callable[[], ParametricModel]
 LARGEST_CHUNK = 256

@@ -17,7 +17,6 @@ from dalembert.design.optimization import design_problem
 from dalembert.design.problem import NOT_FINITE
 from dalembert.design.studies.design import Design
 from dalembert.errors import AnalysisError, DalembertError
-from dalembert.measured import check_measured
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
 from dalembert.responses.batch import batch_responses
@@ -27,6 +26,7 @@ from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parameter import parameter_vector
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.units.measured import check_measured
 
 
 @dataclass(frozen=True)

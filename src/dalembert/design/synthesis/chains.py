@@ -17,7 +17,7 @@ from dalembert.errors import ModelError
 from dalembert.model.system import System
 from dalembert.symbolic.expression import t
 from dalembert.symbolic.parameter import Parameter
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 Places = Mapping[str, tuple[float, float]]
 """Joint, or point of a link, → where it is in one position [m]."""

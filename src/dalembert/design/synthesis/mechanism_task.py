@@ -14,7 +14,7 @@ from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError, DalembertError
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 SAMPLES = 144
 """Positions of a turn among which entries are looked for at first."""

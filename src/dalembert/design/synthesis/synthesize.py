@@ -16,8 +16,8 @@ from dalembert.design.synthesis.problem import Polish
 from dalembert.design.synthesis.synthesis import Solution, Synthesis
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
-from dalembert.spelling import spelled
-from dalembert.text import unknown
+from dalembert.text.spelling import spelled
+from dalembert.text.wording import unknown
 
 
 @spelled

@@ -12,7 +12,7 @@ from dalembert.design.trajectory.control import Control
 from dalembert.errors import AnalysisError
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome, Status
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 if TYPE_CHECKING:
     import pandas as pd

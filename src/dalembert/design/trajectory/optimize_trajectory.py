@@ -38,7 +38,7 @@ from dalembert.model.scheduled import ScheduledModel
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Status
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 
 def optimize_trajectory(

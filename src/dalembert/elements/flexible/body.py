@@ -17,7 +17,7 @@ from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.point import Point
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.symbolic.expression import Expression, as_expression
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 MEAN = "mean"
 Interfaces = Mapping[str, Any] | Sequence[Any]

@@ -34,7 +34,7 @@ function arrowMenu(scene) {
 // A button that opens a few controls below it; Escape and a click elsewhere close it.
 function menu(name, rows, more = {}) {
   const { class: look = "chip", "aria-label": label, title, ...rest } = more;
-  const box = el("details", { ...rest, class: "menu" }, el("summary", { class: look, "aria-label": label, title }, name), el("div", { class: "menu-box card" }, rows));
+  const box = el("details", { ...rest, class: "menu", "aria-label": `Menu: ${label ?? (typeof name === "string" ? name : title)}` }, el("summary", { class: look, "aria-label": label, title }, name), el("div", { class: "menu-box card" }, rows));
   box.addEventListener("keydown", (e) => { if (e.key === "Escape" && box.open) { box.open = false; box.firstChild.focus(); } });
   box.addEventListener("click", (e) => { if (e.target.closest(".menu-item") && !e.target.closest("#save-film")) box.open = false; });
   document.addEventListener("pointerdown", (e) => { if (!box.contains(e.target)) box.open = false; });

@@ -3,22 +3,23 @@
 function optimumPanel(optimum) {
   if (!optimum) return null;
   const unit = optimum.unit ? ` ${optimum.unit}` : "";
-  const rows = [...list(optimum.limits).map((one) => optimumRow(one, optimum.unit)), ...list(optimum.variables).map((one) => optimumRow(one, optimum.unit))];
+  const all = [...list(optimum.limits), ...list(optimum.variables)], priced = all.some((one) => one.active && one.price);
+  const rows = all.map((one) => optimumRow(one, optimum.unit, priced));
   return panel("Optimum", "optimum",
     el("p", { class: "objective" }, el("span", {}, `${optimum.label}: `), el("span", { class: "was" }, `${tidy(optimum.start)}${unit}`), " → ", el("b", {}, `${tidy(optimum.value)}${unit}`)),
     el("ul", { class: "messages" }, el("li", { class: optimum.success ? "info" : "warning" }, el("b", {}, optimum.success ? "Optimal" : "Not optimal"), el("span", {}, String(optimum.message)))),
     el("div", { class: "scroll tall", tabindex: "0", role: "region", "aria-label": "Limits and parameters" }, el("table", {},
-      el("thead", {}, el("tr", {}, ["Name", "First", "Best", "Unit", "Range", "Costs"].map((t, k) => el("th", { scope: "col", class: k === 1 || k === 2 ? "right" : "" }, t)))),
+      el("thead", {}, el("tr", {}, ["Name", "First", "Best", "Unit", "Range", ...(priced ? ["Costs"] : [])].map((t, k) => el("th", { scope: "col", class: k === 1 || k === 2 ? "right" : "" }, t)))),
       el("tbody", {}, rows))),
     list(optimum.prices).length > 0 && el("ul", { class: "prices" }, list(optimum.prices).map((text) => el("li", {}, String(text)))));
 }
 
-function optimumRow(one, unit) {
+function optimumRow(one, unit, priced) {
   const price = one.active && one.price ? `${tidy(one.price, 4)} ${unit || ""}${one.unit ? ` / ${one.unit}` : ""}` : "";
   return el("tr", { class: one.active ? "active" : "" },
     el("th", { scope: "row" }, String(one.name), one.active ? el("i", { class: "at", title: `at its ${one.active} bound` }, one.active === "lower" ? " ▼" : " ▲") : null),
     el("td", { class: "right was" }, tidy(one.start)), el("td", { class: "right" }, tidy(one.value)),
-    el("td", { class: "unit" }, one.unit || "–"), el("td", {}, designBar(one)), el("td", { class: "unit" }, price));
+    el("td", { class: "unit" }, one.unit || "–"), el("td", {}, designBar(one)), priced ? el("td", { class: "unit" }, price) : null);
 }
 
 // Where the first and the best value lie between the bounds; one open side is told in words.

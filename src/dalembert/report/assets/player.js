@@ -109,6 +109,7 @@ function buildPlayer(root, player) {
     marks.append(mark);
   }
   const now = el("output", { class: "now", id: "clock", for: "scrub", "aria-live": "off" });
+  const spoken = el("span", { class: "unseen", id: "spoken", role: "status" });
   const speed = el("select", { id: "speed", "aria-label": "Speed", title: "Speed, as a multiple of real time", onchange: () => player.setSpeed(+speed.value) },
     speedChoices(player.automatic).map((s) => el("option", { value: String(s) }, s === 1 ? "Real time" : `${s}×`)));
   const loop = toggleButton(icon("loop"), player.loop, (on) => player.setLoop(on), { class: "icon", "aria-label": "Loop", title: "Loop", id: "loop" });
@@ -117,14 +118,22 @@ function buildPlayer(root, player) {
       iconButton("back", "Previous frame (←)", () => player.step(-1)),
       iconButton("next", "Next frame (→)", () => player.step(1))),
     el("div", { class: "track" }, scrub, marks),
-    now, speed, loop);
+    now, speed, loop, spoken);
 
+  // The time is said where it comes to rest, not while it runs.
+  let resting = null;
+  const say = () => {
+    clearTimeout(resting);
+    resting = player.playing ? null : setTimeout(() => { spoken.textContent = now.textContent; }, 300);
+  };
+  player.onState.on(say);
   player.onTime.on((t) => {
     const p = (t - motion.start) / motion.span;
     scrub.value = String(p);
     scrub.style.setProperty("--p", p);
     now.textContent = `${clock(t, motion.span)} s`;
     scrub.setAttribute("aria-valuetext", now.textContent);
+    say();
   });
   player.onState.on(() => {
     play.replaceChildren(icon(player.playing ? "pause" : "play"));

@@ -67,7 +67,7 @@ class ScenePainter extends SceneCamera {
     const traced = motion.points.filter((p) => p.traced);
     if (!traced.length) return;
     if (ctx.svg) {
-      for (const point of traced) this.runAlong(ctx, point.way, 0, point.way.length, this.pointColour(point), 1.6);
+      for (const point of traced) this.runAlong(ctx, this.thinned(point), -Infinity, Infinity, this.pointColour(point), 1.6);
       return;
     }
     const ratio = this.canvas.width / this.w;
@@ -79,32 +79,38 @@ class ScenePainter extends SceneCamera {
       const layer = this.traces.getContext("2d");
       layer.scale(ratio, ratio);
       for (const point of traced) {
-        this.runAlong(layer, point.way, 0, point.way.length, mix(Theme.surface, this.pointColour(point), 0.5), 1.6);
+        this.runAlong(layer, this.thinned(point), -Infinity, Infinity, mix(Theme.surface, this.pointColour(point), 0.5), 1.6);
       }
     }
     ctx.drawImage(this.traces, 0, 0, this.w, this.h);
     for (const point of traced) {
-      let last = 0, high = point.way.length;
-      while (last < high) {
-        const middle = (last + high) >> 1;
-        if (point.way[middle].t <= motion.now) last = middle + 1; else high = middle;
-      }
-      const first = Math.max(0, last - Math.ceil(0.15 * point.way.length));
-      this.runAlong(ctx, point.way, first, last, this.pointColour(point), 2.4, this.placeOf(point.body, point.point));
+      this.runAlong(ctx, this.thinned(point), motion.now - 0.15 * motion.span, motion.now, this.pointColour(point), 2.4, this.placeOf(point.body, point.point));
     }
   }
 
+  // Places of a way that are a pixel apart at this zoom: a frame costs what is seen, however many instants there are.
+  thinned(point) {
+    const { s } = this.view, { way } = point;
+    if (point.thin?.s === s && point.thin.way === way) return point.thin.kept;
+    let last = null;
+    const kept = way.filter(({ p }, k) => {
+      if (p && last && k < way.length - 1 && (Math.abs(p[0] - last[0]) + Math.abs(p[1] - last[1])) * s < 0.7) return false;
+      last = p;
+      return true;
+    });
+    point.thin = { s, way, kept };
+    return kept;
+  }
+
   // In pieces, for long paths which cross themselves are slow to stroke.
-  runAlong(ctx, way, first, last, colour, width, end = null) {
+  runAlong(ctx, way, from, to, colour, width, end = null) {
     ctx.lineJoin = ctx.lineCap = "round";
     ctx.beginPath();
-    let on = false, count = 0, x = NaN, y = NaN;
-    for (let k = first; k < last; k++) {
+    let on = false, count = 0;
+    for (let k = placeAfter(way, from); k < way.length && way[k].t <= to; k++) {
       const { p } = way[k];
       if (!p) { on = false; continue; }
-      const q = this.screen(p);
-      if (on && Math.abs(q[0] - x) + Math.abs(q[1] - y) < 0.7) continue;
-      [x, y] = q;
+      const [x, y] = this.screen(p);
       if (on) ctx.lineTo(x, y); else ctx.moveTo(x, y);
       on = true;
       if (++count % 100) continue;
@@ -289,4 +295,14 @@ class ScenePainter extends SceneCamera {
     const [from, to] = [i, j].map((body) => this.motion.pose(body, start)?.a ?? 0);
     return b - a - (to - from);
   }
+}
+
+// The first of the instants of a way that is not before a time.
+function placeAfter(way, time) {
+  let low = 0, high = way.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (way[middle].t < time) low = middle + 1; else high = middle;
+  }
+  return low;
 }

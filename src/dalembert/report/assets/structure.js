@@ -54,9 +54,14 @@ class Structure {
   }
   // Shapes in parts of their largest displacement.
   normalise() {
-    this.moved.forEach((m, k) => {
+    const largest = (m) => {
       let most = 0;
-      for (let i = 0; i < 3 * this.count; i += 3) most = Math.max(most, Math.hypot(m[i], m[i + 1], m[i + 2]));
+      for (let i = 0; i < m.length; i += 3) most = Math.max(most, Math.hypot(m[i], m[i + 1], m[i + 2]));
+      return most;
+    };
+    if (this.ghost) this.ghost.moved = this.ghost.moved.map((m) => m.map((v) => v / (largest(m) || 1)));
+    this.moved.forEach((m, k) => {
+      const most = largest(m);
       if (!(most > 0)) return;
       this.moved[k] = m.map((v) => v / most);
       this.displacements[k] = Array.from(this.displacements[k], (v) => v / most);

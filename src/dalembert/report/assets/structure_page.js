@@ -27,7 +27,7 @@ function buildToolbar() {
   const toggle = (key, text, title) => toggleButton(text, scene.show[key], (on) => { scene.show[key] = on; scene.invalidate(); }, { id: `show-${key}`, title });
   scene.show.labels = structure.nodes.length <= 12;
   const chips = [toggle("rest", "At rest"), toggle("loads", "Loads"), toggle("supports", "Supports"), toggle("labels", "Names")];
-  if (structure.ghost) chips.unshift(toggle("ghost", "First design"));
+  if (structure.ghost) chips.unshift(toggle("ghost", payload.other ? `Other run: ${payload.other}` : "First design"));
   const members = structure.lines.reduce((sum, s) => sum + s.owners.length, 0);
   if (members && members <= FEW_MEMBERS && structure.fields.some((f) => !f.atVertices)) chips.push(toggle("values", "Values", "Values of the members"));
   if (structure.faces.length) chips.push(toggle("mesh", "Mesh"));
@@ -139,7 +139,7 @@ function buildFrame() {
   byId("scene").setAttribute("aria-label", `Drawing of ${structure.title}: ${structure.nodes.length} nodes, ${structure.elements.length} elements. Wheel zooms, drag ${structure.solid ? "turns, with shift pans" : "pans"}.`);
   const hints = [["Space", structure.sequence ? "play" : "swing"], ["F", "fit"], ["+ −", "zoom"], ...(structure.solid ? [["Shift", "pan"]] : [])];
   byId("footer").append(
-    el("span", {}, "Made with dalembert. Lengths in metres, forces in newtons, SI throughout."),
+    el("span", {}, "Made with dalembert. Where no unit is written, it is that of SI."),
     el("span", { class: "keys" }, hints.map(([key, what]) => [el("kbd", {}, key), ` ${what} `])));
 }
 

@@ -46,7 +46,7 @@ function ticks(lo, hi, count) {
   return { step, values: out };
 }
 
-const minus = (text) => text.replace("-", "\u2212");
+const minus = (text) => text.replaceAll("-", "\u2212");
 const superscript = (k) => minus(String(k)).replace(/./g, (c) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[c] ?? "⁻");
 
 function number(x, digits = 4) {

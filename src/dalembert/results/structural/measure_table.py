@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.elements.fem.nodal import ROTATIONS
 from dalembert.errors import DalembertError
 from dalembert.results.headings import checked_units
-from dalembert.units import shown_in
+from dalembert.units.unit import shown_in
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -15,7 +15,7 @@ from dalembert.sensitivity.checks.replays import Replays
 from dalembert.sensitivity.checks.scales import parameter_scale
 from dalembert.sensitivity.checks.stencils import SCHEMES, checked_step, place
 from dalembert.sensitivity.gradient import sensitivity
-from dalembert.spelling import spelled
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -18,7 +18,7 @@ from dalembert.errors import AnalysisError, ModelError
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.interface import Interface
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 MEAN = "mean"
 """Name of the frame that follows the mean axes."""

@@ -13,7 +13,7 @@ from dalembert.errors import ModelError
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.numbering import Numbering
 from dalembert.structures.reduction.rigid import rigid_motions
-from dalembert.text import unknown
+from dalembert.text.wording import unknown
 
 Chosen = str | Node | Nodes | Sequence[Any]
 """A node, a set of nodes, or several of them."""

@@ -16,8 +16,8 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from dalembert.atomic import atomic_path
 from dalembert.errors import FileError, UnsupportedError
+from dalembert.files.atomic import atomic_path
 from dalembert.symbolic.native.toolchain import Call, Toolchain
 
 KEPT = 1 << 30

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from dalembert.amounts import Amount, check_unit
-from dalembert.grammar import amount_of
+from dalembert.units.amounts import Amount, check_unit
+from dalembert.units.grammar import amount_of
 
 
 class Measured(float):

@@ -16,10 +16,10 @@ import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from dalembert.amounts import Amount, with_names
-from dalembert.dimensions import Dimension, dimension_of
 from dalembert.errors import ExpressionError, UnknownNameError
-from dalembert.text import nearest, unknown
+from dalembert.text.wording import nearest, unknown
+from dalembert.units.amounts import Amount, with_names
+from dalembert.units.dimensions import Dimension, dimension_of
 
 MAX_LENGTH = 2000
 MAX_DEPTH = 50

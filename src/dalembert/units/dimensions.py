@@ -10,9 +10,9 @@ import ast
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from dalembert.amounts import Amount
 from dalembert.errors import ExpressionError
-from dalembert.units import si_unit, unit
+from dalembert.units.amounts import Amount
+from dalembert.units.unit import si_unit, unit
 
 Dimension = Mapping[str, float] | None
 """Exponents of kg, m, s, …; None where it is not known."""

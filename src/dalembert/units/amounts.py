@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dalembert.errors import ExpressionError
-from dalembert.units import SYMBOL, UNIT, Unit, made_unit, unit
+from dalembert.units.unit import SYMBOL, UNIT, Unit, made_unit, unit
 
 NUMBER = r"(?<![\w.])(?>(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
 _AMOUNT = re.compile(rf"({NUMBER})\s*(?!(?:e|pi|t)\b)({UNIT})(?![\w(.\[])")

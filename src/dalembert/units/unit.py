@@ -18,7 +18,7 @@ from types import MappingProxyType
 from typing import Any
 
 from dalembert.errors import ExpressionError
-from dalembert.text import nearest
+from dalembert.text.wording import nearest
 
 NEWTON = {"kg": 1, "m": 1, "s": -2}
 COHERENT: dict[str, dict[str, int]] = {

@@ -6,7 +6,7 @@ import html
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from dalembert.text import visible
+from dalembert.text.wording import visible
 
 COLOURS = {"info": "#5a6774", "warning": "#8a5a00", "error": "#b3261e"}
 

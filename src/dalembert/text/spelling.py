@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
 from dalembert.errors import KeywordError
-from dalembert.text import listed, nearest
+from dalembert.text.wording import listed, nearest
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -1,0 +1,1 @@
+"""What people read: wording, the nearest name, cards of notebooks."""

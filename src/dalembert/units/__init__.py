@@ -1,0 +1,1 @@
+"""Numbers with units, their dimensions, and formulas in text."""
