@@ -6,12 +6,17 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
 
 from dalembert.cli.console import (
     DONE,
     FAILED,
     INTERRUPTED,
+    AsJson,
+    Quiet,
+    Settings,
     emit,
     tell,
     written,
@@ -29,22 +34,33 @@ Run = Callable[[bool], "Decision"]
 
 
 @dataclass(frozen=True)
+class Common:
+    """Options that all commands of decisions share."""
+
+    settings: Settings | None = None
+    quiet: Annotated[Quiet, Parameter(help="Do not show how far it is.")] = False
+    as_json: AsJson = False
+
+
+Options = Annotated[Common, Parameter(name="*")]
+PLAIN = Common()
+"""Where none of them is given."""
+
+
+@dataclass(frozen=True)
 class Asked:
     """What every command of a decision is given.
 
     Attributes
     ----------
     path : the model file
-    settings : values of ``--set``
     output : folder for the results; none are written without
-    quiet, as_json : what is told
+    options : ``--set``, and what is told
     """
 
     path: Path
-    settings: list[str] | None
     output: Path | None
-    quiet: bool
-    as_json: bool
+    options: Common
 
     def decide(
         self,
@@ -62,16 +78,18 @@ class Asked:
         assembled : whether the task is on the file's model
         write : writes what was found; by default data, numbers and page into ``output``
         """
-        file, model = loaded(self.path, self.settings) if assembled else (self._read(), None)
+        file, model = (
+            loaded(self.path, self.options.settings) if assembled else (self._read(), None)
+        )
         with wrong_input():
             run, first_view = read(file, model), self._first_view(file, model)
         folder = output_folder(self.output) if self.output and write is None else None
-        found = run(not (self.quiet or self.as_json))
+        found = run(not (self.options.quiet or self.options.as_json))
         files = [] if write is None else write(found)
         if folder is not None:
             files = found.write(folder / file.path.stem, **first_view)
         made = {"name": file.name, **found.summary(), "files": [str(f) for f in files]}
-        if self.as_json:
+        if self.options.as_json:
             emit(made)
         else:
             tell(f"{file.name}: {found.sentence}", "green" if found.ok else "red")
@@ -87,7 +105,7 @@ class Asked:
         with wrong_input():
             if is_deck(self.path):
                 raise FileError(f"{self.path}: is a deck; this command takes a model file")
-            return load_model_file(self.path).with_parameters(pairs(self.settings))
+            return load_model_file(self.path).with_parameters(pairs(self.options.settings))
 
     @staticmethod
     def _first_view(file: ModelFile, model: Any) -> dict[str, Any]:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import AsJson, Quiet, Settings, tell
-from dalembert.cli.decision import Asked, Run, iterations
+from dalembert.cli.console import tell
+from dalembert.cli.decision import PLAIN, Asked, Options, Run, iterations
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -20,9 +20,7 @@ def identify(
     *,
     data: Annotated[list[Path] | None, Parameter(negative=())] = None,
     output: Path | None = None,
-    settings: Settings | None = None,
-    quiet: Annotated[Quiet, Parameter(help="Do not print the iterations.")] = False,
-    as_json: AsJson = False,
+    options: Options = PLAIN,
 ) -> int:
     """Find the parameter values with which a model file explains measured time series.
 
@@ -48,7 +46,7 @@ def identify(
         check_files([experiment.data for experiment in asked["data"]])
         return lambda show: found_from(built, **asked, analysis=task, progress=iterations(show))
 
-    return Asked(model, settings, output, quiet, as_json).decide(read, _show)
+    return Asked(model, output, options).decide(read, _show)
 
 
 def _show(made: dict[str, Any]) -> None:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
-
-from dalembert.cli.console import AsJson, Quiet, Settings, tell
-from dalembert.cli.decision import Asked, Run, iterations
+from dalembert.cli.console import tell
+from dalembert.cli.decision import PLAIN, Asked, Options, Run, iterations
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -21,9 +19,7 @@ def invert(
     data: Path | None = None,
     smoothing: str | None = None,
     output: Path | None = None,
-    settings: Settings | None = None,
-    quiet: Annotated[Quiet, Parameter(help="Do not print the iterations.")] = False,
-    as_json: AsJson = False,
+    options: Options = PLAIN,
 ) -> int:
     """Find the forces and drives with which a model file explains measured motion.
 
@@ -53,7 +49,7 @@ def invert(
         check_files([asked["data"]])
         return lambda show: histories_of(built, **asked, analysis=task, progress=iterations(show))
 
-    return Asked(model, settings, output, quiet, as_json).decide(read, _show)
+    return Asked(model, output, options).decide(read, _show)
 
 
 def _show(made: dict[str, Any]) -> None:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import AsJson, Quiet, Settings, WrongInput, tell
-from dalembert.cli.decision import Asked, Run, iterations
+from dalembert.cli.console import WrongInput, tell
+from dalembert.cli.decision import PLAIN, Asked, Options, Run, iterations
 from dalembert.errors import ModelError
 
 if TYPE_CHECKING:
@@ -31,9 +31,7 @@ def optimize(
     beta: float | None = None,
     output: Path | None = None,
     history: Path | None = None,
-    settings: Settings | None = None,
-    quiet: Annotated[Quiet, Parameter(help="Do not print the iterations.")] = False,
-    as_json: AsJson = False,
+    options: Options = PLAIN,
 ) -> int:
     """Find the parameter values that make a response of a model file best.
 
@@ -76,7 +74,7 @@ def optimize(
         best_of = _search("beta" in design, history)
         return lambda show: best_of(built, **design, progress=iterations(show))
 
-    return Asked(model, settings, output, quiet, as_json).decide(read, _show)
+    return Asked(model, output, options).decide(read, _show)
 
 
 def _search(reliable: bool, history: Path | None) -> Callable[..., Any]:

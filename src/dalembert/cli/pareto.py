@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
-
-from dalembert.cli.console import AsJson, Quiet, Settings, tell
-from dalembert.cli.decision import Asked, Run
+from dalembert.cli.console import tell
+from dalembert.cli.decision import PLAIN, Asked, Options, Run
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -21,9 +19,7 @@ def pareto(
     points: int | None = None,
     method: str | None = None,
     output: Path | None = None,
-    settings: Settings | None = None,
-    quiet: Annotated[Quiet, Parameter(help="Do not show progress.")] = False,
-    as_json: AsJson = False,
+    options: Options = PLAIN,
 ) -> int:
     """Find the designs of a model file of which none is better in all aims.
 
@@ -50,7 +46,7 @@ def pareto(
         task = make_analysis(file, built)
         return lambda show: front_of(built, **front, analysis=task, progress=show)
 
-    return Asked(model, settings, output, quiet, as_json).decide(read, _show)
+    return Asked(model, output, options).decide(read, _show)
 
 
 def _show(made: dict[str, Any]) -> None:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from cyclopts import Parameter
 
-from dalembert.cli.console import AsJson, Quiet, Settings, tell, wrong_input
-from dalembert.cli.decision import Asked, Run
+from dalembert.cli.console import tell, wrong_input
+from dalembert.cli.decision import PLAIN, Asked, Options, Run
 from dalembert.cli.loading import loaded, output_folder
 
 if TYPE_CHECKING:
@@ -44,9 +43,7 @@ def sweep(
     workers: int = 0,
     scheduler: str | None = None,
     chunk: int | None = None,
-    settings: Settings | None = None,
-    quiet: Annotated[Quiet, Parameter(help="Do not show progress.")] = False,
-    as_json: AsJson = False,
+    options: Options = PLAIN,
 ) -> int:
     """Run the analysis of a model file at many designs and keep its responses.
 
@@ -66,7 +63,7 @@ def sweep(
         Designs that a worker is given at once.
     """
     folder = output or model.with_name(f"{model.stem}.study")
-    make = FileTask(model.resolve(), tuple(settings or ()))
+    make = FileTask(model.resolve(), tuple(options.settings or ()))
 
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.design.studies.sweep import run_study
@@ -80,7 +77,7 @@ def sweep(
     def write(found: Study) -> list[Path]:
         return [found.report(folder / "report.html")]
 
-    return Asked(model, settings, folder, quiet, as_json).decide(read, _show, write=write)
+    return Asked(model, folder, options).decide(read, _show, write=write)
 
 
 def _show(made: dict[str, Any]) -> None:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
-
-from dalembert.cli.console import AsJson, Quiet, Settings, tell
-from dalembert.cli.decision import Asked, Run
+from dalembert.cli.console import tell
+from dalembert.cli.decision import PLAIN, Asked, Options, Run
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -22,9 +20,7 @@ def synthesize(
     *,
     starts: int | None = None,
     output: Path | None = None,
-    settings: Settings | None = None,
-    quiet: Annotated[Quiet, Parameter(help="Do not show progress.")] = False,
-    as_json: AsJson = False,
+    options: Options = PLAIN,
 ) -> int:
     """Find linkages, or dimensions of the file's mechanism, for a path, a motion or a function.
 
@@ -53,7 +49,7 @@ def synthesize(
 
         return run
 
-    return Asked(file, settings, output, quiet, as_json).decide(read, _show, assembled=False)
+    return Asked(file, output, options).decide(read, _show, assembled=False)
 
 
 def _show(made: dict[str, Any]) -> None:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
-
-from dalembert.cli.console import AsJson, Quiet, Settings, tell
-from dalembert.cli.decision import Asked, Run
+from dalembert.cli.console import tell
+from dalembert.cli.decision import PLAIN, Asked, Options, Run
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -20,9 +18,7 @@ def tolerance(
     *,
     samples: int | None = None,
     output: Path | None = None,
-    settings: Settings | None = None,
-    quiet: Annotated[Quiet, Parameter(help="Do not show progress.")] = False,
-    as_json: AsJson = False,
+    options: Options = PLAIN,
 ) -> int:
     """Find how a response of a model file scatters within the tolerances of its dimensions.
 
@@ -55,7 +51,7 @@ def tolerance(
 
         return run
 
-    return Asked(model, settings, output, quiet, as_json).decide(read, _show)
+    return Asked(model, output, options).decide(read, _show)
 
 
 def _show(made: dict[str, Any]) -> None:

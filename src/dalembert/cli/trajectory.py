@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import Parameter
-
-from dalembert.cli.console import AsJson, Quiet, Settings, tell
-from dalembert.cli.decision import Asked, Run, iterations
+from dalembert.cli.console import tell
+from dalembert.cli.decision import PLAIN, Asked, Options, Run, iterations
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -20,9 +18,7 @@ def trajectory(
     *,
     minimize: str | None = None,
     output: Path | None = None,
-    settings: Settings | None = None,
-    quiet: Annotated[Quiet, Parameter(help="Do not print the iterations.")] = False,
-    as_json: AsJson = False,
+    options: Options = PLAIN,
 ) -> int:
     """Find the best motion of a model file, the controls that make it, and dimensions with them.
 
@@ -45,7 +41,7 @@ def trajectory(
         asked = make_trajectory(changed(file, "trajectory", {"minimize": minimize}), built)
         return lambda show: optimize_trajectory(built, **asked, progress=iterations(show))
 
-    return Asked(model, settings, output, quiet, as_json).decide(read, _show)
+    return Asked(model, output, options).decide(read, _show)
 
 
 def _show(made: dict[str, Any]) -> None:
