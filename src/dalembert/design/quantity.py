@@ -13,7 +13,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.spelling import spelled
+from dalembert.spelling import Spelled, spelled
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parser import parse_formula
 
@@ -158,7 +158,7 @@ def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Comb
 
 
 @dataclass(frozen=True, eq=False)
-class SumOfSquares(Quantity):
+class SumOfSquares(Spelled, Quantity):
     """``Σ ((r_i − target_i) / scale_i)²``; ``method="least-squares"`` uses its residuals.
 
     Parameters

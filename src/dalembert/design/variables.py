@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.spelling import Spelled
 from dalembert.symbolic.parameter import Parameter
 from dalembert.text import nearest
 
 
 @dataclass(frozen=True)
-class Integer:
+class Integer(Spelled):
     """A parameter that takes whole numbers within its bounds, as a number of teeth.
 
     Examples
@@ -48,7 +49,7 @@ class Integer:
 
 
 @dataclass(frozen=True)
-class Catalogue:
+class Catalogue(Spelled):
     """Sizes that can be bought: one parameter, or several that come together.
 
     Between two sizes the relaxed problem takes the others from the first parameter by a monotone

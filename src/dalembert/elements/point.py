@@ -9,6 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Vector
 from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.errors import ModelError
+from dalembert.spelling import Spelled
 from dalembert.symbolic.expression import Expression, as_expression, t
 
 AXES = "xyz"
@@ -27,7 +28,7 @@ class Carrier(Protocol):
         """Inertial components of a vector in its own frame."""
 
 
-class Point:
+class Point(Spelled):
     """A point fixed in a body, in the plane or in space.
 
     Parameters

@@ -11,6 +11,7 @@ from dalembert.model.checks import ValueChecks, check_membership, check_symbols
 from dalembert.model.description import Description
 from dalembert.model.held_nodes import Held, loads, supports
 from dalembert.model.model import Model
+from dalembert.spelling import Spelled
 from dalembert.structures.elastic_structure import ElasticStructure
 from dalembert.structures.mesh import Classes
 from dalembert.structures.structure import Structure
@@ -22,7 +23,7 @@ E = TypeVar("E", bound=Element)
 RESERVED = {"t", "u", "pi", "e", "ground", "system", "extension", "rate"}
 
 
-class System(Description):
+class System(Spelled, Description):
     """A mechanism under construction.
 
     Parameters

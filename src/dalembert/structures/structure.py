@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from dalembert.spelling import Spelled
 from dalembert.structures.description import StructureDescription
 from dalembert.structures.mesh import Classes, Mesh, add_mesh
 from dalembert.structures.model import StructuralModel
 
 
-class Structure(StructureDescription):
+class Structure(Spelled, StructureDescription):
     """A structure under construction: nodes, elements between them, supports and loads.
 
     Every number may be a formula of parameters.

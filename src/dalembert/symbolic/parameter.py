@@ -12,6 +12,7 @@ import numpy as np
 from dalembert.amounts import Amount, check_unit
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.grammar import amount_of
+from dalembert.spelling import Spelled
 from dalembert.symbolic.expression import Expression, refuse_unusable
 from dalembert.text import plain_text, unknown
 from dalembert.units import Unit, unit
@@ -20,7 +21,7 @@ Bounds = tuple[float | str | None, float | str | None] | None
 """Lower and upper, with None where a side is open."""
 
 
-class Parameter(Expression):
+class Parameter(Spelled, Expression):
     """A named number with unit, bounds and description.
 
     Parameters

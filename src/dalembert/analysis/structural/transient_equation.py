@@ -17,6 +17,7 @@ from dalembert.errors import ModelError, SingularityError, UnsupportedError
 from dalembert.integrators.newmark_rule import Moving
 from dalembert.sparse.factorise import indefinite_factors, symmetric_factors
 from dalembert.sparse.solver import Factors
+from dalembert.spelling import Spelled
 from dalembert.structures.configuration_load import ConfigurationLoad, Expansion
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.pattern import combined
@@ -25,7 +26,7 @@ from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
 
 
 @dataclass(frozen=True, eq=False)
-class Rayleigh:
+class Rayleigh(Spelled):
     """Proportional damping, ``C = α M + β K`` with the stiffness ``K`` at rest (Rayleigh 1877).
 
     A mode of angular frequency ``ω`` has the damping ratio ``(α/ω + β ω)/2``.

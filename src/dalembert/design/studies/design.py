@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.spelling import Spelled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,7 +21,7 @@ MOST = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class Design(Spelled):
     """Values of some parameters, one row per design.
 
     Attributes
