@@ -84,6 +84,12 @@ def test_a_missing_argument_is_told_before_others_are_looked_at():
         planar.Revolute("O", 3)
     with pytest.raises(KeywordError, match="Harmonic: missing frequency; needed: amplitude, freq"):
         da.Harmonic(1.0)
+    with pytest.raises(KeywordError, match="Parameter: missing value; needed: name, value"):
+        da.Parameter("a")
+    with pytest.raises(KeywordError, match=r"System: unknown keyword 'gravty' .did you mean 'grav"):
+        da.System("a", gravty=(0, -9.81))
+    with pytest.raises(KeywordError, match="tube: missing wall; needed: diameter, wall"):
+        da.structures.tube(0.1)
 
 
 @pytest.mark.parametrize(

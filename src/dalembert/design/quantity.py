@@ -15,7 +15,7 @@ from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.symbolic.expression import Expression
 from dalembert.symbolic.parser import parse_formula
-from dalembert.text.spelling import spelled
+from dalembert.text.spelling import Spelled, spelled
 
 
 class Quantity(ABC):
@@ -179,7 +179,7 @@ def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Comb
 
 
 @dataclass(frozen=True, eq=False)
-class SumOfSquares(Quantity):
+class SumOfSquares(Spelled, Quantity):
     """``Σ ((r_i − target_i) / scale_i)²``; ``method="least-squares"`` uses its residuals.
 
     Parameters

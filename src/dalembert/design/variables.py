@@ -11,12 +11,13 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.symbolic.parameter import Parameter
+from dalembert.text.spelling import Spelled
 from dalembert.text.wording import nearest
 from dalembert.units.measured import check_measured, measured
 
 
 @dataclass(frozen=True)
-class Integer:
+class Integer(Spelled):
     """A parameter that takes whole numbers within its bounds, as a number of teeth.
 
     Examples
@@ -49,7 +50,7 @@ class Integer:
 
 
 @dataclass(frozen=True)
-class Catalogue:
+class Catalogue(Spelled):
     """Sizes that can be bought: one parameter, or several that come together.
 
     Between two sizes the relaxed problem takes the others from the first parameter by a monotone

@@ -18,7 +18,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -27,7 +27,7 @@ from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, stack
-from dalembert.text.spelling import OfInit, spelled_fields
+from dalembert.text.spelling import Spelled
 
 Scalar = Any  # number or Expression
 Vector = Any  # two numbers or Expressions
@@ -85,14 +85,10 @@ class Look:
 
 
 @dataclass(eq=False)
-class Element:
+class Element(Spelled):
     """Anything with a name that can be added to a system."""
 
     name: str
-
-    if not TYPE_CHECKING:
-        __new__ = spelled_fields
-        __signature__ = OfInit()
 
     def __post_init__(self) -> None:
         self.check_name()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -13,18 +12,14 @@ from dalembert.elements.base import Rows, Scalar, option, quantity
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, as_sx
 from dalembert.symbolic.spline import CubicSpline
-from dalembert.text.spelling import OfInit, spelled_fields
+from dalembert.text.spelling import Spelled
 
 u = Expression(ca.SX.sym("u"), "u", "")
 """Curve parameter, for curves written as formulas."""
 
 
-class Curve:
+class Curve(Spelled):
     """Point ``c(u)`` of a curve in the frame of its body."""
-
-    if not TYPE_CHECKING:
-        __new__ = spelled_fields
-        __signature__ = OfInit()
 
     closed: bool
     dimension = 2

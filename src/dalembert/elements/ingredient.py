@@ -5,20 +5,16 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dalembert.elements.base import Condition
 from dalembert.symbolic.expression import Expression, as_expression
-from dalembert.text.spelling import OfInit, spelled_fields
+from dalembert.text.spelling import Spelled
 
 
 @dataclass(eq=False)
-class Ingredient:
+class Ingredient(Spelled):
     """Data of an element that has quantities like an element, and no name of its own."""
-
-    if not TYPE_CHECKING:
-        __new__ = spelled_fields
-        __signature__ = OfInit()
 
     def __post_init__(self) -> None:
         for field in self._quantity_fields():

@@ -10,6 +10,7 @@ from dalembert.elements.base import Vector
 from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.errors import ModelError
 from dalembert.symbolic.expression import Expression, as_expression, t
+from dalembert.text.spelling import Spelled
 
 AXES = "xyz"
 
@@ -27,7 +28,7 @@ class Carrier(Protocol):
         """Inertial components of a vector in its own frame."""
 
 
-class Point:
+class Point(Spelled):
     """A point fixed in a body, in the plane or in space.
 
     Parameters

@@ -13,6 +13,7 @@ from dalembert.elements.base import Condition
 from dalembert.errors import ModelError
 from dalembert.symbolic import rotation as turning
 from dalembert.symbolic.expression import Expression, as_expression, as_sx
+from dalembert.text.spelling import spelled
 
 __all__ = ["Orientation", "axis_angle", "bryant", "euler", "from_matrix", "identity"]
 
@@ -78,6 +79,7 @@ def identity() -> Orientation:
     return Orientation(ca.SX(list(turning.IDENTITY)))
 
 
+@spelled
 def axis_angle(axis, angle) -> Orientation:
     """Turn about an axis.
 
@@ -147,6 +149,7 @@ def _attitude(letters: list[str], angles: Sequence) -> list[Condition]:
     return [(apart - math.sin(NEAR), text, ca.asin(apart) * 180 / math.pi)]
 
 
+@spelled
 def bryant(x, y, z) -> Orientation:
     """Bryant (Cardan) angles: turns about the body's x, y and z axes, one after the other [rad].
 
@@ -170,6 +173,7 @@ def bryant(x, y, z) -> Orientation:
     return euler("xyz", x, y, z)
 
 
+@spelled
 def from_matrix(rows) -> Orientation:
     """By a rotation matrix, whose columns are the axes of the turned frame.
 

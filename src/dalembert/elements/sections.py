@@ -15,12 +15,13 @@ from typing import Any
 from dalembert.elements.base import Element
 from dalembert.errors import ModelError
 from dalembert.symbolic.functions import where
+from dalembert.text.spelling import Spelled, spelled
 
 Number = Any  # number or Expression
 
 
 @dataclass(frozen=True)
-class Section:
+class Section(Spelled):
     """A cross-section.
 
     Parameters
@@ -79,7 +80,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Material:
+class Material(Spelled):
     """An isotropic elastic material.
 
     Parameters
@@ -122,6 +123,7 @@ def _chosen(cls, known: dict[str, Number], needed: str, what: str) -> dict[str, 
     return {name: known[name] for name in fields if name in known}
 
 
+@spelled
 def rectangle(width: Number, height: Number) -> Section:
     """A solid rectangle.
 
@@ -145,6 +147,7 @@ def rectangle(width: Number, height: Number) -> Section:
     return Section(area, bend_y, bend_z, twist, 5 / 6 * area, 5 / 6 * area)
 
 
+@spelled
 def circle(diameter: Number) -> Section:
     """A solid circle.
 
@@ -164,6 +167,7 @@ def circle(diameter: Number) -> Section:
     return Section(area, bend, bend, 2 * bend, 0.9 * area, 0.9 * area)
 
 
+@spelled
 def tube(diameter: Number, wall: Number) -> Section:
     """A circular tube by its outer diameter and its wall; shear areas of a thin one.
 
@@ -184,6 +188,7 @@ def tube(diameter: Number, wall: Number) -> Section:
     return Section(area, bend, bend, 2 * bend, area / 2, area / 2)
 
 
+@spelled
 def i_section(width: Number, height: Number, flange: Number, web: Number) -> Section:
     """Two flanges across a web in the direction of the height.
 

@@ -17,12 +17,13 @@ from dalembert.structures.structure import Structure
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.interpolation import Interpolation
 from dalembert.symbolic.parameter import Bounds, Parameter, coherent
+from dalembert.text.spelling import Spelled
 
 E = TypeVar("E", bound=Element)
 RESERVED = {"t", "u", "pi", "e", "ground", "system", "extension", "rate"}
 
 
-class System(Description):
+class System(Spelled, Description):
     """A mechanism under construction.
 
     Parameters

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 from dalembert.structures.description import StructureDescription
 from dalembert.structures.mesh import Classes, Mesh, add_mesh
 from dalembert.structures.model import StructuralModel
+from dalembert.text.spelling import Spelled
 
 
-class Structure(StructureDescription):
+class Structure(Spelled, StructureDescription):
     """A structure under construction: nodes, elements between them, supports and loads.
 
     Every number may be a formula of parameters.

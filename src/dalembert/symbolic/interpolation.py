@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.symbolic.expression import Expression, as_expression
 from dalembert.symbolic.spline import CubicSpline, reached
-from dalembert.text.spelling import spelled
+from dalembert.text.spelling import Spelled, spelled
 from dalembert.text.wording import unknown
 from dalembert.units.amounts import check_unit
 from dalembert.units.unit import unit
@@ -25,7 +25,7 @@ SLACK = 1e-9
 """Share of its range by which a table may be left, as rounding does."""
 
 
-class Interpolation:
+class Interpolation(Spelled):
     """A function ``y(x)`` through the rows of a table, with exact derivatives.
 
     Call it with a number or an expression: ``gas(piston.x)``; in the text of a formula write

@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.symbolic.expression import Expression, refuse_unusable
+from dalembert.text.spelling import Spelled
 from dalembert.text.wording import plain_text, unknown
 from dalembert.units.amounts import Amount, check_unit
 from dalembert.units.grammar import amount_of
@@ -20,7 +21,7 @@ Bounds = tuple[float | str | None, float | str | None] | None
 """Lower and upper, with None where a side is open."""
 
 
-class Parameter(Expression):
+class Parameter(Spelled, Expression):
     """A named number with unit, bounds and description.
 
     Parameters

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import inspect
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from dalembert.errors import KeywordError
 from dalembert.text.wording import listed, nearest
@@ -52,16 +51,13 @@ def check_complete(
 
 
 def spelled_fields(cls: type, *given: Any, **named: Any) -> Any:
-    """A ``__new__`` of dataclasses that looks at arguments before ``__init__`` does.
+    """A ``__new__`` that looks at arguments before ``__init__`` does.
 
     Without any it is left to Python, for that is how objects are copied, too.
     """
     wanted = arguments_of(cls)
     if named:
-        known = [f.name for f in dataclasses.fields(cls) if f.init]
-        if not known or set(named) - set(known):
-            known = [one.name for one in wanted]  # of those that have their own
-        check_keywords(cls.__name__, named, known)
+        check_keywords(cls.__name__, named, [one.name for one in wanted])
     if given or named:
         check_complete(cls.__name__, wanted, len(given), named)
     return object.__new__(cls)
@@ -79,6 +75,15 @@ class OfInit:
     def __get__(self, made: Any, cls: Any) -> inspect.Signature:
         own = inspect.signature(cls.__init__)
         return own.replace(parameters=list(own.parameters.values())[1:])
+
+
+class Spelled:
+    """A class that tells what is missing, and the nearest keyword of a wrong one."""
+
+    __slots__ = ()
+    if not TYPE_CHECKING:
+        __new__ = spelled_fields
+        __signature__ = OfInit()
 
 
 def spelled(function: Callable[P, T]) -> Callable[P, T]:

@@ -22,10 +22,11 @@ from dalembert.structures.model import StructuralModel
 from dalembert.structures.pattern import combined
 from dalembert.symbolic.expression import as_expression, free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
+from dalembert.text.spelling import Spelled
 
 
 @dataclass(frozen=True, eq=False)
-class Rayleigh:
+class Rayleigh(Spelled):
     """Proportional damping, ``C = α M + β K`` with the stiffness ``K`` at rest (Rayleigh 1877).
 
     A mode of angular frequency ``ω`` has the damping ratio ``(α/ω + β ω)/2``.

@@ -15,12 +15,13 @@ from dalembert.responses.base import Response
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.spelling import Spelled
 
 if TYPE_CHECKING:
     from scipy.optimize import NonlinearConstraint
 
 
-class DesignFunctions:
+class DesignFunctions(Spelled):
     """``fun(x), jac(x)`` of the first response, ``values(x), jacobian(x)`` of all.
 
     One run serves all that is asked of a design. ``fun`` is infinite, and ``values`` are, where a

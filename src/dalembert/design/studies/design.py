@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ExpressionError
+from dalembert.text.spelling import Spelled
 from dalembert.units.measured import measured
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ MOST = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class Design(Spelled):
     """Values of some parameters, one row per design.
 
     Attributes

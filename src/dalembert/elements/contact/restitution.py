@@ -11,10 +11,12 @@ import math
 from collections.abc import Callable
 
 from dalembert.errors import ModelError
+from dalembert.text.spelling import spelled
 
 ROUNDING = 1e-15
 
 
+@spelled
 def achieved_restitution(factor: float) -> float:
     """The restitution ``e`` of an impact with the speed ``v₀`` that a factor ``d`` leads to.
 
@@ -46,6 +48,7 @@ def achieved_restitution(factor: float) -> float:
     return _root(lambda e: _imbalance(e, factor), 0.0, most)
 
 
+@spelled
 def damping_factor(restitution: float) -> float:
     """The factor ``d`` with which an impact of the speed ``v₀`` has this restitution.
 
