@@ -35,6 +35,7 @@ from dalembert.budget import STEP
 from dalembert.errors import AssemblyError, SingularityError
 from dalembert.integrators.changing_march import ChangingMarch
 from dalembert.integrators.march import SHORT_CHUNK
+from dalembert.integrators.schedule import told_halves
 from dalembert.integrators.steps import Crossing, Steps, Switch, Watch, standstill
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
@@ -133,11 +134,7 @@ class DynamicsRun:
         fed_back = a.stabilization.feedback or formulation.feedback
         found += self.forewarned
         found += self.contacts.doubts if self.contacts else []
-        if halved := self.halved(motion.record.steps):
-            found.append(
-                f"Newton's method failed in {halved} step{'s' if halved > 1 else ''}, taken in "
-                "halves instead; use a shorter step"
-            )
+        found += told_halves(self.halved(motion.record.steps))
         if motion.status.success:
             found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
         whole = motion.status.success or motion.status.outcome in REFUSED

@@ -131,7 +131,8 @@ class Recorder:
         number = self.count + 1 + np.arange(columns.shape[1])
         if self._whole.size:
             if self._whole.shape[1] <= number[-1]:  # steps were halved
-                more = np.empty((self.last.size, self._whole.shape[1] + columns.shape[1]))
+                room = max(columns.shape[1], self._whole.shape[1] // 4)
+                more = np.empty((self.last.size, room))
                 self._whole = np.asfortranarray(np.hstack([self._whole, more]))
             self._whole[:, number] = columns
             self.count, self.last = int(number[-1]), columns[:, -1].copy()

@@ -8,6 +8,13 @@ HALVINGS = 6
 """Times that a step is halved before the march ends."""
 
 
+def told_halves(count: int) -> list[str]:
+    """What a run is warned of that has halved steps so often."""
+    steps = f"{count} step{'s' if count > 1 else ''}"
+    text = f"Newton's method failed in {steps}, taken in halves instead; use a shorter step"
+    return [text] if count else []
+
+
 class Schedule:
     """Steps of length ``h`` from ``t``, in the order in which they are taken.
 

@@ -22,7 +22,9 @@ from dalembert.analysis.timeline import (
     step_count,
     uniform_grid,
 )
+from dalembert.integrators.checkpoints import Recorder
 from dalembert.integrators.newmark_rule import Moving
+from dalembert.integrators.schedule import Schedule, told_halves
 from dalembert.integrators.steps import Steps
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.results.structural.motion import StructuralMotion
@@ -68,32 +70,39 @@ class March:
         return sum(step.factorisations for step in self._steps.values())
 
     def run(self, times: np.ndarray, report: Callable[[float], None]) -> Status:
-        """Take the steps between the times; how it ended."""
-        n, count = self.equation.assembly.size, times.size - 1
-        x = np.zeros((4 * n, count + 1), order="F")
+        """Take the steps between the times; how it ended.
+
+        A step in which Newton's method fails is halved, and halved again.
+        """
         now = self.start.state()
-        x[:, 0] = np.concatenate(now)
+        recorder = Recorder(np.concatenate(now), steps=times.size - 1)
         lengths, taken = _lengths(times), 0
+        none = np.zeros(lengths.size, dtype=int)
+        ahead = Schedule(times[:-1], lengths, none > 0, none)
         ended: Status | None = None
         try:
-            for k, h in enumerate(lengths):
-                new = self.step(h).advance(now, float(times[k + 1]))
+            while taken < ahead.h.size:
+                t, h = float(ahead.t[taken]), float(ahead.h[taken])
+                end = float(np.append(ahead.t, times[-1])[taken + 1])
+                new = self.step(h).advance(now, end)
                 if new is None:
-                    ended = unsolved(float(times[k]), self.step(h).left, 0.0)
+                    if ahead.halve(taken):
+                        continue
+                    ended = unsolved(t, self.step(h).left, 0.0)
                     break
                 if not np.all(np.isfinite(new.a)):
-                    text = f"no finite state after t = {times[k]:.9g} s; use a shorter step"
+                    text = f"no finite state after t = {t:.9g} s; use a shorter step"
                     ended = Status(Outcome.DIVERGED, text)
                     break
-                now = self._short(new, k + 1)
-                x[:, k + 1] = np.concatenate(now)
-                taken = k + 1
-                report(taken / count)
+                taken += 1
+                now = self._short(new, taken)
+                recorder.add(np.array([t, end]), np.concatenate(now)[:, None])
+                report(taken / ahead.h.size)
         except KeyboardInterrupt:
-            ended = stopped(float(times[taken]), 0.0)
-        modes = np.zeros(count, dtype=int)
-        whole = Steps(times[:-1], lengths, x, modes.astype(bool), modes)
-        self.steps = whole if taken == count else whole.cut(taken)
+            ended = stopped(float(np.append(ahead.t, times[-1])[taken]), 0.0)
+        x = recorder.states(None)
+        whole = Steps(ahead.t, ahead.h, x, ahead.corrected, ahead.mode, ahead.halved)
+        self.steps = whole if taken == ahead.h.size else whole.cut(taken)
         end, residual = self.steps.end, self._residual(float(lengths[0]))
         return replace(ended or reached(end, 0.0), time=end, residual=residual)
 
@@ -175,10 +184,13 @@ class TransientRun:
         with progress_reporter(progress, f"integrating {model.name}") as report:
             status = march.run(times, report)
         timing.lap("integration")
+        if requested is None and march.steps.rejected:
+            requested = times
         placed, branches = outputs_of(march.steps, requested)
         statistics = {
             "displacements": march.equation.assembly.size,
             "steps": march.steps.count,
+            "rejected steps": march.steps.rejected,
             "iterations": march.iterations,
             "factorisations": march.factorisations,
             "build time [s]": round(model.build_time, 6),
@@ -186,6 +198,7 @@ class TransientRun:
         motion = motion_at(march, a, placed, branches, status, statistics)
         timing.lap("outputs")
         motion.statistics |= timing.statistics
+        motion.warnings = told_halves(march.steps.rejected)
         return motion
 
 
