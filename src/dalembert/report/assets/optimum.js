@@ -19,7 +19,7 @@ function optimumRow(one, unit, priced) {
   return el("tr", { class: one.active ? "active" : "" },
     el("th", { scope: "row" }, String(one.name), one.active ? el("i", { class: "at", title: `at its ${one.active} bound` }, one.active === "lower" ? " ▼" : " ▲") : null),
     el("td", { class: "right was" }, tidy(one.start)), el("td", { class: "right" }, tidy(one.value)),
-    el("td", { class: "unit" }, one.unit || "–"), el("td", {}, designBar(one)), priced ? el("td", { class: "unit" }, price) : null);
+    el("td", { class: "unit" }, one.unit ? raised(one.unit) : "–"), el("td", {}, designBar(one)), priced ? el("td", { class: "unit" }, price) : null);
 }
 
 // Where the first and the best value lie between the bounds; one open side is told in words.

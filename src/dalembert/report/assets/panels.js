@@ -41,7 +41,7 @@ function parameterPanel(parameters) {
     el("tbody", {}, rows.map((p) => el("tr", {},
       el("th", { scope: "row" }, String(p.name ?? "")),
       el("td", { class: "right" }, number(p.value, 6).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "")),
-      el("td", { class: "unit" }, unitOf(p) === "1" ? "–" : unitOf(p)),
+      el("td", { class: "unit" }, unitOf(p) === "1" ? "–" : raised(unitOf(p))),
       el("td", {}, rangeBar(p)),
       el("td", { class: "wide" }, String(p.description ?? ""))))))));
 }
@@ -71,5 +71,5 @@ function valuePanel(motion) {
     [...groups].map(([group, members]) => el("tbody", {},
       el("tr", { class: "group" }, el("th", { colspan: "3", scope: "colgroup" }, group)),
       members.map((s) => el("tr", {}, el("th", { scope: "row" }, s.name),
-        el("td", { class: "right" }, number(motion.n ? s.values[0] : NaN, 6)), el("td", { class: "unit" }, s.unit === "1" ? "–" : s.unit))))))));
+        el("td", { class: "right" }, number(motion.n ? s.values[0] : NaN, 6)), el("td", { class: "unit" }, s.unit === "1" ? "–" : raised(s.unit)))))))));
 }

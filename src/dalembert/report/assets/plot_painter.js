@@ -42,7 +42,7 @@ class PlotPainter {
       const decimals = decimalsOf(marks.step / 10 ** power);
       const texts = marks.values.map((v) => fixed(v / 10 ** power, decimals));
       const room = Math.max(...texts.map((t) => ctx.measureText(t).width), 0) + 10;
-      const name = (power ? `10${superscript(power)} ` : "") + (unit === "1" ? "" : unit);
+      const name = (power ? `10${superscript(power)} ` : "") + (unit === "1" ? "" : raised(unit));
       return { unit, lo, hi, marks: marks.values, texts, room, name };
     });
     this.wants = { left: Math.max(44, (axes[0]?.room || 0) + 20), right: axes[1] ? Math.max(44, axes[1].room + 20) : 14 };

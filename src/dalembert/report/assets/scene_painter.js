@@ -257,7 +257,7 @@ class ScenePainter extends SceneCamera {
   // The value of a load beside the head of its arrow, where there is room for all of them.
   readLoad(kind, value, [x, y], [u, v]) {
     const length = Math.hypot(u, v) || 1, count = LOADS[kind].reaction ? this.loaded.length : this.motion.symbols.length;
-    if (!this.show.labels || count > READABLE || !(value > 1e-9 * this.greatest[kind])) return;
+    if (!this.show.labels || count > READABLE || !(value > 1e-5 * this.greatest[kind])) return;
     this.ctx.font = `600 11px ${Theme.font}`;
     const wide = this.ctx.measureText(loadText(kind, value)).width / 2 + 6;
     const at = [x + u + (u / length) * (wide + 4), y + v + (v / length) * 12];

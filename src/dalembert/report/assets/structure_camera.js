@@ -31,8 +31,8 @@ class StructureCamera {
     const boxes = both.map((p) => this.box(p));
     const [[x0, x1], [y0, y1]] = [0, 1].map((axis) => [Math.min(...boxes.map((b) => b[axis][0])), Math.max(...boxes.map((b) => b[axis][1]))]);
     const { clientWidth: w, clientHeight: h } = this.canvas;
-    const room = Math.min(110, (w < 700 ? 0.12 : 0.2) * Math.min(w, h));
-    const side = w < 700 && this.beside ? this.beside.offsetWidth : 0;  // of the colours
+    const room = Math.min(110, (w < 760 ? 0.12 : 0.2) * Math.min(w, h));
+    const side = w < 760 && this.beside ? this.beside.offsetWidth : 0;  // of the colours
     const s = Math.min((w - side - 2 * room) / Math.max(x1 - x0, 1e-12), (h - 2 * room) / Math.max(y1 - y0, 1e-12));
     const factor = s > 0 && Number.isFinite(s) ? s : 1;
     this.view = { s: factor, x: (x0 + x1) / 2 - side / 2 / factor, y: (y0 + y1) / 2 };

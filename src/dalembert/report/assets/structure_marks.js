@@ -81,7 +81,9 @@ class StructureMarks extends StructurePainter {
     }
     for (const run of runsOf(texts)) {
       const [text, x, y] = run[run.length >> 1];
-      this.write(ctx, run.length > 1 ? `${run.length} × ${text}` : text, x, y, Theme.force);
+      const told = run.length > 1 ? `${run.length} × ${text}` : text;
+      ctx.font = `600 11.5px ${Theme.font}`;
+      this.write(ctx, told, Math.min(x, (ctx.w ?? this.canvas.clientWidth) - ctx.measureText(told).width - 6), y, Theme.force);
     }
   }
 
@@ -128,11 +130,11 @@ class StructureMarks extends StructurePainter {
   }
 }
 
-// Equal texts so near to the one before that they would stand on each other, together.
+// Equal texts so near to each other that they would stand on one another, together.
 function runsOf(texts) {
   const runs = [];
-  for (const one of texts) {
-    const near = runs.find((run) => run[0][0] === one[0] && Math.hypot(run.at(-1)[1] - one[1], run.at(-1)[2] - one[2]) < 30);
+  for (const one of texts.toSorted((a, b) => a[2] - b[2] || a[1] - b[1])) {
+    const near = runs.find((run) => run[0][0] === one[0] && run.some((other) => Math.hypot(other[1] - one[1], other[2] - one[2]) < 30));
     if (near) near.push(one); else runs.push([one]);
   }
   return runs;

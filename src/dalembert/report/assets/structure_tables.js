@@ -1,6 +1,7 @@
 // Tables of a structure's displacements and reactions, sorted by a click on a heading.
 
 const SHOWN_ROWS = 200;
+const ON_PAPER = 30;  // as the style of the page says
 
 // Columns of one unit share a prefix, so that their numbers compare: mm, kN.
 function prefixes(columns, rows) {
@@ -20,8 +21,9 @@ class SortedTable {
     this.body = el("tbody", {});
     this.head = el("tr", {});
     this.note = el("p", { class: "caption note" });
+    this.paper = el("p", { class: "caption on-paper" });
     this.node = el("div", {}, el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": title },
-      el("table", { class: "figures" }, el("thead", {}, this.head), this.body)), this.note);
+      el("table", { class: "figures" }, el("thead", {}, this.head), this.body)), this.note, this.paper);
     this.units = new Map();
     this.headings();
   }
@@ -70,6 +72,7 @@ class SortedTable {
     const more = rows.length - shown.length;
     this.note.textContent = more > 0 ? `${SHOWN_ROWS} of ${rows.length} rows; sort by a column to see its largest values` : "";
     this.note.hidden = more <= 0;
+    this.paper.textContent = rows.length > ON_PAPER ? `The first ${ON_PAPER} of ${rows.length} rows, in the order chosen on the page` : "";
   }
 }
 

@@ -82,7 +82,9 @@ function metres(x) {
 
 const degrees = (a) => `${number((a * 360) / TAU, 4)}°`;
 const unitOf = (item) => (item.unit === undefined || item.unit === null || item.unit === "" ? "1" : String(item.unit));
-const withUnit = (text, unit) => (unit && unit !== "1" ? `${text} ${unit}` : text);
+// m² for m^2.
+const raised = (unit) => String(unit).replace(/\^(-?\d+)/g, (_, power) => superscript(+power));
+const withUnit = (text, unit) => (unit && unit !== "1" ? `${text} ${raised(unit)}` : text);
 
 const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 // t = 0 gives a, t = 1 gives b.
