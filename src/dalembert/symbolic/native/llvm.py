@@ -18,7 +18,7 @@ from dalembert.symbolic.native.loop import ENTRY, PIECES, SIGNATURE
 from dalembert.symbolic.native.real import LIBRARY
 from dalembert.symbolic.native.toolchain import Call, NotTranslated, Toolchain
 
-VERSION = 4
+VERSION = 5
 """Raised when the same text makes other instructions."""
 OPTIMISED = 1
 """Level of code generation; none changes how a number is rounded."""

@@ -2,7 +2,8 @@
 
 Equal elements of a model leave equal sequences of operations. The body is cut where a hash of the
 last few operations says so (content-defined chunking, Muthitacharoen et al. 2001): equal sequences
-are cut at equal places, wherever they stand. Pieces that always follow each other are joined.
+are cut at equal places, wherever they stand. Pieces that almost always follow each other are
+joined.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ ONE_IN, LEAST, MOST = 8, 20, 200
 """A cut after one in so many windows, and the least and most operations of a piece at first."""
 TOGETHER = 0.9
 """Share of their occurrences from which two pieces that follow each other are joined."""
+OFTEN = 8
+"""Occurrences of two together from which it is enough that one is hardly ever without the other."""
 OUTSIDE = 1 << 40
 """From here on references count what comes from other pieces."""
 
@@ -130,8 +133,10 @@ class Pieces:
         _, which, pairs = np.unique(
             labels[:-1] * self.count + labels[1:], return_inverse=True, return_counts=True
         )
-        often = np.maximum(count[labels[:-1]], count[labels[1:]])
-        linked = [False, *(pairs[which] >= TOGETHER * often)]
+        first, second, pair = count[labels[:-1]], count[labels[1:]], pairs[which]
+        always = pair >= TOGETHER * np.maximum(first, second)
+        one_always = (pair >= TOGETHER * np.minimum(first, second)) & (pair >= OFTEN)
+        linked = [False, *(always | one_always)]
         cuts, seen, size = list[int](), set[int](), 0
         for k, (label, length) in enumerate(zip(labels.tolist(), lengths.tolist(), strict=True)):
             if not linked[k] or label in seen:  # a period begins anew
