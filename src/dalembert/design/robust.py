@@ -37,6 +37,14 @@ class Robust(Quantity):
     deviations : how many are added; less than zero for what is to be large
     correlation : as of ``reliability``
     name : label
+    runs : the response in the runs of a design, put in where one is judged
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> aim = da.robust(da.final("end.ux"), {"load": da.Normal(1e5, 1e4)}, deviations=2)
+    >>> isinstance(aim, da.Robust), aim.deviations
+    (True, 2)
     """
 
     response: Response
@@ -119,5 +127,22 @@ def robust(
     deviations : how many are added; less than zero for what is to be large
     correlation : pair of names → linear correlation, or the whole matrix
     name : label
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("rod")
+    >>> load = rod.parameter("load", 1e5, "N")
+    >>> area = rod.parameter("area", 1e-3, "m^2", bounds=(1e-4, 1e-2))
+    >>> top, end = rod.node("top", 0), rod.node("end", 2)
+    >>> part = rod.add(structures.Truss("rod", top, end, area=area, modulus=2e11, density=7850))
+    >>> rod.support(top)
+    >>> rod.load(end, fx=load)
+    >>> stress = da.robust(da.final("rod.stress"), {"load": da.Normal(1e5, 1e4)})
+    >>> task = dict(subject_to=[da.Limit(stress, upper=2e8)], analysis=da.Statics())
+    >>> best = da.optimize(rod.build(), minimize=da.final("mass"), **task)
+    >>> round(best.x["area"] * 1e4, 6)  # (µ + 3 σ)/strength [cm²]
+    6.5
     """
     return Robust(response, random, deviations, correlation, name)

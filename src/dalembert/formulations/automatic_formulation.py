@@ -30,6 +30,19 @@ class AutomaticFormulation(Formulation):
     Counted are accelerations and corrections. Those whose accelerations at the start are
     inaccurate, by an independent solution of (5.7), are out; where all are, it is ``Kkt`` if that
     is better. Implicit integrators, which do the elimination themselves, get ``RangeSpace``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("pendulum", gravity=(0, -9.81))
+    >>> bob = system.add(planar.Bar("bob", length=1.0, mass=1.0))
+    >>> pin = system.add(planar.Revolute("pin", system.ground, bob.start))
+    >>> motion = da.solve_dynamics(
+    ...     system.build(), 0.1, step=0.01, formulation=da.AutomaticFormulation()
+    ... )
+    >>> motion.statistics["formulation"]
+    'RangeSpace'
     """
 
     def chosen(self, merits: Callable[[Formulation], Merits], implicit: bool) -> Formulation:

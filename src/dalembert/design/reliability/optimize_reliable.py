@@ -74,6 +74,24 @@ def optimize_reliable(
     ------
     AnalysisError
         No limits or nothing random, or a run fails at the start.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("rod")
+    >>> load = rod.parameter("load", 1e5, "N")
+    >>> area = rod.parameter("area", 1e-3, "m^2", bounds=(1e-4, 1e-2))
+    >>> top, end = rod.node("top", 0), rod.node("end", 2)
+    >>> part = rod.add(structures.Truss("rod", top, end, area=area, modulus=2e11, density=7850))
+    >>> rod.support(top)
+    >>> rod.load(end, fx=load)
+    >>> strong = da.Limit(da.final("rod.stress"), upper=2e8)
+    >>> random = {"load": da.Normal(1e5, 1e4)}
+    >>> task = dict(subject_to=[strong], random=random, analysis=da.Statics(), beta=3)
+    >>> best = da.optimize_reliable(rod.build(), da.final("mass"), **task)
+    >>> round(best.x["area"] * 1e4, 6)  # (µ + 3 σ)/strength [cm²]
+    6.5
     """
     if not (np.isfinite(beta) and beta > 0):
         raise AnalysisError(f"beta is {beta!r}; give an index above zero, such as 3")

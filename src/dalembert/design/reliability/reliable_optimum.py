@@ -62,6 +62,25 @@ class ReliableOptimum(Decision):
     rounds : designs on the way
     settled : whether design and worst points no longer move
     runs : of the model, of all rounds, the searches for worst points among them
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> rod = da.Structure("rod")
+    >>> load = rod.parameter("load", 1e5, "N")
+    >>> area = rod.parameter("area", 1e-3, "m^2", bounds=(1e-4, 1e-2))
+    >>> top, end = rod.node("top", 0), rod.node("end", 2)
+    >>> part = rod.add(structures.Truss("rod", top, end, area=area, modulus=2e11, density=7850))
+    >>> rod.support(top)
+    >>> rod.load(end, fx=load)
+    >>> stiff = da.Limit(da.final("end.ux"), upper=1e-3)
+    >>> task = dict(subject_to=[stiff], random={"load": da.Normal(1e5, 2e4)})
+    >>> best = da.optimize_reliable(rod.build(), da.final("mass"), **task, analysis=da.Statics())
+    >>> isinstance(best, da.ReliableOptimum), best.settled
+    (True, True)
+    >>> round(best.x["area"] * 1e4, 6)  # (µ + 3 σ) ℓ/(E u) [cm²]
+    16.0
     """
 
     word = "optimum"

@@ -30,6 +30,21 @@ class MultipleShooting(TrajectoryMethod):
     steps : in each interval, an even number; eight or more where the integrator is of order two
         or less, or parabolas of the control that it sees otherwise than the objective pay
     formulation, stabilization, integrator : of the steps, as in ``Dynamics``; of fixed steps
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("cart")
+    >>> push = system.parameter("push", 0.0, "N", bounds=(-4, 4))
+    >>> cart = system.add(planar.Particle("cart", mass=1.0))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, cart.center))
+    >>> force = system.add(planar.Force("force", cart.center, (push, 0)))
+    >>> task = dict(controls=["push"], duration=(0.5, 3), end={"cart.x": 1, "cart.vx": 0})
+    >>> shots = da.MultipleShooting(intervals=8)
+    >>> best = da.optimize_trajectory(system.build(), da.final("time"), **task, method=shots)
+    >>> round(best.duration, 6), best.deviation < 1e-9  # 2 √(m x/F); a run takes the same steps
+    (1.0, True)
     """
 
     spoken = "multiple shooting"
