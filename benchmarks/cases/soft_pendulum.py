@@ -111,9 +111,12 @@ def exudyn(elements: int, steps: int, kind: str) -> tuple[float, np.ndarray]:
 
 
 def measure(effort: Effort) -> Iterator[Row]:
-    """Everyone with meshes that suit them; errors are those of mesh and steps together."""
+    """Everyone with meshes that suit them; errors are those of mesh and steps together.
+
+    Four elements end 2e-5 from the reference and six 3e-5, whatever the steps; eight 7e-6.
+    """
     ours_runs = {
-        ours.NAMES[b]: (lambda steps, b=b: beam(4 if steps < 2000 else 6, steps, b))
+        ours.NAMES[b]: (lambda steps, b=b: beam(4 if steps < 2000 else 8, steps, b))
         for b in effort.backends
     }
     contestants = [Contestant(name, run, 250) for name, run in ours_runs.items()]

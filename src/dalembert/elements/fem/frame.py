@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import casadi as ca
+import numpy as np
 
 from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.beams import Bending, linear_kinetic
@@ -99,10 +100,11 @@ class Frame(Line):
     def end_turns(cls, u: list[ca.SX], x: list[ca.SX]) -> tuple[ca.SX, ca.SX]:
         """Rotations of the ends less that of the chord."""
         along, across = cls.chord_turn(u, x)
+        chord = ca.atan2(across, along)
 
         def against_chord(turn: ca.SX) -> ca.SX:  # small, whatever number of times both went round
-            c, s = ca.cos(turn), ca.sin(turn)
-            return ca.atan2(s * along - c * across, c * along + s * across)
+            more = turn - chord
+            return more - 2 * np.pi * ca.floor(more / (2 * np.pi) + 0.5)
 
         return against_chord(u[0][2]), against_chord(u[1][2])
 

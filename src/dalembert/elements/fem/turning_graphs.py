@@ -48,16 +48,20 @@ class TurningGraphs(ElementGraphs):
         """Displacements, speeds, accelerations and numbers; efforts on speeds, Ω, that on Ω.
 
         ``p = Q M Qᵀ w`` with the rotation ``Q`` of the axes, so that ``ṗ = Ω × p + Q M Qᵀ ẇ'`` with
-        the change ``ẇ' = ẇ − Ω × w`` that is seen in them.
+        the change ``ẇ' = ẇ − Ω × w`` that is seen in them. All is computed in these axes.
         """
         a, spin = ca.SX.sym("a", self.v.numel()), self._own_spin
-        speeds, accelerations = self._vectors(self.v), self._vectors(a)
+        axes = self._inertia_axes
+        seen, speeds, accelerations = (
+            ca.mtimes(axes.T, x) for x in (spin, self._vectors(self.v), self._vectors(a))
+        )
         momenta = self._momenta(speeds)
-        efforts = self._momenta(accelerations - _across(spin, speeds)) + _across(spin, momenta)
+        efforts = self._momenta(accelerations - _across(seen, speeds)) + _across(seen, momenta)
         pairs = zip(ca.horzsplit(speeds), ca.horzsplit(momenta), strict=True)
         turning = ca.horzcat(*(_across(w, p) for w, p in pairs))
         efforts[:, 1::2] = efforts[:, 1::2] - turning[:, 1::2]  # of spins
-        return [self.u, self.v, a, self.data], [self._column(efforts), spin, ca.sum2(turning)]
+        effort, couple = (ca.mtimes(axes, x) for x in (efforts, ca.sum2(turning)))
+        return [self.u, self.v, a, self.data], [self._column(effort), spin, couple]
 
     @cached_property
     def _inertia_axes(self) -> ca.SX:
@@ -67,11 +71,9 @@ class TurningGraphs(ElementGraphs):
         return self.own_axes if self.dimension == 3 else ca.diagcat(self.own_axes, 1)
 
     def _momenta(self, speeds: ca.SX) -> ca.SX:
-        """Of speeds, by columns."""
+        """Of speeds, by columns in the axes of its inertia."""
         energy = ca.SX(self.cls.kinetic_seen(self._v, self._x, self._q))
-        seen = self._column(ca.mtimes(self._inertia_axes.T, speeds))
-        pushed = ca.mtimes(ca.hessian(energy, self.v)[0], seen)
-        return ca.mtimes(self._inertia_axes, self._vectors(pushed))
+        return self._vectors(ca.mtimes(ca.hessian(energy, self.v)[0], self._column(speeds)))
 
     @cached_property
     def _own_spin(self) -> ca.SX:
