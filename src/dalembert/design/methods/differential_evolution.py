@@ -33,7 +33,7 @@ class DifferentialEvolution(Optimizer):
     >>> end = model.node("end", 0)
     >>> part = model.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
     >>> waves = da.final("a**2/20 - cos(3*a)")  # a valley every third of a turn
-    >>> search = da.DifferentialEvolution(population=10, generations=10)
+    >>> search = da.DifferentialEvolution(population=8, generations=8)
     >>> best = da.optimize(model.build(), waves, analysis=da.Statics(), method=search)
     >>> round(best.x["a"], 3) + 0.0, round(best.fun, 6)
     (0.0, -1.0)
