@@ -63,6 +63,21 @@ MECHANICAL = (
     da.rms("spring.force", name="spring"),
 )
 STATIC = (da.final("b.uy"), da.final("ab.force"), da.final("a.fx"))
+
+
+def rubbing():
+    """A block that a spring holds back slides over a floor, which it touches all the time."""
+    system = da.System("block", gravity=(0.0, -9.81))
+    friction, stiffness = system.parameter("friction", 0.2), system.parameter("k", 3.0, "N/m")
+    start = {"position": (0.0, 0.1 - 1e-7), "velocity": (2.0, 0.0), "angle": 0.0}
+    block = system.add(planar.Body("block", mass=1.0, inertia=1e9, **start))
+    floor = [(system.ground.point(0.0, 0.0), (0.0, 1.0))]
+    system.add(planar.Collisions("floor", [(block, 0.1)], floor, friction=friction))
+    system.add(planar.Force("spring", block.center, (-stiffness * block.x, 0.0)))
+    scheme = da.MoreauJean(projection=False)
+    return da.solve_nonsmooth(system.build(), 0.4, step=0.01, integrator=scheme)
+
+
 RESULTS = {
     "statics": (lambda: da.solve_statics(cable()), STATIC),
     "nonlinear statics": (lambda: da.solve_statics(cable(), nonlinear=True), STATIC),
@@ -88,6 +103,7 @@ RESULTS = {
         MECHANICAL,
     ),
     "sundials": (lambda: dynamics(integrator=da.Cvodes()), MECHANICAL[:1]),
+    "many contacts": (lambda: rubbing(), (da.final("block.x"), da.rms("block.vx"))),
     "modes": (lambda: da.linearize(propped_bar()), (da.final("frequency", name="f"),)),
     "vibration": (lambda: da.solve_modes(cable(), 2), (da.at(1, "frequency"),)),
     "buckling": (lambda: da.solve_buckling(cable(), 1), (da.at(1, "load_factor"),)),
