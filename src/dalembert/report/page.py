@@ -109,7 +109,7 @@ def render_page(payload: dict[str, Any]) -> str:
         raise FileError(f"there is no page for {kind!r}; known: {', '.join(SCRIPTS)}")
     parts = {
         "title": html.escape(title),
-        "style": _asset("page.css"),
+        "style": _asset("page.css") + _asset("views.css"),
         "data": _embed(payload),
         "script": "\n".join(_script(name) for name in SCRIPTS[kind]),
     }
