@@ -88,14 +88,14 @@ def test_time_is_told_where_it_comes_to_rest(show) -> None:
     found = show(four_bar())
     found.js("dalembert.player.play()")
     found.until("dalembert.player.time > 0.05")
-    assert found.js("document.querySelector('#spoken').textContent") in ("", "0.000 s")
+    assert found.js("document.querySelector('#spoken').textContent") in ("", "0.0000 s")
     found.js("dalembert.player.pause()")
     found.until(
         "document.querySelector('#spoken').textContent === "
         "document.querySelector('#clock').textContent"
     )
     found.page.keyboard.press("ArrowRight")
-    found.until("document.querySelector('#spoken').textContent !== '0.000 s'")
+    found.until("document.querySelector('#spoken').textContent !== '0.0000 s'")
     assert found.js("document.querySelector('#spoken').getAttribute('role')") == "status"
 
 

@@ -109,9 +109,9 @@ def render_page(payload: dict[str, Any]) -> str:
         raise FileError(f"there is no page for {kind!r}; known: {', '.join(SCRIPTS)}")
     parts = {
         "title": html.escape(title),
-        "style": _asset("page.css"),
+        "style": _asset("page.css") + _asset("views.css"),
         "data": _embed(payload),
-        "script": "\n".join(_asset(name) for name in SCRIPTS[kind]),
+        "script": "\n".join(_script(name) for name in SCRIPTS[kind]),
     }
     # One pass over the template: what is put in is not looked at again.
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], _asset("template.html"))
@@ -127,6 +127,14 @@ def write_page(payload: dict[str, Any], path: str | os.PathLike[str]) -> Path:
 
 def _asset(name: str) -> str:
     return (resources.files(__package__) / "assets" / name).read_text(encoding="utf-8")
+
+
+def _script(name: str) -> str:
+    """A script, without the lines that are for who works on it."""
+    text = _asset(name)
+    return (
+        text if name.startswith("vendor/") else re.sub(r"^ *// .*\n", "", text, flags=re.MULTILINE)
+    )
 
 
 def _embed(payload: dict[str, Any]) -> str:
