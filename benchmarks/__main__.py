@@ -25,7 +25,7 @@ from benchmarks.machine import facts
 from benchmarks.sample import Row
 from benchmarks.solvers.ours import fastest
 from benchmarks.table import markdown, update
-from dalembert.symbolic.backends import BACKENDS
+from dalembert.symbolic.evaluation.backends import BACKENDS
 
 ROOT = Path(__file__).parents[1]
 

@@ -20,8 +20,8 @@ import numpy as np
 import dalembert as da
 from benchmarks.mechanisms import four_bars
 from benchmarks.solvers import ours
-from dalembert.symbolic.backends import BACKENDS
-from dalembert.symbolic.lanes import LaneColumns
+from dalembert.symbolic.evaluation.backends import BACKENDS
+from dalembert.symbolic.evaluation.lanes import LaneColumns
 from dalembert.symbolic.native.llvm import lane_count
 
 STEPS = 200

@@ -29,7 +29,7 @@ from dalembert.elements.registry import (
     SHAPES,
     SPATIAL,
 )
-from dalembert.io import decision_tables
+from dalembert.io.decisions import tables as decision_tables
 from dalembert.io.strategies import (
     ANALYSES,
     COORDINATES,

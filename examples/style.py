@@ -5,9 +5,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from dalembert.results.outlines import outline
-from dalembert.results.picture import Picture, pose_of
-from dalembert.results.scene import motion_scene
+from dalembert.results.pictures.outlines import outline
+from dalembert.results.pictures.picture import Picture, pose_of
+from dalembert.results.pictures.scene import motion_scene
 
 BLUE, ORANGE, GREEN, PINK, YELLOW, SKY = COLOURS = (
     "#0072b2",

@@ -103,7 +103,7 @@ def test_commands_import_what_they_need():
         "matplotlib",
         "scipy.optimize",
         "scipy.spatial",
-        "dalembert.design.problem",
+        "dalembert.design.optimize.problem",
     )
     with TemporaryDirectory() as folder:
         example = str(Path(__file__).parents[1] / "examples" / "four_bar.toml")
@@ -114,7 +114,8 @@ def test_commands_import_what_they_need():
 
 def test_public_names():
     """Each is there whatever was imported before, and packages do not hide functions."""
-    for before in ("dalembert", "dalembert.sensitivity.gradient", "dalembert.design.optimization"):
+    optimization = "dalembert.design.optimize.optimization"
+    for before in ("dalembert", "dalembert.sensitivity.gradient", optimization):
         code = f"import dalembert, {before}; print(callable(dalembert.sensitivity))"
         assert run(code) == "True", before
     code = "import dalembert as da; print(set(da.__all__) - set(dir(da)), da.structures.__name__)"

@@ -12,9 +12,9 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from dalembert.cli import main
 from dalembert.errors import DalembertError
 from dalembert.io import load_model_file
-from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.functions import FORMULA_FUNCTIONS
-from dalembert.symbolic.parser import parse_formula
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.functions import FORMULA_FUNCTIONS
+from dalembert.symbolic.formulas.parser import parse_formula
 
 GOOD = """\
 format = 1

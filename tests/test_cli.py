@@ -15,8 +15,8 @@ import xarray as xr
 
 from dalembert.cli import main
 from dalembert.cli.app import COMMANDS
-from dalembert.design.problem import DesignProblem
-from dalembert.integrators.march import FixedMarch
+from dalembert.design.optimize.problem import DesignProblem
+from dalembert.integrators.marching.march import FixedMarch
 from dalembert.sensitivity.methods import Adjoint
 
 FOUR_BAR = Path(__file__).parents[1] / "examples" / "four_bar.toml"

@@ -13,7 +13,7 @@ import pytest
 import dalembert as da
 from dalembert import planar
 from dalembert.cli import main
-from dalembert.results.influence import by_influence, relative_influence
+from dalembert.results.pictures.influence import by_influence, relative_influence
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 NUMBERS = ("derivative", "relative", "parameter_value", "response_value")

@@ -17,8 +17,8 @@ from scipy.integrate import solve_ivp
 import dalembert as da
 from dalembert import planar
 from dalembert.cli import main
+from dalembert.io.decisions.tasks import check_tasks
 from dalembert.io.model_file import load_model_file
-from dalembert.io.tasks import check_tasks
 from dalembert.results.comparison.table import cells, notes
 
 mpl.use("Agg")

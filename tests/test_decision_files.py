@@ -13,11 +13,11 @@ import dalembert as da
 from dalembert.cli import main
 from dalembert.cli.app import EXAMPLES
 from dalembert.cli.pareto import _show as show_front
-from dalembert.design.front import Front
 from dalembert.design.identification.misfit import Misfit
-from dalembert.design.problem import DesignProblem
+from dalembert.design.optimize.problem import DesignProblem
+from dalembert.design.pareto.front import Front
 from dalembert.design.synthesis.problem import Polish
-from dalembert.io.designs import make_design
+from dalembert.io.decisions.designs import make_design
 from dalembert.io.model_file import load_model_file
 
 LOAD, MODULUS, LENGTH, DENSITY = 1e5, 2e11, 2.0, 7850.0

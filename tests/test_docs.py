@@ -22,7 +22,7 @@ from dalembert.cli import main
 from dalembert.cli.app import COMMANDS
 from dalembert.elements import registry
 from dalembert.io import load_model_file
-from dalembert.io.tasks import check_tasks
+from dalembert.io.decisions.tasks import check_tasks
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

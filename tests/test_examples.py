@@ -20,10 +20,10 @@ from scipy.optimize import minimize
 
 import dalembert as da
 from dalembert.io.analyses import make_analysis
-from dalembert.io.designs import make_design
+from dalembert.io.decisions.designs import make_design
+from dalembert.io.decisions.responses import make_responses
+from dalembert.io.decisions.tasks import report_choices
 from dalembert.io.model_file import load_model_file
-from dalembert.io.responses import make_responses
-from dalembert.io.tasks import report_choices
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 EVERY = {p.stem: 'kind = "structure"' in p.read_text("utf-8") for p in EXAMPLES.glob("*.toml")}

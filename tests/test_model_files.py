@@ -22,10 +22,10 @@ from dalembert.elements.registry import (
 )
 from dalembert.io import load, load_model_file
 from dalembert.io.analyses import make_analysis
-from dalembert.io.designs import make_design
-from dalembert.io.responses import make_responses
+from dalembert.io.decisions.designs import make_design
+from dalembert.io.decisions.responses import make_responses
+from dalembert.io.decisions.tasks import make_gradient
 from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES
-from dalembert.io.tasks import make_gradient
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 

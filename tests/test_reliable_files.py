@@ -103,7 +103,7 @@ def test_no_history_of_a_search_in_rounds(tmp_path, capsys):
 
 
 def test_interrupted(tmp_path, capsys, monkeypatch):
-    from dalembert.design.problem import DesignProblem
+    from dalembert.design.optimize.problem import DesignProblem
 
     honest, calls = DesignProblem._run, []
 

@@ -16,8 +16,8 @@ from dalembert.cli import main
 from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.io import load_model_file
 from dalembert.io.analyses import make_analysis
+from dalembert.io.decisions.tasks import check_tasks, make_responses
 from dalembert.io.strategies import RESPONSES, STRUCTURAL_ANALYSES
-from dalembert.io.tasks import check_tasks, make_responses
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 

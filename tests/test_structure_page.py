@@ -14,8 +14,8 @@ import dalembert as da
 from dalembert import structures
 from dalembert.report.compared import compared
 from dalembert.report.page import write_page
-from dalembert.results.film import write_film
-from dalembert.results.store import report_of
+from dalembert.results.files.store import report_of
+from dalembert.results.pictures.film import write_film
 from dalembert.results.structural import payload as payload_module
 
 

@@ -11,8 +11,8 @@ from test_decision_files import run, written
 import dalembert as da
 from dalembert.cli import main
 from dalembert.design.trajectory.ipopt import Programme
+from dalembert.io.decisions.trajectories import make_trajectory
 from dalembert.io.model_file import load_model_file
-from dalembert.io.trajectories import make_trajectory
 
 BLOCK = """
 format = 1

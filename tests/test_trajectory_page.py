@@ -10,10 +10,10 @@ from test_trajectory_files import BLOCK
 
 import dalembert as da
 from dalembert.io.analyses import make_analysis
-from dalembert.io.designs import make_design
+from dalembert.io.decisions.designs import make_design
+from dalembert.io.decisions.synthesis import make_synthesis
+from dalembert.io.decisions.trajectories import make_trajectory
 from dalembert.io.model_file import load_model_file
-from dalembert.io.synthesis import make_synthesis
-from dalembert.io.trajectories import make_trajectory
 
 
 def drawn(page, decision) -> None:

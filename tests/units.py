@@ -22,7 +22,7 @@ from dalembert.elements.frame import Frame
 from dalembert.elements.ingredient import Ingredient
 from dalembert.elements.laws.base import Law
 from dalembert.elements.springs import SpringDamper
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 DIMENSIONS = {
     "": (0, 0, 0),

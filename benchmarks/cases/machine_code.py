@@ -15,7 +15,7 @@ from benchmarks import mechanisms
 from benchmarks.cases.base import Case, Effort
 from benchmarks.sample import Row, Sample
 from benchmarks.solvers import ours
-from dalembert.symbolic.columns import NativeColumns, compiled_form
+from dalembert.symbolic.evaluation.columns import NativeColumns, compiled_form
 from dalembert.symbolic.native.llvm import Llvm
 from dalembert.symbolic.native.source import c_source
 

@@ -10,7 +10,7 @@ import dalembert as da
 from benchmarks.mechanism import GROUND, Joint, Mechanism
 from benchmarks.solvers.base import Contestant, Run
 from dalembert import planar, spatial
-from dalembert.symbolic.backends import BACKENDS
+from dalembert.symbolic.evaluation.backends import BACKENDS
 from dalembert.symbolic.native.c_compiler import find_compiler
 
 COMPILABLE = 100

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 
 import dalembert
-from dalembert.symbolic.parser import FUNCTIONS
+from dalembert.symbolic.formulas.parser import FUNCTIONS
 from reference.markdown import table
 
 NAMED = {

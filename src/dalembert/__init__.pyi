@@ -6,26 +6,29 @@ Editors and type checkers read this file; ``__init__.py`` imports a name when it
 from dalembert import structures as structures
 from dalembert.analysis.assembly import solve_assembly as solve_assembly
 from dalembert.analysis.comparison.compare import compare as compare
-from dalembert.analysis.dynamics import Dynamics as Dynamics
-from dalembert.analysis.equilibrium import (
+from dalembert.analysis.dynamics.dynamics import Dynamics as Dynamics
+from dalembert.analysis.dynamics.solve import solve_dynamics as solve_dynamics
+from dalembert.analysis.equilibrium.equilibrium import (
     Equilibrium as Equilibrium,
     solve_equilibrium as solve_equilibrium,
 )
+from dalembert.analysis.equilibrium.linearization import (
+    Linearization as Linearization,
+    linearize as linearize,
+)
 from dalembert.analysis.events import Event as Event
-from dalembert.analysis.inverse_dynamics import (
+from dalembert.analysis.kinematics.inverse_dynamics import (
     InverseDynamics as InverseDynamics,
     solve_inverse_dynamics as solve_inverse_dynamics,
 )
-from dalembert.analysis.kinematics import (
+from dalembert.analysis.kinematics.kinematics import (
     Kinematics as Kinematics,
     solve_kinematics as solve_kinematics,
 )
-from dalembert.analysis.linearization import Linearization as Linearization, linearize as linearize
 from dalembert.analysis.nonsmooth.nonsmooth import (
     Nonsmooth as Nonsmooth,
     solve_nonsmooth as solve_nonsmooth,
 )
-from dalembert.analysis.solve_dynamics import solve_dynamics as solve_dynamics
 from dalembert.analysis.structural.buckling import (
     Buckling as Buckling,
     solve_buckling as solve_buckling,
@@ -47,7 +50,6 @@ from dalembert.design.case import Case as Case
 from dalembert.design.ecosystem.functions import DesignFunctions as DesignFunctions
 from dalembert.design.ecosystem.openmdao_component import openmdao_component as openmdao_component
 from dalembert.design.ecosystem.pymoo_problem import pymoo_problem as pymoo_problem
-from dalembert.design.front import Front as Front
 from dalembert.design.identification.experiment import Experiment as Experiment
 from dalembert.design.identification.identified import Identification as Identification
 from dalembert.design.identification.identify import identify as identify
@@ -68,9 +70,10 @@ from dalembert.design.methods.multistart import Multistart as Multistart
 from dalembert.design.methods.nlopt_ccsa import Ccsaq as Ccsaq
 from dalembert.design.methods.slsqp import Slsqp as Slsqp
 from dalembert.design.methods.trust_constr import TrustConstr as TrustConstr
-from dalembert.design.optimization import optimize as optimize
-from dalembert.design.optimum import Optimum as Optimum
-from dalembert.design.pareto import pareto as pareto
+from dalembert.design.optimize.optimization import optimize as optimize
+from dalembert.design.optimize.optimum import Optimum as Optimum
+from dalembert.design.pareto.front import Front as Front
+from dalembert.design.pareto.pareto import pareto as pareto
 from dalembert.design.quantity import SumOfSquares as SumOfSquares, combined as combined
 from dalembert.design.reliability.distributions import (
     Gumbel as Gumbel,
@@ -120,8 +123,8 @@ from dalembert.design.synthesis.synthesize_mechanism import (
     synthesize_mechanism as synthesize_mechanism,
 )
 from dalembert.design.synthesis.target import Target as Target
-from dalembert.design.tolerance import tolerance as tolerance
-from dalembert.design.toleranced import Toleranced as Toleranced
+from dalembert.design.tolerance.tolerance import tolerance as tolerance
+from dalembert.design.tolerance.toleranced import Toleranced as Toleranced
 from dalembert.design.trajectory.collocation import DirectCollocation as DirectCollocation
 from dalembert.design.trajectory.control import Control as Control
 from dalembert.design.trajectory.optimal import OptimalTrajectory as OptimalTrajectory
@@ -184,16 +187,18 @@ from dalembert.integrators.backward_euler import (
     BackwardEuler as BackwardEuler,
     Trapezoidal as Trapezoidal,
 )
-from dalembert.integrators.bdf import Bdf as Bdf
+from dalembert.integrators.bdf.bdf import Bdf as Bdf
 from dalembert.integrators.contact.contact_solver import ContactSolver as ContactSolver
 from dalembert.integrators.contact.schemes import (
     AnticipatedImpacts as AnticipatedImpacts,
     MoreauJean as MoreauJean,
 )
-from dalembert.integrators.generalized_alpha import HHT as HHT, GeneralizedAlpha as GeneralizedAlpha
-from dalembert.integrators.newmark import Newmark as Newmark
-from dalembert.integrators.radau import Radau as Radau
-from dalembert.integrators.runge_kutta import (
+from dalembert.integrators.newmark.family import Newmark as Newmark
+from dalembert.integrators.newmark.generalized_alpha import (
+    HHT as HHT,
+    GeneralizedAlpha as GeneralizedAlpha,
+)
+from dalembert.integrators.runge_kutta.explicit import (
     RK4 as RK4,
     DormandPrince as DormandPrince,
     DormandPrince853 as DormandPrince853,
@@ -201,13 +206,14 @@ from dalembert.integrators.runge_kutta import (
     Heun as Heun,
     RKGill as RKGill,
 )
-from dalembert.integrators.sundials import Cvodes as Cvodes, Ida as Ida
+from dalembert.integrators.runge_kutta.radau import Radau as Radau
+from dalembert.integrators.sundials.sundials import Cvodes as Cvodes, Ida as Ida
 from dalembert.io.model_file import load_model as load_model
 from dalembert.model.automatic_coordinates import AutomaticCoordinates as AutomaticCoordinates
 from dalembert.model.coordinates import AbsoluteCoordinates as AbsoluteCoordinates
-from dalembert.model.joint_coordinates import JointCoordinates as JointCoordinates
 from dalembert.model.model import Model as Model
 from dalembert.model.system import System as System
+from dalembert.model.tree.joint_coordinates import JointCoordinates as JointCoordinates
 from dalembert.responses.base import Response as Response
 from dalembert.responses.evaluation import evaluate as evaluate
 from dalembert.responses.events import (
@@ -232,13 +238,13 @@ from dalembert.responses.integrals import (
     total as total,
 )
 from dalembert.responses.values import At as At, Final as Final, at as at, final as final
-from dalembert.results.batch import Batch as Batch
+from dalembert.results.batch.batch import Batch as Batch
 from dalembert.results.comparison.result import Comparison as Comparison
+from dalembert.results.files.open_mechanism import assembly_report as assembly_report
+from dalembert.results.files.store import load_results as load_results
 from dalembert.results.motion import Motion as Motion
-from dalembert.results.open_mechanism import assembly_report as assembly_report
+from dalembert.results.pictures.tornado import tornado as tornado
 from dalembert.results.status import Outcome as Outcome, Status as Status
-from dalembert.results.store import load_results as load_results
-from dalembert.results.tornado import tornado as tornado
 from dalembert.sensitivity.checks.certificate import Certificate as Certificate
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference as FiniteDifference
 from dalembert.sensitivity.checks.step_study import StepStudy as StepStudy, step_study as step_study
@@ -249,8 +255,8 @@ from dalembert.sensitivity.structural.eigenvalue_slopes import (
     eigenvalue_slopes as eigenvalue_slopes,
 )
 from dalembert.structures.structure import Structure as Structure
-from dalembert.symbolic.expression import Expression as Expression, t as t
-from dalembert.symbolic.functions import (
+from dalembert.symbolic.formulas.expression import Expression as Expression, t as t
+from dalembert.symbolic.formulas.functions import (
     absolute as absolute,
     acos as acos,
     asin as asin,
@@ -271,8 +277,8 @@ from dalembert.symbolic.functions import (
     tanh as tanh,
     where as where,
 )
-from dalembert.symbolic.interpolation import Interpolation as Interpolation, table as table
+from dalembert.symbolic.formulas.interpolation import Interpolation as Interpolation, table as table
+from dalembert.symbolic.formulas.parameter import Parameter as Parameter
 from dalembert.symbolic.native.code_cache import clear_cache as clear_cache
-from dalembert.symbolic.parameter import Parameter as Parameter
 
 __version__: str

@@ -7,7 +7,7 @@ from test_joint_coordinates import mechanism
 from test_short_corrections import ladder
 
 import dalembert as da
-from dalembert.analysis.merits import merits_of
+from dalembert.analysis.dynamics.merits import merits_of
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.automatic_formulation import CANDIDATES, LONG
 from dalembert.formulations.base import Merits

@@ -11,15 +11,15 @@ from scipy.integrate import solve_ivp
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.dynamics import Dynamics
-from dalembert.integrators.adaptive import AdaptiveMarch
+from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.integrators.base import Problem
-from dalembert.integrators.bdf_control import Accuracy
-from dalembert.integrators.bdf_step import BdfStep
-from dalembert.integrators.march import FixedMarch
-from dalembert.integrators.steps import Watch
-from dalembert.symbolic.implicit import ImplicitFunction
-from dalembert.symbolic.semi_explicit import SemiExplicit
+from dalembert.integrators.bdf.control import Accuracy
+from dalembert.integrators.bdf.step import BdfStep
+from dalembert.integrators.marching.adaptive import AdaptiveMarch
+from dalembert.integrators.marching.march import FixedMarch
+from dalembert.integrators.marching.steps import Watch
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 FORMS = {
     "index 1": da.RangeSpace(),

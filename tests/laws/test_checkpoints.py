@@ -7,7 +7,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.integrators.checkpoints import EVERY, Checkpoints
+from dalembert.integrators.marching.checkpoints import EVERY, Checkpoints
 
 RESPONSES = [
     da.final("rocker.angle"),

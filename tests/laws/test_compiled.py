@@ -16,8 +16,8 @@ import pytest
 import dalembert as da
 from dalembert import planar
 from dalembert.errors import SolverFailure
-from dalembert.symbolic import backends, switching
-from dalembert.symbolic.columns import NativeColumns, VirtualColumns
+from dalembert.symbolic.evaluation import backends, switching
+from dalembert.symbolic.evaluation.columns import NativeColumns, VirtualColumns
 from dalembert.symbolic.native import c_compiler, code_cache, llvm, source, translation
 from dalembert.symbolic.native.c_compiler import Compiler
 from dalembert.symbolic.native.llvm import Llvm

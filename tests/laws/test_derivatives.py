@@ -7,7 +7,7 @@ import pytest
 from registry import CASES, COMBINED, FORMULATIONS, definite, model_of
 from spatial_registry import SPATIAL_CASES, any_model_of
 
-from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.dynamics.dynamics import Dynamics
 
 STEP = 0.01
 

@@ -5,9 +5,9 @@ from hypothesis import given, settings, strategies as st
 
 import dalembert as da
 from dalembert import planar
+from dalembert.io.decisions.tasks import check_tasks
 from dalembert.io.model_file import load_model_file
-from dalembert.io.tasks import check_tasks
-from dalembert.symbolic.parser import parse_formula
+from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.units.amounts import Amount
 from dalembert.units.grammar import Grammar
 from dalembert.units.unit import unit

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from dalembert.formulations.orthogonal import HouseholderBasis
-from dalembert.symbolic.factor import QrFactor
+from dalembert.symbolic.equations.factor import QrFactor
 
 POWERS = pytest.mark.parametrize("power", [20, 80, 154, 158, 161, 163, 200])
 

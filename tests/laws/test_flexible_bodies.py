@@ -9,8 +9,8 @@ from flexible_bodies import KINDS, beam, block, flexible
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.results.picture import pose_of
-from dalembert.results.scene import motion_scene
+from dalembert.results.pictures.picture import pose_of
+from dalembert.results.pictures.scene import motion_scene
 from dalembert.structures.reduction.rigid import node_places
 
 SPACES = pytest.mark.parametrize("dimension", [2, 3])

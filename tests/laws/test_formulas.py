@@ -11,9 +11,9 @@ import pytest
 from hypothesis import assume, given, settings, strategies as st
 
 from dalembert.errors import ExpressionError, UnknownNameError
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.symbolic.once import MOST, once
-from dalembert.symbolic.parser import parse_formula
 
 X, Y = Expression(ca.SX.sym("x")), Expression(ca.SX.sym("y"))
 NAMES = {"x": X, "y": Y, "body.x": Y}

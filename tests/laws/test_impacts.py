@@ -11,7 +11,7 @@ from rigid_contacts import PARAMETERS, ball, spun, thrown
 import dalembert as da
 from dalembert import planar
 from dalembert.errors import AnalysisError, ExpressionError, ModelError, UnsupportedError
-from dalembert.integrators.checkpoints import Checkpoints
+from dalembert.integrators.marching.checkpoints import Checkpoints
 from dalembert.sensitivity.checks.certificate import certify
 
 CHOICES = {

@@ -11,8 +11,8 @@ from test_stabilization import OUTPUTS, chain, exact
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.dynamics import Dynamics
-from dalembert.integrators.runge_kutta import ExplicitRungeKutta
+from dalembert.analysis.dynamics.dynamics import Dynamics
+from dalembert.integrators.runge_kutta.explicit import ExplicitRungeKutta
 
 FORMS = {
     "index 3": da.Dae(),

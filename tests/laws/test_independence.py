@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from dalembert.model.independence import columns_of, free_columns, independent_rows, rows_of
+from dalembert.model.assembly.independence import (
+    columns_of,
+    free_columns,
+    independent_rows,
+    rows_of,
+)
 
 
 def matrix(seed: int) -> np.ndarray:

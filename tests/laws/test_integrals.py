@@ -9,7 +9,7 @@ from test_bdf import chain
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.dynamics.dynamics import Dynamics
 
 SPEED, SPIN = "lower.angular_velocity", da.integral("lower.angular_velocity", name="turned")
 ANGLE = da.final("lower.angle")

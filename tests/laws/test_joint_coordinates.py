@@ -16,12 +16,12 @@ from test_random_mechanisms import tree as random_tree
 import dalembert as da
 from dalembert import planar
 from dalembert.elements.planar.joint import TreeJoint
+from dalembert.io.decisions.tasks import make_analysis
 from dalembert.io.model_file import load_model_file
-from dalembert.io.tasks import make_analysis
-from dalembert.model.joint_coordinates import JointCoordinates
-from dalembert.model.joint_view import JointView
-from dalembert.model.planar_link import planar_link
-from dalembert.model.spanning_tree import Edge, spanning_tree
+from dalembert.model.tree.joint_coordinates import JointCoordinates
+from dalembert.model.tree.joint_view import JointView
+from dalembert.model.tree.planar_link import planar_link
+from dalembert.model.tree.spanning_tree import Edge, spanning_tree
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MECHANISMS = ("four_bar", "slider_crank", "quick_return_shaper", "n_four_bar", "sliding_pendulum")

@@ -191,8 +191,8 @@ def test_no_verb_takes_untyped_options():
                 ):
                     assert "Unpack" in str(one.annotation), name
     for path in (
-        "analysis/solve_dynamics.py",
-        "analysis/equilibrium.py",
+        "analysis/dynamics/solve.py",
+        "analysis/equilibrium/equilibrium.py",
     ):  # typed by their overloads
         tree = ast.parse((Path(da.__file__).parent / path).read_text(encoding="utf-8"))
         for node in ast.walk(tree):

@@ -10,8 +10,8 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.symbolic.backends import VirtualMachine
-from dalembert.symbolic.lanes import LaneColumns
+from dalembert.symbolic.evaluation.backends import VirtualMachine
+from dalembert.symbolic.evaluation.lanes import LaneColumns
 from dalembert.symbolic.native import llvm
 from dalembert.symbolic.native.llvm import lane_count
 

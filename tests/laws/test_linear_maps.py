@@ -4,8 +4,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from dalembert.symbolic.implicit import ImplicitFunction
-from dalembert.symbolic.prelude import before
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.evaluation.prelude import before
 
 T, X, P = ca.SX.sym("t"), ca.SX.sym("x", 3), ca.SX.sym("p", 2)
 WEIGHT = ca.sin(P[0]) * P[1]

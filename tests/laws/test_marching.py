@@ -8,9 +8,9 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.integrators.adaptive import ATTEMPTS, AdaptiveMarch
 from dalembert.integrators.base import Attempt
-from dalembert.integrators.steps import Watch
+from dalembert.integrators.marching.adaptive import ATTEMPTS, AdaptiveMarch
+from dalembert.integrators.marching.steps import Watch
 
 
 @pytest.mark.parametrize("steps", [3, ATTEMPTS, ATTEMPTS + 5])

@@ -7,7 +7,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, structures
-from dalembert.integrators.newmark_rule import Moving, StepRule
+from dalembert.integrators.newmark.rule import Moving, StepRule
 
 FAMILY = [da.Newmark(), da.Newmark(beta=1 / 6), da.HHT(alpha=0.2), da.GeneralizedAlpha(rho_inf=0.6)]
 IDS = ["average", "linear", "HHT", "generalised-alpha"]

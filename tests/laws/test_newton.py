@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dalembert.symbolic.newton import Ending, Equations, NewtonSettings, Residual, solve
+from dalembert.symbolic.equations.newton import Ending, Equations, NewtonSettings, Residual, solve
 
 TIGHT = NewtonSettings(tolerance=1e-14, max_iterations=30)
 FACTORS = [1e-9, 1e-3, 1e6, 1e9]

@@ -127,7 +127,7 @@ def sledge() -> da.Model:
     plane = system.ground.frame()
     system.add(da.planar.UserConstraint("height", body.z))
     axes = body.rotation.sx
-    from dalembert.symbolic.expression import Expression
+    from dalembert.symbolic.formulas.expression import Expression
 
     system.add(da.planar.UserConstraint("tilt_x", Expression(axes[2]), unit="rad"))
     system.add(da.planar.UserConstraint("tilt_y", Expression(axes[5]), unit="rad"))

@@ -10,7 +10,7 @@ from registry import CONSTRAINED, definite, model_of
 import dalembert as da
 from dalembert.formulations.null_space import LARGEST_SVD
 from dalembert.formulations.partition import largest_volume
-from dalembert.symbolic.null_space import NullSpaceBasis
+from dalembert.symbolic.equations.null_space import NullSpaceBasis
 
 BASES = ("partitioning", "qr", "gram-schmidt", "svd")
 ORTHONORMAL = ("qr", "gram-schmidt", "svd")

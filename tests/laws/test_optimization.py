@@ -9,7 +9,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.design import problem
+from dalembert.design.optimize import problem
 
 
 def test_every_iteration_is_recorded_whether_or_not_it_improves():

@@ -169,7 +169,7 @@ def test_several_analyses_and_a_chain():
         return (pull + 5000.0) / w**2
 
     assert stress_at(best.x["w"]) == pytest.approx(20e6, rel=1e-6)
-    from dalembert.design.optimization import design_problem
+    from dalembert.design.optimize.optimization import design_problem
 
     problem = design_problem(None, None, [stress], ["w"])
     at = problem.evaluate(np.array([0.03]))

@@ -10,9 +10,9 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.symbolic import backends
-from dalembert.symbolic.columns import NativeColumns, VirtualColumns
-from dalembert.symbolic.lanes import SideBySide
+from dalembert.symbolic.evaluation import backends
+from dalembert.symbolic.evaluation.columns import NativeColumns, VirtualColumns
+from dalembert.symbolic.evaluation.lanes import SideBySide
 from dalembert.symbolic.native import code_cache, source, straight_line, translation
 from dalembert.symbolic.native.llvm import Llvm
 from dalembert.symbolic.native.loop import ENTRY

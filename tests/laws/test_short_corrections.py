@@ -7,7 +7,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.symbolic.lanes import LaneColumns
+from dalembert.symbolic.evaluation.lanes import LaneColumns
 
 STEP = 1e-3
 

@@ -13,7 +13,7 @@ from spatial_trees import SpatialTree
 import dalembert as da
 from dalembert import spatial
 from dalembert.elements.spatial.inertia_tensor import tensor
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 LINKS = 4
 IN_LOOPS = ["Revolute", "Cylindrical", "Universal", "Spherical", "Screw", "Prismatic", "Planar"]

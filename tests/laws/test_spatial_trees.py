@@ -11,7 +11,7 @@ from test_joint_coordinates import accelerations, assert_same
 import dalembert as da
 from dalembert import spatial
 from dalembert.elements.spatial.tree_joint import TreeJoint
-from dalembert.model.joint_coordinates import JointCoordinates
+from dalembert.model.tree.joint_coordinates import JointCoordinates
 
 REACTIONS = ("augmented", "projected")
 

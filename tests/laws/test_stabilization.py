@@ -10,7 +10,7 @@ from registry import CONSTRAINED, INTEGRATORS, STABILIZATIONS, model_of
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.integrators.runge_kutta import ExplicitRungeKutta
+from dalembert.integrators.runge_kutta.explicit import ExplicitRungeKutta
 
 ORDERS = {
     "Euler": (0.8, 1.2),

@@ -10,7 +10,7 @@ from test_stabilization import OUTPUTS, chain, exact
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.dynamics.dynamics import Dynamics
 
 CASES = {
     "Cvodes": (da.Cvodes, da.RangeSpace()),

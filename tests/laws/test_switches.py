@@ -11,9 +11,9 @@ from scipy.integrate import solve_ivp
 
 import dalembert as da
 from dalembert import planar
-from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.functions import maximum, minimum, sign, where
-from dalembert.symbolic.switches import hold
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.functions import maximum, minimum, sign, where
+from dalembert.symbolic.formulas.switches import hold
 
 INTEGRATORS = {
     "Dormand-Prince": (da.DormandPrince, da.RangeSpace()),

@@ -17,8 +17,8 @@ from scipy.optimize import brentq
 
 import dalembert as da
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.runge_kutta import ExplicitRungeKutta
-from dalembert.integrators.tableau import ButcherTableau
+from dalembert.integrators.runge_kutta.explicit import ExplicitRungeKutta
+from dalembert.integrators.runge_kutta.tableau import ButcherTableau
 
 METHODS: dict[str, ExplicitRungeKutta] = {
     kind.__name__: kind()

@@ -9,9 +9,9 @@ import dalembert as da
 from dalembert import planar
 from dalembert.io.analyses import make_analysis
 from dalembert.io.model_file import load_model_file
-from dalembert.symbolic.backends import BACKENDS
-from dalembert.symbolic.columns import VirtualColumns, instructions
-from dalembert.symbolic.lanes import LaneColumns
+from dalembert.symbolic.evaluation.backends import BACKENDS
+from dalembert.symbolic.evaluation.columns import VirtualColumns, instructions
+from dalembert.symbolic.evaluation.lanes import LaneColumns
 from dalembert.symbolic.native.llvm import SHORT
 
 RNG = np.random.default_rng(5)

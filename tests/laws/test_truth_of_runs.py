@@ -9,7 +9,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.energy_balance import EnergyBalance
+from dalembert.analysis.dynamics.energy_balance import EnergyBalance
 from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.formulations.levels import Level
 from dalembert.results.status import Outcome

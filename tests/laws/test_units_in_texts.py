@@ -14,7 +14,7 @@ from dalembert.elements.registry import SPACES
 from dalembert.io.analyses import make_analysis
 from dalembert.io.model_file import load_model_file
 from dalembert.results.labelled import DATA_ONLY
-from dalembert.symbolic.parser import parse_formula
+from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.units.amounts import Amount
 from dalembert.units.grammar import amount_of
 from dalembert.units.unit import unit

@@ -10,7 +10,7 @@ from test_joint_coordinates import accelerations
 
 import dalembert as da
 from dalembert import spatial
-from dalembert.model.kinematic_tree import links_of
+from dalembert.model.tree.kinematic_tree import links_of
 
 pin = pytest.importorskip("pinocchio", exc_type=ImportError)
 

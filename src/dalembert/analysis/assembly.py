@@ -9,8 +9,8 @@ from typing import Literal, overload
 import numpy as np
 
 from dalembert.analysis.served import need_mechanism
-from dalembert.model.assembled_state import AssembledState
-from dalembert.model.assemblies import Assemblies
+from dalembert.model.assembly.assembled_state import AssembledState
+from dalembert.model.assembly.assemblies import Assemblies
 from dalembert.model.model import Model
 from dalembert.text.spelling import spelled
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.options import options
-from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.newton import Equations, NewtonSettings, Residual, solve
+from dalembert.symbolic.equations.newton import Equations, NewtonSettings, Residual, solve
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import plain_text
 
 T = TypeVar("T")

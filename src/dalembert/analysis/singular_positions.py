@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.driver import Driver
-from dalembert.integrators.steps import Steps
+from dalembert.integrators.marching.steps import Steps
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from dalembert.analysis.served import need_model
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.results.designs import are_designs
+from dalembert.results.batch.designs import are_designs
 from dalembert.results.result import Analysis
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.units.amounts import check_unit
 

@@ -23,7 +23,7 @@ def check(model: Path, /, *, settings: Settings | None = None, as_json: AsJson =
     model
         Model file, TOML or JSON.
     """
-    from dalembert.io.tasks import check_tasks
+    from dalembert.io.decisions.tasks import check_tasks
 
     if (alone := _synthesis_alone(model)) is not None:
         return _tell_synthesis(alone, as_json)
@@ -52,7 +52,7 @@ def _synthesis_alone(path: Path) -> ModelFile | None:
 
 
 def _tell_synthesis(file: ModelFile, as_json: bool) -> int:
-    from dalembert.io.synthesis import make_synthesis
+    from dalembert.io.decisions.synthesis import make_synthesis
 
     with wrong_input():
         target = make_synthesis(file).args[0]

@@ -87,7 +87,7 @@ def compare(
     """
     from dalembert.analysis.comparison.compare import Comparing
     from dalembert.analysis.comparison.observation import observe
-    from dalembert.io.tasks import make_comparison
+    from dalembert.io.decisions.tasks import make_comparison
 
     file, built = loaded(model, settings)
     lists: dict[str, Any] = {

@@ -109,7 +109,7 @@ class Asked:
 
     @staticmethod
     def _first_view(file: ModelFile, model: Any) -> dict[str, Any]:
-        from dalembert.io.tasks import report_choices
+        from dalembert.io.decisions.tasks import report_choices
 
         return {} if model is None else report_choices(file, model)
 

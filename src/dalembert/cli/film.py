@@ -40,8 +40,8 @@ def film(
     import matplotlib
 
     matplotlib.use("Agg")
-    from dalembert.results.film import write_film
-    from dalembert.results.store import load_results, report_of
+    from dalembert.results.files.store import load_results, report_of
+    from dalembert.results.pictures.film import write_film
 
     with wrong_input():
         page = report_of(load_results(results))

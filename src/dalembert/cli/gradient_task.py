@@ -61,7 +61,7 @@ def _of_file(
     path: Path, settings: Texts, responses: Texts, wrt: Texts, method: str | None
 ) -> GradientTask:
     from dalembert.io.analyses import make_analysis
-    from dalembert.io.tasks import make_gradient, make_responses
+    from dalembert.io.decisions.tasks import make_gradient, make_responses
 
     file, built = loaded(path, settings)
     with wrong_input():

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.cli.console import console, tell
-from dalembert.results.influence import by_influence, relative_influence
+from dalembert.results.pictures.influence import by_influence, relative_influence
 
 if TYPE_CHECKING:
     import xarray as xr

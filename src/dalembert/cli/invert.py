@@ -35,13 +35,13 @@ def invert(
         Folder for the histories (.inversion.nc, .inversion.json) and the page
         (.inversion.report.html); none are written by default.
     """
-    from dalembert.io.changes import changed
+    from dalembert.io.decisions.changes import changed
 
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.design.inverse.invert import invert as histories_of
         from dalembert.io.analyses import make_analysis
-        from dalembert.io.identification import check_files
-        from dalembert.io.inversion import make_inversion
+        from dalembert.io.decisions.identification import check_files
+        from dalembert.io.decisions.inversion import make_inversion
 
         changes = {"smoothing": smoothing}
         asked = make_inversion(changed(file, "invert", changes), built, [data] if data else None)

@@ -57,7 +57,7 @@ def optimize(
     history
         File in which all designs run are kept; the same call goes on from it after an interrupt.
     """
-    from dalembert.io.changes import changed
+    from dalembert.io.decisions.changes import changed
 
     objective = {"minimize": minimize, "maximize": maximize}
     if minimize or maximize:  # the file's own is replaced, whichever it is
@@ -67,7 +67,7 @@ def optimize(
 
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.io.analyses import make_analysis
-        from dalembert.io.designs import make_design
+        from dalembert.io.decisions.designs import make_design
 
         design = make_design(changed(file, "optimize", changes), built)
         design["analysis"] = make_analysis(file, built)
@@ -79,7 +79,7 @@ def optimize(
 
 def _search(reliable: bool, history: Path | None) -> Callable[..., Any]:
     """What optimises: at the design alone, or with a reliability."""
-    from dalembert.design.optimization import optimize as best_of
+    from dalembert.design.optimize.optimization import optimize as best_of
     from dalembert.design.reliability.optimize_reliable import optimize_reliable
 
     if not reliable:

@@ -35,12 +35,12 @@ def pareto(
         Folder for the designs (.pareto.nc, .pareto.json) and the page on which to choose one
         (.pareto.report.html); none are written by default.
     """
-    from dalembert.io.changes import changed
+    from dalembert.io.decisions.changes import changed
 
     def read(file: ModelFile, built: Any) -> Run:
-        from dalembert.design.pareto import pareto as front_of
+        from dalembert.design.pareto.pareto import pareto as front_of
         from dalembert.io.analyses import make_analysis
-        from dalembert.io.designs import make_front
+        from dalembert.io.decisions.designs import make_front
 
         front = make_front(changed(file, "pareto", {"points": points, "method": method}), built)
         task = make_analysis(file, built)

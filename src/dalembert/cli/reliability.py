@@ -38,14 +38,14 @@ def reliability(
         Folder for the numbers (.reliability.nc, .reliability.json) and the page
         (.reliability.report.html); none are written by default.
     """
-    from dalembert.io.changes import changed
+    from dalembert.io.decisions.changes import changed
 
     changes = {"samples": samples, "sampling": sampling, "starts": starts}
 
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.design.reliability.reliability import reliability as reliability_of
         from dalembert.io.analyses import make_analysis
-        from dalembert.io.reliability import make_reliability
+        from dalembert.io.decisions.reliability import make_reliability
 
         asked = make_reliability(changed(file, "reliability", changes), built)
         task = make_analysis(file, built)

@@ -31,7 +31,7 @@ def report(
     """
     from dalembert.report.compared import compared
     from dalembert.report.page import write_page
-    from dalembert.results.store import load_results, report_of
+    from dalembert.results.files.store import load_results, report_of
 
     with wrong_input():
         payload = report_of(load_results(results))

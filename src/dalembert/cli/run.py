@@ -70,7 +70,7 @@ def run(
         Tell where the time went: building, steps, outputs, report.
     """
     from dalembert.io.analyses import make_analysis
-    from dalembert.io.tasks import report_choices
+    from dalembert.io.decisions.tasks import report_choices
     from dalembert.report.page import write_page
 
     if is_deck(model):

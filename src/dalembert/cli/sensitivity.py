@@ -87,8 +87,8 @@ def _write(gradient: xr.DataArray, base: Path, kind: str, table: bool) -> list[P
     import matplotlib as mpl
 
     from dalembert.files.atomic import atomic_path
-    from dalembert.results.influence import gradient_table
-    from dalembert.results.tornado import save_tornado
+    from dalembert.results.pictures.influence import gradient_table
+    from dalembert.results.pictures.tornado import save_tornado
 
     mpl.use("Agg")
     files = []

@@ -28,7 +28,7 @@ class FileTask:
     def __call__(self) -> StudyTask:
         from dalembert.design.studies.task import StudyTask
         from dalembert.io.analyses import make_analysis
-        from dalembert.io.tasks import make_sweep
+        from dalembert.io.decisions.tasks import make_sweep
 
         file, built = loaded(self.path, list(self.settings))
         with wrong_input():
@@ -67,7 +67,7 @@ def sweep(
 
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.design.studies.sweep import run_study
-        from dalembert.io.tasks import make_sweep
+        from dalembert.io.decisions.tasks import make_sweep
 
         design, _ = make_sweep(file, built)
         output_folder(folder)

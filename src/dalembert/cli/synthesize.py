@@ -34,10 +34,10 @@ def synthesize(
         Folder for the candidates (.synthesis.nc, .synthesis.json) and the page on which to choose
         one (.synthesis.report.html); none are written by default.
     """
-    from dalembert.io.changes import changed
+    from dalembert.io.decisions.changes import changed
 
     def read(given: ModelFile, _: Any) -> Run:
-        from dalembert.io.synthesis import make_synthesis
+        from dalembert.io.decisions.synthesis import make_synthesis
 
         search = make_synthesis(changed(given, "synthesis", {"starts": starts}))
 

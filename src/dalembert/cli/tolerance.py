@@ -32,12 +32,12 @@ def tolerance(
         Folder for the numbers (.tolerance.nc, .tolerance.json) and the page
         (.tolerance.report.html); none are written by default.
     """
-    from dalembert.io.changes import changed
+    from dalembert.io.decisions.changes import changed
 
     def read(file: ModelFile, built: Any) -> Run:
-        from dalembert.design.tolerance import tolerance as tolerance_of
+        from dalembert.design.tolerance.tolerance import tolerance as tolerance_of
         from dalembert.io.analyses import make_analysis
-        from dalembert.io.reliability import make_tolerance
+        from dalembert.io.decisions.reliability import make_tolerance
 
         asked, allot = make_tolerance(changed(file, "tolerance", {"samples": samples}), built)
         task = make_analysis(file, built)

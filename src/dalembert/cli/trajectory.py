@@ -32,11 +32,11 @@ def trajectory(
         Folder for the motion (.trajectory.nc), the controls (.trajectory.json) and the page
         (.trajectory.report.html); none are written by default.
     """
-    from dalembert.io.changes import changed
+    from dalembert.io.decisions.changes import changed
 
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.design.trajectory.optimize_trajectory import optimize_trajectory
-        from dalembert.io.trajectories import make_trajectory
+        from dalembert.io.decisions.trajectories import make_trajectory
 
         asked = make_trajectory(changed(file, "trajectory", {"minimize": minimize}), built)
         return lambda show: optimize_trajectory(built, **asked, progress=iterations(show))

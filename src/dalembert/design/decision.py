@@ -89,7 +89,7 @@ class Decision(ABC):
         """
         from dalembert.files.atomic import atomic_path
         from dalembert.report.page import as_json
-        from dalembert.results.store import save_dataset
+        from dalembert.results.files.store import save_dataset
         from dalembert.text.wording import as_document
 
         path = Path(path)
@@ -114,7 +114,7 @@ class Decision(ABC):
     def write(self, base: Path, **first_view: Any) -> list[Path]:
         """Data and page (.nc), numbers (.json), and the page (.report.html) beside each other."""
         from dalembert.report.page import as_json, write_page
-        from dalembert.results.store import save_dataset
+        from dalembert.results.files.store import save_dataset
 
         page = self.page(**first_view)
         stem = f"{base.name}.{self.word}"

@@ -13,8 +13,8 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.parser import parse_formula
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.text.spelling import Spelled, spelled
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.symbolic.parameter import Parameter
+from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.text.spelling import Spelled
 from dalembert.text.wording import nearest
 from dalembert.units.measured import check_measured, measured

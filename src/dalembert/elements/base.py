@@ -26,7 +26,7 @@ import numpy as np
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression, as_expression, stack
+from dalembert.symbolic.formulas.expression import Expression, as_expression, stack
 from dalembert.text.spelling import Spelled
 
 Scalar = Any  # number or Expression

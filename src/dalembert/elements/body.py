@@ -14,7 +14,7 @@ from dalembert.elements.frame import Frame
 from dalembert.elements.named import Named
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import listed, nearest, unknown
 
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 import casadi as ca
 
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 class Coordinates:

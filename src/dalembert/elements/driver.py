@@ -20,7 +20,7 @@ from dalembert.elements.pair import PointJoint, need_point
 from dalembert.elements.point import Point
 from dalembert.elements.rotation import unit
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import t
+from dalembert.symbolic.formulas.expression import t
 
 LEAST = float(np.finfo(float).tiny)
 

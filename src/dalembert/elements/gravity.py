@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import casadi as ca
 
 from dalembert.elements.base import Element, ForceElement, Powers, Rate
-from dalembert.symbolic.expression import Expression, stack
+from dalembert.symbolic.formulas.expression import Expression, stack
 
 
 class Gravity(ForceElement):

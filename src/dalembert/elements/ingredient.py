@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dalembert.elements.base import Condition
-from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.symbolic.formulas.expression import Expression, as_expression
 from dalembert.text.spelling import Spelled
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import casadi as ca
 
 from dalembert.elements.coordinates import Coordinates
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 class JointSpace(Coordinates):

@@ -13,7 +13,7 @@ from dalembert.elements.look import Arrow, Motor, Twist
 from dalembert.elements.pair import need_body, need_point, refuse_same_body
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(eq=False)

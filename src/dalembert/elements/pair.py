@@ -14,7 +14,7 @@ from dalembert.elements.coordinates import Coordinates, rate_of
 from dalembert.elements.look import Mark
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression, t
+from dalembert.symbolic.formulas.expression import Expression, t
 
 
 def need_point(value: Any, owner: str, field: str, dimension: int = 2) -> Point:

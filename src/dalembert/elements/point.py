@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Vector
 from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression, as_expression, t
+from dalembert.symbolic.formulas.expression import Expression, as_expression, t
 from dalembert.text.spelling import Spelled
 
 AXES = "xyz"

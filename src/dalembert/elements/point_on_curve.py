@@ -13,7 +13,7 @@ from dalembert.elements.look import Mark, Path
 from dalembert.elements.pair import Pair, need_body, need_point, refuse_same_body
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 class CurveParameter(Coordinates):

@@ -14,7 +14,7 @@ from typing import Any
 
 from dalembert.elements.base import Element
 from dalembert.errors import ModelError
-from dalembert.symbolic.functions import where
+from dalembert.symbolic.formulas.functions import where
 from dalembert.text.spelling import Spelled, spelled
 
 Number = Any  # number or Expression

@@ -11,7 +11,7 @@ import casadi as ca
 from dalembert.elements.base import ForceElement, Look, Powers, Rate, Scalar, option, quantity
 from dalembert.elements.look import Coil, Cylinder, Dashpot
 from dalembert.elements.pair import BetweenPoints
-from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.symbolic.formulas.expression import Expression, as_expression
 
 SMALLEST_LENGTH = 1e-30
 ForceLaw = Callable[[Expression, Expression], Any]

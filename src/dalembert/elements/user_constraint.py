@@ -8,7 +8,7 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint, Scalar, option, quantity
 from dalembert.elements.coordinates import Coordinates
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 @dataclass(eq=False)

@@ -11,7 +11,7 @@ import casadi as ca
 from dalembert.formulations.base import SaddleSolver
 from dalembert.formulations.effective_mass import mean_effective_mass
 from dalembert.model.inertia import Inertia
-from dalembert.symbolic.factor import LdlFactor
+from dalembert.symbolic.equations.factor import LdlFactor
 
 
 class AugmentedMass:

@@ -22,8 +22,8 @@ from dalembert.formulations.levels import Level
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.model.rigid_gaps import headings
-from dalembert.symbolic.implicit import ImplicitFunction, Stage
-from dalembert.symbolic.semi_explicit import SemiExplicit, Sizes
+from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
+from dalembert.symbolic.equations.semi_explicit import SemiExplicit, Sizes
 
 
 class SaddleSolver:

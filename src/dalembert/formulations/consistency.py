@@ -6,7 +6,7 @@ import casadi as ca
 
 from dalembert.formulations.base import Formulation, state_symbols
 from dalembert.model.equations import Equations
-from dalembert.symbolic.implicit import ImplicitFunction, Solver, Stage
+from dalembert.symbolic.equations.implicit import ImplicitFunction, Solver, Stage
 
 
 def with_consistent_speeds(

@@ -19,7 +19,7 @@ from dalembert.formulations.range_space import RangeSpaceSolver
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.options import options
-from dalembert.symbolic.semi_explicit import SemiExplicit
+from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 
 @options

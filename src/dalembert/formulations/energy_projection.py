@@ -10,7 +10,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import WORK, Formulation, memory_symbols, state_symbols
 from dalembert.formulations.stabilization import Projection
 from dalembert.model.equations import Equations
-from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.equations.implicit import ImplicitFunction
 
 APPLICABLE = 0.5
 """Largest ``|Ψ_E| / T`` that is corrected; near a standstill the speeds cannot mend the energy."""

@@ -11,7 +11,7 @@ from dalembert.formulations.base import Formulation, SaddleSolver
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.model.scales import Scales
-from dalembert.symbolic.factor import QrFactor
+from dalembert.symbolic.equations.factor import QrFactor
 
 
 class KktSolver(SaddleSolver):

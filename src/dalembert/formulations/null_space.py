@@ -20,8 +20,8 @@ from dalembert.formulations.singular_values import SingularValueBasis
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.options import options
-from dalembert.symbolic.factor import LdlFactor
-from dalembert.symbolic.null_space import NullSpaceBasis, PartitionBasis
+from dalembert.symbolic.equations.factor import LdlFactor
+from dalembert.symbolic.equations.null_space import NullSpaceBasis, PartitionBasis
 
 LARGEST_SVD = 12
 NOT_CONVERGED = 1e-11

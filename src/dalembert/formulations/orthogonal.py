@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from dalembert.symbolic.factor import cleared
-from dalembert.symbolic.null_space import NullSpaceBasis
+from dalembert.symbolic.equations.factor import cleared
+from dalembert.symbolic.equations.null_space import NullSpaceBasis
 
 
 class HouseholderBasis(NullSpaceBasis):

@@ -12,7 +12,7 @@ import scipy
 
 from dalembert.errors import SingularityError
 from dalembert.model.equations import Equations
-from dalembert.symbolic.null_space import PartitionBasis
+from dalembert.symbolic.equations.null_space import PartitionBasis
 
 MASSLESS = 1e-6
 """Mass of a speed without mass, by its natural size: it is never independent where others can."""

@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.formulations.base import Formulation, SaddleSolver
 from dalembert.formulations.effective_mass import mean_effective_mass
 from dalembert.model.inertia import BlockInertia, Inertia
-from dalembert.symbolic.factor import LdlFactor
+from dalembert.symbolic.equations.factor import LdlFactor
 
 
 class RangeSpaceSolver(SaddleSolver):

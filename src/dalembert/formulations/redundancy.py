@@ -14,7 +14,7 @@ import numpy as np
 from dalembert.errors import SingularityError
 from dalembert.formulations.partition import largest_volume
 from dalembert.model.equations import Equations
-from dalembert.symbolic.factor import LdlFactor
+from dalembert.symbolic.equations.factor import LdlFactor
 
 TRUSTED = 3.0
 """Largest entry of ``W`` before others are solved: far enough from 1/0 for a step to pass."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from dalembert.symbolic.null_space import NullSpaceBasis
+from dalembert.symbolic.equations.null_space import NullSpaceBasis
 
 SWEEPS = 7
 """Five are enough for random matrices of 12 columns; convergence is checked where it is used."""

@@ -11,7 +11,7 @@ from dalembert.formulations.base import Formulation, memory_symbols, state_symbo
 from dalembert.formulations.levels import NONE, Level
 from dalembert.model.equations import Equations
 from dalembert.options import options
-from dalembert.symbolic.implicit import ImplicitFunction, Stage, Trial
+from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage, Trial
 
 TRIED = 2
 """Iterations of the position correction that mostly are enough: of violations ``ε`` they leave

@@ -22,9 +22,9 @@ from dalembert.formulations.partition import best_partition, largest_ratio
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.options import options
-from dalembert.symbolic.implicit import Stage
-from dalembert.symbolic.null_space import PartitionBasis
-from dalembert.symbolic.semi_explicit import SemiExplicit
+from dalembert.symbolic.equations.implicit import Stage
+from dalembert.symbolic.equations.null_space import PartitionBasis
+from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 SMALLEST_LIMIT = 1.1
 LIMIT = 1.5

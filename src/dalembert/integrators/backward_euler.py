@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dalembert.integrators.implicit_runge_kutta import ButcherMatrix, ImplicitRungeKutta
+from dalembert.integrators.runge_kutta.implicit_step import ButcherMatrix, ImplicitRungeKutta
 
 BACKWARD_EULER = ButcherMatrix(((1.0,),), order=1)
 TRAPEZOIDAL = ButcherMatrix(((0.0, 0.0), (0.5, 0.5)), order=2)

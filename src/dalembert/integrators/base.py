@@ -15,8 +15,8 @@ import numpy as np
 
 from dalembert.integrators.step import Step
 from dalembert.options import inherit_texts
-from dalembert.symbolic.implicit import ImplicitFunction
-from dalembert.symbolic.semi_explicit import SemiExplicit
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Integrator, Problem
 from dalembert.integrators.step import Step
 from dalembert.options import options
-from dalembert.symbolic.newton import NewtonSettings
+from dalembert.symbolic.equations.newton import NewtonSettings
 
 
 @options(kw_only=True)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dalembert.integrators.backward_euler import BackwardEuler, Trapezoidal
-from dalembert.integrators.bdf import Bdf
-from dalembert.integrators.generalized_alpha import HHT, GeneralizedAlpha
-from dalembert.integrators.newmark import Newmark
-from dalembert.integrators.radau import Radau
-from dalembert.integrators.runge_kutta import (
+from dalembert.integrators.bdf.bdf import Bdf
+from dalembert.integrators.newmark.family import Newmark
+from dalembert.integrators.newmark.generalized_alpha import HHT, GeneralizedAlpha
+from dalembert.integrators.runge_kutta.explicit import (
     RK4,
     DormandPrince,
     DormandPrince853,
@@ -15,7 +14,8 @@ from dalembert.integrators.runge_kutta import (
     Heun,
     RKGill,
 )
-from dalembert.integrators.sundials import Cvodes, Ida
+from dalembert.integrators.runge_kutta.radau import Radau
+from dalembert.integrators.sundials.sundials import Cvodes, Ida
 
 INTEGRATORS: dict[str, type] = {
     "Euler": Euler,

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import scipy
 
-from dalembert.symbolic.semi_explicit import SemiExplicit
+from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 ROUNDING = 16 * float(np.finfo(float).eps)
 LEAST = 1e-9

@@ -9,9 +9,9 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.symbolic.implicit import ImplicitFunction
-from dalembert.symbolic.linear_map import TriangularMap
-from dalembert.symbolic.prelude import Prelude, before
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.equations.linear_map import TriangularMap
+from dalembert.symbolic.evaluation.prelude import Prelude, before
 
 WIDTH = 16
 """Directions in which a step is differentiated at once, for the graph grows with them."""

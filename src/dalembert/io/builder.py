@@ -24,6 +24,7 @@ from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.elements.user_constraint import UserConstraint
 from dalembert.errors import ModelError
+from dalembert.io.decisions.histories import declare_history
 from dalembert.io.fields import (
     FileField,
     Places,
@@ -34,11 +35,8 @@ from dalembert.io.fields import (
     given_fields,
     written,
 )
-from dalembert.io.finite_elements import FiniteElements
 from dalembert.io.formulas import Formulas, Scope
-from dalembert.io.histories import declare_history
 from dalembert.io.location import Located
-from dalembert.io.mesh_reader import MeshReader
 from dalembert.io.messages import explain
 from dalembert.io.order import dependency_order
 from dalembert.io.orientations import read_frame, read_orientation
@@ -47,11 +45,13 @@ from dalembert.io.reading import read_document
 from dalembert.io.references import References
 from dalembert.io.schema import DerivedTable, Document
 from dalembert.io.shapes import Shapes, made_of
-from dalembert.io.structure_builder import StructureBuilder
-from dalembert.io.structure_schema import StructureDocument
+from dalembert.io.structures.builder import StructureBuilder
+from dalembert.io.structures.finite_elements import FiniteElements
+from dalembert.io.structures.mesh_reader import MeshReader
+from dalembert.io.structures.schema import StructureDocument
 from dalembert.model.system import System
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.symbolic.formulas.expression import Expression, as_expression
 from dalembert.text.wording import visible
 
 

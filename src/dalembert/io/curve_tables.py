@@ -13,7 +13,7 @@ from dalembert.errors import FileError, ModelError
 from dalembert.files.readable import read_text
 from dalembert.io.choices import Record
 from dalembert.io.values import Text, number_or_formula, shown
-from dalembert.symbolic.interpolation import KINDS, OUTSIDE
+from dalembert.symbolic.formulas.interpolation import KINDS, OUTSIDE
 from dalembert.text.wording import unknown
 
 

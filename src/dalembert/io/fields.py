@@ -39,7 +39,7 @@ from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.model.coordinates import Coordinates
 from dalembert.results.structural.result import StructuralResult
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 class Quantity:

@@ -7,9 +7,9 @@ from enum import Enum
 from typing import Any, Protocol
 
 from dalembert.errors import ExpressionError
-from dalembert.symbolic.expression import Expression, as_expression, t
-from dalembert.symbolic.interpolation import Interpolation
-from dalembert.symbolic.parser import parse_formula
+from dalembert.symbolic.formulas.expression import Expression, as_expression, t
+from dalembert.symbolic.formulas.interpolation import Interpolation
+from dalembert.symbolic.formulas.parser import parse_formula
 
 
 class Scope(Enum):

@@ -8,7 +8,7 @@ from typing import Any
 from dalembert.results.mechanism_modes import Modes
 from dalembert.results.structural.buckling_modes import BucklingModes
 from dalembert.results.structural.vibration_modes import VibrationModes
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 MODES: dict[str, Any] = {
     "Linearization": Modes,

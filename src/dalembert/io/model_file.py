@@ -16,8 +16,8 @@ from dalembert.io.location import Located
 from dalembert.io.messages import explain, place
 from dalembert.io.reading import read_document
 from dalembert.io.schema import Document, ParameterTable, document_of
-from dalembert.io.structure_builder import StructureBuilder
-from dalembert.io.structure_schema import StructureDocument
+from dalembert.io.structures.builder import StructureBuilder
+from dalembert.io.structures.schema import StructureDocument
 from dalembert.io.values import in_own_unit, shown
 from dalembert.model.model import Model
 from dalembert.model.system import RESERVED, System

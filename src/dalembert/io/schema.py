@@ -10,7 +10,8 @@ from pydantic import Field, PlainValidator, WithJsonSchema, create_model
 from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.curve_tables import CurveTable
-from dalembert.io.decision_tables import (
+from dalembert.io.decisions.synthesis_tables import SynthesisTable
+from dalembert.io.decisions.tables import (
     RANDOM,
     CombinedTable,
     OptimizeTable,
@@ -19,12 +20,7 @@ from dalembert.io.decision_tables import (
     RobustTable,
     ToleranceTable,
 )
-from dalembert.io.orientations import FrameTable
-from dalembert.io.strategies import ANALYSES, RESPONSES
-from dalembert.io.structure_tables import ELEMENT, MESH, NodalLoadTable, SupportTable
-from dalembert.io.synthesis_tables import SynthesisTable
-from dalembert.io.tables import any_of, point_type, table_of
-from dalembert.io.task_tables import (
+from dalembert.io.decisions.task_tables import (
     CompareTable,
     HistoryTable,
     IdentifyTable,
@@ -33,7 +29,11 @@ from dalembert.io.task_tables import (
     SensitivityTable,
     SweepTable,
 )
-from dalembert.io.trajectory_tables import TrajectoryTable
+from dalembert.io.decisions.trajectory_tables import TrajectoryTable
+from dalembert.io.orientations import FrameTable
+from dalembert.io.strategies import ANALYSES, RESPONSES
+from dalembert.io.structures.tables import ELEMENT, MESH, NodalLoadTable, SupportTable
+from dalembert.io.tables import any_of, point_type, table_of
 from dalembert.io.values import Entry, OwnBound, OwnNumber, Text, list_of, shown
 
 FORMAT = 1

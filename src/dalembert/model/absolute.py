@@ -16,7 +16,7 @@ from dalembert.model.equations import ConstraintKinematics, Equations
 from dalembert.model.inertia import BlockInertia
 from dalembert.model.manifold import Manifold
 from dalembert.model.rigid_gaps import RigidGap, rigid_gaps
-from dalembert.symbolic.expression import stack, t
+from dalembert.symbolic.formulas.expression import stack, t
 
 
 def at_ground(ground: Ground, expression: ca.SX) -> ca.SX:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from dalembert.errors import DalembertError, UnsupportedError
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates, CoordinateView
-from dalembert.model.joint_coordinates import JointCoordinates
 from dalembert.model.model import Model
+from dalembert.model.tree.joint_coordinates import JointCoordinates
 
 CANDIDATES: tuple[Coordinates, ...] = (AbsoluteCoordinates(), JointCoordinates())
 

@@ -7,8 +7,8 @@ import casadi as ca
 from dalembert.errors import ModelError
 from dalembert.model.equations import Equations
 from dalembert.model.transformation import Transformation
-from dalembert.symbolic.factor import LdlFactor, QrFactor
-from dalembert.symbolic.null_space import PartitionBasis
+from dalembert.symbolic.equations.factor import LdlFactor, QrFactor
+from dalembert.symbolic.equations.null_space import PartitionBasis
 
 
 def change_speeds(

@@ -15,7 +15,7 @@ from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.description import Description
 from dalembert.model.rigid_gaps import rigid_gaps
-from dalembert.symbolic.expression import free_symbols, refuse_unusable, stack, t
+from dalembert.symbolic.formulas.expression import free_symbols, refuse_unusable, stack, t
 
 Formulas = list[tuple[str, ca.SX]]
 """Formulas with the entities they belong to."""

@@ -19,7 +19,7 @@ import numpy as np
 from dalembert.model.equations import ConstraintKinematics, Equations
 from dalembert.model.rigid_gaps import RigidGap, contact_forces
 from dalembert.model.scales import Scales
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 class Phase(Enum):

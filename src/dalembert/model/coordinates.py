@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
-from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
 

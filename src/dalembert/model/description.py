@@ -15,10 +15,10 @@ from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
 from dalembert.model.measures import element_measures, find_measure
 from dalembert.model.parameter_space import ParameterSpace
-from dalembert.symbolic.expression import Expression, as_expression, stack, t
-from dalembert.symbolic.interpolation import Interpolation
-from dalembert.symbolic.parameter import Parameter
-from dalembert.symbolic.parser import parse_formula
+from dalembert.symbolic.formulas.expression import Expression, as_expression, stack, t
+from dalembert.symbolic.formulas.interpolation import Interpolation
+from dalembert.symbolic.formulas.parameter import Parameter
+from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.text.cards import card, table
 from dalembert.text.wording import plain_text
 

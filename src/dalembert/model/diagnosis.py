@@ -9,11 +9,11 @@ import numpy as np
 import scipy
 
 from dalembert.elements.driver import Driver
+from dalembert.model.assembly.closure import Closure
+from dalembert.model.assembly.independence import columns_of
 from dalembert.model.checks import doubts_of
-from dalembert.model.closure import Closure
 from dalembert.model.description import Description
-from dalembert.model.independence import columns_of
-from dalembert.model.topology import Topology, analyse_topology
+from dalembert.model.tree.topology import Topology, analyse_topology
 from dalembert.text.cards import card, messages, table
 
 NOT_SHARED = 1e-9

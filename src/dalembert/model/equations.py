@@ -21,7 +21,7 @@ from dalembert.model.inertia import Inertia
 from dalembert.model.manifold import Manifold
 from dalembert.model.rigid_gaps import RigidGap, contact_forces
 from dalembert.model.scales import Scales
-from dalembert.symbolic.switches import Switches, hold
+from dalembert.symbolic.formulas.switches import Switches, hold
 
 
 @dataclass(frozen=True, eq=False)

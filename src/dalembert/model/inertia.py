@@ -10,7 +10,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from dalembert.symbolic.factor import BlockFactor
+from dalembert.symbolic.equations.factor import BlockFactor
 
 
 class Inertia:

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.coordinates import Coordinates
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates, rate_of
 from dalembert.elements.pair import Pair
 from dalembert.elements.point import AXES
-from dalembert.symbolic.expression import Expression, t
+from dalembert.symbolic.formulas.expression import Expression, t
 
 Measures = dict[str, tuple[ca.SX, str]]
 

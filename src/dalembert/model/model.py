@@ -13,17 +13,17 @@ import numpy as np
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.absolute import absolute_equations, at_ground
-from dalembert.model.assembled_state import AssembledState
+from dalembert.model.assembly.assembled_state import AssembledState
+from dalembert.model.assembly.closure import Closure
+from dalembert.model.assembly.guesses import Guesses
 from dalembert.model.checks import ValueChecks
-from dalembert.model.closure import Closure
 from dalembert.model.description import Description
 from dalembert.model.diagnosis import diagnose
-from dalembert.model.guesses import Guesses
 from dalembert.model.natural_units import scales_of
 from dalembert.model.scales import Scales
-from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.implicit import ImplicitFunction
-from dalembert.symbolic.names import Names
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.names import Names
 from dalembert.symbolic.once import once
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.cards import card, messages, table

@@ -11,11 +11,11 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.model.assembly.guesses import Guesses
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
-from dalembert.model.guesses import Guesses
 from dalembert.model.scales import Scales
-from dalembert.symbolic.expression import free_symbols, stack
+from dalembert.symbolic.formulas.expression import free_symbols, stack
 
 
 def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndarray) -> Scales:

@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.computed import ComputedNumbers
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 class ParameterSpace:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dalembert.model.automatic_coordinates import AutomaticCoordinates
 from dalembert.model.coordinates import AbsoluteCoordinates
-from dalembert.model.joint_coordinates import JointCoordinates
+from dalembert.model.tree.joint_coordinates import JointCoordinates
 
 COORDINATES: dict[str, type] = {
     "AbsoluteCoordinates": AbsoluteCoordinates,

@@ -12,7 +12,7 @@ from dalembert.elements.base import Element
 from dalembert.elements.contact.unilateral import Gap, Impact, Unilateral
 from dalembert.elements.coordinates import Coordinates, rate_of
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import stack, t
+from dalembert.symbolic.formulas.expression import stack, t
 
 
 @dataclass(frozen=True, eq=False)

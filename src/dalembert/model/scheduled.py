@@ -10,10 +10,10 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.model.assembled_state import AssembledState
+from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.model import Model
-from dalembert.symbolic.expression import stack, t
-from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.formulas.expression import stack, t
 from dalembert.symbolic.once import forget
 
 MADE = {"names", "measure_names", "_value_checks", "_once"}

@@ -12,11 +12,11 @@ from dalembert.model.description import Description
 from dalembert.model.held_nodes import Held, loads, supports
 from dalembert.model.model import Model
 from dalembert.structures.elastic_structure import ElasticStructure
-from dalembert.structures.mesh import Classes
+from dalembert.structures.meshes.mesh import Classes
 from dalembert.structures.structure import Structure
-from dalembert.symbolic.expression import Expression, as_expression
-from dalembert.symbolic.interpolation import Interpolation
-from dalembert.symbolic.parameter import Bounds, Parameter, coherent
+from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.interpolation import Interpolation
+from dalembert.symbolic.formulas.parameter import Bounds, Parameter, coherent
 from dalembert.text.spelling import Spelled
 
 E = TypeVar("E", bound=Element)

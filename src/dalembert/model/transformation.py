@@ -23,7 +23,7 @@ from dalembert.model.equations import Equations
 from dalembert.model.inertia import BlockInertia
 from dalembert.model.manifold import Manifold
 from dalembert.model.scales import Scales
-from dalembert.symbolic.factor import LdlFactor
+from dalembert.symbolic.equations.factor import LdlFactor
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,12 +12,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dalembert.analysis.dynamics.instants import end_by_event
 from dalembert.analysis.events import Occurrence
-from dalembert.analysis.instants import end_by_event
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import options
 from dalembert.results.result import Result
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import plain_text
 
 

@@ -11,10 +11,10 @@ import numpy as np
 from dalembert.analysis.batch.solve import solve_batch
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate, scalar_measure
-from dalembert.results.batch import Batch
-from dalembert.results.batch_samples import places
+from dalembert.results.batch.batch import Batch
+from dalembert.results.batch.samples import places
 from dalembert.results.result import Result
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     import xarray as xr

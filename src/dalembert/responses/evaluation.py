@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, overload
 
 from dalembert.responses import base
 from dalembert.responses.base import Response
-from dalembert.results.batch import Batch
+from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result
 from dalembert.text.spelling import spelled
 

@@ -9,7 +9,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
-from dalembert.symbolic.expression import Expression, t
+from dalembert.symbolic.formulas.expression import Expression, t
 from dalembert.text.spelling import spelled
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.base import Response
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import spelled
 
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dalembert.analysis.dynamics.instants import end_by_event
 from dalembert.analysis.events import Occurrence
-from dalembert.analysis.instants import end_by_event
 from dalembert.responses.base import Response
 from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over
 from dalembert.results.result import Result
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import spelled
 
 

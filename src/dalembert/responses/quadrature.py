@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from dalembert.analysis.step_quadrature import StepQuadrature
+from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
 from dalembert.results.result import Result
 
 SHORT = 1e-3

@@ -14,9 +14,9 @@ from dalembert.elements.pair import Pair
 from dalembert.model.measures import element_measures
 from dalembert.model.model import Model
 from dalembert.results.components import COMPONENTS
-from dalembert.results.contents import Contents
+from dalembert.results.files.contents import Contents
 from dalembert.results.recording import Recording
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
 

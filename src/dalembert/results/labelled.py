@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from dalembert.results.components import COMPONENTS
-from dalembert.results.contents import Contents
+from dalembert.results.files.contents import Contents
 from dalembert.results.recording import Recording
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     import xarray as xr

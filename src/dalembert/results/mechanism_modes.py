@@ -13,8 +13,8 @@ from dalembert.model.model import Model
 from dalembert.results.numbered import Numbered
 from dalembert.results.result import Analysis
 from dalembert.results.status import Status
-from dalembert.symbolic.expression import Expression, free_symbols
-from dalembert.symbolic.names import Names
+from dalembert.symbolic.formulas.expression import Expression, free_symbols
+from dalembert.symbolic.formulas.names import Names
 
 if TYPE_CHECKING:
     import pandas as pd

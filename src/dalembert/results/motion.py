@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dalembert.results.labelled import LabelledRecording
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.cards import card, folded, messages, table
 
 if TYPE_CHECKING:
@@ -95,19 +95,19 @@ class Motion(LabelledRecording):
 
     def plot(self, *measures: str | Expression, ax: Any = None) -> Any:
         """Draw measures over time with Matplotlib; returns the axes."""
-        from dalembert.results.plot import plot_measures
+        from dalembert.results.pictures.plot import plot_measures
 
         return plot_measures(self, measures, ax)
 
     def draw(self, time: float = 0.0, ax: Any = None) -> Any:
         """The mechanism at the output nearest to a time [s] (Matplotlib); returns the axes."""
-        from dalembert.results.animation import still
+        from dalembert.results.pictures.animation import still
 
         return still(self, time, ax)
 
     def animate(self, **options: Any) -> Any:
         """Animation of the mechanism (Matplotlib); shown by notebooks."""
-        from dalembert.results.animation import animate
+        from dalembert.results.pictures.animation import animate
 
         return animate(self, **options)
 
@@ -125,7 +125,7 @@ class Motion(LabelledRecording):
         return super().report(path, plots=plots, trace=trace, units=units)
 
     def page(self, plots: Groups = None, trace: Names = None, units: Units = ()) -> dict[str, Any]:
-        from dalembert.results.payload import report_payload
+        from dalembert.results.files.payload import report_payload
 
         return report_payload(self, plots, trace, units)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.results.contact_record import ContactRecord
-from dalembert.results.contents import Contents
+from dalembert.results.files.contents import Contents
 from dalembert.results.motion import Motion
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.results.result import Instants, Result
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,8 +12,8 @@ import numpy as np
 from dalembert.model.model import Model
 from dalembert.results.result import Analysis, Instants, Result
 from dalembert.results.status import Status
-from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(frozen=True)

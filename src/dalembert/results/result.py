@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVa
 import numpy as np
 
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.results.contents import Contents
+from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.cards import card, messages, table
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ class Result(Protocol):
     def _save(self, path: str | Path, page: dict[str, Any] | None) -> Path:
         from dalembert.report.packing import packed
         from dalembert.report.page import as_json
-        from dalembert.results.store import save_dataset
+        from dalembert.results.files.store import save_dataset
 
         kept = {} if page is None else {"report": ((), as_json(packed(page)))}
         return save_dataset(self.contents.plus(kept), path)
@@ -136,8 +136,8 @@ class Result(Protocol):
         ----------
         units : wanted, such as ``["mm", "deg"]``; each serves what has its dimension
         """
-        from dalembert.results.headings import headed
-        from dalembert.results.store import save_table
+        from dalembert.results.files.headings import headed
+        from dalembert.results.files.store import save_table
 
         table = self.to_dataframe()
         known = {str(name): v.attrs.get("units", "") for name, v in self.data.data_vars.items()}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.results.labelled import DATA_ONLY, LabelledRecording
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     import pandas as pd

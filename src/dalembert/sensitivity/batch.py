@@ -12,7 +12,7 @@ from dalembert.analysis.batch.workers import can_copy, checked_workers, in_copie
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.responses.batch import batch_response, representative
-from dalembert.results.batch import Batch
+from dalembert.results.batch.batch import Batch
 from dalembert.sensitivity.marching.batch_adjoint import BatchAdjoint
 from dalembert.sensitivity.methods import Adjoint
 

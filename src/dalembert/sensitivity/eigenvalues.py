@@ -20,14 +20,14 @@ from typing import cast
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.linearization_kernel import Linearized
+from dalembert.analysis.equilibrium.linearization_kernel import Linearized
 from dalembert.errors import SingularityError
 from dalembert.results.mechanism_modes import IMAG, REAL
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.invariant import invariant_subspaces
 from dalembert.sensitivity.samples import Sample
 from dalembert.sparse.eigenvalues import COINCIDE, coincidence, told_apart
-from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.equations.implicit import ImplicitFunction
 
 PARTS = ca.vertcat(REAL, IMAG)
 

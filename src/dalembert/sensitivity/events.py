@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.dynamics.instants import end_by_event
 from dalembert.analysis.events import Event, Occurrence, as_events
-from dalembert.analysis.instants import end_by_event
 from dalembert.analysis.timeline import checked_span
 from dalembert.errors import SingularityError
 from dalembert.responses.events import AtEvent

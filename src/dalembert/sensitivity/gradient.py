@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, as_responses, evaluate
-from dalembert.results.batch import Batch
+from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result
 from dalembert.sensitivity.batch import batch_gradients, labelled_gradients
 from dalembert.sensitivity.checks.certificate import certify

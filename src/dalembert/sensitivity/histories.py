@@ -14,7 +14,7 @@ from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import chosen_columns, refuse_unfinished
 from dalembert.sensitivity.registry import engine_for
 from dalembert.sensitivity.samples import Sample
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 def history_gradients(

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.instants import end_by_event
-from dalembert.analysis.kinematics import Kinematics
+from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.timeline import checked_span
 from dalembert.analysis.times import follow_parameters, slopes
 from dalembert.errors import UnsupportedError

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dalembert.analysis.dynamics import Dynamics
-from dalembert.analysis.equilibrium import Equilibrium
-from dalembert.analysis.kinematics import Kinematics
-from dalembert.analysis.linearization import Linearization
+from dalembert.analysis.dynamics.dynamics import Dynamics
+from dalembert.analysis.equilibrium.equilibrium import Equilibrium
+from dalembert.analysis.equilibrium.linearization import Linearization
+from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
 from dalembert.analysis.structural.buckling import Buckling
 from dalembert.analysis.structural.load_path import ArcLength

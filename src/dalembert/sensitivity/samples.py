@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.events import Occurrence
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.results.result import Result
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 R = TypeVar("R", bound=Result)
 

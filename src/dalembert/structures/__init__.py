@@ -15,7 +15,7 @@ from dalembert.elements.fem.springs import AxialSpring
 from dalembert.elements.fem.truss import Truss
 from dalembert.elements.sections import Material, Section, circle, i_section, rectangle, tube
 from dalembert.structures.elastic_structure import ElasticStructure
-from dalembert.structures.mesh_generators import box_mesh, line_mesh, rectangle_mesh
+from dalembert.structures.meshes.generators import box_mesh, line_mesh, rectangle_mesh
 from dalembert.structures.structure import Structure
 
 __all__ = [

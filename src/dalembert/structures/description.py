@@ -10,11 +10,9 @@ import numpy as np
 from dalembert.elements.fem.nodal import ROTATIONS
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
-from dalembert.structures.elements import Elements
-from dalembert.structures.nodal_load import Load
-from dalembert.structures.nodes import Nodes
-from dalembert.structures.parts import StructureParts
-from dalembert.structures.spread_loads import (
+from dalembert.structures.evaluation.elements import Elements
+from dalembert.structures.loads.nodal_load import Load
+from dalembert.structures.loads.spread_loads import (
     LineLoad,
     Spread,
     Weight,
@@ -23,7 +21,9 @@ from dalembert.structures.spread_loads import (
     lines,
     tractions,
 )
-from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.structures.nodes import Nodes
+from dalembert.structures.parts import StructureParts
+from dalembert.symbolic.formulas.expression import Expression, as_expression
 
 UNITS = {"u": "m", "r": "rad", "v": "m/s", "vr": "rad/s", "f": "N", "m": "N m"}
 """First letters of a direction → unit of what is prescribed along or about it."""

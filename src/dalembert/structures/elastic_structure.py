@@ -33,11 +33,11 @@ from dalembert.elements.planar import node as planar
 from dalembert.elements.rotation import identity
 from dalembert.elements.spatial import node as spatial
 from dalembert.errors import ModelError, UnsupportedError
-from dalembert.structures.blocks import Part
 from dalembert.structures.description import StructureDescription
-from dalembert.structures.mesh import Mesh
+from dalembert.structures.evaluation.blocks import Part
+from dalembert.structures.meshes.mesh import Mesh
 from dalembert.structures.nodes import Nodes
-from dalembert.symbolic.expression import Expression, as_expression, as_sx
+from dalembert.symbolic.formulas.expression import Expression, as_expression, as_sx
 from dalembert.text.wording import unknown
 
 

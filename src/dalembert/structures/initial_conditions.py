@@ -9,9 +9,9 @@ import numpy as np
 
 from dalembert.errors import ModelError
 from dalembert.structures.description import StructureDescription
-from dalembert.structures.nodal_load import Load
-from dalembert.structures.numbering import Numbering
-from dalembert.symbolic.expression import free_symbols
+from dalembert.structures.evaluation.numbering import Numbering
+from dalembert.structures.loads.nodal_load import Load
+from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
 
 

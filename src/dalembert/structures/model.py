@@ -11,22 +11,22 @@ import numpy as np
 
 from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.errors import ModelError
-from dalembert.structures.assembly import Assembly
-from dalembert.structures.block import ElementBlock
-from dalembert.structures.blocks import BlockMaker
 from dalembert.structures.description import StructureDescription
+from dalembert.structures.evaluation.assembly import Assembly
+from dalembert.structures.evaluation.block import ElementBlock
+from dalembert.structures.evaluation.blocks import BlockMaker
+from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.initial_conditions import InitialConditions
-from dalembert.structures.load_cases import LoadCaseMaker
-from dalembert.structures.measures import Measure
-from dalembert.structures.named_measures import StructuralMeasures
-from dalembert.structures.numbering import Numbering
+from dalembert.structures.loads.load_cases import LoadCaseMaker
+from dalembert.structures.measuring.measures import Measure
+from dalembert.structures.measuring.named_measures import StructuralMeasures
 from dalembert.structures.reduction.basis import MEAN
 from dalembert.structures.reduction.craig_bampton import CraigBampton, craig_bampton
 from dalembert.structures.reduction.following import FollowingShapes
 from dalembert.structures.reduction.interface import GivenInterfaces, interfaces_of
 from dalembert.structures.reduction.rigid import node_places
-from dalembert.symbolic.expression import Expression, free_symbols, stack, t
-from dalembert.symbolic.names import Names
+from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
+from dalembert.symbolic.formulas.names import Names
 from dalembert.symbolic.parametric_array import ArrayEntries
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.cards import card, table

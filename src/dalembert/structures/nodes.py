@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 class Nodes:

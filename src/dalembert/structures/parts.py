@@ -10,12 +10,12 @@ from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
-from dalembert.structures.elements import Elements
+from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.spans import Spans
-from dalembert.symbolic.expression import Expression, as_expression
-from dalembert.symbolic.interpolation import Interpolation
-from dalembert.symbolic.parameter import Bounds, Parameter
+from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.interpolation import Interpolation
+from dalembert.symbolic.formulas.parameter import Bounds, Parameter
 from dalembert.text.wording import plain_text
 
 S = TypeVar("S", bound=StructuralElement)

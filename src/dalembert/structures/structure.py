@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dalembert.structures.description import StructureDescription
-from dalembert.structures.mesh import Classes, Mesh, add_mesh
+from dalembert.structures.meshes.mesh import Classes, Mesh, add_mesh
 from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import Spelled
 

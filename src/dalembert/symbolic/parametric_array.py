@@ -9,8 +9,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.symbolic.expression import Expression, t
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.formulas.expression import Expression, t
 
 
 class ParametricArray:

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.names import Names
-from dalembert.symbolic.parameter import Parameter, parameter_vector
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.names import Names
+from dalembert.symbolic.formulas.parameter import Parameter, parameter_vector
 
 
 class ParametricModel(ABC):

@@ -9,8 +9,8 @@ from __future__ import annotations
 import casadi as ca
 
 from dalembert.errors import ModelError
-from dalembert.symbolic.series import alternating, angle_over_sine
-from dalembert.symbolic.template import template
+from dalembert.symbolic.formulas.series import alternating, angle_over_sine
+from dalembert.symbolic.formulas.template import template
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 VERSINE_TERMS = 20

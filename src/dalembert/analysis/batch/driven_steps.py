@@ -13,8 +13,8 @@ from dalembert.analysis.batch.judgement import open_by
 from dalembert.analysis.batch.one_by_one import STOPPED, OneByOne
 from dalembert.analysis.batch.starts import Starts
 from dalembert.analysis.batch.states import States
-from dalembert.analysis.kinematics_kernel import KinematicsKernel
-from dalembert.analysis.kinematics_run import (
+from dalembert.analysis.kinematics.kernel import KinematicsKernel
+from dalembert.analysis.kinematics.run import (
     LARGEST_TURN,
     REGULAR,
     SMALL_TURN,
@@ -23,11 +23,11 @@ from dalembert.analysis.kinematics_run import (
 )
 from dalembert.budget import afford
 from dalembert.model.model import Model
-from dalembert.results.batch import Batch
-from dalembert.results.designs import Designs
+from dalembert.results.batch.batch import Batch
+from dalembert.results.batch.designs import Designs
 from dalembert.results.status import reached
-from dalembert.symbolic.backends import BACKENDS, Backend
-from dalembert.symbolic.lane_march import LaneMarch, in_groups
+from dalembert.symbolic.evaluation.backends import BACKENDS, Backend
+from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
 from dalembert.symbolic.once import once
 
 

@@ -16,18 +16,18 @@ from dalembert.analysis.batch.judgement import Judgement
 from dalembert.analysis.batch.one_by_one import STOPPED, OneByOne
 from dalembert.analysis.batch.starts import Starts, first_states, starting_mode
 from dalembert.analysis.batch.states import MarchedStates
-from dalembert.analysis.branches import outputs_of
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.analysis.dynamics_run import DynamicsRun
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.run import DynamicsRun
+from dalembert.analysis.kinematics.branches import outputs_of
 from dalembert.analysis.timeline import uniform_grid
 from dalembert.budget import afford
 from dalembert.errors import SingularityError
-from dalembert.integrators.steps import Steps
+from dalembert.integrators.marching.steps import Steps
 from dalembert.model.model import Model
-from dalembert.results.batch import Batch
-from dalembert.results.designs import Designs
+from dalembert.results.batch.batch import Batch
+from dalembert.results.batch.designs import Designs
 from dalembert.results.status import reached
-from dalembert.symbolic.lane_march import LaneMarch, in_groups
+from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
 
 
 class FixedSteps:

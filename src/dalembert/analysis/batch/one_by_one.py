@@ -12,8 +12,8 @@ import numpy as np
 
 from dalembert.analysis.batch.workers import can_copy, in_copies
 from dalembert.errors import AnalysisError, AssemblyError, BudgetError, DalembertError
-from dalembert.results.batch_samples import places
-from dalembert.results.designs import Designs
+from dalembert.results.batch.designs import Designs
+from dalembert.results.batch.samples import places
 from dalembert.results.result import Analysis, Result
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.parametric_model import ParametricModel

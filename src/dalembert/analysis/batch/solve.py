@@ -8,9 +8,9 @@ from typing import Any
 from dalembert.analysis.batch.one_by_one import OneByOne
 from dalembert.analysis.batch.workers import checked_workers
 from dalembert.analysis.progress import Reported, progress_reporter
-from dalembert.results.batch import Batch
-from dalembert.results.batch_samples import Gathered
-from dalembert.results.designs import Designs, are_designs
+from dalembert.results.batch.batch import Batch
+from dalembert.results.batch.designs import Designs, are_designs
+from dalembert.results.batch.samples import Gathered
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 

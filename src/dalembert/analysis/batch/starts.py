@@ -5,18 +5,18 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.timeline import check_driver_laws
 from dalembert.elements.driver import Driver
 from dalembert.errors import AnalysisError
-from dalembert.model.many_starts import ManyStarts
+from dalembert.model.assembly.many_starts import ManyStarts
 from dalembert.model.model import Model
-from dalembert.results.designs import Designs
+from dalembert.results.batch.designs import Designs
 from dalembert.results.status import Outcome, Status
-from dalembert.symbolic.backends import Backend
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.evaluation.backends import Backend
+from dalembert.symbolic.evaluation.shared_columns import in_blocks
+from dalembert.symbolic.formulas.expression import stack
 from dalembert.symbolic.once import once
-from dalembert.symbolic.shared_columns import in_blocks
 
 
 class Starts:

@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.analysis.variant import Variant
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.variant import Variant
 from dalembert.model.model import Model
-from dalembert.results.batch_samples import place
+from dalembert.results.batch.samples import place
 from dalembert.results.result import Result
-from dalembert.symbolic.backends import Backend
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.evaluation.backends import Backend
+from dalembert.symbolic.evaluation.shared_columns import BLOCK, gathered_blocks
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
-from dalembert.symbolic.shared_columns import BLOCK, gathered_blocks
 
 
 @dataclass(eq=False)

@@ -17,7 +17,7 @@ from dalembert.analysis.comparison.combinations import (
 from dalembert.analysis.comparison.comparison_run import ComparisonRun
 from dalembert.analysis.comparison.observation import KINDS, Observation, observe
 from dalembert.analysis.comparison.reference import Reference, find_reference
-from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import checked_span, output_times
 from dalembert.errors import AnalysisError

@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.analysis.comparison.combinations import Combination
 from dalembert.analysis.comparison.observation import Observation, differences
 from dalembert.analysis.comparison.reference import Reference
-from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.errors import DalembertError, ModelError, UnsupportedError
 from dalembert.model.model import Model
 from dalembert.results.comparison.data import BETWEEN

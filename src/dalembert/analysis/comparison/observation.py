@@ -14,7 +14,7 @@ from dalembert.elements.pair import Pair
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
-from dalembert.symbolic.expression import Expression, t
+from dalembert.symbolic.formulas.expression import Expression, t
 
 KINDS = ("position", "velocity", "reaction")
 

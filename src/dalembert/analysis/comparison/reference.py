@@ -9,12 +9,12 @@ import numpy as np
 
 from dalembert.analysis.comparison.combinations import label
 from dalembert.analysis.comparison.observation import Observation, differences
-from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.errors import AnalysisError
 from dalembert.formulations.kkt import Kkt
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection
-from dalembert.integrators.runge_kutta import DormandPrince853
+from dalembert.integrators.runge_kutta.explicit import DormandPrince853
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome

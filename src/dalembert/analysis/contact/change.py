@@ -19,11 +19,11 @@ import casadi as ca
 
 from dalembert.analysis.contact.headings import Headings
 from dalembert.analysis.contact.jump import Jump
-from dalembert.analysis.variant import Variant
+from dalembert.analysis.dynamics.variant import Variant
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.step import GraphStep
-from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.formulas.expression import Expression
 
 CORRECTIONS = 2
 """Of the instant by Newton's method: one for its derivative, another for the second."""

@@ -13,7 +13,7 @@ from dalembert.analysis.contact.pattern import Pattern, Place
 from dalembert.analysis.contact.quantities import ContactState, slip_rows
 from dalembert.analysis.contact.ruling import Ruling
 from dalembert.analysis.contact.start import TOUCHING, refuse_negative
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.model.contacts import Phase, Phases
 
 RESTING = 1e-9

@@ -13,7 +13,7 @@ from dalembert.formulations.base import memory_symbols, state_symbols
 from dalembert.model.contacts import Phase, heading, slow
 from dalembert.model.equations import Equations
 from dalembert.model.rigid_gaps import headings
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 class Headings:

@@ -12,7 +12,7 @@ from dalembert.analysis.contact.jump import Jump
 from dalembert.analysis.contact.pattern import Pattern
 from dalembert.analysis.contact.quantities import ContactDynamics
 from dalembert.analysis.contact.ruling import Ruling
-from dalembert.analysis.variant import Variant
+from dalembert.analysis.dynamics.variant import Variant
 from dalembert.formulations.base import Formulation
 from dalembert.model.contacts import Phase, Phases
 from dalembert.model.coordinates import CoordinateView

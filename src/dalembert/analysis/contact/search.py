@@ -16,14 +16,14 @@ from dalembert.analysis.contact.guards import Guard, Guards
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.ruling import Ruling
 from dalembert.analysis.contact.zeros import HALVINGS, cubic, first_zero, lowest
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.passage import NOW, Passage
 from dalembert.analysis.events import locate
-from dalembert.analysis.passage import NOW, Passage
 from dalembert.formulations.base import state_symbols
-from dalembert.integrators.steps import Crossing
+from dalembert.integrators.marching.steps import Crossing
 from dalembert.model.contacts import Phase, Phases
 from dalembert.results.recording import ImpactRecord
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.evaluation.kernel import Kernel
 
 PARTS = np.arange(1, 8)[:, None, None] / 8
 """Of a step, where it is looked for a guard that becomes negative and positive again."""

@@ -13,7 +13,7 @@ from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.friction_problem import FrictionProblem
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
 from dalembert.model.model import Model
-from dalembert.symbolic.patterned import dense
+from dalembert.symbolic.evaluation.patterned import dense
 
 ROUNDS = 50
 """Times that contacts may ask for something else in one step."""

@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from dalembert.analysis.dynamics_truth import DRIFT, TOLD
-from dalembert.analysis.energy_balance import EnergyBalance
+from dalembert.analysis.dynamics.energy_balance import EnergyBalance
+from dalembert.analysis.dynamics.truth import DRIFT, TOLD
 from dalembert.analysis.model_residuals import Gap
 from dalembert.analysis.model_truth import EXACT, ModelTruth
 from dalembert.analysis.nonsmooth.contact_step import ContactStep

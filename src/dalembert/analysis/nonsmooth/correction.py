@@ -9,8 +9,8 @@ import numpy as np
 from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.friction_problem import FrictionProblem
-from dalembert.symbolic import newton
-from dalembert.symbolic.patterned import dense
+from dalembert.symbolic.equations import newton
+from dalembert.symbolic.evaluation.patterned import dense
 
 OPENED = newton.NewtonSettings(tolerance=CLOSED, max_iterations=20, halvings=0)
 """What is left is squared by every step, unless another gap closes."""

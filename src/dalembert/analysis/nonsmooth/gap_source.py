@@ -14,9 +14,9 @@ from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ModelError, UnsupportedError
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.model import Model
-from dalembert.symbolic.expression import t
-from dalembert.symbolic.kernel import Kernel
-from dalembert.symbolic.patterned import Patterned, dense
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.patterned import Patterned, dense
+from dalembert.symbolic.formulas.expression import t
 
 
 @dataclass(frozen=True, eq=False)

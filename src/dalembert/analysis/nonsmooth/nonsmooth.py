@@ -8,9 +8,9 @@ from typing import Unpack
 
 import numpy as np
 
-from dalembert.analysis.energy_balance import check_balance
+from dalembert.analysis.dynamics.energy_balance import check_balance
 from dalembert.analysis.keywords import NonsmoothKeywords
-from dalembert.analysis.kinematics import refuse_outside
+from dalembert.analysis.kinematics.kinematics import refuse_outside
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.analysis.nonsmooth.sampling import sampled
 from dalembert.analysis.over_time import OverTime

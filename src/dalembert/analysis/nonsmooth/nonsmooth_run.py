@@ -30,7 +30,7 @@ from dalembert.model.model import Model
 from dalembert.results.contact_record import ContactRecord
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.results.status import Outcome, Status, reached, stopped
-from dalembert.symbolic.newton import Solution
+from dalembert.symbolic.equations.newton import Solution
 from dalembert.symbolic.once import once
 
 

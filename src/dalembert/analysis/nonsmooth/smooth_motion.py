@@ -9,11 +9,11 @@ import numpy as np
 import scipy
 
 from dalembert.errors import SingularityError, UnsupportedError
-from dalembert.model.assembly import ROUNDING
+from dalembert.model.assembly.assembly import ROUNDING
 from dalembert.model.model import Model
 from dalembert.sparse.factorise import general_factors
-from dalembert.symbolic.kernel import Kernel
-from dalembert.symbolic.patterned import Matrix, Patterned
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.patterned import Matrix, Patterned
 
 Solve = Callable[[np.ndarray, np.ndarray | None], tuple[np.ndarray, np.ndarray]]
 """``(right side of the speeds, of the joints or None) → (speeds, multipliers)``."""

@@ -7,7 +7,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
 from dalembert.results.contact_record import ContactRecord
 from dalembert.results.recording import Trajectory
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.evaluation.kernel import Kernel
 
 
 class StepLog:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.newton import NewtonSettings, Residual
+from dalembert.symbolic.equations.newton import NewtonSettings, Residual
 
 ROUNDING = 1e-13
 """Part of the numbers a force is made of, row by row, that counts as rounding."""

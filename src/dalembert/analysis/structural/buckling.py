@@ -18,7 +18,7 @@ from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
 from dalembert.results.result import Given
 from dalembert.results.structural.buckling_modes import BucklingModes
-from dalembert.structures.eigenpairs import largest
+from dalembert.structures.evaluation.eigenpairs import largest
 from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
 

@@ -20,7 +20,7 @@ from dalembert.analysis.structural.transient_equation import (
     Slopes,
     moved,
 )
-from dalembert.integrators.newmark_rule import Moving
+from dalembert.integrators.newmark.rule import Moving
 from dalembert.sparse.solver import Factors
 from dalembert.symbolic.evaluator import Evaluator
 

@@ -24,7 +24,7 @@ from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult, Plane
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.newton import solve
+from dalembert.symbolic.equations.newton import solve
 from dalembert.text.spelling import spelled
 
 QUICK = 4

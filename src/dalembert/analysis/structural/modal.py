@@ -21,7 +21,7 @@ from dalembert.results.result import Given
 from dalembert.results.structural.result import StructuralResult
 from dalembert.results.structural.vibration_modes import VibrationModes
 from dalembert.sparse.factorise import indefinite_factors
-from dalembert.structures.eigenpairs import nearest
+from dalembert.structures.evaluation.eigenpairs import nearest
 from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
 

@@ -17,7 +17,7 @@ from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.newton import Ending, Equations, Residual, solve
+from dalembert.symbolic.equations.newton import Ending, Equations, Residual, solve
 from dalembert.timing import Timing
 
 SHORTEST = 1e-6

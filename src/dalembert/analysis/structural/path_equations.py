@@ -15,7 +15,7 @@ from dalembert.results.structural.load_path import Plane
 from dalembert.sparse.factorise import general_factors, symmetric_factors
 from dalembert.sparse.solver import Factors
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.newton import ROUNDING, Equations, Residual
+from dalembert.symbolic.equations.newton import ROUNDING, Equations, Residual
 
 
 class PathEquations:

@@ -14,9 +14,9 @@ import numpy as np
 import scipy
 
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.assembly import Assembly
+from dalembert.structures.evaluation.assembly import Assembly
+from dalembert.structures.evaluation.pattern import combined
 from dalembert.structures.model import StructuralModel
-from dalembert.structures.pattern import combined
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.structural.transient_equation import EquationOfMotion
-from dalembert.integrators.newmark_rule import Moving
+from dalembert.integrators.newmark.rule import Moving
 
 
 class RotationCharts:

@@ -11,13 +11,13 @@ from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of
-from dalembert.results.batch import Batch
+from dalembert.results.batch.batch import Batch
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
-    from dalembert.results.designs import ManyDesigns
+    from dalembert.results.batch.designs import ManyDesigns
 
 
 @overload

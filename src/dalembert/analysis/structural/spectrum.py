@@ -11,7 +11,7 @@ import scipy
 from dalembert.analysis.structural.pencil import Pencil
 from dalembert.sparse.eigenvalues import coinciding, residual
 from dalembert.sparse.factorise import indefinite_factors
-from dalembert.structures.eigenpairs import Solve
+from dalembert.structures.evaluation.eigenpairs import Solve
 
 VANISHES = 1e-13
 """An eigenvalue is zero where it is this share of what its terms would add up to, or less."""

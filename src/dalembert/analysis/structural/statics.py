@@ -14,8 +14,8 @@ from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.multigrid import Multigrid
 from dalembert.sparse.solver import Factors, SparseSolver
-from dalembert.structures.factors import factors_of
-from dalembert.structures.iterative import better_iterative, multigrid_of
+from dalembert.structures.evaluation.factors import factors_of
+from dalembert.structures.evaluation.iterative import better_iterative, multigrid_of
 from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
 

@@ -8,8 +8,8 @@ from typing import Unpack
 
 import numpy as np
 
-from dalembert.analysis.branches import place_outputs
 from dalembert.analysis.keywords import TransientKeywords
+from dalembert.analysis.kinematics.branches import place_outputs
 from dalembert.analysis.progress import Reported
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.transient_equation import Rayleigh
@@ -17,7 +17,7 @@ from dalembert.analysis.structural.transient_run import TransientRun, motion_at
 from dalembert.analysis.structural.transient_start import STARTS
 from dalembert.analysis.times import Time, analysis_of, retimed
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.integrators.newmark import Newmark, NewmarkFamily
+from dalembert.integrators.newmark.family import Newmark, NewmarkFamily
 from dalembert.options import options
 from dalembert.results.result import Analysis, Given
 from dalembert.results.structural.motion import StructuralMotion

@@ -14,13 +14,13 @@ import scipy
 
 from dalembert.elements.base import Scalar
 from dalembert.errors import ModelError, SingularityError, UnsupportedError
-from dalembert.integrators.newmark_rule import Moving
+from dalembert.integrators.newmark.rule import Moving
 from dalembert.sparse.factorise import indefinite_factors, symmetric_factors
 from dalembert.sparse.solver import Factors
-from dalembert.structures.configuration_load import ConfigurationLoad, Expansion
+from dalembert.structures.evaluation.pattern import combined
+from dalembert.structures.loads.configuration_load import ConfigurationLoad, Expansion
 from dalembert.structures.model import StructuralModel
-from dalembert.structures.pattern import combined
-from dalembert.symbolic.expression import as_expression, free_symbols
+from dalembert.symbolic.formulas.expression import as_expression, free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
 from dalembert.text.spelling import Spelled
 

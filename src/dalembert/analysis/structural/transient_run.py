@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.branches import Branches, outputs_of
+from dalembert.analysis.kinematics.branches import Branches, outputs_of
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.structural.rotation_charts import RotationCharts
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, moved
@@ -22,10 +22,10 @@ from dalembert.analysis.timeline import (
     step_count,
     uniform_grid,
 )
-from dalembert.integrators.checkpoints import Recorder
-from dalembert.integrators.newmark_rule import Moving
+from dalembert.integrators.marching.checkpoints import Recorder
+from dalembert.integrators.marching.steps import Steps
+from dalembert.integrators.newmark.rule import Moving
 from dalembert.integrators.schedule import Schedule, told_halves
-from dalembert.integrators.steps import Steps
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel

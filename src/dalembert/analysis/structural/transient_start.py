@@ -9,7 +9,7 @@ from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearS
 from dalembert.analysis.structural.statics import factorised
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions, factors
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.integrators.newmark_rule import Moving
+from dalembert.integrators.newmark.rule import Moving
 
 STARTS = ("rest", "statics")
 MASSLESS = (

@@ -1,6 +1,6 @@
 """One step of Newmark's method or a relative, for structures.
 
-The rule of ``integrators/newmark_rule.py``; the equations of motion hold at the end of the step.
+The rule of ``integrators/newmark/rule.py``; the equations of motion hold at the end of the step.
 Newton's method begins with the factors that the step before ended with, and takes new ones only
 where they do not lead fast to the root; what it finds is corrected once more with those at the end.
 """
@@ -21,11 +21,11 @@ from dalembert.analysis.structural.transient_equation import (
     factors,
     moved,
 )
-from dalembert.integrators.newmark import NewmarkFamily
-from dalembert.integrators.newmark_rule import Course, Moving, StepRule
+from dalembert.integrators.newmark.family import NewmarkFamily
+from dalembert.integrators.newmark.rule import Course, Moving, StepRule
 from dalembert.sparse.solver import Factors
-from dalembert.structures.pattern import combined
-from dalembert.symbolic.newton import Equations, Residual, solve
+from dalembert.structures.evaluation.pattern import combined
+from dalembert.symbolic.equations.newton import Equations, Residual, solve
 
 SINGULAR = (
     "the equations of a step are singular: some displacement has neither mass nor stiffness; give "

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.design.limit import Limit
-from dalembert.design.optimization import design_problem
-from dalembert.design.problem import Evaluation
+from dalembert.design.optimize.optimization import design_problem
+from dalembert.design.optimize.problem import Evaluation
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.results.result import Analysis

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.design.identification.table import read_table
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import options
 from dalembert.results.result import Analysis
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import nearest
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from dalembert.elements.laws.table import Table
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression, t
-from dalembert.symbolic.parameter import Parameter
+from dalembert.symbolic.formulas.expression import Expression, t
+from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.text.spelling import spelled
 
 

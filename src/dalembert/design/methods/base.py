@@ -13,7 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from dalembert.design.program import Program
+from dalembert.design.optimize.program import Program
 
 
 @dataclass

@@ -7,7 +7,7 @@ import numpy as np
 from dalembert.design.methods.base import Ended, Optimizer, Stop
 from dalembert.design.methods.differential_evolution import polished
 from dalembert.design.methods.slsqp import Slsqp
-from dalembert.design.program import Program
+from dalembert.design.optimize.program import Program
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
 

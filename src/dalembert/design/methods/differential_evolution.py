@@ -9,7 +9,7 @@ import numpy as np
 from dalembert.design.methods.base import Ended, Optimizer, Stop
 from dalembert.design.methods.discrete import fix_sizes
 from dalembert.design.methods.slsqp import Slsqp
-from dalembert.design.program import Program
+from dalembert.design.optimize.program import Program
 from dalembert.options import options
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
 from dalembert.design.methods.slsqp import Slsqp
-from dalembert.design.program import FEASIBLE, Program
+from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.options import options
 
 

@@ -12,11 +12,11 @@ import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
 from dalembert.design.methods.discrete import fix_sizes
-from dalembert.design.program import FEASIBLE, Program
+from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.values import Final
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 AT_ONCE = 200_000
 """Designs whose formulas are evaluated together."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
-from dalembert.design.program import Program
+from dalembert.design.optimize.program import Program
 from dalembert.design.quantity import SumOfSquares
 from dalembert.errors import UnsupportedError
 from dalembert.options import options

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
-from dalembert.design.program import Point, Program
+from dalembert.design.optimize.program import Point, Program
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
 

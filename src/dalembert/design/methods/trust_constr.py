@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
-from dalembert.design.program import Program
+from dalembert.design.optimize.program import Program
 from dalembert.options import options
 
 

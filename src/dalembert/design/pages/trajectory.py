@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.design.pages.plain import with_views
 from dalembert.report import views
-from dalembert.results.scene import standing
+from dalembert.results.pictures.scene import standing
 
 FINE = 240
 """Points of a control that a page draws."""

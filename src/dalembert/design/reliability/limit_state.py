@@ -10,13 +10,13 @@ import casadi as ca
 import numpy as np
 
 from dalembert.design.limit import Limit
-from dalembert.design.optimization import design_problem
+from dalembert.design.optimize.optimization import design_problem
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Analysis
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.symbolic.parser import parse_formula
 from dalembert.text.wording import unknown
 
 

@@ -16,8 +16,8 @@ import numpy as np
 from dalembert.design.case import Case
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer
-from dalembert.design.optimization import optimize
-from dalembert.design.optimum import Optimum
+from dalembert.design.optimize.optimization import optimize
+from dalembert.design.optimize.optimum import Optimum
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.first_order import Search
 from dalembert.design.reliability.inverse_search import worst_point

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from dalembert.design.decision import Decision
-from dalembert.design.optimum import Optimum
+from dalembert.design.optimize.optimum import Optimum
 
 if TYPE_CHECKING:
     import xarray as xr

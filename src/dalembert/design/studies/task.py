@@ -13,18 +13,18 @@ import numpy as np
 
 from dalembert.analysis.batch.solve import solve_batch
 from dalembert.analysis.times import follow_parameters
-from dalembert.design.optimization import design_problem
-from dalembert.design.problem import NOT_FINITE
+from dalembert.design.optimize.optimization import design_problem
+from dalembert.design.optimize.problem import NOT_FINITE
 from dalembert.design.studies.design import Design
 from dalembert.errors import AnalysisError, DalembertError
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
 from dalembert.responses.batch import batch_responses
-from dalembert.results.designs import Designs
+from dalembert.results.batch.designs import Designs
 from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
-from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.parameter import parameter_vector
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.parameter import parameter_vector
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.units.measured import check_measured
 

@@ -15,8 +15,8 @@ from typing import Any
 from dalembert.elements import planar
 from dalembert.errors import ModelError
 from dalembert.model.system import System
-from dalembert.symbolic.expression import t
-from dalembert.symbolic.parameter import Parameter
+from dalembert.symbolic.formulas.expression import t
+from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.text.wording import unknown
 
 Places = Mapping[str, tuple[float, float]]

@@ -16,7 +16,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.model.system import System
-from dalembert.symbolic.parameter import Parameter
+from dalembert.symbolic.formulas.parameter import Parameter
 
 Numbers = Mapping[str, Any]
 """Dimension → number, array or graph."""

@@ -17,7 +17,7 @@ import numpy as np
 from dalembert.design.synthesis.found_mechanism import FoundMechanism
 from dalembert.design.synthesis.mechanism_task import SAMPLES, MechanismTask
 from dalembert.results.motion import Motion
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 WAY = 24
 """Positions of a turn at which the joints stay closed."""

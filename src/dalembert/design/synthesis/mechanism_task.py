@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.kinematics import Kinematics
+from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError, DalembertError
 from dalembert.model.model import Model

@@ -11,8 +11,8 @@ import numpy as np
 from dalembert.design.synthesis.linkage import Linkage, Numbers
 from dalembert.elements import planar
 from dalembert.model.system import System
-from dalembert.symbolic.expression import t
-from dalembert.symbolic.functions import cos, sin
+from dalembert.symbolic.formulas.expression import t
+from dalembert.symbolic.formulas.functions import cos, sin
 
 
 @dataclass(frozen=True, kw_only=True)

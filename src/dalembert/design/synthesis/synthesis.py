@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.analysis.kinematics import Kinematics
+from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.design.synthesis.candidates import Candidate, Candidates
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.errors import DalembertError

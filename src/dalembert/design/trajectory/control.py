@@ -8,7 +8,7 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from dalembert.symbolic.expression import t
+from dalembert.symbolic.formulas.expression import t
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,11 +7,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.quantities import Conditions
 from dalembert.errors import AnalysisError
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 Guess = dict[str, np.ndarray]
 ITERATIONS = 60

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.transcription import Transcription
 from dalembert.errors import AnalysisError, UnsupportedError

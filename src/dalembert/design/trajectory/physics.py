@@ -19,7 +19,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
 from dalembert.model.scheduled import refuse_other_than_forces
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 class Physics:

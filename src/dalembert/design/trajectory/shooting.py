@@ -7,7 +7,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from dalembert.analysis.dynamics import Dynamics
+from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.steered import half_of
@@ -17,7 +17,7 @@ from dalembert.formulations.base import Formulation
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
 from dalembert.integrators.base import Integrator
-from dalembert.integrators.runge_kutta import RK4
+from dalembert.integrators.runge_kutta.explicit import RK4
 from dalembert.options import options
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics import Dynamics
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.dynamics.dynamics import Dynamics
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.design.trajectory.physics import Physics
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import WORK

@@ -12,7 +12,7 @@ from dalembert.elements.base import Rate, Scalar, quantity
 from dalembert.elements.contact.contact import Touching
 from dalembert.elements.contact.shapes import Hollow, Round, Shape
 from dalembert.elements.pair import BetweenPoints
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(eq=False)

@@ -16,7 +16,7 @@ from dalembert.elements.look import Disc, Rail
 from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.symbolic.formulas.expression import Expression, as_expression
 
 
 @dataclass(frozen=True, eq=False)

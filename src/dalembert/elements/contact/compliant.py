@@ -13,7 +13,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.unilateral import Gap, Unilateral
 from dalembert.elements.ingredient import Ingredient
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 Measured = dict[str, tuple[ca.SX, str]]
 

@@ -20,7 +20,7 @@ from dalembert.elements.contact.unilateral import Gap, Impact, Unilateral, at_mo
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Limit
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 @dataclass(eq=False)

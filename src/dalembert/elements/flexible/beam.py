@@ -36,7 +36,7 @@ from dalembert.elements.flexible.interpolation import Lagrange, gauss, through
 from dalembert.elements.flexible.nodes import CrossSection, Noded
 from dalembert.elements.look import Strand
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression, stack, t
+from dalembert.symbolic.formulas.expression import Expression, stack, t
 
 STATIONS = {"start": 0.0, "middle": 0.5, "end": 1.0}
 """Where forces inside are named, in shares of the length."""

@@ -16,7 +16,7 @@ from dalembert.elements.flexible.shape_numbers import ShapeNumbers, constant_sha
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.point import Point
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.symbolic.expression import Expression, as_expression
+from dalembert.symbolic.formulas.expression import Expression, as_expression
 from dalembert.text.wording import unknown
 
 MEAN = "mean"

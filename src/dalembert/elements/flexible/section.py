@@ -12,7 +12,7 @@ from dalembert.elements.flexible.shape_numbers import SectionSymbols
 from dalembert.elements.flexible.shapes import SectionShapes
 from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
-from dalembert.symbolic.expression import t
+from dalembert.symbolic.formulas.expression import t
 
 
 class Section(BodyElement):

@@ -13,7 +13,7 @@ import casadi as ca
 from dalembert.elements.base import Condition, Scalar, option, quantity
 from dalembert.elements.ingredient import Ingredient
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression, as_expression, t
+from dalembert.symbolic.formulas.expression import Expression, as_expression, t
 
 
 @dataclass(eq=False)

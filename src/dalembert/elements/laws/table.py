@@ -11,8 +11,8 @@ import numpy as np
 from dalembert.elements.base import Condition, Rows, option
 from dalembert.elements.laws.base import Law
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression
-from dalembert.symbolic.spline import CubicSpline
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.spline import CubicSpline
 
 FREE = {"unit": "", "minimum": -np.inf, "above": -np.inf}
 """What a row must be: any number."""

@@ -17,7 +17,7 @@ from dalembert.elements.planar.body import rotation
 from dalembert.elements.planar.in_plane import InPlane
 from dalembert.elements.planar.node import ElementNode
 from dalembert.elements.point import Point
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(eq=False)

@@ -11,7 +11,7 @@ from dalembert.elements.coordinates import rate_of
 from dalembert.elements.flexible.body import Flexible
 from dalembert.elements.flexible.section import Section
 from dalembert.elements.planar.body import MovingFrame, PlanarFrame, motion_measures, rotation
-from dalembert.symbolic.expression import t
+from dalembert.symbolic.formulas.expression import t
 
 
 class PlanarSection(PlanarFrame, Section):

@@ -6,7 +6,7 @@ import casadi as ca
 
 from dalembert.elements.coordinates import Coordinates
 from dalembert.symbolic import rotation
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 class Attitude(Coordinates):

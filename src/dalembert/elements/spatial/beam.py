@@ -22,7 +22,7 @@ from dalembert.elements.rotation import Orientation, as_orientation
 from dalembert.elements.spatial.node import ElementNode
 from dalembert.errors import ModelError
 from dalembert.symbolic import rotation
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(eq=False)

@@ -20,7 +20,7 @@ from dalembert.elements.rotation import Orientation, as_orientation
 from dalembert.elements.spatial.frame import SpatialFrame
 from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(eq=False)

@@ -15,7 +15,7 @@ from dalembert.elements.pair import Pair
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.joint import SpatialJoint, slide_of, turn_of
 from dalembert.elements.spatial.turn import Turn
-from dalembert.symbolic.expression import t
+from dalembert.symbolic.formulas.expression import t
 
 
 class JointDriver(Driver, Pair):

@@ -18,8 +18,8 @@ from dalembert.elements.coordinates import Coordinates, rate_of, second_rate_of
 from dalembert.elements.point import components
 from dalembert.elements.spatial.attitude import Attitude
 from dalembert.symbolic import rotation
-from dalembert.symbolic.expression import Expression, t
-from dalembert.symbolic.template import template
+from dalembert.symbolic.formulas.expression import Expression, t
+from dalembert.symbolic.formulas.template import template
 
 
 @template(7, 6)

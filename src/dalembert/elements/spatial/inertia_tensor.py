@@ -9,8 +9,8 @@ import numpy as np
 
 from dalembert.elements.base import Condition
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression, as_expression, as_sx
-from dalembert.symbolic.template import template
+from dalembert.symbolic.formulas.expression import Expression, as_expression, as_sx
+from dalembert.symbolic.formulas.template import template
 
 ROUNDING = 1e-9
 """Of moments of inertia as people write them, relative to their sum."""

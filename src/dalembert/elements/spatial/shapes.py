@@ -13,7 +13,7 @@ from dalembert.elements.point import Point
 from dalembert.elements.spatial.shape import Shape, moments
 from dalembert.elements.spatial.solids import Cuboid, Drum, Orb, Pill
 from dalembert.errors import ModelError
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(eq=False)

@@ -11,7 +11,7 @@ from dalembert.elements.joint_space import JointSpace
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.body import Body
 from dalembert.symbolic import rotation
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 class TreeJoint:

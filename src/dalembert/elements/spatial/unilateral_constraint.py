@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from dalembert.elements.base import Vector, quantity
 from dalembert.elements.contact import unilateral_constraint
-from dalembert.symbolic.expression import as_sx
+from dalembert.symbolic.formulas.expression import as_sx
 
 
 @dataclass(eq=False)

@@ -74,7 +74,7 @@ class Comparison(ComparisonData):
 
     def save(self, path: str | Path) -> Path:
         """Write a NetCDF file; ``Comparison(load_results(path))`` has it back."""
-        from dalembert.results.store import save_dataset
+        from dalembert.results.files.store import save_dataset
 
         return save_dataset(self.data, path)
 

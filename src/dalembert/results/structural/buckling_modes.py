@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from dalembert.results.structural.eigenmodes import EIGENVALUE, EigenModes
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(frozen=True, eq=False, repr=False)

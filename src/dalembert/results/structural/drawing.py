@@ -22,7 +22,7 @@ from dalembert.results.structural.shapes import (
     samples,
     turned_tangent,
 )
-from dalembert.structures.block import ElementBlock
+from dalembert.structures.evaluation.block import ElementBlock
 from dalembert.structures.model import StructuralModel
 
 SHARP = 0.6

@@ -14,10 +14,16 @@ from dalembert.results.result import Analysis
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
-from dalembert.structures.measures import Compliance, ExternalForce, Measure, State, Weights
+from dalembert.structures.measuring.measures import (
+    Compliance,
+    ExternalForce,
+    Measure,
+    State,
+    Weights,
+)
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.expression import Expression, free_symbols
-from dalembert.symbolic.names import Names
+from dalembert.symbolic.formulas.expression import Expression, free_symbols
+from dalembert.symbolic.formulas.names import Names
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.shapes import Shapes
-from dalembert.structures.measures import State
+from dalembert.structures.measuring.measures import State
 from dalembert.structures.model import StructuralModel
 
 DISPLACEMENT = "displacement"

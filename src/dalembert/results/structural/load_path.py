@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.results.result import Instants
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.measures import State
+from dalembert.structures.measuring.measures import State
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.elements.fem.nodal import ROTATIONS
 from dalembert.errors import DalembertError
-from dalembert.results.headings import checked_units
+from dalembert.results.files.headings import checked_units
 from dalembert.units.unit import shown_in
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ from dalembert.results.result import Instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
+from dalembert.structures.measuring.motion_measures import MovingState, MovingWeights
 from dalembert.structures.model import StructuralModel
-from dalembert.structures.motion_measures import MovingState, MovingWeights
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     import xarray as xr

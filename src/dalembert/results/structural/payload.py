@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.results.page_parts import diagnosis, parameter_rows, statistics
+from dalembert.results.files.page_parts import diagnosis, parameter_rows, statistics
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.plot import automatic_scale
 from dalembert.results.structural.shapes import Shapes

@@ -13,8 +13,8 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.recording import Recording
 from dalembert.results.result import Instants
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.motion_measures import MovingState
-from dalembert.symbolic.expression import Expression, t
+from dalembert.structures.measuring.motion_measures import MovingState
+from dalembert.symbolic.formulas.expression import Expression, t
 
 
 @dataclass(eq=False, repr=False)

@@ -13,9 +13,9 @@ from dalembert.results.result import Analysis, Instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
-from dalembert.structures.measures import State
+from dalembert.structures.measuring.measures import State
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -107,7 +107,7 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
 
     def to_csv(self, path: str | Path, units: Sequence[str] = ()) -> Path:
         """Write ``to_dataframe`` as CSV, in the units wanted, such as ``["mm", "MPa"]``."""
-        from dalembert.results.store import save_table
+        from dalembert.results.files.store import save_table
         from dalembert.results.structural.measure_table import measure_table
 
         return save_table(measure_table(self, units), path)

@@ -9,11 +9,11 @@ import numpy as np
 from dalembert.elements.fem.node import Node
 from dalembert.errors import AnalysisError
 from dalembert.results.result import Result
-from dalembert.structures.measures import State
-from dalembert.structures.mesh import Mesh
+from dalembert.structures.measuring.measures import State
+from dalembert.structures.meshes.mesh import Mesh
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.nodes import Nodes
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     pass

@@ -9,9 +9,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.results.structural.eigenmodes import EIGENVALUE, EigenModes
-from dalembert.structures.measures import Measure, State, Weights
+from dalembert.structures.measuring.measures import Measure, State, Weights
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     import xarray as xr

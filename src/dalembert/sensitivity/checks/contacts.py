@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dalembert.analysis.contact.change import ContactChange
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result

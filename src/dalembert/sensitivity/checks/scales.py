@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from dalembert.symbolic.parameter import Parameter
+from dalembert.symbolic.formulas.parameter import Parameter
 
 
 def parameter_scale(parameter: Parameter, value: float) -> float:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.analysis.transition import Transition
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.transition import Transition
 from dalembert.model.model import Model
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.responses.integrals import OverRun

@@ -5,14 +5,14 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.integrators.march import branches, flagged
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.integrators.marching.march import branches, flagged
 from dalembert.integrators.step import Step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_adjoint
 from dalembert.sensitivity.marching.walk import BackwardWalk
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.prelude import Prelude
 from dalembert.symbolic.once import once
-from dalembert.symbolic.prelude import Prelude
 
 
 class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):

@@ -11,14 +11,14 @@ import numpy as np
 
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.batch.states import MarchedStates, measured
-from dalembert.integrators.march import branches
+from dalembert.integrators.marching.march import branches
 from dalembert.responses.base import Response
-from dalembert.results.batch import Batch
+from dalembert.results.batch.batch import Batch
 from dalembert.sensitivity.marching.adjoint_march import backward_step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.samples import Sample, take_sample
-from dalembert.symbolic.lane_march import LaneMarch, in_groups
-from dalembert.symbolic.shared_columns import in_blocks
+from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
+from dalembert.symbolic.evaluation.shared_columns import in_blocks
 
 MEMORY = 2.0**26
 """Bytes of states, and of what is seen of them, at once."""

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator, Sequence
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.step_outputs import alike
+from dalembert.analysis.dynamics.step_outputs import alike
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.marching.tangent_march import TangentMarch, beside
 from dalembert.sensitivity.samples import Sample
-from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
 Take = Callable[[int, int, np.ndarray], None]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dalembert.analysis.flow import Flow
+from dalembert.analysis.dynamics.flow import Flow
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.marching.adjoint_march import AdjointMarch
 from dalembert.sensitivity.marching.direct_march import DirectMarch

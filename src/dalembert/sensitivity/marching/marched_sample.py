@@ -8,16 +8,16 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.branches import Branches
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.analysis.step_outputs import alike
-from dalembert.analysis.variant import Variant
-from dalembert.integrators.march import CHUNK
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.step_outputs import alike
+from dalembert.analysis.dynamics.variant import Variant
+from dalembert.analysis.kinematics.branches import Branches
+from dalembert.integrators.marching.march import CHUNK
+from dalembert.integrators.marching.steps import even_length, run_length
 from dalembert.integrators.step import Step
-from dalembert.integrators.steps import even_length, run_length
 from dalembert.sensitivity.marching.sightings import Sightings
 from dalembert.sensitivity.samples import Sample
-from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
 

@@ -11,9 +11,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.march import flagged
+from dalembert.integrators.marching.march import flagged
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.marching.second_step import second_begin, second_step
 from dalembert.sensitivity.marching.tangent_march import TangentMarch

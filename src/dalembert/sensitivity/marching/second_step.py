@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import casadi as ca
 
-from dalembert.integrators.explicit_step import ExplicitStep
+from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
 from dalembert.integrators.step import Step
-from dalembert.symbolic.implicit import ImplicitFunction
+from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
 Pair = tuple[ca.SX, ca.SX]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.branches import Branches
-from dalembert.integrators.steps import Steps
+from dalembert.analysis.kinematics.branches import Branches
+from dalembert.integrators.marching.steps import Steps
 from dalembert.sensitivity.samples import Sample
 
 

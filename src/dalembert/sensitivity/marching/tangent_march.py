@@ -8,14 +8,14 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics_kernel import DynamicsKernel
-from dalembert.integrators.march import CHUNK, branches, flagged
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.integrators.marching.march import CHUNK, branches, flagged
 from dalembert.integrators.step import Step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
 from dalembert.sensitivity.marching.walk import ForwardWalk
-from dalembert.symbolic.kernel import Kernel
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.prelude import Prelude
 from dalembert.symbolic.once import once
-from dalembert.symbolic.prelude import Prelude
 
 MOST = 1 << 18
 """Numbers of changes at the steps of a chunk that are held at once."""

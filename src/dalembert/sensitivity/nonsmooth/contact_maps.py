@@ -15,7 +15,7 @@ import casadi as ca
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.sensitivity.nonsmooth.implicit_map import ImplicitMap
-from dalembert.symbolic.expression import stack
+from dalembert.symbolic.formulas.expression import stack
 
 
 class Rubbing(Enum):

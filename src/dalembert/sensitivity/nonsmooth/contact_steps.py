@@ -14,7 +14,7 @@ from dalembert.integrators.contact.schemes import MoreauJean
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps, Pattern, Rubbing
 from dalembert.sensitivity.nonsmooth.implicit_map import MapAt
-from dalembert.symbolic import newton
+from dalembert.symbolic.equations import newton
 
 STUCK = 1e-6
 """Share of the friction that is left over by what sticks."""

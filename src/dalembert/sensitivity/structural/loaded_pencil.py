@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.analysis.structural.pencil import Loaded, Pencil, Term
 from dalembert.sensitivity.structural.statics import StaticsTangent
-from dalembert.structures.measures import Weights
+from dalembert.structures.measuring.measures import Weights
 
 
 class PencilTangent:

@@ -13,7 +13,7 @@ import numpy as np
 from dalembert.results.structural.measured_states import Formula
 from dalembert.sensitivity.samples import Sample, weights_change
 from dalembert.sensitivity.structural.statics import StaticsEngine, StaticsTangent
-from dalembert.structures.measures import State, Weights
+from dalembert.structures.measuring.measures import State, Weights
 
 
 class SecondStatics(StaticsTangent):

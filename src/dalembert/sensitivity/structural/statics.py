@@ -10,8 +10,8 @@ import numpy as np
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample
-from dalembert.structures.columns import Pulls
-from dalembert.structures.measures import Weights
+from dalembert.structures.evaluation.columns import Pulls
+from dalembert.structures.measuring.measures import Weights
 
 ENTRIES = 4_000_000
 """Numbers of elements, times responses, that are gathered at once."""

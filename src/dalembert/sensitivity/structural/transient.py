@@ -14,7 +14,7 @@ import numpy as np
 from dalembert.analysis.structural.instant import Instant
 from dalembert.analysis.structural.transient_equation import Motions, moved
 from dalembert.analysis.structural.transient_step import TransientStep
-from dalembert.integrators.newmark_rule import Moving
+from dalembert.integrators.newmark.rule import Moving
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.marching.walk import BackwardWalk, ForwardWalk
 from dalembert.sensitivity.samples import Sample

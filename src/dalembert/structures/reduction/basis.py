@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.structures.numbering import Numbering
+from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.interface import Interface
 from dalembert.text.wording import unknown

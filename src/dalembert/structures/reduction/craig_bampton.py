@@ -16,10 +16,10 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError, SingularityError
 from dalembert.sparse.solver import Factors
-from dalembert.structures.assembly import Assembly
-from dalembert.structures.eigenpairs import nearest
-from dalembert.structures.factors import factors_of
-from dalembert.structures.numbering import Numbering
+from dalembert.structures.evaluation.assembly import Assembly
+from dalembert.structures.evaluation.eigenpairs import nearest
+from dalembert.structures.evaluation.factors import factors_of
+from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.interface import Interface
 
 

@@ -13,7 +13,7 @@ import scipy
 
 from dalembert.elements.flexible.shapes import FloatingShapes, SectionShapes
 from dalembert.errors import ModelError
-from dalembert.structures.numbering import Numbering
+from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.basis import ShapeBasis
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.interface import Interface

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from dalembert.elements.flexible.shapes import FloatingShapes, SectionShapes
-from dalembert.structures.numbering import Numbering
+from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.basis import ShapeBasis
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.floating import (

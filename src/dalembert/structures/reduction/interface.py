@@ -10,8 +10,8 @@ import numpy as np
 
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
+from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.nodes import Nodes
-from dalembert.structures.numbering import Numbering
 from dalembert.structures.reduction.rigid import rigid_motions
 from dalembert.text.wording import unknown
 

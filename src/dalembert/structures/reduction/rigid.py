@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dalembert.structures.block import ElementBlock
-from dalembert.structures.numbering import Numbering
+from dalembert.structures.evaluation.block import ElementBlock
+from dalembert.structures.evaluation.numbering import Numbering
 
 
 def node_places(blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 
 from dalembert.sparse.factorise import general_factors
-from dalembert.structures.numbering import Numbering
+from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.rigid import pull_places, push_places, spins
 

@@ -1,0 +1,242 @@
+"""Forward dynamics: integrate the constrained equations of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import field, replace
+
+import numpy as np
+
+from dalembert.analysis.batch.fixed_steps import FixedSteps
+from dalembert.analysis.contact.start import refuse_overlap
+from dalembert.analysis.dynamics.energy_balance import check_balance
+from dalembert.analysis.dynamics.instants import end_by_event, ended_again, instant_of
+from dalembert.analysis.dynamics.kernel import DynamicsKernel, DynamicsRecord
+from dalembert.analysis.dynamics.merits import merits_of
+from dalembert.analysis.dynamics.run import DynamicsRun
+from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
+from dalembert.analysis.dynamics.variant import Variant
+from dalembert.analysis.events import Events, Occurrence
+from dalembert.analysis.kinematics.branches import Branches, outputs_of, place_outputs
+from dalembert.analysis.over_time import OverTime
+from dalembert.analysis.timeline import checked_span
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.formulations.base import Formulation, Merits
+from dalembert.formulations.range_space import RangeSpace
+from dalembert.formulations.stabilization import Projection, Stabilization
+from dalembert.integrators.base import Integrator
+from dalembert.integrators.runge_kutta.explicit import RK4
+from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
+from dalembert.model.model import Model
+from dalembert.options import options
+from dalembert.results.motion import Motion
+from dalembert.results.status import Outcome
+from dalembert.symbolic.evaluation.backends import BACKENDS
+from dalembert.symbolic.once import once
+
+STRATEGIES = {
+    "coordinates": (Coordinates, AbsoluteCoordinates),
+    "formulation": (Formulation, RangeSpace),
+    "stabilization": (Stabilization, Projection),
+    "integrator": (Integrator, RK4),
+}
+"""What each choice of a run must be, and what it usually is."""
+OF_OUTPUTS = 4
+"""Order of the quadrature through the ends of equal steps."""
+INTERVALS = 1000
+"""Where the integrator's own steps are not seen, integrals look at so many intervals at least."""
+
+
+@options
+class Dynamics(OverTime[Motion]):
+    """Forward dynamics as a strategy object: run it, repeat it, differentiate it.
+
+    Parameters
+    ----------
+    step : step length of fixed-step integrators, by default a thousandth of the run; first step
+        of adaptive ones [s]
+    coordinates : in which coordinates the equations are integrated; ``AutomaticCoordinates()``
+        takes those that need fewer operations
+    formulation : how accelerations and multipliers are found; ``AutomaticFormulation()`` takes
+        the one that needs fewest operations of those that are accurate
+    stabilization : how violations of the constraints are kept small
+    integrator : how time advances
+    events : name → Event, or a formula that is recorded when it crosses zero
+    strict : refuse inconsistent initial speeds instead of projecting them
+    backend : ``"auto"``, CasADi's virtual machine at first and machine code where the work repays
+        compiling; ``"vm"``, the virtual machine; ``"jit"``, machine code by LLVM; ``"c"``, by the
+        system's C compiler. What is compiled is kept on disk
+    balance : largest error of the energy balance, over the energy that took part in the motion,
+        with which a run still counts as completed
+    memory : bytes for the states that gradients and later questions need; of a longer run only
+        few are kept and the others computed again when needed, which costs another run.
+        Without ``outputs`` everything is kept
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("throw", gravity=(0, -10))
+    >>> speed = system.parameter("speed", 5.0, unit="m/s", bounds=(1, 10))
+    >>> stone = system.add(planar.Particle("stone", mass=0.2, velocity=(speed, 10)))
+    >>> throw = da.Dynamics(duration=2.0, step=0.1, integrator=da.Heun())
+    >>> model = system.build()
+    >>> [round(throw.run(model, {"speed": v})["stone.x"][-1].item(), 6) for v in (5, 8)]  # v t
+    [10.0, 16.0]
+    """
+
+    spoken = "dynamics"
+    integrates = True
+    execution = DynamicsRun
+    batched = FixedSteps
+
+    coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
+    formulation: Formulation = field(default_factory=RangeSpace)
+    stabilization: Stabilization = field(default_factory=Projection)
+    integrator: Integrator = field(default_factory=RK4)
+    events: Events | None = None
+    strict: bool = False
+    backend: str = "auto"
+    balance: float = 0.25
+    memory: float = 2.0**27
+
+    def __post_init__(self) -> None:
+        for name, (kind, usual) in STRATEGIES.items():
+            given = getattr(self, name)
+            if not isinstance(given, kind):
+                text = f"{name} is {given!r}; give a strategy such as {usual.__name__}()"
+                raise AnalysisError(text)
+        check_balance(self.balance)
+        if self.backend not in BACKENDS:
+            known = ", ".join(map(repr, BACKENDS))
+            raise UnsupportedError(f"unknown backend {self.backend!r}; known: {known}")
+
+    def kernel(self, model: Model) -> DynamicsKernel:
+        """Compiled functions, made once per model and choice of strategies."""
+        choices = (self.coordinates, self.formulation, self.stabilization, self.integrator)
+        return _kernel(model, *choices, self.backend)
+
+    @property
+    def gradient_error(self) -> float:
+        return self.integrator.gradient_error
+
+    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
+        """The strategies work together, and on this mechanism where it starts."""
+
+        def definite() -> Variant:
+            return self.kernel(model).beginning[0]
+
+        return {
+            **super().checks(model),
+            "stabilization": lambda: self.stabilization.check(self.formulation),
+            "coordinates": lambda: self.coordinates.check(model, self.formulation.every_equation),
+            "formulation": definite,
+            "integrator": lambda: self.integrator.check(definite().problem),
+            "": lambda: refuse_overlap(model, checked_span(self.duration, self.t_span)[0]),
+        }
+
+    def resample(self, motion: Motion, times: np.ndarray) -> Motion:
+        """The motion at other times within the run.
+
+        Raises
+        ------
+        AnalysisError
+            A time outside the run.
+        """
+        return self._sampled(motion, times, place_outputs(motion.record.steps, times))
+
+    def over_steps(self, motion: Motion) -> Motion:
+        """The motion where integrals over the run look at it."""
+        record: DynamicsRecord = motion.record
+        kernel, steps, order = record.kernel, record.steps, self.integrator.order
+        uneven = kernel.adaptive is not None or kernel.contacts is not None
+        if steps.count and (uneven or order > OF_OUTPUTS):
+            points = StepQuadrature(steps, order)
+            made = self._sampled(motion, points.times, points.branches)
+            return replace(made, record=replace(made.record, quadrature=points))
+        if steps.count and kernel.fixed.at_once(int(steps.mode[0])):
+            finer = steps.divided(-(-INTERVALS // steps.count))
+            steps = kernel.fixed.repeat(finer, steps.x[:, 0], motion.parameters)
+            motion = replace(motion, record=replace(record, steps=steps))
+            return self._sampled(motion, *outputs_of(steps, None))
+        if self.outputs is None:
+            return motion
+        return self._sampled(motion, *outputs_of(steps, None, end_by_event(motion) is not None))
+
+    def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
+        """The motion at the instant of an event.
+
+        Raises
+        ------
+        AnalysisError
+            Unknown event, or it did not happen so often.
+        """
+        found = instant_of(motion, occurrence)
+        time = motion.record.steps.t[found.index] + found.length
+        return self._sampled(motion, np.array([time]), found.branches)
+
+    def _sampled(self, motion: Motion, times: np.ndarray, branches: Branches) -> Motion:
+        kernel, steps = motion.record.kernel, motion.record.steps
+        trajectory = kernel.trajectory(times, steps, branches, motion.parameters)
+        return replace(
+            motion, trajectory=trajectory, record=replace(motion.record, branches=branches)
+        )
+
+    def replay(self, motion: Motion, p: np.ndarray) -> Motion:
+        """The same steps and outputs at other parameter values: the discrete map itself.
+
+        A run that ended by an event ends by it again, with a last step of another length.
+
+        Raises
+        ------
+        AnalysisError
+            With these values a step fails.
+        """
+        record: DynamicsRecord = motion.record
+        kernel, old = record.kernel, record.steps
+        state = motion.model.assemble(p, float(old.t[0]))
+        start = float(old.t[0])
+        x0, mode = kernel.initial(state, start, p, old.x[:, 0])
+        x0 = kernel.remembered(start, x0, p, int(old.mode[0]) if old.count else mode)
+        steps = kernel.fixed.repeat(old, x0, p)
+        if steps.interrupted:
+            raise KeyboardInterrupt
+        if steps.message:
+            raise AnalysisError(
+                f"the steps of the run cannot be repeated with these parameters: {steps.message} "
+                f"after t = {steps.end:.9g} s"
+            )
+        times, branches = motion.time, record.branches
+        if motion.status.outcome is Outcome.TERMINATED:
+            steps = ended_again(motion, steps, p)
+            if end_by_event(motion):
+                times, branches = np.append(times[:-1], steps.end), branches.ended(steps)
+        return replace(
+            motion,
+            parameters=p,
+            trajectory=kernel.trajectory(times, steps, branches, p),
+            record=DynamicsRecord(kernel, steps, branches, origin=motion),
+        )
+
+
+@once
+def _kernel(
+    model: Model,
+    coordinates: Coordinates,
+    formulation: Formulation,
+    stabilization: Stabilization,
+    integrator: Integrator,
+    backend: str,
+) -> DynamicsKernel:
+    strategies = formulation, stabilization, integrator
+    chosen = coordinates.chosen(lambda one: _kernel(model, one, *strategies, backend).operations)
+    if chosen is not coordinates:
+        return _kernel(model, chosen, *strategies, backend)
+
+    def merits(one: Formulation) -> Merits:
+        return merits_of(_kernel(model, coordinates, one, stabilization, integrator, backend))
+
+    definite = formulation.chosen(merits, integrator.implicit)
+    if definite is not formulation:
+        return _kernel(model, coordinates, definite, stabilization, integrator, backend)
+    return DynamicsKernel(model, chosen, *strategies, BACKENDS[backend]())

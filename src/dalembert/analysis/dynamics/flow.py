@@ -1,0 +1,101 @@
+"""The numerical motion between the ends of its steps, and how fast measures change along it.
+
+Inside step ``k`` the motion is what a part of the step makes of its beginning, ``x(t_k + s) =
+step(t_k, s, x_k, p)``. So the rate of a measure that belongs to the discrete run is
+
+    ṁ = ∂m/∂t + (∂m/∂x) ∂step/∂s,
+
+accelerations and multipliers in ``m`` included: they are functions of the state.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.variant import Variant
+from dalembert.integrators.marching.checkpoints import ended_states
+from dalembert.integrators.marching.steps import Steps
+from dalembert.integrators.step import Step
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.once import once
+
+
+class Flow:
+    """States and measures inside the steps of a run.
+
+    Parameters
+    ----------
+    kernel : DynamicsKernel of the run
+    steps : Steps taken
+    p : (np,) parameters
+    """
+
+    def __init__(self, kernel: DynamicsKernel, steps: Steps, p: np.ndarray):
+        self.kernel, self.steps, self.p = kernel, steps, p
+
+    def state(self, k: int, length: float) -> np.ndarray:
+        """(n,) state ``length`` seconds after the beginning of step ``k``."""
+        x = self.steps.x[:, k]
+        if length == 0.0:
+            return x
+        return self._advanced(k)(self.steps.t[k], length, x, self.p)[0].ravel()
+
+    def bodies(self, k: int, length: float) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) coordinates and speeds of the bodies there."""
+        variant = self._variant(k)
+        x = self.state(k, length)[: variant.step.state_size]
+        y, v, *_ = Kernel(variant.bodies)(self.steps.t[k] + length, x, self.p)
+        return y.ravel(), v.ravel()
+
+    def ended(self, k: int, length: float) -> Steps:
+        """The steps up to the ``k``-th, which is given this length."""
+        made = self.steps.cut(k + 1)
+        made.h, made.corrected = made.h.copy(), made.corrected.copy()
+        made.h[k], made.corrected[k] = length, True
+        made.x = ended_states(made.x, k + 1, self.state(k, length))
+        return made
+
+    def value(self, measure: Expression, k: int, length: float) -> float:
+        """The measure there."""
+        function = Kernel(self._variant(k).measured(measure).function)
+        x = self.state(k, length)[: self._variant(k).step.state_size]
+        return float(function(self.steps.t[k] + length, x, self.p)[0].item())
+
+    def rate(self, measure: Expression, k: int, length: float) -> float:
+        """``ṁ`` there [unit of the measure per second]."""
+        size = self._variant(k).step.state_size
+        x = self.state(k, length)[:size]
+        x_rate = self._state_rate(k)(self.steps.t[k], length, self.steps.x[:, k], self.p)[0]
+        tangent = Kernel(self._variant(k).measured(measure).tangent)
+        still = np.zeros(self.p.size)
+        t = self.steps.t[k] + length
+        return float(tangent(t, x, self.p, 1.0, x_rate.ravel()[:size], still)[0].item())
+
+    def _variant(self, k: int) -> Variant:
+        return self.kernel.variants[self.steps.mode[k] if self.steps.count else -1]
+
+    def _advanced(self, k: int) -> Kernel:
+        return _partial(self._variant(k).step)
+
+    def _state_rate(self, k: int) -> Kernel:
+        """``(t, s, x, p) → ∂step/∂s``."""
+        return _by_length(self._variant(k).step)
+
+
+@once
+def _partial(step: Step) -> Kernel:
+    return Kernel(step.function)
+
+
+@once
+def _by_length(corrected: Step) -> Kernel:
+    step = corrected.moving
+    s, p = ca.MX.sym("s"), ca.MX.sym("p", step.parameter_count)
+    t, x = ca.MX.sym("t"), ca.MX.sym("x", step.size)
+    new = step.function(t, s, x, p)
+    still_x, still_p = ca.MX(step.size, 1), ca.MX(step.parameter_count, 1)
+    rate = step.function.forward(1)(t, s, x, p, new, 0, 1, still_x, still_p)
+    return Kernel(ca.Function("step_rate", [t, s, x, p], [ca.densify(rate)]))

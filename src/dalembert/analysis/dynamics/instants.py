@@ -1,0 +1,113 @@
+"""Where in a dynamic run an event happened, and where it does when the run is repeated.
+
+A repeated run takes the same steps with other parameters. Its events are located anew, each in the
+step in which it was found: the branch of the motion is kept, so the instant is a smooth function of
+the parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.analysis.dynamics.event_search import EventSearch
+from dalembert.analysis.dynamics.flow import Flow
+from dalembert.analysis.events import Event, Occurrence, as_events, locate_again
+from dalembert.analysis.kinematics.branches import Branches
+from dalembert.integrators.marching.steps import Steps
+from dalembert.results.motion import Motion
+from dalembert.results.result import Result
+from dalembert.results.status import Outcome
+
+
+@dataclass(frozen=True)
+class Instant:
+    """``length`` seconds after the beginning of step ``index``."""
+
+    index: int
+    length: float
+
+    @property
+    def branches(self) -> Branches:
+        return Branches(np.array([self.index]), np.array([self.length]))
+
+
+def end_by_event(motion: Result) -> Occurrence | None:
+    """The terminal event at which the last output lies, if that is how the run ended."""
+    if motion.status.outcome is not Outcome.TERMINATED:
+        return None
+    if not motion.time.size or motion.time[-1] != motion.record.steps.end:
+        return None
+    name = motion.events[-1].name
+    return Occurrence(name, sum(record.name == name for record in motion.events))
+
+
+def instant_of(motion: Motion, occurrence: Occurrence) -> Instant:
+    """Where an event happened.
+
+    Raises
+    ------
+    AnalysisError
+        Unknown event, or it did not happen so often.
+    """
+    event = occurrence.declared(as_events(motion.analysis.events))
+    origin, steps = motion.record.origin, motion.record.steps
+    if origin is not None:
+        flow = Flow(motion.record.kernel, steps, motion.parameters)
+        return _moved(motion, flow, event, instant_of(origin, occurrence))
+    name = occurrence.event if isinstance(occurrence.event, str) else _name_of(motion, event)
+    if name is None:
+        search = EventSearch(motion.record.kernel, {"": event}, motion.parameters)
+        k = occurrence.among(search.crossings("", steps).tolist())
+        return _placed(steps, float(steps.t[k]) + search.locate("", steps, k))
+    time = occurrence.among([record.time for record in motion.events if record.name == name])
+    ends = motion.status.outcome is Outcome.TERMINATED and time == motion.events[-1].time
+    return _end(steps) if ends and name == motion.events[-1].name else _placed(steps, time)
+
+
+def ended_again(motion: Motion, steps: Steps, p: np.ndarray) -> Steps:
+    """Repeated steps of a run, the last of which ends where its terminal event happens now.
+
+    Raises
+    ------
+    AnalysisError
+        It does not happen any more.
+    """
+    name = motion.events[-1].name
+    event = as_events(motion.analysis.events)[name]
+    flow = Flow(motion.record.kernel, steps, p)
+    found = _moved(motion, flow, event, _end(motion.record.steps))
+    return flow.ended(found.index, found.length)
+
+
+def _moved(motion: Motion, flow: Flow, event: Event, before: Instant) -> Instant:
+    """The instant of an event in the flow of other parameters, near where it was before."""
+    measure, k = motion.model.expression(event.measure), before.index
+    length = locate_again(
+        lambda s: flow.value(measure, k, s),
+        lambda s: flow.rate(measure, k, s),
+        before.length,
+        str(Occurrence(event)),
+        flow.steps.end - float(flow.steps.t[0]),
+    )
+    return Instant(k, length)
+
+
+def _name_of(motion: Motion, event: Event) -> str | None:
+    known = as_events(motion.analysis.events)
+    return next((name for name, other in known.items() if other == event), None)
+
+
+def _end(steps: Steps) -> Instant:
+    return Instant(steps.count - 1, float(steps.h[-1]))
+
+
+def _placed(steps: Steps, time: float) -> Instant:
+    """An instant lies at the end of a step rather than at the beginning of the next."""
+    k = int(np.clip(np.searchsorted(steps.t[: steps.count], time) - 1, 0, steps.count - 1))
+    length, small = time - float(steps.t[k]), steps.instant
+    if length < small and k > 0:
+        return Instant(k - 1, float(steps.h[k - 1]))
+    end = float(steps.h[k])
+    return Instant(k, end if abs(length - end) < small else length)

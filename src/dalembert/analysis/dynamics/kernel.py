@@ -1,0 +1,283 @@
+"""Compiled functions of a dynamic analysis: its marches, and what is read off their steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.contact.change import ContactChange
+from dalembert.analysis.contact.headings import first_headings
+from dalembert.analysis.contact.modes import ContactModes
+from dalembert.analysis.contact.quantities import check_contacts
+from dalembert.analysis.dynamics.step_outputs import StepOutputs
+from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
+from dalembert.analysis.dynamics.transition import Transition, crossed, distances
+from dalembert.analysis.dynamics.variant import Variant
+from dalembert.analysis.kinematics.branches import Branches
+from dalembert.errors import SingularityError, UnsupportedError
+from dalembert.formulations.base import Formulation
+from dalembert.formulations.redundancy import TRUSTED, best_rows, largest_share
+from dalembert.formulations.stabilization import Stabilization
+from dalembert.integrators.base import Attempt, Integrator
+from dalembert.integrators.marching.adaptive import AdaptiveMarch
+from dalembert.integrators.marching.march import FixedMarch
+from dalembert.integrators.marching.steps import Steps, Switch
+from dalembert.model.assembly.closure import AssembledState
+from dalembert.model.contacts import Phase, Phases, touching
+from dalembert.model.coordinates import Coordinates
+from dalembert.model.model import Model
+from dalembert.results.recording import Recording
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.evaluation.backends import Backend, VirtualMachine
+from dalembert.symbolic.evaluation.columns import Columns
+
+
+@dataclass(frozen=True)
+class DynamicsRecord:
+    """What a gradient needs of a run: the steps taken and the branches to the outputs.
+
+    ``origin`` is the run that this one repeats, if it does; ``quadrature`` holds the weights that
+    make integrals of the outputs, where these are points inside steps.
+    """
+
+    kernel: DynamicsKernel
+    steps: Steps
+    branches: Branches
+    origin: Recording | None = None
+    quadrature: StepQuadrature | None = None
+
+
+STAGES = 4
+"""Accelerations of a step, about."""
+
+
+class DynamicsKernel(StepOutputs):
+    """Compiled functions of one model under one choice of strategies.
+
+    Made once by ``Dynamics.kernel`` and shared by runs, replays and gradients. Formulations that
+    lean on a choice of independent speeds have one ``Variant`` per choice met so far, and each
+    switch that was met has a ``Transition``; a *mode* is the index of one, and every step remembers
+    the mode it was taken in.
+
+    Parameters
+    ----------
+    model : Model
+    coordinates, formulation, stabilization, integrator : as in ``Dynamics``
+    backend : what evaluates the functions
+
+    Attributes
+    ----------
+    view : CoordinateView, the model in the coordinates that are integrated
+    equations : Equations in these coordinates, the ones formulations see
+    variants : list of Variant and Transition, by mode
+    contacts : ContactModes of rigid gaps, None where there are none
+    fixed : FixedMarch over given steps; repeats those of adaptive runs, too
+    adaptive : AdaptiveMarch, or None for integrators of fixed steps
+
+    Raises
+    ------
+    UnsupportedError, ModelError
+        The model cannot be described in these coordinates, or the strategies do not go together.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        coordinates: Coordinates,
+        formulation: Formulation,
+        stabilization: Stabilization,
+        integrator: Integrator,
+        backend: Backend | None = None,
+    ):
+        self.model, self.formulation, self.stabilization = model, formulation, stabilization
+        self.coordinates, self.integrator = coordinates, integrator
+        self.backend = backend or VirtualMachine()
+        stabilization.check(formulation)
+        self.view = coordinates.view(model, formulation.every_equation)
+        if integrator.adaptive:
+            self.view.hold_switches()
+        self.equations = self.view.equations
+        self.variants: list[Variant] = []
+        self.contacts: ContactModes | None = None
+        if self.equations.contacts:
+            check_contacts(self.equations, formulation)
+            self.contacts = ContactModes(self.view, self.variants, self._mode)
+        self._transitions: dict[tuple[int, int, bool], int] = {}
+        self.fixed = FixedMarch(
+            lambda mode: self.variants[mode].step, stabilization.period, self.backend
+        )
+        self.adaptive: AdaptiveMarch | None = None
+        if integrator.adaptive:
+            crossed = self.crossed if self.equations.switches.count else None
+            self.adaptive = AdaptiveMarch(
+                self._attempt, self.backend, self.fixed, crossed, self.contacts is not None
+            )
+
+    def _attempt(self, mode: int) -> Attempt:
+        found = self.variants[mode].attempt
+        if found is None:
+            raise UnsupportedError(f"{self.integrator.name} has no error control")
+        return found
+
+    # variants -----------------------------------------------------------------------
+    def choose(
+        self,
+        t: float,
+        x: np.ndarray,
+        p: np.ndarray,
+        rows: tuple[int, ...] | None = None,
+        phases: Phases | None = None,
+    ) -> int:
+        """The variant for a state, with some rows of the equations or, by default, good ones.
+
+        Rigid gaps are apart by default.
+        """
+        y = x[: self.equations.coordinate_count]
+        rows = self._rows(t, y, p) if rows is None else rows
+        if phases is None:
+            phases = (Phase.APART,) * len(self.equations.contacts)
+        chosen = self.formulation.choose(touching(self.view.with_rows(rows), phases), t, y, p)
+        return self._mode(rows, chosen, phases)
+
+    def _mode(self, rows: tuple[int, ...], chosen: Formulation, phases: Phases) -> int:
+        for mode, variant in enumerate(self.variants):
+            if (variant.rows, variant.formulation, variant.phases) == (rows, chosen, phases):
+                return mode
+        made = Variant(self.view, rows, chosen, self.stabilization, self.integrator, phases)
+        self.variants.append(made)
+        return len(self.variants) - 1
+
+    def _rows(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
+        """The rows of the start where the others follow well from them, else the best ones."""
+        rows, whole = self.view.rows, self.view.whole
+        if len(rows) == whole.constraint_count:
+            return rows
+        share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_share(whole, rows)])
+        return rows if float(share(t, y, p)) <= TRUSTED else best_rows(whole, rows, t, y, p)
+
+    @cached_property
+    def distances(self) -> ca.Function:
+        """``(t, x, p)`` → distance to each switch, negative beyond it."""
+        return distances(self.equations)
+
+    @cached_property
+    def crossed(self) -> ca.Function:
+        """``(t, x, p)`` → how far a state lies beyond each switch, rounding left out."""
+        return crossed(self.equations)
+
+    def transition(self, mode: int, number: int, moving: bool) -> int:
+        """The mode in which a switch goes over between steps of a mode."""
+        key = (mode, number, moving)
+        if key not in self._transitions:
+            self.variants.append(Transition(self.variants[mode], number, moving))
+            self._transitions[key] = len(self.variants) - 1
+        return self._transitions[key]
+
+    def crossings(self, steps: Steps) -> list[tuple[int, Transition | ContactChange]]:
+        """Steps that are transitions at which forces change."""
+        found = [(int(k), self.variants[steps.mode[k]]) for k in np.flatnonzero(steps.h == 0)]
+        kinds = Transition, ContactChange
+        return [(k, v) for k, v in found if isinstance(v, kinds) and v.moving]
+
+    def jumps(self, steps: Steps) -> np.ndarray:
+        """Steps in which speeds jump."""
+        changes = [(k, v) for k, v in self.crossings(steps) if isinstance(v, ContactChange)]
+        return np.array([k for k, change in changes if change.struck], dtype=int)
+
+    def switch(self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray) -> Switch:
+        """How many of these steps to keep, and the variant after them."""
+        everything, now = Switch(times.size - 1, mode), self.variants[mode]
+        if now.conditioning is None:
+            return everything
+        y = states[: self.equations.coordinate_count]
+        watched = self.over(now.conditioning, times.size)
+        shares, values = watched(times, y, np.tile(p[:, None], times.size))
+        bad = np.flatnonzero(~((shares.ravel() <= 1) & (values.ravel() <= 1)))
+        if not bad.size:
+            return everything
+        last_good, rows = max(int(bad[0]) - 1, 0), now.rows
+        for kept in (last_good, int(bad[0])):
+            t, x = float(times[kept]), states[:, kept]
+            try:
+                if not shares.ravel()[bad[0]] <= 1:
+                    rows = best_rows(self.view.whole, rows, t, y[:, kept], p)
+                following = self.choose(t, x, p, rows, now.phases)
+            except SingularityError as error:
+                return Switch(last_good, mode, str(error))
+            if following != mode:
+                return Switch(kept, following)
+        return everything
+
+    @cached_property
+    def beginning(self) -> tuple[Variant, np.ndarray]:
+        """The variant where the model starts, and the state there."""
+        start, p = self.model.start, self.model.nominal
+        x = self.start.function(0.0, start.y, start.v, p).full().ravel()
+        return self.variants[self.choose(0.0, x, p)], x
+
+    @cached_property
+    def operations(self) -> int:
+        """What a step costs where the model starts: of its accelerations and its correction.
+
+        Raises
+        ------
+        UnsupportedError
+            The formulation gives no accelerations.
+        """
+        if not self.formulation.gives_accelerations:
+            kind = type(self.formulation).__name__
+            raise UnsupportedError(f"{kind} gives no accelerations whose operations could count")
+        variant, _ = self.beginning
+        correction = variant.problem.correction
+        corrected = 0 if correction is None else correction.function.n_instructions()
+        return int(STAGES * variant.rate.function.n_instructions() + corrected)
+
+    def over(self, function: ca.Function, count: int) -> Callable[..., list[np.ndarray]]:
+        """The function for ``count`` columns at once."""
+        return partial(self.backend.columns(function), count)
+
+    def marched(self, function: ca.Function, fixed: tuple[int, ...]) -> Columns:
+        """A function whose result is its first argument for the next column; ``fixed`` are the
+        numbers of arguments that are the same for all."""
+        return self.backend.columns(function, True, fixed)
+
+    def steps(self, mode: int) -> Columns:
+        """The steps, or attempted steps, of a mode."""
+        return (self.adaptive or self.fixed).columns(mode)
+
+    # states -------------------------------------------------------------------------
+    @cached_property
+    def start(self) -> ImplicitFunction:
+        """``(t, y, v, p)`` of the bodies → state ``x = [q; u; work; sides]`` without memory."""
+        reduce, e = self.view.reduce, self.equations
+        t, _, _, p = reduce.inputs
+        q, u = reduce.outputs
+        energy = self.stabilization.reference_energy(e)
+        sides = e.switches.actual
+        energy = ca.substitute(energy, e.switches.sides, sides)
+        seen = [ca.vertcat(ca.SX(0), ca.densify(energy), first_headings(e), sides)]
+        (more,) = ca.substitute(seen, [ca.vertcat(e.t, e.y, e.v, e.p)], [ca.vertcat(t, q, u, p)])
+        return ImplicitFunction("start", reduce.inputs, [], [ca.vertcat(q, u, more)])
+
+    def initial(
+        self, state: AssembledState, t: float, p: np.ndarray, like: np.ndarray | None = None
+    ) -> tuple[np.ndarray, int]:
+        """State with memory at the start, and its variant; switches on the sides of ``like``."""
+        x = self.start.function(t, state.y, state.v, p).full().ravel()
+        if like is not None:
+            sides = slice(x.size - self.equations.switches.count, x.size)
+            x[sides] = like[sides]
+        mode = self.choose(t, x, p)
+        return self.remembered(t, x, p, mode), mode
+
+    def remembered(self, t: float, x: np.ndarray, p: np.ndarray, mode: int) -> np.ndarray:
+        """A state with what the steps of a mode remember at their start."""
+        step = self.variants[mode].step
+        if step.begin is None:
+            return x
+        x = x[: step.state_size]
+        return np.concatenate([x, step.begin(t, x, p).full().ravel()])

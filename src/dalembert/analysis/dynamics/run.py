@@ -1,0 +1,259 @@
+"""Integrating the equations of motion: start, march, events, outputs, status."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.choices import doubts
+from dalembert.analysis.contact.search import ContactSearch
+from dalembert.analysis.contact.unseen import refuse_collisions
+from dalembert.analysis.dynamics.event_search import EventSearch
+from dalembert.analysis.dynamics.kernel import DynamicsRecord
+from dalembert.analysis.dynamics.status import Ending, statistics
+from dalembert.analysis.dynamics.step_accuracy import StepAccuracy
+from dalembert.analysis.dynamics.stiffness import too_long_for
+from dalembert.analysis.dynamics.switch_search import SwitchSearch
+from dalembert.analysis.dynamics.truth import DynamicsTruth
+from dalembert.analysis.events import as_events
+from dalembert.analysis.kinematics.branch_jumps import BranchJumps
+from dalembert.analysis.kinematics.branches import outputs_of
+from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.timeline import (
+    Pace,
+    afford_states,
+    check_driver_laws,
+    checked_span,
+    checked_step,
+    output_times,
+    step_count,
+    uniform_grid,
+)
+from dalembert.budget import STEP
+from dalembert.errors import AssemblyError, SingularityError
+from dalembert.integrators.marching.changing_march import ChangingMarch
+from dalembert.integrators.marching.march import SHORT_CHUNK
+from dalembert.integrators.marching.steps import Crossing, Steps, Switch, Watch, standstill
+from dalembert.integrators.schedule import told_halves
+from dalembert.model.model import Model
+from dalembert.results.motion import Motion
+from dalembert.results.recording import EventRecord
+from dalembert.results.status import Outcome, Status
+from dalembert.timing import Timing
+
+SHORTEST = 1e-12
+"""Step length, relative to the time, at which an adaptive run is asked why it ended."""
+REFUSED = (Outcome.VIOLATED, Outcome.UNBALANCED)
+"""Runs to the end that are no motion of the model: which steps would do is told there too."""
+PASSING = ", or use formulation=AugmentedLagrangian(), which passes through such positions"
+
+
+class DynamicsRun:
+    """One execution of a dynamic analysis.
+
+    Parameters
+    ----------
+    analysis : strategy object with the fields of ``Dynamics``
+    model : Model
+    parameters : new values, or the whole vector
+    """
+
+    def __init__(self, analysis: Any, model: Model, parameters):
+        self.analysis, self.model = analysis, model
+        self.start, self.end = checked_span(analysis.duration, analysis.t_span)
+        self.step = checked_step(analysis.step, self.start, self.end)
+        self.requested = output_times(analysis.outputs, self.start, self.end)
+        self._afford()
+        self.p = model.values(parameters)
+        if model.diagnosis.massless:
+            raise SingularityError(
+                f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; "
+                "give mass and inertia to the bodies that move there, or constrain them"
+            )
+        refuse_collisions(model)
+        if not analysis.formulation.every_equation:
+            model.closure.refuse_singular_start(PASSING)
+        check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
+        self.kernel = analysis.kernel(model)
+        self._refuse_lost_mass()
+        self.events = EventSearch(self.kernel, as_events(analysis.events), self.p)
+        self.switches = SwitchSearch(self.kernel, self.p, self.start, self.end)
+        self.contacts: ContactSearch | None = None
+        if modes := self.kernel.contacts:
+            self.contacts = ContactSearch(self.kernel, modes, self.p, self.start, self.end)
+
+    def _afford(self) -> None:
+        """Steps and outputs that are too many are refused; of adaptive steps the fewest count."""
+        e, integrator = self.model.equations, self.analysis.integrator
+        longest = integrator.longest_step or self.end - self.start
+        step = min(longest, self.end - self.start) if integrator.adaptive else self.step
+        count = step_count(self.start, self.end, step)
+        count = count if self.requested is None else self.requested.size
+        afford_states(count, 3 * (e.coordinate_count + 2 * e.speed_count + e.constraint_count))
+
+    def _refuse_lost_mass(self) -> None:
+        """A mass that was not zero when the model was built must not become zero."""
+        mass = np.diag(self.model.mass_matrix(self.p))
+        lost = set(np.flatnonzero(mass == 0)) - set(self.model.equations.massless)
+        if lost and self.kernel.formulation.needs_mass:
+            names = ", ".join(self.model.guesses.speed_names[k] for k in sorted(lost))
+            raise SingularityError(
+                f"the inertia of {names} is zero with these parameters but was not when the model "
+                "was built; build it with this value, or use formulation=Kkt()"
+            )
+
+    def initial_state(self) -> tuple[np.ndarray, int]:
+        state = self.model.assemble(self.p, self.start)
+        length = self.end - self.start
+        integrator = self.analysis.integrator
+        self.forewarned = too_long_for(self.model, state, self.p, integrator, self.step, length)
+        if self.analysis.strict and state.projected_speeds:
+            raise AssemblyError(
+                "initial speeds are inconsistent with the joints: "
+                + ", ".join(
+                    f"{n} changed by {c:.3g}" for n, c in state.velocity_corrections.items()
+                )
+            )
+        x0, mode = self.kernel.initial(state, self.start, self.p)
+        if self.contacts is None:
+            return x0, mode
+        mode = self.contacts.begin(x0, mode)
+        return self.kernel.remembered(self.start, x0, self.p, mode), mode
+
+    def doubts(self, motion: Motion, truth: DynamicsTruth) -> list[str]:
+        """Warnings about the choices made; an exchange of energy below round-off counts as none."""
+        a = self.analysis
+        exchanged = float(np.max(np.abs(motion.trajectory.work), initial=0.0))
+        if exchanged <= 1e-9 * np.max(motion.values("kinetic_energy"), initial=0.0):
+            exchanged = 0.0
+        freedom = self.model.diagnosis.free
+        formulation = self.kernel.formulation
+        found = doubts(formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
+        fed_back = a.stabilization.feedback or formulation.feedback
+        found += self.forewarned
+        found += self.contacts.doubts if self.contacts else []
+        found += told_halves(self.halved(motion.record.steps))
+        if motion.status.success:
+            found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
+        whole = motion.status.success or motion.status.outcome in REFUSED
+        if whole and not (a.integrator.controls_error or fed_back):
+            found += StepAccuracy(self.kernel, motion.record.steps, self.p).doubts
+        return found
+
+    def execute(self, progress) -> Motion:
+        timing = Timing()
+        x0, mode = self.initial_state()
+        timing.lap("assembly")
+        self.prepare(mode)
+        timing.lap("compile")
+        with progress_reporter(progress, f"integrating {self.model.name}") as report:
+            watch = self.watch(report)
+            steps = self.march(x0, mode, watch)
+        timing.lap("integration")
+        happened, ends = self.events.find(steps)
+        if ends is not None:
+            steps = self.events.cut(steps, *ends)
+        jumps = self.kernel.jumps(steps)
+        wanted = self.requested
+        if wanted is None and self.halved(steps):
+            wanted = self.grid
+        times, branches = outputs_of(steps, wanted, ends is not None, jumps)
+        trajectory = self.kernel.trajectory(times, steps, branches, self.p)
+        timing.lap("outputs")
+        truth = DynamicsTruth(self.kernel, steps, trajectory, self.p, self.analysis.balance)
+        motion = Motion(
+            model=self.model,
+            analysis=self.analysis,
+            parameters=self.p,
+            trajectory=trajectory,
+            status=self.status(steps, truth, happened if ends is not None else []),
+            statistics=statistics(self.kernel, steps, trajectory, self.p, timing),
+            events=happened,
+            record=DynamicsRecord(self.kernel, steps, branches),
+        )
+        if self.contacts:
+            motion.statistics |= self.contacts.statistics(steps.end)
+            motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
+        motion.warnings = self.doubts(motion, truth)
+        timing.lap("checks")
+        motion.statistics |= timing.statistics
+        return motion
+
+    def prepare(self, mode: int) -> None:
+        """Compile the march, so that its time is its own."""
+        if self.kernel.adaptive is not None:
+            self.kernel.adaptive.prepare(mode)
+        else:
+            count = self.grid.size - 1
+            count = min(count, SHORT_CHUNK) if self.contacts else count
+            self.kernel.fixed.prepare(count, mode)
+
+    @property
+    def grid(self) -> np.ndarray:
+        """Times of fixed steps."""
+        return uniform_grid(self.start, self.end, self.step)
+
+    def halved(self, steps: Steps) -> int:
+        """How often a fixed step was taken in halves; without other wishes the grid is told."""
+        return steps.rejected if self.kernel.adaptive is None else 0
+
+    # marching ----------------------------------------------------------------------
+    def march(self, x0: np.ndarray, mode: int, watch: Watch) -> Steps:
+        kernel = self.kernel
+        if self.contacts and self.contacts.trouble:  # nothing goes on from the start
+            return standstill(self.start, x0, self.contacts.trouble)
+        if kernel.adaptive is None and self.contacts:
+            return ChangingMarch(kernel.fixed).run(self.grid, x0, self.p, mode, watch)
+        if kernel.adaptive is None:
+            return kernel.fixed.run(self.grid, x0, self.p, mode, watch)
+        longest = kernel.integrator.longest_step or (self.end - self.start) / 4
+        first = min(self.step, longest) if self.analysis.step else 1e-4 * (self.end - self.start)
+        return kernel.adaptive.run(self.start, self.end, x0, self.p, first, longest, mode, watch)
+
+    def watch(self, report: Callable[[float], None]) -> Watch:
+        """What follows the march: states of every step are kept where all are outputs anyway."""
+        every = self.requested is None
+        kept = 24.0 * self.model.equations.coordinate_count if every else 0.0
+        self.pace = Pace(self.start, self.end, STEP + kept)
+        memory = np.inf if every else self.analysis.memory
+        return Watch(report, self.ends, self.switch, self.cross, memory, self.requested)
+
+    def ends(self, ends: np.ndarray, states: np.ndarray, modes: np.ndarray) -> bool:
+        """Whether a terminal event happens in these steps, or they lead to too many."""
+        return self.events.terminal_crossing(ends, states, modes) or self.pace.exceeds(ends)
+
+    def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
+        """The first change of a rigid contact or of a switch in these steps."""
+        found = self.contacts.cross(times, states, mode) if self.contacts else None
+        if self.kernel.adaptive is None or not self.kernel.equations.switches.count:
+            return found
+        if found is not None:
+            times, states = times[: found.kept + 2], states[:, : found.kept + 2]
+        other = self.switches.cross(times, states, mode)
+        if found is None or other is None:
+            return found or other
+        return min(found, other, key=lambda crossing: crossing.t[0] + crossing.h[0])
+
+    def switch(self, times: np.ndarray, states: np.ndarray, mode: int) -> Switch:
+        return self.kernel.switch(times, states, mode, self.p)
+
+    # what is told ------------------------------------------------------------------
+    def status(self, steps: Steps, truth: DynamicsTruth, ended_by: list[EventRecord]) -> Status:
+        """How the run ended; ``ended_by`` are the events up to a terminal one."""
+        ending = Ending(self.kernel, steps, truth.s, self.p, self.following_length(steps), truth)
+        if self.contacts and self.contacts.trouble and not ended_by:
+            return ending.contact(self.contacts.trouble, self.contacts.inconsistent)
+        if self.switches.trouble and not ended_by:
+            return ending.chattering(self.switches.trouble)
+        if self.pace.excess:
+            return ending.given_up(self.pace.excess)
+        return ending.status(ended_by[-1] if ended_by else None)
+
+    def following_length(self, steps: Steps) -> float:
+        """Length of the step that comes, or would have come, after the last one."""
+        if self.kernel.adaptive is not None:
+            return SHORTEST * max(self.end - self.start, abs(steps.end))
+        lengths, done = np.diff(self.grid), np.searchsorted(self.grid, steps.end + steps.instant)
+        return float(lengths[min(max(int(done) - 1, 0), lengths.size - 1)])

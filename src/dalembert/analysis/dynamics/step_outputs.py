@@ -1,0 +1,100 @@
+"""What is read off the steps of a run: states of all bodies at its outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.dynamics.variant import Variant
+from dalembert.analysis.kinematics.branches import Branches
+from dalembert.integrators.marching.checkpoints import States
+from dalembert.integrators.marching.steps import Steps
+from dalembert.model.equations import Equations
+from dalembert.results.recording import Trajectory
+
+BLOCK = 5000
+"""Columns of a mapped function at once, so that what it is given takes little memory."""
+
+
+class StepOutputs:
+    """Reads outputs, each by the variant of the motion that it belongs to.
+
+    Attributes
+    ----------
+    variants : the first one, and others as runs come to them
+    equations : Equations of the run
+    """
+
+    variants: list[Variant]
+    equations: Equations
+
+    def over(self, function: ca.Function, count: int) -> Callable[..., list[np.ndarray]]:
+        """The function for ``count`` columns at once."""
+        raise NotImplementedError
+
+    def branch_states(self, steps: Steps, branches: Branches, p: np.ndarray) -> np.ndarray:
+        """States at the outputs: ends of steps as they are, others by a partial step."""
+        k, ends = branches.index, branches.ends_of(steps)
+        states = steps.x[:, k + ends]
+        inside = np.flatnonzero((branches.length != 0) & ~ends)
+        for mode, part in alike(steps.mode[k[inside]], inside):
+            (states[:, part],) = self.over(self.variants[mode].step.function, part.size)(
+                steps.t[k[part]],
+                branches.length[part],
+                states[:, part],
+                np.tile(p[:, None], part.size),
+            )
+        return states
+
+    def modes(self, steps: Steps, branches: Branches) -> np.ndarray:
+        """Variant of each output."""
+        if not steps.count:
+            return np.full(branches.index.size, len(self.variants) - 1)
+        following = np.minimum(branches.index + 1, steps.count - 1)
+        return steps.mode[np.where(branches.ends_of(steps), following, branches.index)]
+
+    def mapped(
+        self,
+        function_of: Callable[[Variant], ca.Function],
+        modes: np.ndarray,
+        times: np.ndarray,
+        states: States,
+        p: np.ndarray,
+        *more: np.ndarray,
+    ) -> list[np.ndarray]:
+        """``(t, x, p, …)`` functions of the variants over outputs, each by its own variant."""
+        results: list[np.ndarray] = []
+        size = self.variants[0].step.state_size
+        for mode, part in alike(modes, np.arange(modes.size)):
+            function = function_of(self.variants[mode])
+            found = self.over(function, part.size)(
+                times[part],
+                states[:size, part],
+                np.tile(p[:, None], part.size),
+                *(column[:, part] for column in more),
+            )
+            results = results or [np.zeros((r.shape[0], modes.size)) for r in found]
+            for whole, piece in zip(results, found, strict=True):
+                whole[:, part] = piece
+        return results
+
+    def trajectory(
+        self, times: np.ndarray, steps: Steps, branches: Branches, p: np.ndarray
+    ) -> Trajectory:
+        """Poses, speeds, accelerations and multipliers of all bodies at the outputs."""
+        states = self.branch_states(steps, branches, p)
+        modes = self.modes(steps, branches)
+        y, v, a, multiplier = self.mapped(lambda s: s.bodies, modes, times, states, p)
+        n = self.equations.coordinate_count + self.equations.speed_count
+        work = states[n : n + 2] - steps.x[n : n + 2, :1]
+        return Trajectory(times, y, v, a, multiplier, work)
+
+
+def alike(modes: np.ndarray, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """Parts of the chosen columns that have one mode, ``BLOCK`` at most."""
+    for mode in np.unique(modes):
+        part = chosen[modes == mode]
+        for begin in range(0, part.size, BLOCK):
+            yield int(mode), part[begin : begin + BLOCK]

@@ -1,0 +1,97 @@
+"""Switches of held equations: when they are crossed, and what a run does there.
+
+The instant ``t*`` of ``g(t*, x, p) = 0`` moves with the parameters, the times of the steps do not.
+A change of it by ``δt`` gives the motion the old branch for so long, and takes the new one from it:
+
+    x⁺ = x + (ẋ⁻ − ẋ⁺) δt,      δt = −g/ġ,      ġ = ∂g/∂t + (∂g/∂x) ẋ⁻
+
+(Aizerman and Gantmacher 1958). In the run itself ``δt`` is zero but for rounding.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import casadi as ca
+
+from dalembert.analysis.dynamics.variant import Variant
+from dalembert.formulations.base import state_sizes, state_symbols
+from dalembert.integrators.base import Attempt
+from dalembert.integrators.step import GraphStep
+from dalembert.model.equations import Equations
+
+SURFACE = 1e-13
+"""Distance from a switch, relative to the state and its natural sizes, that counts as none."""
+
+
+class Transition(Variant):
+    """A switch goes over to its other side: a step of no length between steps of a variant.
+
+    Parameters
+    ----------
+    variant : of the steps before and after
+    number : of the switch
+    moving : the forces change there; else the side is all that does
+    """
+
+    def __init__(self, variant: Variant, number: int, moving: bool):
+        strategies = variant.formulation, variant.stabilization, variant.integrator
+        super().__init__(variant.view, variant.rows, *strategies, variant.phases)
+        self.variant, self.number, self.moving = variant, number, moving
+
+    @cached_property
+    def step(self) -> GraphStep:
+        step, equations = self.variant.step, self.variant.equations
+        t, h = ca.MX.sym("t"), ca.MX.sym("h")
+        x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
+        state, memory = x[: step.state_size], x[step.state_size :]
+        place = step.state_size - equations.switches.count + self.number
+        turned = ca.vertcat(state[:place], state[place] < 0.5, state[place + 1 :])
+        if self.moving:
+            rate = self.variant.rate.function
+            before, after = rate(t, state, p), rate(t, turned, p)
+            turned += (before - after) * self.delay(t, state, p, before)
+            memory = step.begin(t, turned, p) if step.begin is not None else memory
+        function = ca.Function("transition", [t, h, x, p], [ca.vertcat(turned, memory)])
+        return GraphStep(function, step.state_size, begin=step.begin)
+
+    @cached_property
+    def delay(self) -> ca.Function:
+        """``(t, x, p, ẋ) → δt``; none where the switch is only grazed."""
+        e = self.variant.equations
+        x, rate = state_symbols(e), ca.SX.sym("rate", state_symbols(e).numel())
+        g = e.switches.functions[self.number]
+        change = ca.jtimes(g, ca.vertcat(e.t, x), ca.vertcat(1, rate))
+        grazed = change == 0
+        delay = ca.if_else(grazed, 0, -g / ca.if_else(grazed, 1, change))
+        return ca.Function("delay", [e.t, x, e.p, rate], [delay])
+
+    @cached_property
+    def pace(self) -> ca.Function:
+        """``(t, x, p)`` → speed at which the switch is crossed, in natural units."""
+        e, x = self.variant.equations, state_symbols(self.variant.equations)
+        g, sizes = e.switches.functions[self.number], state_sizes(e)
+        rate = self.variant.rate.function(e.t, x, e.p)
+        change = ca.jtimes(g, ca.vertcat(e.t, x), ca.vertcat(1, rate))
+        slopes = ca.fabs(ca.jacobian(g, ca.vertcat(e.t, x)))
+        largest = ca.mtimes(slopes, ca.vertcat(e.scales.time, sizes))
+        return ca.Function("pace", [e.t, x, e.p], [change * e.scales.time / largest])
+
+    @property
+    def attempt(self) -> Attempt | None:
+        return self.variant.attempt
+
+
+def distances(e: Equations) -> ca.Function:
+    """``(t, x, p)`` → distance to each switch on the side of the state, negative beyond it."""
+    inside = (2 * e.switches.sides - 1) * e.switches.functions
+    return ca.Function("distances", [e.t, state_symbols(e), e.p], [ca.densify(inside)])
+
+
+def crossed(e: Equations) -> ca.Function:
+    """``(t, x, p)`` → how far a state lies beyond each switch; rounding is not beyond."""
+    x, g = state_symbols(e), e.switches.functions
+    slopes = ca.fabs(ca.jacobian(g, ca.vertcat(e.t, x)))
+    near = SURFACE * ca.mtimes(slopes, ca.vertcat(0, state_sizes(e)) + ca.fabs(ca.vertcat(e.t, x)))
+    beyond = (1 - 2 * e.switches.sides) * g - near
+    return ca.Function("crossed", [e.t, x, e.p], [ca.densify(beyond)], {"cse": True})

@@ -1,0 +1,157 @@
+"""Compiled functions of one definite formulation; a run may change from one to another."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import casadi as ca
+
+from dalembert.analysis.contact.guards import Guards, guards_of
+from dalembert.formulations.base import (
+    Formulation,
+    SaddleSolver,
+    state_rate,
+    state_sizes,
+    state_symbols,
+)
+from dalembert.formulations.consistency import with_consistent_speeds
+from dalembert.formulations.redundancy import TRUSTED, largest_share
+from dalembert.formulations.sliding import SlidingSolver
+from dalembert.formulations.stabilization import Stabilization
+from dalembert.integrators.base import Attempt, Integrator, Problem
+from dalembert.integrators.step import Step
+from dalembert.model.contacts import Phases, touching
+from dalembert.model.coordinates import CoordinateView
+from dalembert.model.equations import Equations
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.formulas.expression import Expression, stack
+from dalembert.symbolic.once import once
+
+
+class Variant:
+    """Functions of one definite formulation, e.g. with one partition of the speeds.
+
+    Parameters
+    ----------
+    view : the model in the coordinates that are integrated
+    rows : of its constraint equations, those that are solved
+    formulation : as ``Formulation.choose`` made it
+    stabilization, integrator : of the run
+    phases : of rigid gaps
+    """
+
+    def __init__(
+        self,
+        view: CoordinateView,
+        rows: tuple[int, ...],
+        formulation: Formulation,
+        stabilization: Stabilization,
+        integrator: Integrator,
+        phases: Phases = (),
+    ):
+        self.view, self.rows, self.phases = view, rows, phases
+        self.equations = touching(view.with_rows(rows), phases)
+        self.formulation, self.stabilization = formulation, stabilization
+        self.integrator = integrator
+        self.xi = stabilization.constraint_acceleration(self.equations)
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The equations as integrators take them."""
+        e, formulation, stabilization = self.equations, self.formulation, self.stabilization
+        rate = correction = tangential = None
+        if formulation.gives_accelerations and not self.integrator.implicit:
+            rate = self.rate
+        if (corrected := stabilization.correction(e, formulation)) is not None:
+            correction = with_consistent_speeds(e, formulation, corrected)
+        if self.integrator.adaptive:
+            tangential = stabilization.tangential(e, formulation)
+        return Problem(
+            rate=rate,
+            make_system=lambda: formulation.semi_explicit(e, self.xi, self._saddle(e)),
+            correction=correction,
+            controlled=e.coordinate_count + e.speed_count,
+            positions=e.coordinate_count,
+            tangential=tangential,
+            upkeep=with_consistent_speeds(e, formulation, None),
+            translates=stabilization.translates,
+            sizes=state_sizes(e),
+            time=e.scales.time,
+            spare=self._open_rows * formulation.variables_per_row,
+        )
+
+    @property
+    def _open_rows(self) -> int:
+        """Equations that rigid gaps would add if all of them stuck."""
+        e = self.equations
+        most = sum(gap.forces().numel() for gap in e.contacts) + len(self.rows)
+        return most - e.constraint_count
+
+    @cached_property
+    def rate(self) -> ImplicitFunction:
+        """``(t, x, p) → ẋ``."""
+        return self._accelerated(self.equations, [state_rate(self.equations)], "state_rate")
+
+    @cached_property
+    def step(self) -> Step:
+        self.integrator.check(self.problem)
+        return self.integrator.step(self.problem)
+
+    @cached_property
+    def attempt(self) -> Attempt | None:
+        return self.integrator.attempt(self.problem, self.step)
+
+    @once
+    def measured(self, measure: Expression) -> ImplicitFunction:
+        """``(t, x, p) → measure`` of the bodies, accelerations and multipliers included."""
+        return self._seen(self.equations, [self.view.lift(measure.sx)], "measured")
+
+    @cached_property
+    def bodies(self) -> ca.Function:
+        """``(t, x, p) → y, v, v̇, λ`` of all bodies and equations, on the sides formulas choose."""
+        e = self.equations
+        if not e.switches.count:
+            return self._seen(e, self.view.everything, "bodies").function
+        choosing = touching(self.view.choosing.with_rows(list(self.rows)), self.phases)
+        found = self._seen(choosing, self.view.everything, "bodies").function
+        x, count = state_symbols(e), found.numel_in(1)
+        return ca.Function("bodies", [e.t, x, e.p], found.call([e.t, x[:count], e.p]))
+
+    def _seen(self, e: Equations, expressions: list[ca.SX], name: str) -> ImplicitFunction:
+        """Expressions of the view, with the multipliers of equations not solved at zero."""
+        outputs = [e.without_dropped(expression) for expression in expressions]
+        return self._accelerated(e, outputs, name)
+
+    def _accelerated(self, e: Equations, outputs: list[ca.SX], name: str) -> ImplicitFunction:
+        """Outputs of accelerations and multipliers, by a solver that knows of sliding friction."""
+        xi = self.stabilization.constraint_acceleration(e)
+        return self.formulation.acceleration(e, xi, outputs, name, self._saddle(e))
+
+    def _saddle(self, e: Equations) -> SaddleSolver:
+        bare = self.formulation.saddle(e)
+        return SlidingSolver(bare, e) if e.rubbing.nnz() else bare
+
+    @cached_property
+    def guards(self) -> Guards | None:
+        """What ends the phases of its gaps; None where there are no gaps."""
+        e = self.equations
+        if not e.contacts:
+            return None
+        watched = guards_of(e, self.phases)
+        values = self._seen(e, [stack(g.value for g in watched)], "guards").function
+        return Guards(e, watched, values, self.rate.function)
+
+    @cached_property
+    def conditioning(self) -> ca.Function | None:
+        """``(t, y, p) → (share, value)`` of the equations left out and of the formulation.
+
+        Both relative to the limit above which another variant is chosen; None where nothing is.
+        """
+        e, nothing = self.equations, ca.SX(0)
+        found = self.formulation.conditioning(e)
+        redundant = len(self.rows) < self.view.whole.constraint_count
+        if found is None and not redundant:
+            return None
+        share = largest_share(self.view.whole, self.rows) / TRUSTED if redundant else nothing
+        value = nothing if found is None else found[0] / found[1]
+        return ca.Function("conditioning", [e.t, e.y, e.p], [share, value])

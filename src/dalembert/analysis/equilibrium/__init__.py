@@ -1,0 +1,1 @@
+"""Where forces balance, and small motions about a state."""

@@ -1,0 +1,238 @@
+"""The linearised system about a state, and its whole spectrum.
+
+``J = ∂F/∂x`` of ``ẋ = F(x)`` and ``G = ∂(Φ, Ψ)/∂x``; with an orthonormal basis ``B`` of the null
+space of ``G`` the reduced matrix is ``A = Bᵀ J B``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.equilibrium.static_balance import statics_kernel
+from dalembert.errors import SingularityError
+from dalembert.formulations.base import state_rate
+from dalembert.formulations.kkt import Kkt
+from dalembert.model.coordinates import Coordinates
+from dalembert.model.model import Model
+from dalembert.sparse.eigenvalues import coinciding, leading, residual
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.once import once
+
+RESTING = 1e-9
+"""Change of the state within a natural time that counts as none."""
+SHORT = 1e-4
+"""Of a natural time, the step in which a change is looked for."""
+
+
+class LinearizationKernel:
+    """Compiled functions of one model, in a choice of coordinates.
+
+    Raises
+    ------
+    SingularityError
+        Something can move without any mass moving.
+    """
+
+    def __init__(self, model: Model, coordinates: Coordinates):
+        if model.diagnosis.massless:
+            raise SingularityError(
+                f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; no modes"
+            )
+        model.closure.refuse_singular_start()
+        self.model, self.view = model, coordinates.view(model)
+        self.e = self.view.equations
+
+    @cached_property
+    def system(self) -> ImplicitFunction:
+        """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``; Φ with what binds y to its manifold."""
+        e = self.e
+        rate = state_rate(e)[: e.coordinate_count + e.speed_count]
+        holds = e.constraints[list(e.holds), :]
+        level = ca.vertcat(holds, e.manifold.bounds, e.velocity_constraints)
+        found = Kkt().acceleration(e, e.constraint_acceleration, [rate, level])
+        inputs = [e.t, ca.vertcat(e.y, e.v), e.p]
+        return ImplicitFunction("linearized", inputs, found.stages, found.outputs)
+
+    @cached_property
+    def resting(self) -> ImplicitFunction:
+        """``(t, [y; λ] nearby, p) → x`` of the equilibrium."""
+        found = statics_kernel(self.model).configuration
+        e = self.model.equations
+        still = ca.substitute(self._seen, e.v, ca.SX.zeros(e.speed_count))
+        return ImplicitFunction("resting", found.inputs, found.stages, [still])
+
+    @cached_property
+    def assembled(self) -> ImplicitFunction:
+        """``(t, y nearby, p) → x`` of the assembled state."""
+        found, e = self.model.initial_state, self.model.equations
+        x = ca.substitute(self._seen, ca.vertcat(e.y, e.v), ca.vertcat(*found.outputs))
+        return ImplicitFunction("assembled", found.inputs, found.stages, [x])
+
+    @property
+    def _seen(self) -> ca.SX:
+        """``x`` in these coordinates, of t, y, v and p of the bodies."""
+        return ca.vertcat(*self.view.reduce.outputs)
+
+    def state(self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """``x`` of bodies that stand and move so."""
+        return np.concatenate(
+            [part.full().ravel() for part in self.view.reduce.function(t, y, v, p)]
+        )
+
+    def bodies(self, t: float, x: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """``y`` of all bodies in a state."""
+        return self.view.body_coordinates(t, x[: self.e.coordinate_count], p)
+
+    def matrices(self, t: float, x: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
+        """``J`` and ``G``."""
+        unit, still = np.eye(x.size), np.zeros((p.size, x.size))
+        found = self.system.tangent.map(x.size)(t, x, p, 0, unit, still)
+        return [matrix.full() for matrix in found]
+
+
+@dataclass(frozen=True, eq=False)
+class Linearized:
+    """The linearised system about a state.
+
+    Attributes
+    ----------
+    kernel : LinearizationKernel
+    time, x, p : the state, (N,), and the parameters
+    origin : ``(t, near, p) → x``, how the state follows the parameters; None if that is not known
+    near : its second argument
+    residual : of the state
+    """
+
+    kernel: LinearizationKernel
+    time: float
+    x: np.ndarray
+    p: np.ndarray
+    origin: ImplicitFunction | None = None
+    near: np.ndarray | None = None
+    residual: float = 0.0
+
+    @property
+    def model(self) -> Model:
+        return self.kernel.model
+
+    @cached_property
+    def derivatives(self) -> tuple[np.ndarray, np.ndarray]:
+        """``J`` (N, N) and ``G`` (m, N)."""
+        jacobian, tangency = self.kernel.matrices(self.time, self.x, self.p)
+        return jacobian, tangency
+
+    @cached_property
+    def sizes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Natural sizes of the state (N,) and of the equations (m,)."""
+        e, s = self.kernel.e, self.kernel.e.scales
+        bounds = np.ones(e.manifold.bounds.numel())
+        by_level = np.concatenate([s.rows[list(e.holds)], bounds, s.rows / s.time])
+        return np.concatenate([s.coordinates, s.speeds]), by_level
+
+    @cached_property
+    def alike(self) -> tuple[np.ndarray, np.ndarray]:
+        """``J`` and ``G`` of a state and equations measured by their natural sizes."""
+        (jacobian, tangency), (states, rows) = self.derivatives, self.sizes
+        return jacobian * states / states[:, None], tangency * states / rows[:, None]
+
+    @cached_property
+    def unsteadiness(self) -> float:
+        """How much the matrix changes within a natural time while the state goes on, relative."""
+        inputs, time = (self.time, self.x, self.p), self.model.scales.time
+        rate = self.kernel.system.function(*inputs)[0].full().ravel()
+        if np.max(np.abs(rate) * time / self.sizes[0], initial=0.0) < RESTING:
+            return 0.0
+        short = SHORT * time
+        later = replace(self, time=self.time + short, x=self.x + short * rate)
+        here, there = self.alike[0], later.alike[0]
+        largest = np.abs(here).max(initial=0.0)
+        return float(np.abs(there - here).max() / (SHORT * largest)) if largest else 0.0
+
+    @cached_property
+    def basis(self) -> np.ndarray:
+        """``B`` (N, f): directions along the constraints, orthonormal by natural sizes."""
+        tangency = self.alike[1]
+        rank = tangency.shape[0]
+        return np.linalg.svd(tangency)[2][rank:].T if rank else np.eye(self.x.size)
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """``A = Bᵀ J B`` (f, f)."""
+        return self.basis.T @ self.alike[0] @ self.basis
+
+    @cached_property
+    def _pairs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Eigenvalues with their left and right vectors in the basis."""
+        from scipy.linalg import eig
+
+        if not self.matrix.size:
+            return np.zeros(0, complex), *(np.zeros((0, 0), complex),) * 2
+        values, left, right = eig(self.matrix, left=True)
+        return values, left, right
+
+    @cached_property
+    def _spectrum(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        values, left, right = self._pairs
+        states = self.sizes[0][:, None]
+        return values, self.basis @ left / states, self.basis @ right * states
+
+    @property
+    def left(self) -> float:
+        """What is left of the equation of the eigenpairs."""
+        values, _, right = self._pairs
+        size = np.abs(self.matrix).max(initial=0.0)  # vectors have the length one
+        return residual(self.matrix, np.eye(values.size), values, right, size)
+
+    @cached_property
+    def groups(self) -> list[list[int]]:
+        """Positions of eigenvalues, those together that coincide."""
+        values = self.eigenvalues
+        return coinciding(values, np.abs(values).max(initial=0.0))
+
+    @property
+    def eigenvalues(self) -> np.ndarray:
+        """(f,) all of them; conjugate ones are neighbours, the positive imaginary part first."""
+        return self._spectrum[0]
+
+    def one_of_each_pair(self) -> np.ndarray:
+        """Positions of one eigenvalue of each conjugate pair, by increasing size."""
+        values = self.eigenvalues
+        unit = np.abs(values).max(initial=0.0) or 1.0
+        order = np.lexsort((np.abs(values.imag), np.round(np.abs(values) / unit, 12)))
+        kept = [i for i in order if values[i].imag >= -1e-12 * unit]
+        return np.array(kept, dtype=int)
+
+    def following(self, earlier: Linearized, positions: np.ndarray) -> np.ndarray:
+        """Positions of the modes that were these ones in an earlier spectrum.
+
+        Left vectors of a spectrum are orthogonal to the right ones of all other modes, so the
+        modes are paired for the largest ``Σ |wᵢᴴ vⱼ|``.
+        """
+        from scipy.optimize import linear_sum_assignment
+
+        left, right = earlier._spectrum[1][:, positions], self._spectrum[2]
+        return linear_sum_assignment(np.abs(left.conj().T @ right), maximize=True)[1]
+
+    def displacements(self, positions: np.ndarray) -> np.ndarray:
+        """(n, k) shapes by displacements, their largest entries one."""
+        e = self.kernel.e
+        shapes = self._spectrum[2][: e.coordinate_count, positions]
+        if not e.manifold.flat:
+            shapes = (
+                ca.Function("reading", [e.y], [e.manifold.reading])(
+                    self.x[: e.coordinate_count]
+                ).full()
+                @ shapes
+            )
+        if not shapes.size:
+            return shapes
+        peak = shapes[leading(shapes), np.arange(shapes.shape[1])]
+        return shapes / np.where(peak == 0, 1, peak)
+
+
+linearization_kernel = once(LinearizationKernel)
+"""The one of a model and a choice of coordinates."""

@@ -1,0 +1,1 @@
+"""How driven mechanisms move, and what moves them."""

@@ -1,0 +1,118 @@
+"""Inverse dynamics: the efforts of the drivers and all reactions of a driven mechanism.
+
+With the motion known from kinematics, ``Cᵀ λ = f − d − M v̇`` gives every multiplier (1.49).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Unpack, overload
+
+from dalembert.analysis.batch.solve import run_analysis
+from dalembert.analysis.keywords import OverTimeKeywords
+from dalembert.analysis.kinematics.kinematics import Kinematics
+from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.times import Time, analysis_of
+from dalembert.model.model import Model
+from dalembert.options import options
+from dalembert.results.batch.batch import Batch
+from dalembert.results.motion import Motion
+from dalembert.text.spelling import spelled
+
+if TYPE_CHECKING:
+    from dalembert.results.batch.designs import ManyDesigns
+
+
+@options
+class InverseDynamics(Kinematics):
+    """Kinematic simulation followed by the forces it needs, as a strategy object.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("lift", gravity=(0, -10))
+    >>> cabin = system.add(planar.Particle("cabin", mass=500.0))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, cabin.center, axis=(0, 1)))
+    >>> drive = planar.CoordinateDriver("drive", cabin.center, 0.5 * da.t**2, direction=(0, 1))
+    >>> winch = system.add(drive)
+    >>> analysis = da.InverseDynamics(duration=1.0, step=0.5)
+    >>> round(da.evaluate(analysis.run(system.build()), da.maximum("drive.effort")), 6)  # m (g + a)
+    5500.0
+    """
+
+    spoken = "inverse dynamics"
+
+    @property
+    def efforts(self) -> bool:
+        return True
+
+
+@overload
+def solve_inverse_dynamics(
+    model: Model,
+    duration: Time | None = None,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    progress: bool | Callable[[float], None] = False,
+    **options: Unpack[OverTimeKeywords],
+) -> Motion: ...
+
+
+@overload
+def solve_inverse_dynamics(
+    model: Model,
+    duration: Time | None = None,
+    *,
+    parameters: ManyDesigns,
+    progress: bool | Callable[[float], None] = False,
+    workers: int | None = None,
+    **options: Unpack[OverTimeKeywords],
+) -> Batch: ...
+
+
+@spelled
+def solve_inverse_dynamics(
+    model: Model,
+    duration: Time | None = None,
+    *,
+    parameters: Any = None,
+    progress: bool | Callable[[float], None] = False,
+    workers: int | None = None,
+    **options: Unpack[OverTimeKeywords],
+) -> Motion | Batch:
+    """Motion, driver efforts and reactions of a fully driven mechanism, ``Cᵀλ = f − d − M v̇``.
+
+    Parameters
+    ----------
+    model : fully driven Model with masses
+    duration : [s]
+    parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
+        of dicts for a batch
+    progress : True for a bar, or a function of the fraction done
+    workers : of a batch; by default one for each core
+    **options : fields of ``InverseDynamics``: step, outputs, t_span
+
+    Raises
+    ------
+    AnalysisError
+        Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
+        cannot be put together.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("arm", gravity=(0, -10))
+    >>> arm = system.add(planar.Bar("arm", length=1.0, mass=3.0))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, arm.start))
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, arm, da.t))
+    >>> motion = da.solve_inverse_dynamics(system.build(), "pi/2", step="pi/4")
+    >>> motion["motor.effort"].values.round(6) + 0.0  # m g l/2 cos t
+    array([15.      , 10.606602,  0.      ])
+    """
+    made = analysis_of(
+        InverseDynamics, "solve_inverse_dynamics", model, parameters, duration=duration, **options
+    )
+    need_mechanism(model, "solve_inverse_dynamics", "take solve_transient")
+    return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]

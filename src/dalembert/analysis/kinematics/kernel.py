@@ -1,0 +1,159 @@
+"""Compiled functions of a driven mechanism: its configuration at one time, and chunks of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.assembly.position import position_stages
+from dalembert.model.equations import Equations
+from dalembert.model.model import Model
+from dalembert.results.recording import Recording, Trajectory
+from dalembert.symbolic.equations.factor import QrFactor
+from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.once import once
+
+ITERATIONS = 5
+
+
+class KinematicsKernel:
+    """Compiled functions of one fully driven model."""
+
+    def __init__(self, model: Model):
+        self.model = model
+        self.e: Equations = model.equations
+        model.closure.refuse_singular_start()
+        free = model.diagnosis.free
+        if free:
+            n = "degree" if free == 1 else "degrees"
+            raise AnalysisError(
+                f"the drivers leave {free} {n} of freedom undetermined; add {free} driver(s), "
+                "or use solve_dynamics"
+            )
+
+        if self.e.slips:
+            rolling = [model.closure.owners[model.closure.rows[k]][0].name for k in self.e.slips]
+            raise UnsupportedError(
+                f"{', '.join(dict.fromkeys(rolling))}: positions depend on the way that led there, "
+                "so that they cannot be found instant by instant; use solve_dynamics"
+            )
+
+    @cached_property
+    def configuration(self) -> ImplicitFunction:
+        """``(t, y_near, p) → (y, v, v̇, λ)``, every stage with its exact derivative."""
+        e = self.e
+        near = ca.SX.sym("y_near", e.coordinate_count)
+        c = e.jacobian
+        factor = QrFactor(c, e.scales.rows, e.scales.displacements)
+        value, step = near, factor.solve(e.constraints)
+        for _ in range(ITERATIONS):
+            value = e.manifold.retract(value, -ca.substitute(step, e.y, value))
+        psi0 = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
+        stages = [
+            *position_stages(e, near, e.constraints, e.scales.rows, value),
+            Stage(
+                e.v,
+                e.velocity_constraints,
+                factor.solve(-psi0),
+                factor.solve,
+                factor.solve_transposed,
+            ),
+            Stage(
+                e.a,
+                ca.mtimes(c, e.a) - e.constraint_acceleration,
+                factor.solve(e.constraint_acceleration),
+                factor.solve,
+                factor.solve_transposed,
+            ),
+            Stage(
+                e.multiplier,
+                e.inertia.times(e.a) + e.bias - e.force + ca.mtimes(c.T, e.multiplier),
+                factor.solve_transposed(e.force - e.bias - e.inertia.times(e.a)),
+                factor.solve_transposed,
+                factor.solve,
+            ),
+        ]
+        return ImplicitFunction(
+            "configuration", [e.t, near, e.p], stages, [e.y, e.v, e.a, e.multiplier]
+        )
+
+    @once
+    def measured(self, measure: Expression) -> ImplicitFunction:
+        """A measure of the configuration."""
+        found = self.configuration
+        seen = self.e.without_dropped(measure.sx)
+        return ImplicitFunction("measured", found.inputs, found.stages, [seen])
+
+    def near(self, s: Trajectory) -> np.ndarray:
+        """Where the configuration is differentiated."""
+        return s.y
+
+    @cached_property
+    def single(self) -> ca.Function:
+        """``([y; v; v̇; …], t, h, p) → next; regularity, residual, prediction error``.
+
+        These three have no units: pivots, rows and coordinates are measured by their natural sizes.
+        """
+        e, sizes = self.e, self.e.scales
+        n, k, m = e.coordinate_count, e.speed_count, e.constraint_count
+        last, h = ca.SX.sym("last", n + 2 * k + m + 3), ca.SX.sym("h")
+        y, v, a = last[:n], last[n : n + k], last[n + k : n + 2 * k]
+        predicted = e.manifold.retract(y, h * v + h**2 / 2 * a)
+        new = self.configuration.function(e.t, predicted, e.p)
+        open_by = ca.Function("r", [e.t, e.y, e.p], [e.constraints])(e.t, new[0], e.p)
+        residual = ca.norm_inf(open_by / sizes.rows)
+        change = ca.norm_inf(e.manifold.displacement(predicted, new[0]) / sizes.displacements)
+        pivots = ca.fabs(QrFactor(e.jacobian, sizes.rows, sizes.displacements).pivots)
+        regular = ca.mmin(pivots) / ca.mmax(pivots)
+        regular = ca.Function("s", [e.t, e.y, e.p], [regular])(e.t, new[0], e.p)
+        return ca.Function(
+            "kinematic_step",
+            [last, e.t, h, e.p],
+            [ca.vertcat(*new, regular, residual, change)],
+            {"cse": True},
+        )
+
+    @once
+    def chunk(self, count: int) -> Kernel:
+        """``count`` steps in one call."""
+        last = ca.MX.sym("last", self.single.size1_in(0))
+        t, h = ca.MX.sym("t", 1, count), ca.MX.sym("h", 1, count)
+        p = ca.MX.sym("p", self.e.p.numel())
+        out = self.single.mapaccum(count)(last, t, h, ca.repmat(p, 1, count))
+        return Kernel(ca.Function("kinematic_chunk", [last, t, h, p], [out]))
+
+    @cached_property
+    def powers(self) -> ca.Function:
+        """``(t, y, v, v̇, λ, p) →`` dissipated and given power."""
+        e = self.e
+        return ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [e.powers])
+
+    @cached_property
+    def jacobian(self) -> ca.Function:
+        """``(t, y, p) → Φ, C, ∂Φ/∂t``."""
+        e = self.e
+        outputs = [e.constraints, e.jacobian, ca.jacobian(e.constraints, e.t)]
+        return ca.Function("driven", [e.t, e.y, e.p], outputs)
+
+
+kinematics_kernel = once(KinematicsKernel)
+"""The one of a model."""
+
+
+@dataclass(frozen=True)
+class KinematicsRecord:
+    """What a gradient needs: the kernel; each output stands for itself.
+
+    ``path`` has all positions that the run went through, outputs or not. ``origin`` is the run
+    that this one repeats, if it does.
+    """
+
+    kernel: KinematicsKernel
+    path: Trajectory
+    origin: Recording | None = None

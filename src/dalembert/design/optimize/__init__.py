@@ -1,0 +1,1 @@
+"""Optimisation: a problem, its scaled form, its end."""

@@ -1,0 +1,47 @@
+"""A search that goes on until gradients say that it is at an optimum, or nothing more is gained."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.optimize.optimality import OPTIMAL, multipliers
+from dalembert.design.optimize.program import FEASIBLE, Program
+
+ROUNDS = 4
+"""How often a search goes on."""
+FALL = 1e-2
+"""Fall of the objective from which its scale, and so the tolerance, is measured anew."""
+
+
+def settled(program: Program, method: Optimizer, stop: Stop, z: np.ndarray) -> Ended:
+    """Where a method ends from ``z``, taken up again with sharper tolerances if stuck."""
+    used = len(program.history)
+    ended = method.solve(program, z, stop)
+    if method.is_global or ended.optima:
+        return ended
+    for number in range(1, ROUNDS + 1):
+        left = stop.max_iterations - (len(program.history) - used)
+        if left <= 0 or _is_settled(program, ended.z) or not program.begin(ended.z):
+            break
+        before = program.last
+        sharper = Stop(left, max(stop.tolerance * 0.01**number, 1e-15))
+        found = method.solve(program, ended.z, sharper)
+        after = program.objective(found.z)
+        if after < before or found.success:
+            ended = found
+        if not after < before - 1e-3 * abs(before) and _is_feasible(program, ended.z):
+            break
+    return ended
+
+
+def _is_feasible(program: Program, z: np.ndarray) -> bool:
+    found = program.problem.evaluate(program.unscale(z), gradient=False)
+    return found is not None and program.violation(found.values) <= FEASIBLE
+
+
+def _is_settled(program: Program, z: np.ndarray) -> bool:
+    point = program.point(z, record=False)
+    if point is None or abs(point.f) < FALL or not _is_feasible(program, z):
+        return False
+    return multipliers(program, z, point).stationarity <= OPTIMAL

@@ -1,0 +1,204 @@
+"""Tolerances: how a response scatters when dimensions keep within what the drawing allows.
+
+First order: ``σ_f² = Σ (∂f/∂p_i σ_i)²``; second order adds the mean shift ``½ Σ f_ii σ_i²`` and
+``½ Σ (f_ij σ_i σ_j)²``; the worst case is sought within the box of all tolerances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.progress import Reported, progress_reporter
+from dalembert.design.optimize.optimization import design_problem
+from dalembert.design.optimize.problem import DesignProblem
+from dalembert.design.tolerance.toleranced import Toleranced
+from dalembert.errors import AnalysisError, ModelError
+from dalembert.responses.base import Response, as_responses
+from dalembert.results.result import Analysis
+from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.spelling import spelled
+from dalembert.text.wording import unknown
+from dalembert.units.measured import check_measured, measured
+
+STEP = 1e-3
+"""Step of the second differences, relative to a tolerance."""
+TOGETHER = 20
+"""Samples after which it is told how far it is."""
+FEW = 5
+"""So many tolerances at most of which all corners are looked at."""
+
+
+@dataclass
+class Box:
+    """A response over the box of all tolerances, ``p = p₀ + t z`` with ``|z| ≤ 1``."""
+
+    problem: DesignProblem
+    nominal: np.ndarray
+    half: np.ndarray
+
+    def value(self, z: np.ndarray) -> float:
+        """The response.
+
+        Raises
+        ------
+        AnalysisError
+            The run fails.
+        """
+        return float(self._found(z, False).values[0])
+
+    def slope(self, z: np.ndarray) -> np.ndarray:
+        """(n,) change of the response with each tolerance used up."""
+        return self.problem.slope(self._found(z, True), 0) * self.half
+
+    def _found(self, z: np.ndarray, gradient: bool) -> Any:
+        p = self.nominal + self.half * z
+        found = self.problem.evaluate(p, gradient)
+        if found is None:
+            told = ", ".join(
+                f"{n} = {v:.6g}" for n, v in self.problem.variables.parameters(p).items()
+            )
+            raise AnalysisError(f"a run fails at {told}: {self.problem.failures[-1]}")
+        return found
+
+    def hessian(self) -> np.ndarray:
+        """(n, n) second derivatives, by central differences of the exact gradient."""
+        size = self.half.size
+        rows = [(self.slope(STEP * e) - self.slope(-STEP * e)) / (2 * STEP) for e in np.eye(size)]
+        found = np.array(rows)
+        return (found + found.T) / 2
+
+    def extreme(self, sign: float) -> float:
+        """Smallest (−1) or largest (+1) response within the box, uphill from its best corner."""
+        from scipy.optimize import minimize
+
+        start = max(self._corners(sign), key=lambda z: sign * self.value(z))
+        begin = sign * self.value(start)
+        scale = max(abs(begin - sign * self.value(0 * start)), 1e-9 * abs(begin), 1e-300)
+        outcome = minimize(
+            lambda z: (begin - sign * self.value(np.clip(z, -1, 1))) / scale,
+            0.9 * start,  # a corner may be a saddle
+            jac=lambda z: -sign * self.slope(np.clip(z, -1, 1)) / scale,
+            method="L-BFGS-B",
+            bounds=[(-1, 1)] * self.half.size,
+        )
+        return sign * max(begin, sign * self.value(np.clip(outcome.x, -1, 1)))
+
+    def _corners(self, sign: float) -> list[np.ndarray]:
+        """All corners of a small box; of a large one that to which the slope points."""
+        size = self.half.size
+        if size <= FEW:
+            return [2.0 * np.array(corner) - 1 for corner in np.ndindex(*(2,) * size)]
+        return [np.where(sign * self.slope(np.zeros(size)) < 0, -1.0, 1.0)]
+
+
+@spelled
+def tolerance(
+    model: ParametricModel,
+    response: Response,
+    tolerances: Mapping[str, float | str],
+    *,
+    analysis: Analysis,
+    sigmas: float = 3.0,
+    second_order: bool = True,
+    worst_case: bool = True,
+    samples: int = 0,
+    rng: Any = 0,
+    progress: Reported = False,
+) -> Toleranced:
+    """Scatter and worst case of a response from the tolerances of a drawing.
+
+    Ctrl-C ends it with what is known by then, to first order at least.
+
+    Parameters
+    ----------
+    model : Model or StructuralModel
+    response : what must come out right
+    tolerances : parameter → half width, ``±t``, about its nominal value; or ``"0.1 mm"``
+    analysis : how the response is computed
+    sigmas : how many standard deviations a tolerance is; dimensions are normal
+    second_order : the Hessian too, by two gradients for each tolerance
+    worst_case : the extremes within all tolerances
+    samples : of Monte Carlo beside; none by default
+    rng : seed or generator of the samples
+    progress : True for a bar, or a function of the fraction done
+
+    Raises
+    ------
+    ModelError, AnalysisError
+        Unknown parameters, a tolerance not above zero, or a run that fails.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> stack = da.Structure("two plates")
+    >>> a, b = stack.parameter("a", 20.0, "mm"), stack.parameter("b", 30.0, "mm")
+    >>> end = stack.node("end", a + b)
+    >>> part = stack.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
+    >>> height = da.final("a + b", name="height")
+    >>> limits = {"a": 0.3e-3, "b": 0.4e-3}
+    >>> found = da.tolerance(stack.build(), height, limits, analysis=da.Statics())
+    >>> round(3 * found.std * 1e3, 6)  # √(0.3² + 0.4²) [mm]
+    0.5
+    >>> [round(x * 1e3, 6) for x in found.worst]  # 0.7 mm off
+    [49.3, 50.7]
+    """
+    if not tolerances:
+        raise AnalysisError("there are no tolerances; give tolerances={'name': 0.1e-3}")
+    widths: dict[str, Any] = {name: measured(width) for name, width in tolerances.items()}
+    for name, width in widths.items():
+        if name not in model.parameters:
+            raise ModelError(unknown("parameter with a tolerance", name, model.parameters))
+        check_measured([width], model.parameters[name].unit, f"tolerance of {name}")
+        if not (np.isfinite(width) and width > 0):
+            raise ModelError(f"its tolerance is {width!r}; it must be above zero", name)
+    if not sigmas > 0:
+        raise AnalysisError(f"sigmas is {sigmas!r}; it must be above zero")
+    names, listed = list(widths), list(model.parameters)
+    nominal = np.array([model.nominal[listed.index(n)] for n in names])
+    half = np.array([float(t) for t in widths.values()])
+    problem = design_problem(model, analysis, as_responses(response), names)
+    box, still = Box(problem, nominal, half), np.zeros(half.size)
+    found = Toleranced(
+        label=response.label,
+        nominal=box.value(still),
+        tolerances=dict(zip(names, map(float, half), strict=True)),
+        effects=dict(zip(names, map(float, box.slope(still)), strict=True)),
+        sigmas=sigmas,
+        name=model.name,
+        unit=problem.unit(0, problem.results(nominal)),
+        units={n: model.parameters[n].unit for n in names},
+        run=next(iter(problem.results(nominal).values()), None),
+    )
+    with progress_reporter(progress, "tolerances") as report:
+        try:
+            if second_order:
+                found.hessian = box.hessian()
+            report(0.2)
+            if worst_case:
+                found.worst = box.extreme(-1), box.extreme(1)
+            report(0.3)
+            if samples:
+                generator = np.random.default_rng(rng)
+                found.sampled = np.zeros(0)
+                for values in _sampled(box, sigmas, samples, generator):
+                    found.sampled = np.append(found.sampled, values)
+                    report(0.3 + 0.7 * found.sampled.size / samples)
+        except KeyboardInterrupt:
+            found.interrupted = True
+    if found.sampled is not None and not found.sampled.size:
+        found.sampled = None
+    return found
+
+
+def _sampled(
+    box: Box, sigmas: float, samples: int, rng: np.random.Generator
+) -> Iterator[np.ndarray]:
+    """Responses, some at a time; dimensions are normal."""
+    points = rng.normal(size=(samples, box.half.size)) / sigmas
+    for some in np.array_split(points, max(1, samples // TOGETHER)):
+        yield np.array([box.value(z) for z in some])

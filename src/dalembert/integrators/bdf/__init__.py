@@ -1,0 +1,1 @@
+"""Backward differentiation with steps and orders that vary."""

@@ -1,0 +1,129 @@
+"""Backward differentiation formulas, as users choose them, and their steps under error control."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from dalembert.errors import UnsupportedError
+from dalembert.integrators.base import Attempt, Integrator, Problem
+from dalembert.integrators.bdf.control import Accuracy
+from dalembert.integrators.bdf.step import BdfStep
+from dalembert.integrators.marching.step_control import arrival
+from dalembert.integrators.step import Step
+from dalembert.integrators.tolerances import absolute, check_tolerances
+from dalembert.options import options
+
+SHARE = 1e-12
+"""Absolute tolerance by natural sizes, where none is given."""
+SOLVED = 1e-2
+"""Residual of the equations, relative to the tolerance, with which a step may stand."""
+UNSOLVED, NOT_FINITE, AGAIN = 0.25, 0.2, 0.5
+"""Factors of the step length where Newton's method failed, where the error is NaN, and at most
+after a second refusal in a row."""
+
+
+@options
+class Bdf(Integrator):
+    """Backward differentiation of orders 1 to 5 with variable steps, for stiff and DAE systems.
+
+    ``Σ_{j≤k} ∇ʲx⁺/j − κ_k γ_k ∇^{k+1}x⁺ = h F(t + h, x⁺, z, p)`` with ``0 = G(t + h, x⁺, z, p)``
+    in backward differences of quasi-constant step (Shampine and Reichelt 1997), for systems of
+    index 1, 2 and 3. It starts with order 1 and a short step. Outputs between two steps are steps
+    of their length and order from the earlier one, so as accurate as steps.
+
+    Coordinates and speeds are controlled, algebraic variables follow from them. A step is accepted
+    when ``max |e_i| / (atol + rtol |x_i|) ≤ 1``. With index 3, speeds across the constraints are
+    an order less accurate than positions: with a projection errors are taken along the
+    constraints; without, speeds may be wrong by ``1/h`` times as much. Steps that Newton's method
+    cannot solve are tried again shorter.
+
+    Gradients are the exact derivatives of the steps taken, orders as they were. Orders are chosen
+    anew where the steps are repeated with other parameters.
+
+    Parameters
+    ----------
+    rtol : relative tolerance [-]
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-12 of the natural sizes
+    max_step : longest step [s]; a quarter of the run if None
+    max_order : highest order, 1 to 5; with 1 and 2 stable for all oscillations that decay
+
+    Raises
+    ------
+    UnsupportedError
+        A tolerance or ``max_step`` that is not positive, or another order.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("drag")
+    >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
+    >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
+    >>> model = system.build()
+    >>> precise = dict(formulation=da.Dae(index=1), integrator=da.Bdf(rtol=1e-8))
+    >>> motion = da.solve_dynamics(model, 2.0, **precise)
+    >>> round(motion["boat.vx"][-1].item(), 6)  # exp(-2)
+    0.135335
+    """
+
+    rtol: float = 1e-10
+    atol: float | None = None
+    max_step: float | None = None
+    max_order: int = 5
+
+    def __post_init__(self) -> None:
+        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
+        if self.max_order not in range(1, 6):
+            raise UnsupportedError(f"Bdf(max_order={self.max_order}): must be 1, 2, 3, 4 or 5")
+
+    @property
+    def implicit(self) -> bool:
+        return True
+
+    @property
+    def adaptive(self) -> bool:
+        return True
+
+    @property
+    def order(self) -> int:
+        return self.max_order
+
+    @property
+    def longest_step(self) -> float | None:
+        return self.max_step
+
+    def step(self, problem: Problem) -> BdfStep:
+        least = absolute(self.atol, SHARE, problem, problem.system.x.numel())
+        return BdfStep(problem, Accuracy(self.rtol, least, self.max_order))
+
+    def attempt(self, problem: Problem, step: Step) -> Attempt:
+        assert isinstance(step, BdfStep)
+        state = ca.MX.sym("s", 3 + step.size)
+        fixed = ca.MX.sym("f", 2 + step.parameter_count)
+        found = _trial(step, state, fixed)
+        return Attempt(ca.Function("attempt", [state, fixed], found), (0.0,))
+
+
+def _trial(step: BdfStep, state: ca.MX, fixed: ca.MX) -> list[ca.MX]:
+    """Try a step, keep or refuse it, propose the next length."""
+    t, proposed, refused, x = state[0], state[1], state[2], state[3:]
+    end, longest, p = fixed[0], fixed[1], fixed[2:]
+    wanted, rest = ca.fmin(proposed, longest), end - t
+    # two equal steps to the end, for a very short last one would spoil speeds with index 3
+    h = ca.if_else(rest <= wanted, rest, ca.fmin(wanted, rest / 2))
+    new, told = step.trial(t, h, x, p)
+    error, growth, residual = told[0], told[1], told[2]
+    solved = residual <= SOLVED  # false for NaN as well
+    finite = ca.logic_and(solved, error <= 1e30)
+    accepted = ca.logic_and(finite, error <= 1)
+    factor = ca.if_else(finite, growth, ca.if_else(solved, NOT_FINITE, UNSOLVED))
+    again = ca.logic_and(ca.logic_not(accepted), refused)
+    factor = ca.if_else(again, ca.fmin(factor, AGAIN), factor)
+    shortened = ca.logic_and(accepted, h < wanted)  # for the end, and not for its error
+    following = ca.vertcat(
+        ca.if_else(accepted, arrival(t, h, end), t),
+        ca.if_else(shortened, wanted, h * factor),
+        ca.logic_not(accepted),
+        ca.if_else(accepted, new, x),
+    )
+    return [following, ca.vertcat(t, h, ca.if_else(finite, error, 1e30), accepted)]

@@ -1,0 +1,1 @@
+"""From step to step: grids, control of errors, checkpoints."""

@@ -1,0 +1,1 @@
+"""Newmark's method and its relatives."""

@@ -1,0 +1,147 @@
+"""One step of Newmark's method or a relative, for constrained systems on a manifold.
+
+The rule of ``newmark_rule`` with ``ẏ ≈ A(ȳ) w`` and the algebraic equations at the end of the step,
+``0 = G(t⁺, x⁺, z⁺)``, where ȳ is the mean of old and new positions.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from dalembert.errors import UnsupportedError
+from dalembert.integrators.base import Problem
+from dalembert.integrators.implicit import ImplicitIntegrator
+from dalembert.integrators.newmark.rule import NewmarkCoefficients, StepRule
+from dalembert.integrators.stage_equations import StageEquations
+from dalembert.integrators.step import GraphStep
+from dalembert.symbolic.equations.newton_node import NewtonNode, constant
+
+
+class NewmarkStep(GraphStep):
+    """One step; its memory is ``[ẑ; s; powers; 0; dẑ/dt]``, the last for first guesses.
+
+    The zeros stand for variables of other steps of the run, so that all memories have one length.
+    """
+
+    def __init__(self, chosen: NewmarkCoefficients, problem: Problem, settings: ImplicitIntegrator):
+        self.chosen, self.problem = chosen, problem
+        self.equations = e = StageEquations(problem.system)
+        s = problem.system
+        n, controlled = e.size, problem.controlled
+        self.positions = list(range(problem.positions))
+        self.speeds = list(range(problem.positions, controlled))
+        self.rest = list(range(controlled, n))
+        self.t, self.h, self.x, self.p = s.t, ca.SX.sym("h"), s.x, s.p
+        self.u = ca.SX.sym("u", e.count)
+        self.spare = ca.SX.zeros(2 * problem.spare)
+        length = 2 * e.algebraic + len(self.speeds) + len(self.rest) + self.spare.numel()
+        self.memory = ca.SX.sym("memory", length)
+        self.given = ca.vertcat(self.t, self.h, self.x, self.memory, self.p)
+        new, memory, rows = self._equations()
+        scale = e.residual_scale(settings.tolerance)(self.t + self.h, self.h, new, self.u, self.p)
+        outputs = [ca.vertcat(new, memory)]
+        sizes = e.unknown_sizes
+        self._newton = NewtonNode(
+            "newmark", self.u, self.given, rows, scale, settings.newton, sizes, outputs
+        )
+        self._guess = constant("guess", [self.given], self._extrapolated())
+        size = n + self.memory.numel()
+        symbols = [ca.MX.sym(*k) for k in (("t", 1), ("h", 1), ("x", size), ("p", s.p.numel()))]
+        after, residual = self._solve(*symbols)
+        super().__init__(
+            ca.Function("bare_step", symbols, [after]),
+            n,
+            problem.correction,
+            self._start(),
+            ca.Function("newton_residual", symbols, [residual]),
+            problem.upkeep,
+        )
+
+    def _remembered(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Scaled algebraic variables, ``s`` and powers of the last step."""
+        m, k, r = self.equations.algebraic, len(self.speeds), len(self.rest)
+        parts = ca.vertsplit(self.memory, [0, m, m + k, m + k + r, self.memory.numel()])
+        return parts[0], parts[1], parts[2]
+
+    def _equations(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """New state, new memory and residuals, as expressions of the unknowns."""
+        e, c, t, h, x, p = self.equations, self.chosen, self.t, self.h, self.x, self.p
+        z, s, powers = self._remembered()
+
+        def rate(time, state, u) -> ca.SX:
+            return e.rate(time, h, state, u, p)
+
+        old = rate(t, x, ca.vertcat(z, ca.SX.zeros(len(e.coupled))))[self.speeds]
+        true = rate(t, x, self.u)[self.speeds]
+        rule = StepRule.of(c, h)
+        course = rule.corrected(rule.predicted(x[self.speeds], old, s), true)
+        new, middle = ca.SX(x), ca.SX(x)
+        middle[self.speeds], new[self.speeds] = course.mean, course.end
+        if e.coupled:
+            new[e.coupled] = x[e.coupled] + h * self.u[e.algebraic :, :]
+        middle[self.positions] = (x[self.positions] + new[self.positions]) / 2
+        for _ in e.levels:  # positions that follow from other positions come later
+            free = [i for i in self.positions if i not in e.coupled]
+            new[free] = x[free] + h * rate(t + h / 2, middle, self.u)[free]
+            middle[free] = (x[free] + new[free]) / 2
+        rows = e.rows(t + h, h, new, self.u, p)[: e.algebraic, :]
+        k = self.u[e.algebraic :, :]
+        rows = ca.vertcat(rows, k - rate(t + h / 2, middle, self.u)[e.coupled])
+        used = rate(t + h, new, self.u)[self.rest]
+        new[self.rest] = x[self.rest] + h / 2 * (powers + used)
+        found = self.u[: e.algebraic, :]
+        memory = ca.vertcat(found, rule.memory(course, true), used, self.spare, (found - z) / h)
+        return new, memory, rows
+
+    def _extrapolated(self) -> ca.SX:
+        """First guess of the unknowns."""
+        e, z = self.equations, self._remembered()[0]
+        drift = self.memory[self.memory.numel() - e.algebraic :, :]
+        ahead = ca.vertcat(z + self.h * drift, ca.SX(len(e.coupled), 1))
+        rate = e.rate(self.t, self.h, self.x, ahead, self.p)
+        return ca.vertcat(ahead[: e.algebraic, :], rate[e.coupled])
+
+    def _start(self) -> ca.Function:
+        """``(t, x, p) → memory`` with ``s = δ v̈``."""
+        system = self.problem.system
+        z = system.start.function(self.t, self.x, self.p)
+        rate = ca.substitute(system.rate, system.z, z)
+        still = ca.SX.zeros(self.p.numel())
+        drift = system.start.tangent(self.t, self.x, self.p, 1, rate, still)
+        along = ca.jtimes(
+            system.rate[self.speeds, :],
+            ca.vertcat(system.t, system.x, system.z),
+            ca.vertcat(1, rate, drift),
+        )
+        jerk = ca.substitute(along, system.z, z)
+        memory = ca.vertcat(z, self.chosen.shift * jerk, rate[self.rest], self.spare, drift)
+        return ca.Function("begin", [self.t, self.x, self.p], [memory], {"cse": True})
+
+    def _solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX]:
+        """New state with memory, relative residual."""
+        given = ca.vertcat(t, h, x, p)
+        (new,), residual = self._newton.results(self._guess(given), given)
+        return new, residual
+
+
+def check(chosen: NewmarkCoefficients, problem: Problem, name: str) -> None:
+    """Positions must follow from the speeds in the state, which the method averages.
+
+    Raises
+    ------
+    UnsupportedError
+        They do not, or nothing damps the accelerations of a system of index 3.
+    """
+    s = problem.system
+    instant = [i for i, lag in enumerate(s.lag) if lag == 0]
+    if ca.depends_on(s.rate[: problem.positions], s.z[instant]):
+        raise UnsupportedError(
+            f"{name} needs all speeds in the state, of which this formulation keeps some only; use "
+            "Trapezoidal() or Radau(), or formulation=RangeSpace()"
+        )
+    if s.index == 3 and chosen.undamped and problem.correction is None:
+        raise UnsupportedError(
+            f"{name} without damping lets every disturbance of the accelerations grow "
+            "where only positions are constrained; use GeneralizedAlpha(rho_inf=0.9), "
+            "stabilization=Projection() or Dae(index=2)"
+        )

@@ -1,0 +1,70 @@
+"""Error control of explicit Runge–Kutta methods by their embedded solutions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.integrators.base import Attempt, Problem
+from dalembert.integrators.marching.error_norm import largest, relative_error
+from dalembert.integrators.marching.step_control import Graph, decide
+from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
+
+
+def embedded_attempt(
+    problem: Problem, step: ExplicitStep, rtol: float, atol: np.ndarray
+) -> Attempt:
+    """Compute the step and its error, keep or refuse it, propose the next length.
+
+    What a correction removes counts little, see ``relative_error``.
+    """
+    judge = _judge(problem, step, rtol, atol)
+
+    def attempt(kind: Any) -> ca.Function:
+        state, fixed = kind.sym("s", 3 + step.size), kind.sym("f", 2 + step.parameter_count)
+        t, x, p = state[0], state[3:], fixed[2:]
+        h = _length(state, fixed)
+        _, slopes = step.stages(t, h, x, p)
+        new = step.correct(t + h, step.advance(h, x, slopes), p)
+        out: Any = judge(state, fixed, new, ca.horzcat(*slopes))
+        options: Any = {"cse": True} if kind is ca.SX else {}
+        return ca.Function("attempt", [state, fixed], out, options)
+
+    return Attempt(attempt(ca.SX), (1.0,), attempt(ca.MX))
+
+
+def _length(state: Graph, fixed: Graph) -> Graph:
+    """Of the step: as proposed, but not too long and not beyond the end."""
+    return ca.fmin(ca.fmin(state[1], fixed[1]), fixed[0] - state[0])
+
+
+def _judge(problem: Problem, step: ExplicitStep, rtol: float, atol: np.ndarray) -> ca.Function:
+    """``(state, fixed, new, slopes) → (following, record)``."""
+    state, fixed = ca.SX.sym("s", 3 + step.size), ca.SX.sym("f", 2 + step.parameter_count)
+    slopes, new = ca.SX.sym("k", step.size, step.tableau.stages), ca.SX.sym("n", step.size)
+    t, x, h = state[0], state[3:], _length(state, fixed)
+    ratio = _error_ratio(problem, step, rtol, atol, (t, h, x, new, fixed[2:]), ca.horzsplit(slopes))
+    following, record = decide(state, fixed[0], h, new, ratio, step.tableau.error_order or 4)
+    inputs = [state, fixed, new, slopes]
+    return ca.Function("judge", inputs, [following, record], {"cse": True})
+
+
+def _error_ratio(problem: Problem, step: ExplicitStep, rtol, atol, where, slopes) -> ca.SX:
+    """Estimated error relative to the tolerance."""
+    t, h, x, new, p = where
+    allowed = ca.DM(atol) + rtol * ca.fmax(ca.fabs(x), ca.fabs(new))
+
+    def scaled(weights) -> ca.SX:
+        parts = (w * k for w, k in zip(weights, slopes, strict=True) if w)
+        error = h * sum(parts, ca.SX(0))
+        return relative_error(problem, t + h, new, p, error, allowed)
+
+    tableau = step.tableau
+    error = scaled(tableau.b_error)
+    if tableau.b_error_low is None:
+        return largest(error)
+    count = max(problem.controlled, 1)  # nothing has no mean
+    mean, low = (ca.sumsqr(e) / count for e in (error, scaled(tableau.b_error_low)))
+    return mean / ca.sqrt(mean + 0.01 * low + 1e-300)

@@ -1,0 +1,157 @@
+"""One implicit Runge–Kutta step of a differential-algebraic system.
+
+``X_i = x + h Σ a_ij F(t + c_j h, X_j, z_j)``, ``0 = G(t + c_i h, X_i, z_i)``, ``x⁺ = X_s``: methods
+whose last stage is the new state, so that it satisfies the constraints of ``G``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from dalembert.integrators.base import Problem
+from dalembert.integrators.implicit import ImplicitIntegrator
+from dalembert.integrators.stage_equations import StageEquations
+from dalembert.integrators.step import GraphStep
+from dalembert.symbolic.equations.newton_node import NewtonNode
+
+Rows = tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class ButcherMatrix:
+    """Stiffly accurate implicit method: ``b`` is the last row of ``a``.
+
+    A first row of zeros makes the first stage the old state.
+
+    Parameters
+    ----------
+    a : rows of coefficients
+    order : of ordinary differential equations
+    """
+
+    a: Rows
+    order: int
+
+    @property
+    def c(self) -> tuple[float, ...]:
+        return tuple(float(sum(row)) for row in self.a)
+
+    @property
+    def explicit_first(self) -> bool:
+        return not any(self.a[0])
+
+    def stability(self, z: complex | np.ndarray) -> np.ndarray:
+        """``R(z) = e_sᵀ (I − zA)⁻¹ 1``."""
+        a, z = np.array(self.a), np.asarray(z, dtype=complex)
+        eye, one = np.eye(len(self.a)), np.ones(len(self.a))
+        found = [np.linalg.solve(eye - x * a, one)[-1] for x in z.ravel()]
+        return np.array(found).reshape(z.shape)
+
+
+def stages(
+    e: StageEquations, a: Rows, c: tuple[float, ...], at: tuple[ca.SX, ...], begin: ca.SX | None
+) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
+    """Stage states, their rates and the residuals, as expressions of the unknowns.
+
+    Parameters
+    ----------
+    a, c : coefficients and nodes of the stages that are solved
+    at : ``t, h, x, u, p`` with the unknowns of all stages in ``u``
+    begin : rate at the old state where ``a`` has a first column for it, or None
+    """
+    t, h, x, u, p = at
+    parts = e.stage_by_stage(u, len(c))
+    states = [ca.SX(x) for _ in parts]
+
+    def fill(entries: list[int], rates: list[ca.SX]) -> None:
+        for state, row in zip(states, a, strict=True):
+            known = [] if begin is None else [begin[entries]]
+            pairs = zip(row, [*known, *rates], strict=True)
+            state[entries] = x[entries] + h * sum((w * r for w, r in pairs), ca.SX(0))
+
+    def everywhere(function: ca.Function) -> list[ca.SX]:
+        found = zip(c, states, parts, strict=True)
+        return [function(t + node * h, h, state, part, p) for node, state, part in found]
+
+    if e.coupled:
+        fill(e.coupled, [part[e.algebraic :, :] for part in parts])
+    for level in e.levels:
+        fill(level, [rate[level] for rate in everywhere(e.rate)])
+    return states, everywhere(e.rate), everywhere(e.rows)
+
+
+class CollocationStep(GraphStep):
+    """One step, and the rates at its stages for estimates of the error.
+
+    Parameters
+    ----------
+    matrix : ButcherMatrix
+    problem : Problem
+    settings : tolerance and iterations of Newton's method
+    """
+
+    def __init__(self, matrix: ButcherMatrix, problem: Problem, settings: ImplicitIntegrator):
+        self.matrix, self.problem = matrix, problem
+        self.equations = e = StageEquations(problem.system)
+        s, first = problem.system, 1 if matrix.explicit_first else 0
+        self.begin_rates, self.nodes = e.begin(), matrix.c[first:]
+        h, u = ca.SX.sym("h"), ca.SX.sym("u", e.count * len(self.nodes))
+        old = ca.SX.sym("F0", e.size if first else 0)
+        begin = old if first else None
+        given = ca.vertcat(s.t, h, s.x, s.p, old)
+        at = (s.t, h, s.x, u, s.p)
+        states, rates, rows = stages(e, matrix.a[first:], self.nodes, at, begin)
+        scale_of = e.residual_scale(settings.tolerance)
+        parts = e.stage_by_stage(u, len(self.nodes))
+        scales = [
+            scale_of(s.t + c * h, h, state, part, s.p)
+            for c, state, part in zip(self.nodes, states, parts, strict=True)
+        ]
+        self._newton = NewtonNode(
+            "stages",
+            u,
+            given,
+            ca.vertcat(*rows),
+            ca.vertcat(*scales),
+            settings.newton,
+            np.tile(e.unknown_sizes, len(self.nodes)),
+            [states[-1], ca.horzcat(*rates)],
+        )
+        symbols = [ca.MX.sym(*n) for n in (("t", 1), ("h", 1), ("x", e.size), ("p", s.p.numel()))]
+        new, _, residual = self.solve(*symbols)
+        super().__init__(
+            ca.Function("bare_step", symbols, [new]),
+            e.size,
+            problem.correction,
+            residual=ca.Function("newton_residual", symbols, [residual]),
+            upkeep=problem.upkeep,
+        )
+
+    def solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
+        """New state without correction, rates at the stages (n, s), relative residual."""
+        guess, begin = self.begin_rates(t, h, x, p)
+        given = ca.vertcat(t, h, x, p, *([begin] if self.matrix.explicit_first else []))
+        (new, rates), residual = self._newton.results(ca.repmat(guess, len(self.nodes), 1), given)
+        return new, rates, residual
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImplicitRungeKutta(ImplicitIntegrator, ABC):
+    """Implicit method given by its matrix: ``x⁺ = X_s`` of the stage equations above."""
+
+    @property
+    @abstractmethod
+    def matrix(self) -> ButcherMatrix:
+        """Coefficients of the method."""
+
+    @property
+    def stability(self) -> Callable[[np.ndarray], np.ndarray]:
+        return self.matrix.stability
+
+    def step(self, problem: Problem) -> CollocationStep:
+        return CollocationStep(self.matrix, problem, self)

@@ -1,0 +1,148 @@
+"""Radau IIA of order 5 with control of the step length."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import casadi as ca
+import numpy as np
+
+from dalembert.integrators.base import Attempt, Problem
+from dalembert.integrators.marching.error_norm import impulsive, largest, relative_error
+from dalembert.integrators.marching.step_control import decide
+from dalembert.integrators.runge_kutta.implicit_step import (
+    ButcherMatrix,
+    CollocationStep,
+    ImplicitRungeKutta,
+    stages,
+)
+from dalembert.integrators.step import Step
+from dalembert.integrators.tolerances import SHARE, absolute, check_tolerances
+from dalembert.options import options
+
+_R = sqrt(6)
+RADAU_IIA = ButcherMatrix(
+    (
+        ((88 - 7 * _R) / 360, (296 - 169 * _R) / 1800, (-2 + 3 * _R) / 225),
+        ((296 + 169 * _R) / 1800, (88 + 7 * _R) / 360, (-2 - 3 * _R) / 225),
+        ((16 - _R) / 36, (16 + _R) / 36, 1 / 9),
+    ),
+    order=5,
+)
+"""Hairer and Wanner (1996), IV.5."""
+FILTER = (6 - 9 ** (1 / 3) + 81 ** (1 / 3)) / 30
+"""``γ₀``: the real eigenvalue of the matrix."""
+ESTIMATE = FILTER / 3 * np.array([-13 - 7 * _R, -13 + 7 * _R, -1]) @ np.array(RADAU_IIA.a)
+"""Weights of the rates at the stages in the estimate of the error; ``γ₀`` is that of the first."""
+ERROR_ORDER = 3
+
+
+@options
+class Radau(ImplicitRungeKutta):
+    """Radau IIA, three stages, order 5: for stiff systems and for every index.
+
+    Positions and speeds have order 5 with ``Dae(index=1)``, ``Dae(index=2)`` and its stabilised
+    form; with index 3 positions have order 5 and speeds order 3, unless a ``Projection`` follows.
+    Without it errors of speeds count h times there: their part off the constraints stays.
+    A step is accepted when ``max |e_i| / (atol + rtol |x_i|) ≤ 1`` over coordinates and speeds,
+    with ``e = (I − hγ₀J)⁻¹ h (γ₀ F₀ + Σ w_i F_i)`` (Hairer and Wanner 1996, IV.8).
+
+    Parameters
+    ----------
+    rtol : relative tolerance [-]
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
+    max_step : longest step [s]; a quarter of the run if None
+    fixed : take steps of the given length without error control
+
+    Raises
+    ------
+    UnsupportedError
+        A tolerance or ``max_step`` that is not positive.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("hard buffer")
+    >>> mass = system.add(planar.Particle("mass", mass=1.0, velocity=(1, 0)))
+    >>> stiff = planar.Force("buffer", mass.center, (-1e6 * mass.x - 1e6 * mass.vx, 0))
+    >>> force = system.add(stiff)
+    >>> motion = da.solve_dynamics(system.build(), 1.0, integrator=da.Radau(rtol=1e-6))
+    >>> int(motion.statistics["steps"]) < 200  # its fastest time is a microsecond
+    True
+    """
+
+    rtol: float = 1e-8
+    atol: float | None = None
+    max_step: float | None = None
+    fixed: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
+
+    @property
+    def matrix(self) -> ButcherMatrix:
+        return RADAU_IIA
+
+    @property
+    def adaptive(self) -> bool:
+        return not self.fixed
+
+    @property
+    def order(self) -> int:
+        return self.matrix.order
+
+    @property
+    def longest_step(self) -> float | None:
+        return self.max_step
+
+    def attempt(self, problem: Problem, step: Step) -> Attempt | None:
+        if self.fixed:
+            return None
+        assert isinstance(step, CollocationStep)
+        state = ca.MX.sym("s", 3 + step.size)
+        fixed = ca.MX.sym("f", 2 + step.parameter_count)
+        t, proposed, x = state[0], state[1], state[3:]
+        end, longest, p = fixed[0], fixed[1], fixed[2:]
+        h = ca.fmin(ca.fmin(proposed, longest), end - t)
+        new, rates, _ = step.solve(t, h, x, p)
+        corrected = step.finished(t + h, new, p)
+        error = _estimate(step, t, h, x, p, rates)
+        least = ca.DM(absolute(self.atol, SHARE, problem, step.size))
+        allowed = least + self.rtol * ca.fmax(ca.fabs(x), ca.fabs(corrected))
+        if problem.tangential is None and problem.system.index == 3:
+            allowed = impulsive(problem, h, allowed)
+        ratio = largest(relative_error(problem, t + h, new, p, error, allowed))
+        ratio = ca.if_else(ca.sumsqr(corrected) < np.inf, ratio, np.inf)
+        following, record = decide(state, end, h, corrected, ratio, ERROR_ORDER)
+        return Attempt(ca.Function("attempt", [state, fixed], [following, record]), (1.0,))
+
+
+def _estimate(step: CollocationStep, t, h, x, p, rates: ca.MX) -> ca.MX:
+    """Error of the new state, with what is stiff or leaves the constraints filtered out."""
+    u, begin = step.begin_rates(t, h, x, p)
+    raw = h * (FILTER * begin + ca.mtimes(rates, ca.DM(ESTIMATE)))
+    matrix, rhs, change = _linearised(step)
+    base = x - h * FILTER * begin
+    solution = ca.solve(matrix(t, h, base, u, p), rhs(t, h, base, u, p, raw), "qr")
+    return change(t, h, base, u, p, raw, solution)
+
+
+def _linearised(step: CollocationStep) -> tuple[ca.Function, ca.Function, ca.Function]:
+    """How a disturbance of the old state changes the result of one implicit stage of length γ₀h."""
+    e, s = step.equations, step.equations.system
+    at = (s.t, ca.SX.sym("h"), s.x, ca.SX.sym("u", e.count), s.p)
+    (state,), _, (rows,) = stages(e, ((FILTER,),), (0.0,), at, None)
+    h, u = at[1], at[3]
+    rows = rows / ca.vertcat(*(h**k for k in s.depth), *(1 for _ in e.coupled))
+    disturbance, solution = ca.SX.sym("d", e.size), ca.SX.sym("w", e.count)
+    sizes = e.unknown_sizes
+    rows = rows / (e.row_sizes / s.sizes.time ** np.array([*s.depth, *(0 for _ in e.coupled)]))
+    slopes = ca.mtimes(ca.jacobian(rows, u), ca.diag(ca.DM(sizes)))
+    matrix = ca.Function("matrix", list(at), [slopes], {"cse": True})
+    moved = -ca.densify(ca.jtimes(rows, s.x, disturbance))
+    rhs = ca.Function("rhs", [*at, disturbance], [moved], {"cse": True})
+    total = ca.jtimes(state, s.x, disturbance) + ca.jtimes(state, u, sizes * solution)
+    inputs = [*at, disturbance, solution]
+    return matrix, rhs, ca.Function("change", inputs, [ca.densify(total)], {"cse": True})

@@ -1,0 +1,1 @@
+"""CVODES and IDAS of the SUNDIALS suite."""

@@ -1,0 +1,1 @@
+"""What files ask of designs: responses, cases and tasks."""

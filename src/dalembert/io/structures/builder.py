@@ -1,0 +1,148 @@
+"""From a checked document to a structure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from dalembert.elements.fem.node import Node
+from dalembert.errors import ModelError
+from dalembert.io.formulas import Formulas, ParameterNames
+from dalembert.io.location import Located
+from dalembert.io.parameters import declare_parameters, declare_tables
+from dalembert.io.structures.mesh_reader import MeshReader
+from dalembert.io.structures.schema import StructureDocument
+from dalembert.io.structures.tables import (
+    DISPLACEMENTS,
+    FORCES,
+    LINE_FORCES,
+    TEMPERATURES,
+    TRACTIONS,
+    VELOCITIES,
+    NodeChoice,
+)
+from dalembert.structures.nodes import Nodes
+from dalembert.structures.structure import Structure
+from dalembert.text.wording import unknown, visible
+
+
+class StructureBuilder:
+    """Makes the structure that a document describes.
+
+    Parameters
+    ----------
+    document : StructureDocument
+    source : path of the file, for messages and for the files it names
+    """
+
+    def __init__(self, document: StructureDocument, source: Path):
+        self.document, self.source = document, source
+        self.located = Located(source, document)
+        self.structure = Structure(document.name or visible(source.stem), document.description)
+        self.formulas = Formulas(ParameterNames(self.structure.parameters, self.structure.tables))
+        self.reader = MeshReader(source, self.located, self.formulas)
+
+    def build(self) -> Structure:
+        """The structure.
+
+        Raises
+        ------
+        ModelError, FileError, UnsupportedError
+            With file, place, value and cure.
+        """
+        declare_parameters(self.structure, self.document, self.located)
+        declare_tables(self.structure, self.document, self.located, self.formulas)
+        for name, place in self.document.nodes.items():
+            with self.located("nodes", name):
+                self.structure.node(name, *(self.formulas.read(x) for x in place))
+        for name, table in self.document.elements.items():
+            self.reader.element(name, table, self.node, self.structure.add)
+        for name, table in self.document.meshes.items():
+            self.reader.mesh(name, table, self.structure.add_mesh)
+        self.on_nodes("supports", self.structure.support, DISPLACEMENTS)
+        self.on_nodes("loads", self.structure.load, FORCES, "case", "fixed_axes")
+        self.spread_loads()
+        self.on_nodes("initial", self.structure.initial, DISPLACEMENTS | VELOCITIES)
+        return self.structure
+
+    # elements --------------------------------------------------------------------------------
+    def node(self, name: str, *where: str | int) -> Node:
+        known = self.document.nodes
+        if name not in known:
+            raise self.located.error(unknown("node", name, known), *where)
+        return self.structure.nodes[name]  # type: ignore[return-value]
+
+    # supports and loads ----------------------------------------------------------------------
+    def on_nodes(
+        self, section: str, act: Callable, directions: dict[str, str], *plain: str
+    ) -> None:
+        """Call ``act(nodes, direction=value, …)`` for each table of a section."""
+        for k, table in enumerate(getattr(self.document, section)):
+            with self.located(section, k):
+                options = self.reader.directed(table, directions, section, k)
+                options |= {key: getattr(table, key) for key in plain}
+                for nodes in self.chosen(table, section, k):
+                    act(nodes, **options)
+
+    def spread_loads(self) -> None:
+        """Loads on the insides of elements, on lines, edges and faces."""
+        table: Any
+        for k, given in enumerate(self.document.gravity):
+            with self.located("gravity", k):
+                field = [self.formulas.read(x) for x in given.acceleration]
+                self.structure.gravity(*field, case=given.case)
+        for k, table in enumerate(self.document.line_loads):
+            with self.located("line_loads", k):
+                options = self.reader.directed(table, LINE_FORCES, "line_loads", k)
+                parts = [self.part(n, "line_loads", k, "elements") for n in table.elements]
+                self.structure.line_load(parts, case=table.case, **options)
+        for k, table in enumerate(self.document.temperatures):
+            with self.located("temperatures", k):
+                options = self.reader.directed(table, TEMPERATURES, "temperatures", k)
+                parts = [self.part(n, "temperatures", k, "elements") for n in table.elements]
+                self.structure.heat(parts, case=table.case, **options)
+        for k, table in enumerate(self.document.tractions):
+            with self.located("tractions", k):
+                options = self.reader.directed(table, TRACTIONS, "tractions", k)
+                part = self.part(table.elements, "tractions", k, "elements")
+                for nodes in self.chosen(table, "tractions", k):
+                    if not isinstance(nodes, Nodes):
+                        raise ModelError(f"{nodes.name} is one node; take nodes of the mesh")
+                    self.structure.traction(part, nodes, case=table.case, **options)
+
+    def part(self, name: str, *where: str | int) -> Any:
+        """The element or element set of this name."""
+        known = self.structure.elements
+        if name not in known:
+            raise self.located.error(unknown("element", name, known), *where)
+        return known[name]
+
+    def chosen(self, table: NodeChoice, section: str, k: int) -> list[Node | Nodes]:
+        """The nodes that a table of supports or loads means."""
+        found = [self.named(name, section, k) for name in table.nodes]
+        if table.where is None and table.nearest is None:
+            return found
+        narrowed: list[Node | Nodes] = []
+        for nodes in found:
+            if not isinstance(nodes, Nodes):
+                raise ModelError(f"{nodes.name} is one node; where and nearest choose among many")
+            chosen = nodes if table.where is None else nodes.where(**table.where)
+            if table.nearest is not None:
+                if len(table.nearest) != nodes.dimension:
+                    raise ModelError(f"nearest needs {nodes.dimension} coordinates")
+                chosen = chosen.nearest(*table.nearest)
+            narrowed.append(chosen)
+        return narrowed
+
+    def named(self, name: str, section: str, k: int) -> Node | Nodes:
+        """The node, the nodes of a mesh, or those of a group of it."""
+        if name in self.document.nodes:
+            return self.node(name)
+        owner, _, group = name.partition(".")
+        if owner in self.structure.meshes:
+            with self.located(section, k, "nodes"):
+                return self.structure.meshes[owner].nodes(group or None)
+        known = [*self.document.nodes, *self.structure.meshes]
+        known += [f"{mesh}.{g}" for mesh, m in self.structure.meshes.items() for g in m.selections]
+        raise self.located.error(unknown("nodes", name, known), section, k, "nodes")

@@ -1,0 +1,1 @@
+"""From guesses to a start that satisfies every joint and driver."""

@@ -1,0 +1,286 @@
+"""How a mechanism closes: independent equations, held coordinates, the assembled state.
+
+Made once for the nominal parameters; then the assembled state follows the parameters on the same
+branch, as a differentiable function of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.driver import Driver
+from dalembert.errors import AssemblyError, ModelError, SingularityError
+from dalembert.model.absolute import at_ground
+from dalembert.model.assembly.assembled_state import AssembledState
+from dalembert.model.assembly.assembly import Assembler
+from dalembert.model.assembly.continuation import continued
+from dalembert.model.assembly.failure import failure
+from dalembert.model.assembly.guesses import Guesses
+from dalembert.model.assembly.independence import free_columns, rows_of
+from dalembert.model.assembly.placement import placed_guesses
+from dalembert.model.assembly.recipe import INCONSISTENT, HeldPlaces, HeldSpeeds, Pinned, Recipe
+from dalembert.model.assembly.regularity import (
+    Definedness,
+    Owners,
+    generic_rows,
+    refuse_contradiction,
+    refuse_over_driving,
+)
+from dalembert.model.description import Description
+from dalembert.model.equations import Equations
+from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.formulas.expression import stack
+
+STAYS_CLOSED = 1e-9
+"""Violation, by natural sizes, of an equation that others imply."""
+
+
+class Closure:
+    """Assembly of one mechanism.
+
+    Parameters
+    ----------
+    description, equations : with all constraint rows
+    nominal : (np,) parameter values
+    strict : refuse inconsistent initial speeds instead of projecting them
+
+    Attributes
+    ----------
+    owners : (m,) constraint and component behind each row
+    rows : independent constraint rows at the start
+    generic : those that are independent nearly everywhere, more of them where the start is a
+        singular position
+    recipe : Recipe of the start
+    jacobian : ``C`` of all rows at the assembled position, sparse, in natural units
+    anchor : nominal parameters and the position assembled for them, from which others are followed
+
+    Raises
+    ------
+    AssemblyError, ModelError
+        It cannot be closed, is over-driven or undefined.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        equations: Equations,
+        guesses: Guesses,
+        nominal: np.ndarray,
+        strict: bool,
+    ):
+        self.description, self.all_equations, self.nominal = description, equations, nominal
+        self.guesses, self.scales = guesses, equations.scales
+        self.owners: Owners = description.rows
+        self._close(strict)
+
+    def _fixed(self, expression: ca.SX) -> ca.SX:
+        return at_ground(self.description.ground, expression)
+
+    def _curve_searches(self) -> list[tuple[int, list[int], tuple[float, float]]]:
+        """Curve parameters without a guess: coordinate, equations, range."""
+        found = []
+        for constraint in self.description.constraints:
+            for part in constraint.own_coordinates():
+                if part.guesses()[0][0] is None:
+                    index = self.guesses.pose_owners.index(part.name)
+                    rows = [k for k, (c, _) in enumerate(self.owners) if c is constraint]
+                    found.append((index, rows, part.interval))
+        return found
+
+    def _loosely_facing(self) -> list[ca.SX]:
+        """Ways round of joints that the given poses do not settle."""
+        return [
+            constraint.facing()
+            for constraint in self.description.constraints
+            if not all(all(p.guessed()) for p in constraint.parts() if p.name != "ground")
+        ]
+
+    def _close(self, strict: bool) -> None:
+        d, e, p = self.description, self.all_equations, self.nominal
+        conditions = self._fixed(stack(m.sx - v.sx for m, v in d.conditions))
+        of_speed = np.array(ca.which_depends(conditions, e.v, 1, True), dtype=bool)
+        positions, speeds = (
+            conditions[np.flatnonzero(chosen).tolist(), :] for chosen in (~of_speed, of_speed)
+        )
+        searches, facing = self._curve_searches(), self._fixed(stack(self._loosely_facing()))
+        self._assembler = Assembler(
+            e, self.guesses, placed_guesses(d), self.scales, positions, searches, facing
+        )
+        y = self._projected()
+        Definedness(d, e, y, p).refuse_undefined()
+        self.jacobian = self._assembler.scaled_jacobian(0.0, y, p)[: len(self.owners)]
+        self.independence = rows_of(self.jacobian)
+        self.rows = self.independence.pivots
+        self.generic = self.rows
+        if len(self.rows) < len(self.owners):
+            self.generic = generic_rows(self._assembler, self.owners, self.rows, y, p)
+        refuse_over_driving(self.owners, self.generic)
+        self.recipe = Recipe(e, self.guesses, self.scales, self.rows, positions, speeds)
+        self.anchor = p.copy(), self._hold_positions(y, p)
+        self._hold_speeds(strict)
+        self.start = self.assemble(p)
+        left_out = sorted(set(range(len(self.owners))) - set(self.generic))
+        if left_out and ca.depends_on(e.constraints, e.t):
+            self._refuse_contradiction(left_out)
+
+    def _refuse_contradiction(self, left_out: list[int]) -> None:
+        """What is left out as redundant must move as what it follows from."""
+        e, start = self.all_equations, self.start
+        psi = ca.Function("speeds", [e.t, e.y, e.v, e.p], [e.velocity_constraints[left_out]])
+        open_by = np.abs(psi(0.0, start.y, start.v, self.nominal).full().ravel())
+        shares = open_by * self.scales.time / self.scales.rows[left_out]
+        worst = int(np.argmax(shares))
+        if not shares[worst] <= INCONSISTENT:
+            refuse_contradiction(self.owners, self.independence, left_out[worst], open_by[worst])
+
+    def _refuse_conditions(self, count: int, freedom: int) -> None:
+        """More is demanded of the start than is free."""
+        raise ModelError(
+            f"{count} conditions on speeds hold at the start, where joints and drivers leave "
+            f"{freedom} free; leave some out, or give relaxed=False to a beam, which else starts "
+            "free of strain",
+            self.description.name,
+        )
+
+    def _projected(self) -> np.ndarray:
+        """The guesses, moved onto all constraints."""
+        found = self._assembler.project(0.0, self.nominal)
+        if not found.accepted:  # too many drivers is the better explanation, if it is one
+            drivers = [k for k, (c, _) in enumerate(self.owners) if isinstance(c, Driver)]
+            freedom = self.all_equations.speed_count - (len(self.owners) - len(drivers))
+            if 1 <= freedom < len(drivers):
+                others = sorted(set(range(len(self.owners))) - {drivers[-1]})
+                refuse_over_driving(self.owners, others)
+            raise self._failure(0.0, found.x, self.nominal)
+        return found.x
+
+    def _failure(self, t: float, y: np.ndarray, p: np.ndarray) -> AssemblyError:
+        return failure(self._assembler, self.description, t, y, p)
+
+    def _hold_positions(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Hold as many given coordinates as can be had, the first ones first."""
+        lost: set[int] = set()  # given ones that cannot be had count as missing
+        jacobian = self._assembler.scaled_jacobian(0.0, y, p)
+        conditions = range(len(self.owners), jacobian.shape[0])
+        while True:
+            given = [g and k not in lost for k, g in enumerate(self.guesses.given)]
+            priority = self.guesses.priority(given)
+            chosen = free_columns(jacobian[[*self.recipe.position_rows, *conditions]], priority)
+            held = HeldPlaces(tuple(chosen), tuple(given[k] for k in chosen), y)
+            self.recipe = replace(self.recipe, positions=held)
+            self.pinned = Pinned(self._assembler, self.recipe)
+            wanted = [k for k in chosen if given[k]]
+            found, reached = continued(self.pinned, y, p, p, 0.0)
+            if reached == 1.0:
+                return found
+            if not wanted:
+                raise self._failure(0.0, found, p)
+            lost.add(wanted[0])
+
+    def _hold_speeds(self, strict: bool) -> None:
+        """Hold given speeds; project them where they contradict each other."""
+        p, y = self.anchor
+        given, n = self.guesses.twist, self.all_equations.speed_count
+        jacobian = self.recipe.scaled_speed_jacobian(0.0, y, p)
+        if jacobian.shape[0] > n:
+            self._refuse_conditions(jacobian.shape[0] - len(self.rows), n - len(self.rows))
+        known = [speed is not None for speed in given]
+        chosen = free_columns(jacobian, self.guesses.priority(known))
+        self.recipe = replace(self.recipe, speeds=HeldSpeeds.of(chosen, given, np.zeros(n)))
+        v, guess = self.recipe.speeds_at(0.0, y, p), self.guesses.speeds(y, p)
+        allowed = INCONSISTENT * (self.scales.speeds + np.abs(guess))
+        miss = {
+            self.guesses.speed_names[k]: float(v[k] - guess[k])
+            for k in range(n)
+            if known[k] and abs(v[k] - guess[k]) > allowed[k]
+        }
+        if not miss:
+            return
+        if strict:
+            name, value = max(miss.items(), key=lambda item: abs(item[1]))
+            raise AssemblyError(
+                f"initial speeds are inconsistent with the joints: {name} would have to change by "
+                f"{value:.3g}; correct them, or build without strict",
+                abs(value),
+            )
+        # remember where the missing speeds went: the projection starts from there
+        everything = HeldSpeeds.of(list(range(n)), given, v)
+        self.recipe = replace(self.recipe, speeds=everything, projected=True)
+
+    def state(self, y: np.ndarray, p: np.ndarray, time: float) -> AssembledState:
+        """The start at an assembled position."""
+        v = self.recipe.speeds_at(time, y, p)
+        residual = np.abs(self.pinned.at(time, p).residual(y).value).max(initial=0.0)
+        guess_y, guess_v = self.guesses.values(p)[0], self.guesses.speeds(y, p)
+        projected = self.recipe.projected
+        known = [speed is not None for speed in self.guesses.twist]
+        return AssembledState(
+            y,
+            v,
+            float(residual),
+            self._changes(self.guesses.given, self.all_equations.manifold.lead(guess_y, y)),
+            self._changes(known, v - guess_v) if projected else {},
+            projected,
+        )
+
+    def assemble(self, p: np.ndarray, time: float = 0.0) -> AssembledState:
+        """Consistent initial state for parameter values ``p``, on the branch of the nominal one.
+
+        Raises
+        ------
+        AssemblyError
+            Names the worst joint and its residual.
+        """
+        anchor_p, anchor_y = self.anchor
+        y = self._follow(anchor_p, anchor_y, p, time)
+        if self.lost:  # equations left out at the start need not hold with other parameters
+            left = self._assembler.closeness(time, y, p)
+            if np.max(np.abs(left.value) / left.scale, initial=0.0) > STAYS_CLOSED:
+                raise self._failure(time, y, p)
+        return self.state(y, p, time)
+
+    @property
+    def lost(self) -> str:
+        """Joints that lose their independence in a singular position at the start; mostly none."""
+        rows = sorted(set(self.generic) - set(self.rows))
+        return ", ".join(dict.fromkeys(self.owners[k][0].name for k in rows))
+
+    def refuse_singular_start(self, cure: str = "") -> None:
+        """For what needs independent equations at the start.
+
+        Raises
+        ------
+        SingularityError
+            The start is a singular position: the motion from there is not determined.
+        """
+        if self.lost:
+            raise SingularityError(
+                "the start is a singular position (dead centre or branch point): "
+                f"{self.lost} lose their independence there; start a little beside it{cure}"
+            )
+
+    def _changes(self, given: list[bool], change: np.ndarray) -> dict[str, float]:
+        names = zip(self.guesses.speed_names, given, change, strict=True)
+        return {name: float(value) for name, known, value in names if known}
+
+    @property
+    def initial_state(self) -> ImplicitFunction:
+        """``(t, y_start, p) → (y0, v0)`` as an implicit function of the parameters.
+
+        Raises
+        ------
+        SingularityError
+            In a singular position, where there is none.
+        """
+        self.refuse_singular_start()
+        return self.recipe.initial_state
+
+    def _follow(self, p0: np.ndarray, y0: np.ndarray, p1: np.ndarray, time: float) -> np.ndarray:
+        """The assembled position on the branch of another one."""
+        y, reached = continued(self.pinned, y0, p0, p1, time)
+        if reached < 1.0:
+            raise self._failure(reached * time, y, p0 + reached * (p1 - p0))
+        return y

@@ -1,0 +1,190 @@
+"""Why a mechanism cannot be assembled: which joint stays open, what it wants and what it can get.
+
+At the position of least violation every joint of a loop that does not close is open a little. So
+one of them is let go while the others are closed: what then remains of it is the whole gap.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.base import Constraint
+from dalembert.elements.pair import PointJoint
+from dalembert.errors import AssemblyError
+from dalembert.model.absolute import at_ground
+from dalembert.model.assembly.assembly import Assembler
+from dalembert.model.description import Description
+from dalembert.model.tree.topology import analyse_topology
+
+CLOSED = 1e-6
+"""Violation, in natural units, of a joint that counts as closed beside one that is not."""
+CONCERNED = 0.1
+"""Violation, relative to the largest, of joints that may be at fault."""
+QUIET: dict[str, Any] = {
+    "print_time": False,
+    "error_on_fail": False,
+    "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 300, "tol": 1e-9},
+}
+MOST = 6
+"""Of these, how many are tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class OpenPosition:
+    """The best position of a mechanism that cannot be assembled.
+
+    Attributes
+    ----------
+    parts, parameters, time : the mechanism, (np,) values of its parameters, the instant [s]
+    guess, y : (n,) coordinates as given and placed, and at best
+    joint : name of the joint or driver that stays open
+    ends : (2, 2) the two points that should meet, as rows, where there are two
+    gap, text : by how much, and what was wanted, in short and in a sentence
+    loop : joints of the loop that does not close
+    """
+
+    parts: Description
+    parameters: np.ndarray
+    time: float
+    guess: np.ndarray
+    y: np.ndarray
+    joint: str
+    ends: np.ndarray | None
+    gap: str
+    text: str
+    loop: tuple[str, ...]
+
+
+def failure(
+    assembler: Assembler, d: Description, t: float, y: np.ndarray, p: np.ndarray
+) -> AssemblyError:
+    """The error that tells the best position near ``y``."""
+    made = _Failure(assembler, d, t, y, p).told()
+    where = f", in the loop {'–'.join(made.loop)}" if made.loop else ""
+    return AssemblyError(
+        f"the mechanism cannot be assembled at t = {t:g} s: {made.text}{where}; check the lengths "
+        f"{'of this loop ' if made.loop else ''}and the places of what is fixed, or give poses "
+        "nearer to the closed mechanism",
+        float(np.abs(assembler.closeness(t, made.y, p).value).max(initial=0.0)),
+        made,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Demand:
+    """A joint, a driver or an initial condition: what it ties, measures and asks for."""
+
+    name: str
+    rows: list[int]
+    unit: str
+    compared: tuple[ca.SX, ca.SX] | None
+    joint: Constraint | None
+
+
+class _Failure:
+    def __init__(self, assembler: Assembler, d: Description, t: float, y, p: np.ndarray):
+        self.assembler, self.d, self.t, self.y, self.p = assembler, d, t, y, p
+        holding = [c for c in d.constraints if c.equations.numel()]
+        ends = np.cumsum([0, *(c.equations.numel() for c in holding)]).tolist()
+        self.demands = {
+            c.name: _Demand(c.name, list(range(*span)), c.units()[0], c.compared(), c)
+            for c, span in zip(holding, pairwise(ends), strict=True)
+        }
+        of_position = [(m, v) for m, v in d.conditions if not self.of_speed(m.sx - v.sx)]
+        for row, (m, v) in enumerate(of_position, assembler.equation_count):
+            name = f"the initial value of {m.name or 'a formula'}"
+            self.demands[name] = _Demand(name, [row], m.unit, (m.sx, v.sx), None)
+
+    def of_speed(self, expression: ca.SX) -> bool:
+        return bool(ca.depends_on(expression, self.assembler.equations.v))
+
+    def told(self) -> OpenPosition:
+        """What is at fault: the demand without which all others can be met."""
+        violation = self.violations(self.y)
+        worst = max(violation, key=lambda name: violation[name])
+        loops = analyse_topology(self.d.bodies, self.d.constraints, set()).loops
+        loop = next((found for found in loops if worst in found), ())
+        for name in self.suspects(violation, worst, loop):
+            demand = self.demands[name]
+            y = self.closest(demand.rows)
+            others = self.violations(y)
+            if others.pop(name) > CLOSED and max(others.values(), default=0.0) <= CLOSED:
+                return self.position(y, demand, loop if name in loop else ())
+        return self.position(self.y, self.demands[worst], loop)
+
+    def closest(self, loose: list[int]) -> np.ndarray:
+        """The position of least violation of some equations among those that meet all others."""
+        assembler, scale = self.assembler, self.assembler.scales.displacements
+        sizes = assembler.closeness(self.t, self.y, self.p).scale
+        x = ca.SX.sym("x", scale.size)
+        there = assembler.manifold.retract(ca.SX(self.y), ca.SX(scale) * x)
+        residual = assembler.position(self.t, there, self.p)[0] / sizes
+        others = sorted(set(range(sizes.size)) - set(loose))
+        problem = {"x": x, "f": ca.sumsqr(residual[loose]), "g": residual[others]}
+        solver = ca.nlpsol("closest", "ipopt", problem, QUIET)
+        step = scale * solver(x0=0, lbg=0, ubg=0)["x"].full().ravel()
+        return assembler.moved(self.y, step)
+
+    def suspects(self, violation: dict[str, float], worst: str, loop: tuple[str, ...]) -> list[str]:
+        """Open demands: what asks for a length or an angle first, then a joint."""
+        open_ones = [n for n, v in violation.items() if v > CONCERNED * violation[worst]]
+        asking = [n for n in open_ones if self.demands[n].compared is not None]
+        asking.sort(key=lambda name: (self.demands[name].joint is not None, -violation[name]))
+        return list(dict.fromkeys([*asking, *loop[len(loop) // 2 :][:1], worst]))[:MOST]
+
+    def violations(self, y: np.ndarray) -> dict[str, float]:
+        """Largest violation of each demand, in natural units."""
+        found = self.assembler.closeness(self.t, y, self.p)
+        relative = np.nan_to_num(np.abs(found.value) / found.scale, nan=np.inf)
+        return {name: float(relative[one.rows].max()) for name, one in self.demands.items()}
+
+    def position(self, y: np.ndarray, demand: _Demand, loop: tuple[str, ...]) -> OpenPosition:
+        guess, ends = (
+            self.assembler.start(self.t, self.p).full().ravel(),
+            self.ends(y, demand.joint),
+        )
+        gap, text = self.told_of(y, demand, ends)
+        return OpenPosition(self.d, self.p, self.t, guess, y, demand.name, ends, gap, text, loop)
+
+    def ends(self, y: np.ndarray, joint: Constraint | None) -> np.ndarray | None:
+        """(2, 2) the points of a joint."""
+        if not isinstance(joint, PointJoint):
+            return None
+        ends = (joint.point_i.position.sx, joint.point_j.position.sx)
+        return np.array([self.number(end, y) for end in ends])
+
+    def told_of(self, y: np.ndarray, demand: _Demand, ends: np.ndarray | None) -> tuple[str, str]:
+        """By how much it stays open and what was wanted, in short and in a sentence."""
+        bodies = [part.name for part in demand.joint.parts()] if demand.joint else []
+        name = f"{demand.name} ({', '.join(bodies)})" if bodies else demand.name
+        if demand.compared is not None:
+            reached, wanted = (float(self.number(sx, y)[0]) for sx in demand.compared)
+            bound = "at most" if reached < wanted else "at least"
+            limit = f"{bound} {_amount(reached, demand.unit)} can be reached"
+            short = (
+                f"{_amount(wanted, demand.unit)} wanted, {bound} {_amount(reached, demand.unit)}"
+            )
+            return short, f"{name} asks for {_amount(wanted, demand.unit)}, {limit}"
+        assert demand.joint is not None
+        left, units = np.abs(self.number(demand.joint.equations, y)), demand.joint.units()
+        gap = float(np.linalg.norm(left[[unit == "m" for unit in units]]))
+        if ends is not None and gap > CLOSED * self.assembler.scales.length:
+            short = _amount(gap, "m")
+            return short, f"{name} stays open: its points are {short} apart at best, 0 m wanted"
+        k = int(np.argmax(left))
+        short = _amount(left[k], units[k])
+        return short, f"{name} stays open by {short} at best, {_amount(0.0, units[k])} wanted"
+
+    def number(self, expression: ca.SX, y: np.ndarray) -> np.ndarray:
+        e = self.assembler.equations
+        fixed = at_ground(self.d.ground, ca.densify(expression))
+        return ca.Function("n", [e.t, e.y, e.p], [fixed])(self.t, y, self.p).full().ravel()
+
+
+def _amount(value: float, unit: str) -> str:
+    return f"{value:.4g} {unit}".rstrip()

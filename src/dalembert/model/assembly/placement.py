@@ -1,0 +1,25 @@
+"""Guesses of all coordinates: what is given, and where joints put what is missing."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from dalembert.elements.coordinates import Coordinates
+from dalembert.model.assembly.planar_placement import planar_poses
+from dalembert.model.assembly.spatial_placement import spatial_poses
+from dalembert.model.description import Description
+
+
+def placed_guesses(d: Description) -> ca.SX:
+    """(n,) guesses of all coordinates, as formulas of parameters.
+
+    What is not given and hangs on nothing that is stays at rest.
+    """
+    placed = planar_poses(d) | spatial_poses(d)
+    return ca.vertcat(*(placed[g.name] if g.name in placed else _given(g) for g in d.coordinates))
+
+
+def _given(group: Coordinates) -> ca.SX:
+    given, rest = group.guesses()[0], group.rest
+    known = (ca.SX(r) if g is None else g for g, r in zip(given, rest, strict=True))
+    return ca.vertcat(*known)

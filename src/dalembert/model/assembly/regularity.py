@@ -1,0 +1,149 @@
+"""What makes an assembled position useless as a start, and says so."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.base import Constraint, Element, ForceElement
+from dalembert.elements.coordinates import rate_of
+from dalembert.elements.driver import Driver
+from dalembert.errors import ModelError
+from dalembert.model.absolute import at_ground
+from dalembert.model.assembly.assembly import Assembler
+from dalembert.model.assembly.independence import Echelon, columns_of, independent_rows
+from dalembert.model.description import Description
+from dalembert.model.equations import Equations
+from dalembert.model.table_ranges import left_table
+from dalembert.symbolic.formulas.expression import free_symbols, stack, t
+
+Owners = list[tuple[Constraint, int]]
+"""Constraint and component behind each row."""
+NEARBY = (1e-2, 1e-3)
+"""Largest changes, in natural units, by which a motion leaves a singular position."""
+CLEARLY_INDEPENDENT = 1e-7
+SHARED = 1e-9
+"""Share of an equation in another, from which on it is told."""
+
+
+def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
+    """Every driver must be among the independent rows.
+
+    Raises
+    ------
+    ModelError
+        Names a driver that is not.
+    """
+    kept = set(rows)
+    for k, (constraint, _) in enumerate(owners):
+        if isinstance(constraint, Driver) and k not in kept:
+            raise ModelError(
+                "drives a coordinate that the joints and other drivers already determine "
+                "(over-driven mechanism); remove this driver or another one",
+                constraint.name,
+            )
+
+
+def refuse_contradiction(owners: Owners, independence: Echelon, row: int, open_by: float) -> None:
+    """A row that depends on others prescribes another speed than they do.
+
+    Raises
+    ------
+    ModelError
+        Always; names its constraint and those it contradicts.
+    """
+    weights, (constraint, component) = independence.kernel({row: -1.0}), owners[row]
+    others = (owners[k][0] for k in independence.pivots if abs(weights[k]) > SHARED)
+    names = dict.fromkeys(other.name for other in others if other is not constraint)
+    raise ModelError(
+        f"prescribes another speed than {', '.join(names)}, which determine the same coordinate "
+        f"(by {open_by:.3g} {constraint.units()[component]}/s at the start): over-driven "
+        "mechanism; remove one of them, or let them move alike",
+        constraint.name,
+    )
+
+
+def generic_rows(
+    assembler: Assembler, owners: Owners, rows: list[int], y: np.ndarray, p: np.ndarray
+) -> list[int]:
+    """Rows that are independent nearly everywhere, of which some may not be so at a position.
+
+    Tells redundancy, which stays, from a singular position, which a small motion leaves.
+
+    Parameters
+    ----------
+    rows : independent at the position
+    y, p : position and parameter values
+    """
+    joints = [k for k, (c, _) in enumerate(owners) if not isinstance(c, Driver)]
+    motions = columns_of(assembler.scaled_jacobian(0.0, y, p)[joints])
+    rng = np.random.default_rng(1)
+    for size in NEARBY if motions.free else ():
+        motion = size * assembler.scales.displacements * motions.any_kernel(rng)
+        found = assembler.close(0.0, assembler.moved(y, motion), p, joints)
+        if not found.accepted:
+            continue
+        jacobian = assembler.scaled_jacobian(0.0, found.x, p)[: len(owners)]
+        generic = independent_rows(jacobian, CLEARLY_INDEPENDENT)
+        if len(generic) > len(rows):
+            return generic
+    return rows
+
+
+class Definedness:
+    """Whether every element has a value and a direction at a position.
+
+    Parameters
+    ----------
+    d : Description
+    equations : Equations
+    y, p : the position and the parameter values
+    """
+
+    def __init__(self, d: Description, equations: Equations, y: np.ndarray, p: np.ndarray):
+        self.d, self.e, self.y, self.p = d, equations, y, p
+
+    def refuse_undefined(self) -> None:
+        """Every element must be defined.
+
+        Raises
+        ------
+        ModelError
+            Names one that is not.
+        """
+        if self._is_finite(stack([ca.vec(self.e.jacobian.nz[:]), self.e.force])):
+            return
+        for element in (*self.d.constraints, *self.d.forces):
+            if not self._is_finite(self._definition(element)):
+                state = (0.0, self.y, np.zeros(self.e.speed_count))
+                if left := left_table(self.d, self.e, [state], self.p):
+                    raise ModelError(f"at the start {left}", element.name)
+                raise ModelError(
+                    "has no defined direction or value at the assembled position (two points that "
+                    "coincide, a root or a division by zero?); move its points or mend its formula",
+                    element.name,
+                )
+
+    def _definition(self, element: Element) -> ca.SX:
+        """Directions and values an element is made of."""
+
+        def fixed(expression: ca.SX) -> ca.SX:
+            return at_ground(self.d.ground, expression)
+
+        y = self.e.y
+        if isinstance(element, Constraint):
+            by_pose = ca.vec(ca.jacobian(fixed(element.equations), y))
+            return stack([by_pose, ca.vec(ca.jacobian(fixed(element.slip), self.e.v))])
+        assert isinstance(element, ForceElement)
+        owners = element.parts() or self.d.coordinates
+        powers = element.powers(lambda s: rate_of(s, owners, t.sx))
+        parts = [ca.vec(ca.jacobian(fixed(velocity), self.e.v)) for velocity, _ in powers]
+        return stack(parts + [fixed(effort) for _, effort in powers])
+
+    def _is_finite(self, column: ca.SX) -> bool:
+        inputs = [self.e.t, self.e.y, self.e.v, self.e.p]
+        if free_symbols(column) - free_symbols(ca.vertcat(*inputs)):
+            return True  # accelerations or multipliers: nothing can be said before a run
+        at_rest = np.zeros(self.e.speed_count)
+        values = ca.Function("defined", inputs, [column])(0.0, self.y, at_rest, self.p)
+        return bool(np.all(np.isfinite(values.full())))

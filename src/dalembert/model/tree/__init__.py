@@ -1,0 +1,1 @@
+"""Joint coordinates: the tree of bodies that joints carry."""

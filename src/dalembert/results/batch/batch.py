@@ -1,0 +1,243 @@
+"""The results of many designs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.results.batch.designs import Designs
+from dalembert.results.batch.samples import Samples
+from dalembert.results.components import COMPONENTS
+from dalembert.results.result import Analysis, Result
+from dalembert.results.status import Outcome, Status
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.parametric_model import ParametricModel
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+@dataclass(eq=False, repr=False)
+class Batch:
+    """Results of one analysis for many designs of one model.
+
+    Designs that fail are marked, not raised: see ``status``. What they have not reached is NaN.
+
+    Attributes
+    ----------
+    model : of all designs
+    analysis : the analysis that made it
+    designs : Designs, the values of the parameters
+    statuses : Status of each design
+    samples : what is kept of them
+    results : number of the design → its result, of those that are kept whole
+    statistics : name → number or text, for people
+    warnings : doubts about the choices made
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("scale", gravity=(0, -10))
+    >>> k = system.parameter("k", 100.0)
+    >>> pan = system.add(planar.Particle("pan", mass=2.0, position=(0, -0.1)))
+    >>> spring = system.add(planar.Spring("spring", system.ground.center, pan.center, stiffness=k))
+    >>> many = da.solve_equilibrium(system.build(), parameters={"k": [50.0, 100.0, 200.0]})
+    >>> isinstance(many, da.Batch), many["pan.y"].values.ravel().round(6)  # -m g/k
+    (True, array([-0.4, -0.2, -0.1]))
+    """
+
+    model: ParametricModel
+    analysis: Analysis
+    designs: Designs
+    statuses: list[Status]
+    samples: Samples
+    results: Mapping[int, Result] = field(default_factory=dict)
+    statistics: dict[str, Any] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.statuses)
+
+    @property
+    def time(self) -> np.ndarray:
+        """(K,) output times [s], or numbers of load cases."""
+        return self.samples.time
+
+    # how they ended ----------------------------------------------------------------
+    @cached_property
+    def succeeded(self) -> np.ndarray:
+        """(designs,) which did what was asked."""
+        return np.array([status.success for status in self.statuses])
+
+    @property
+    def status(self) -> xr.DataArray:
+        """Outcome of each design in words, with its message, last time and residual beside it."""
+        import xarray as xr
+
+        about = {
+            "message": ("design", [s.message for s in self.statuses]),
+            "time_reached": ("design", [s.time for s in self.statuses], {"units": "s"}),
+            "residual": ("design", [s.residual for s in self.statuses]),
+            "outcome": ("design", [s.outcome.name for s in self.statuses]),
+        }
+        words = [s.outcome.value for s in self.statuses]
+        return xr.DataArray(words, self.designs.coords | about, ("design",), "status")
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """A row per design: the parameters that vary, and how it ended."""
+        listed = self.status
+        return listed.to_dataframe().drop(columns=["time_reached"], errors="ignore")
+
+    @property
+    def counts(self) -> dict[Outcome, int]:
+        """Outcome → number of designs, the most frequent first."""
+        found = [status.outcome for status in self.statuses]
+        return dict(sorted(((o, found.count(o)) for o in set(found)), key=lambda pair: -pair[1]))
+
+    # what they are -----------------------------------------------------------------
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, a formula or an expression."""
+        return self.model.expression(measure)
+
+    def values(self, measure: str | Expression) -> np.ndarray:
+        """(designs, K) or (designs, K, size) values of a measure."""
+        table = self.samples.table([self.expression(measure)])
+        return table[:, 0] if table.shape[1] == 1 else table.transpose(0, 2, 1)
+
+    def __getitem__(self, wanted: str | Expression | int) -> Any:
+        """A measure or formula of all designs over time, or one design by its number.
+
+        Raises
+        ------
+        KeyError
+            Unknown name, with the nearest known ones.
+        """
+        if isinstance(wanted, (int, np.integer)):
+            return self.design(int(wanted))
+        return self.labelled(wanted)
+
+    def labelled(self, measure: str | Expression) -> xr.DataArray:
+        """Values of a measure, labelled by design and time."""
+        import xarray as xr
+
+        expression = self.expression(measure)
+        name = expression.name or (measure if isinstance(measure, str) else "measure")
+        coords = self.coords
+        along = ["design", self.along]
+        if len(expression) > 1:
+            dimension, components = COMPONENTS[len(expression)]
+            coords[dimension] = list(components)
+            along.append(dimension)
+        about = {"units": expression.unit, "long_name": name}
+        return xr.DataArray(self.values(expression), coords, along, name, about)
+
+    @property
+    def along(self) -> str:
+        """Dimension of what a design has several of."""
+        some: Any = next(iter(self.results.values()), None)
+        return "case" if hasattr(some, "cases") else "time"
+
+    @property
+    def coords(self) -> dict[str, Any]:
+        """Coordinates of designs and instants."""
+        some: Any = next(iter(self.results.values()), None)
+        cases = getattr(some, "cases", None)
+        instants = ("time", self.time, {"units": "s"}) if cases is None else ("case", cases)
+        return {**self.designs.coords, self.along: instants}
+
+    def design(self, k: int) -> Any:
+        """The result of one design, made anew with all that belongs to one.
+
+        Raises
+        ------
+        AnalysisError
+            There is no such design; or why it could not begin.
+        """
+        if not -len(self) <= k < len(self):
+            raise AnalysisError(f"design {k} of a batch of {len(self)}; they count from 0")
+        return self.analysis.run(self.model, self.designs.named(k % len(self)))
+
+    def __iter__(self) -> Iterator[Any]:
+        """The designs one by one, those that could begin."""
+        refused = (Outcome.NOT_ASSEMBLED, Outcome.REFUSED)
+        for k, status in enumerate(self.statuses):
+            if status.outcome not in refused:
+                yield self.design(k)
+
+    # all of it ---------------------------------------------------------------------
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """Everything with names: as of one result, and how each design ended."""
+        from dalembert.results.batch.dataset import batch_dataset
+
+        return batch_dataset(self)
+
+    def some(self, *measures: str | Expression) -> xr.Dataset:
+        """A dataset of some measures and how each design ended."""
+        import xarray as xr
+
+        found = {}
+        for measure in measures:
+            array = self.labelled(measure)
+            found[str(array.name)] = array
+        return xr.Dataset({"status": self.status, **found}, attrs=self.about)
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """What a file tells of where it comes from."""
+        fixed = {
+            f"parameter_{name}": float(self.designs.values[0, i])
+            for i, name in enumerate(self.designs.names)
+            if name not in self.designs.varied
+        }
+        warnings = "\n".join(self.warnings)
+        told = {"model": self.model.name, "analysis": repr(self.analysis), "warnings": warnings}
+        return told | fixed
+
+    def save(self, path: str | Path, *measures: str | Expression) -> Path:
+        """Write all, or some measures, to a NetCDF file; ``load_results`` reads it back."""
+        from dalembert.results.files.store import save_dataset
+
+        return save_dataset(self.some(*measures) if measures else self.data, path)
+
+    def to_dataframe(self, *measures: str | Expression) -> pd.DataFrame:
+        """A row per design and instant of some measures; without any, a row per design."""
+        if not measures:
+            return self.table
+        return self.some(*measures).drop_vars(["message", "time_reached"]).to_dataframe()
+
+    def to_csv(self, path: str | Path, *measures: str | Expression) -> Path:
+        """Write ``to_dataframe`` as CSV."""
+        from dalembert.results.files.store import save_table
+
+        return save_table(self.to_dataframe(*measures), path)
+
+    def summary(self) -> dict[str, Any]:
+        """How many designs ended how, and the statistics."""
+        return {
+            "designs": len(self),
+            "outcomes": {outcome.value: count for outcome, count in self.counts.items()},
+            "statistics": self.statistics,
+            "warnings": list(self.warnings),
+        }
+
+    def __repr__(self) -> str:
+        varied = ", ".join(self.designs.varied) or "nothing"
+        outcomes = ", ".join(f"{count} {o.value}" for o, count in self.counts.items())
+        return f"<Batch of {self.model.name!r}: {len(self)} designs of {varied}; {outcomes}>"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        table = self.table.drop(columns=["message"])
+        some = table if len(table) <= 10 else table.iloc[:10]
+        return f"<p>{escape(repr(self))}</p>{some.to_html()}"

@@ -1,0 +1,109 @@
+"""Results to files and back: NetCDF, data frames, CSV."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dalembert.budget import afford
+from dalembert.errors import DalembertError, FileError
+from dalembert.files.atomic import atomic_path
+from dalembert.files.readable import readable
+from dalembert.results.files.contents import Contents
+from dalembert.results.files.netcdf import write_netcdf
+from dalembert.text.spelling import spelled
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
+    """Write labelled arrays as NetCDF-4, whole or not at all.
+
+    Raises
+    ------
+    FileError
+        The file cannot be written.
+    """
+    with atomic_path(path) as temporary:
+        write_netcdf(data if isinstance(data, Contents) else Contents.of(data), temporary)
+    return Path(path)
+
+
+@spelled
+def load_results(path: str | Path) -> xr.Dataset:
+    """Read a result file written by ``save`` as an ``xarray.Dataset``.
+
+    Parameters
+    ----------
+    path : of the file
+
+    Raises
+    ------
+    FileError
+        Missing file, or not a result of this program.
+    BudgetError
+        It unpacks to more than a task may take.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("fall", gravity=(0, -10))
+    >>> stone = system.add(planar.Particle("stone", mass=1.0))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = motion.save(f"{folder}/fall.nc")
+    ...     data = da.load_results(path)
+    >>> data["position"].sel(body="stone", axis="y")[-1].item()
+    -5.0
+    """
+    import xarray as xr
+
+    readable(path, 1.0)
+    try:
+        unpacked = _unpacked(path)
+        afford(f"{path}: to unpack it", memory=unpacked, cure="check that it is the file you mean")
+        with xr.open_dataset(path, engine="h5netcdf") as opened:
+            return opened.load()
+    except DalembertError:
+        raise
+    except Exception as error:  # HDF5 and its readers have errors of many kinds
+        raise FileError(f"{path}: cannot be read as a result file ({error})") from None
+
+
+def _unpacked(path: str | Path) -> int:
+    """Bytes of all arrays in a file, which may be compressed."""
+    import h5py
+
+    sizes: list[int] = []
+    with h5py.File(path) as file:
+        file.visititems(lambda _, item: sizes.append(getattr(item, "nbytes", 0)))
+    return sum(sizes)
+
+
+def report_of(data: xr.Dataset) -> dict:
+    """What the report of a saved result is drawn from.
+
+    Raises
+    ------
+    FileError
+        The dataset holds none.
+    """
+    try:
+        payload = json.loads(str(data["report"].values))
+    except (KeyError, ValueError, RecursionError):
+        payload = None
+    if not isinstance(payload, dict):
+        raise FileError("this result file holds no report; run the model again")
+    return payload
+
+
+def save_table(table: pd.DataFrame, path: str | Path) -> Path:
+    """Write a table as CSV, whole or not at all."""
+    with atomic_path(path) as temporary:
+        table.to_csv(temporary)
+    return Path(path)

@@ -1,0 +1,1 @@
+"""Many alike elements evaluated at once, and their sums."""

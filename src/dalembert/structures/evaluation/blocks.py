@@ -1,0 +1,186 @@
+"""From a description to blocks: elements of one kind brought together as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Set
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.graphs import ElementGraphs, ThermalGraphs
+from dalembert.elements.fem.node import Node
+from dalembert.errors import ModelError
+from dalembert.structures.description import StructureDescription
+from dalembert.structures.evaluation.block import ElementBlock
+from dalembert.structures.evaluation.elements import Elements
+from dalembert.structures.evaluation.kind import ElementKind
+from dalembert.structures.evaluation.numbering import Numbering
+from dalembert.structures.loads.temperatures import CHANGES
+from dalembert.structures.spans import Spans
+from dalembert.symbolic.formulas.expression import Expression, free_symbols
+from dalembert.symbolic.parametric_array import ArrayEntries
+
+
+@dataclass(frozen=True)
+class Part:
+    """One element, or a set of them, in the numbers of the structure.
+
+    Attributes
+    ----------
+    nodes : (ne, nodes of an element)
+    count : of a set, None of a single element
+    quantities : field → formula for all, or array with one for each
+    timed : whether they may depend on time
+    """
+
+    name: str
+    cls: type[StructuralElement]
+    options: dict[str, Any]
+    nodes: np.ndarray
+    count: int | None
+    quantities: dict[str, Any]
+    timed: bool = False
+
+    @classmethod
+    def of(cls, given: StructuralElement | Elements, numbers: Spans) -> Part:
+        """The part that an element or element set is."""
+        if isinstance(given, Elements):
+            nodes = numbers.first(given.nodes.name) + given.nodes.index[given.cells]
+            quantities = given.quantities
+            return cls(given.name, given.cls, given.options, nodes, len(given), quantities)
+        nodes = np.array([[numbers.first(node.name) for node in given.nodes()]])
+        quantities = {f.name: getattr(given, f.name) for f in given.quantity_fields()}
+        return cls(given.name, type(given), given.options(), nodes, None, quantities)
+
+
+class BlockMaker:
+    """Blocks of a structure's elements.
+
+    Attributes
+    ----------
+    tied, turning : (nodes,) whether any element ties, turns them
+    """
+
+    def __init__(self, structure: StructureDescription, p: ca.SX, linear: bool):
+        self.structure, self.p, self.linear = structure, p, linear
+        self._known = {symbol.name() for symbol in ca.vertsplit(p)}
+        count = len(structure.numbers)
+        self.tied, self.turning = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
+        self._groups: dict[tuple, list[Part]] = {}
+        for given in structure.elements.values():
+            part = Part.of(given, structure.numbers)
+            key = (part.cls, part.nodes.shape[1], *part.options.items())
+            self._groups.setdefault(key, []).append(part)
+            self.tied[part.nodes] = True
+            self.turning[part.nodes] |= part.cls.turns
+        self._coordinates = self._places()
+
+    def _places(self) -> ArrayEntries:
+        """Coordinates of all nodes, node by node."""
+        d = self.structure.dimension
+        found = ArrayEntries(len(self.structure.numbers) * d)
+        for node in self.structure.nodes.values():
+            first = self.structure.numbers.first(node.name) * d
+            if isinstance(node, Node):
+                found.add(first + np.arange(d), list(node.position))
+            else:
+                found.add(first + np.arange(node.points.size), node.points.ravel())
+            self._check(found.formulas, f"{node.name}.position")
+        return found
+
+    def blocks(self, degrees: Numbering) -> list[ElementBlock]:
+        """One for each kind of element."""
+        return [self.block(parts, degrees) for parts in self._groups.values()]
+
+    def heated(
+        self, number: int, degrees: Numbering, changes: dict[str, dict[str, Any]]
+    ) -> ElementBlock | None:
+        """What temperature adds to a block, by its number; None where there is no change.
+
+        Parameters
+        ----------
+        changes : name of an element or set → quantity → change beside its own
+        """
+        parts = list(self._groups.values())[number]
+        own = [part.quantities.get(name) for part in parts for name in CHANGES]
+        given = [changes.get(part.name, {}) for part in parts]
+        if not any(given) and all(value is None or _zero(value) for value in own):
+            return None
+        return self.block(parts, degrees, changes)
+
+    def block(
+        self,
+        parts: list[Part],
+        degrees: Numbering,
+        changes: dict[str, dict[str, Any]] | None = None,
+    ) -> ElementBlock:
+        """Elements of one kind; or what changes of temperature add to them."""
+        cls, options = parts[0].cls, parts[0].options
+        nodes, names = np.concatenate([part.nodes for part in parts]), Spans()
+        thermal, space = changes is not None, self.structure.dimension
+        graphs = ThermalGraphs if thermal else ElementGraphs
+        linear = self.linear and not thermal
+        kind = ElementKind(graphs(cls, space, nodes.shape[1], options, linear))
+        for part in parts:
+            names.add(part.name, part.count)
+        table = degrees.table[nodes][:, :, : kind.per_node].reshape(nodes.shape[0], -1)
+        data = self._data(kind, parts, nodes, changes or {}).array(self.p)
+        return ElementBlock(kind, names, nodes.T, table.T.copy(), data)
+
+    def _data(
+        self, kind: ElementKind, parts: Iterable[Part], nodes: np.ndarray, changes: dict
+    ) -> ArrayEntries:
+        """Coordinates of the nodes, then quantities, element by element."""
+        d, count = self.structure.dimension, nodes.shape[0]
+        found = ArrayEntries(kind.data_count * count)
+        sources = (nodes[:, :, None] * d + np.arange(d)).reshape(count, -1)
+        starts = kind.data_count * np.arange(count)
+        rows = np.arange(sources.shape[1])
+        found.copy(self._coordinates, sources.ravel(), (starts[:, None] + rows).ravel())
+        begin = 0
+        for part in parts:
+            row, end = rows.size, begin + part.nodes.shape[0]
+            for field in part.cls.quantity_fields():
+                size = field.metadata["size"]
+                places = starts[begin:end, None] + row + np.arange(size)
+                known, entity = {"t"} if part.timed else set(), f"{part.name}.{field.name}"
+                self._add(found, places, part.quantities[field.name], entity, known)
+                more = changes.get(part.name, {}).get(field.name)
+                if more is not None:
+                    self._add(found, places, more, f"heat {entity}", {"t"})
+                row += size
+            begin = end
+        return found
+
+    def _add(
+        self,
+        into: ArrayEntries,
+        places: np.ndarray,
+        value: Any,
+        entity: str,
+        known: Set[str] = frozenset(),
+    ) -> None:
+        """A quantity: one for all elements, or an array with one for each."""
+        before = len(into.formulas)
+        for k in range(places.shape[1]):
+            if isinstance(value, Expression):
+                into.add(places[:, k], value[k])
+            else:
+                into.add(places[:, k], value.reshape(places.shape)[:, k])
+        self._check(into.formulas[before:], entity, known)
+
+    def _check(self, formulas: list[ca.SX], entity: str, known: Set[str] = frozenset()) -> None:
+        foreign = {name for formula in formulas for name in free_symbols(formula)}
+        foreign -= self._known | known
+        if foreign:
+            raise ModelError(f"depends on {', '.join(sorted(foreign))}, no parameters here", entity)
+
+
+def _zero(value: Any) -> bool:
+    """Whether a quantity is zero everywhere."""
+    if isinstance(value, Expression):
+        return bool(value.sx.is_zero())
+    return value.dtype.kind == "f" and not value.any()

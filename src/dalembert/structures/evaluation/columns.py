@@ -1,0 +1,185 @@
+"""Design derivatives of element sums over many states of a structure.
+
+A run passes through thousands of states. What is linear in them, ``K x`` of small displacements and
+``M x``, needs the products of states and weights only, summed over the run: the compiled functions
+of the elements are then called once for each displacement of an element.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import scipy
+
+from dalembert.structures.evaluation.assembly import Assembly
+from dalembert.structures.evaluation.block import ElementBlock
+from dalembert.structures.evaluation.inertia import Moved
+from dalembert.structures.evaluation.kind import ElementKind
+
+
+class Pulls:
+    """Weights of the parameters from weights of internal forces at many states.
+
+    What is found for the elements' numbers adds up; it is taken to the parameters at the end.
+
+    Parameters
+    ----------
+    assembly : of the structure
+    p : (np,) values of the parameters
+    rows : number of separate sums
+    """
+
+    def __init__(self, assembly: Assembly, p: np.ndarray, rows: int):
+        self.blocks, self.p, self.rows = assembly.blocks, p, rows
+        self._data = [b.data(p) for b in self.blocks]
+        self._found = [np.zeros((*data.shape, rows)) for data in self._data]
+
+    def forces(self, u: np.ndarray, weights: np.ndarray) -> None:
+        """Add ``Σ_s ηᵀ ∂f(u_s)/∂p`` for displacements (n, S) and weights (n, S, rows)."""
+        self._add(lambda kind, x, data, eta: kind.pull(x[0], data, eta), (u,), weights)
+
+    def inertia(self, motion: Moved, weights: np.ndarray, lumped: bool) -> None:
+        """Add the same for inertia forces of displaced elements, ``(u, v, a)`` each (n, S)."""
+        self._add(lambda kind, x, d, eta: kind.pull_inertia(x, d, eta, lumped), motion, weights)
+
+    def _add(self, pull: Callable, motion: tuple[np.ndarray, ...], weights: np.ndarray) -> None:
+        states = [np.repeat(x, self.rows, axis=1) for x in motion]
+        etas = weights.reshape(weights.shape[0], -1)
+        for b, data, found in zip(self.blocks, self._data, self._found, strict=True):
+            own, several = tuple(_gathered(b, x) for x in states), _repeated(data, etas.shape[1])
+            pulled = pull(b.kind, own, several, _gathered(b, etas))
+            found += pulled.reshape(*data.shape, -1, self.rows).sum(axis=2)
+
+    def products(self, products: Products, pull: Callable) -> None:
+        """Add ``Σ_s ηᵀ ∂A/∂p x_s`` with ``pull(kind, x, data, η)`` of what ``A x`` gives."""
+        for b, data, found, sums in zip(
+            self.blocks, self._data, self._found, products.sums, strict=True
+        ):
+            several = _repeated(data, self.rows)
+            for j in range(sums.shape[2]):
+                unit = np.zeros((sums.shape[2], several.shape[1]))
+                unit[j] = 1.0
+                state = sums[:, :, j].reshape(several.shape[1], -1).T
+                found += pull(b.kind, state, several, unit).reshape(found.shape)
+
+    @property
+    def total(self) -> np.ndarray:
+        """(np, rows) weights of the parameters."""
+        found = np.zeros((self.p.size, self.rows))
+        for block, data in zip(self.blocks, self._found, strict=True):
+            for r in range(self.rows):
+                found[:, r] += block.pull_data(self.p, data[:, :, r])
+        return found
+
+
+class Products:
+    """``Σ_s η_s x_sᵀ`` of every element.
+
+    Parameters
+    ----------
+    assembly : of the structure
+    rows : number of separate sums
+
+    Attributes
+    ----------
+    sums : (ne, rows, k, k) of each block
+    """
+
+    def __init__(self, assembly: Assembly, rows: int):
+        self.blocks, self.rows = assembly.blocks, rows
+        sizes = [b.kind.displacement_count for b in self.blocks]
+        self.sums = [
+            np.zeros((b.count, rows, k, k)) for b, k in zip(self.blocks, sizes, strict=True)
+        ]
+
+    def add(self, x: np.ndarray, weights: np.ndarray) -> None:
+        """Add states (n, S) with weights (n, S, rows)."""
+        for b, sums in zip(self.blocks, self.sums, strict=True):
+            state = b.gather(x).transpose(1, 2, 0)
+            eta = b.gather(weights).transpose(1, 3, 0, 2)
+            sums += eta @ state[:, None]
+
+
+class Pushes:
+    """Changes of internal and inertia forces with many parameters at once.
+
+    Parameters
+    ----------
+    assembly : of the structure
+    p : (np,) values of the parameters
+    directions : (np, c) changes of the parameters
+    """
+
+    def __init__(self, assembly: Assembly, p: np.ndarray, directions: np.ndarray):
+        self.assembly, self.count = assembly, directions.shape[1]
+        self._data = [b.data(p) for b in assembly.blocks]
+        self._changes = [
+            np.stack([b.push_data(p, dp) for dp in directions.T], axis=2) for b in assembly.blocks
+        ]
+        self._sums = [_incidence(b, assembly.size) for b in assembly.blocks]
+
+    def forces(self, u: np.ndarray) -> np.ndarray:
+        """(n, c) changes of the internal forces at displacements (n,)."""
+        return self._sum(lambda kind, x, *given: kind.push(x[0], *given), (u,))
+
+    def inertia(self, motion: Moved, lumped: bool) -> np.ndarray:
+        """(n, c) changes of inertia forces of displaced elements, ``(u, v, a)`` each (n,)."""
+        return self._sum(lambda kind, x, *given: kind.push_inertia(x, *given, lumped), motion)
+
+    def _sum(self, push: Callable, motion: tuple[np.ndarray, ...]) -> np.ndarray:
+        found = np.zeros((self.assembly.size, self.count))
+        states = [np.repeat(x[:, None], self.count, axis=1) for x in motion]
+        for b, data, change, summing in self._blocks():
+            given = _repeated(data, self.count), change.reshape(data.shape[0], -1)
+            forces = push(b.kind, tuple(_gathered(b, x) for x in states), *given)
+            found += summing @ forces.reshape(-1, self.count)
+        return found
+
+    def matrices(self, push: Callable) -> scipy.sparse.csr_matrix:
+        """(c · n, n) changes of ``A``, with ``push(kind, x, data, change)`` of what ``A x`` gives.
+
+        Parameters change few elements as a rule: only entries that change are kept.
+        """
+        found = []
+        for i in range(self.count):
+            parts = [
+                _matrices(push, b.kind, data, change[:, :, i])
+                for b, data, change, _ in self._blocks()
+            ]
+            found.append(self.assembly.matrix(parts).tocsr())
+            found[-1].eliminate_zeros()
+        empty = scipy.sparse.csr_matrix((0, self.assembly.size))
+        return scipy.sparse.vstack([empty, *found], format="csr")
+
+    def _blocks(self) -> Iterator:
+        return zip(self.assembly.blocks, self._data, self._changes, self._sums, strict=True)
+
+
+def _matrices(push: Callable, kind: ElementKind, data, change) -> np.ndarray:
+    """(k, k, ne) changes of element matrices, column by column."""
+    k, count = kind.displacement_count, data.shape[1]
+    found = np.zeros((k, k, count))
+    if change.any():
+        for j in range(k):
+            unit = np.zeros((k, count))
+            unit[j] = 1.0
+            found[:, j] = push(kind, unit, data, change)
+    return found
+
+
+def _repeated(data: np.ndarray, count: int) -> np.ndarray:
+    """(m, ne · count): every element ``count`` times."""
+    return np.repeat(data, count, axis=1)
+
+
+def _gathered(block: ElementBlock, columns: np.ndarray) -> np.ndarray:
+    """(k, ne · count) of the elements from (n, count)."""
+    return block.gather(columns).reshape(block.degrees.shape[0], -1)
+
+
+def _incidence(block: ElementBlock, size: int) -> scipy.sparse.csr_matrix:
+    """Sums entries (k · ne) of the elements by displacement."""
+    numbers = block.degrees.ravel()
+    ones = np.ones(numbers.size)
+    return scipy.sparse.csr_matrix((ones, (numbers, np.arange(numbers.size))), (size, numbers.size))

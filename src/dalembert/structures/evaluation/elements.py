@@ -1,0 +1,119 @@
+"""Many elements of one class at once, as arrays: the cells of a mesh."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from dalembert.elements.fem.base import StructuralElement, check_options
+from dalembert.errors import ModelError
+from dalembert.structures.nodes import Nodes
+from dalembert.symbolic.formulas.expression import Expression, as_expression
+
+
+class Elements:
+    """Elements of one class between nodes of one set; ``structure.add_elements`` makes them.
+
+    One of them is called ``name[k]``, in formulas and messages too.
+
+    Parameters
+    ----------
+    name : str
+    cls : class of the elements
+    nodes : Nodes that the cells count
+    cells : (count, nodes of an element) numbers of the nodes
+    **numbers : quantities and options of the class; a quantity is a number or formula for all, or
+        an array with one for each
+    """
+
+    def __init__(
+        self, name: str, cls: type[StructuralElement], nodes: Nodes, cells, **numbers: Any
+    ):
+        if not (isinstance(cls, type) and issubclass(cls, StructuralElement)):
+            raise ModelError(f"a class of structural elements is needed, got {cls!r}", name)
+        self.name, self.cls, self.nodes = name, cls, nodes
+        self.cells = self._checked(cells)
+        self.quantities = self._quantities(numbers)
+        self.options = cls.default_options() | numbers
+        unknown = sorted(set(numbers) - set(cls.default_options()))
+        if unknown:
+            known = [f.name for f in cls.quantity_fields()] + list(cls.default_options())
+            raise ModelError(
+                f"{cls.__name__} has no {', '.join(unknown)}; known: {', '.join(known)}", name
+            )
+        check_options(name, self.options)
+
+    def __len__(self) -> int:
+        return int(self.cells.shape[0])
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the elements."""
+        return [f"{self.name}[{k}]" for k in range(len(self))]
+
+    @property
+    def centres(self) -> np.ndarray:
+        """(count, d) mean places of their nodes [m]."""
+        return self.nodes.positions[self.cells].mean(axis=1)
+
+    def _checked(self, given: Any) -> np.ndarray:
+        wanted = self.cls.node_count
+        try:
+            cells = np.asarray(given)
+        except ValueError:
+            text = f"cells of {self.cls.__name__} must all have {wanted} nodes"
+            raise ModelError(text, self.name) from None
+        if self.nodes.dimension not in self.cls.dimensions:
+            known = " or ".join(map(str, self.cls.dimensions))
+            raise ModelError(
+                f"{self.cls.__name__} needs nodes with {known} coordinates, "
+                f"{self.nodes.name} has {self.nodes.dimension}",
+                self.name,
+            )
+        if cells.ndim != 2 or cells.shape[1] != wanted or cells.dtype.kind not in "iu":
+            raise ModelError(
+                f"cells of {self.cls.__name__} must be whole numbers (count, {wanted}); got "
+                f"shape {cells.shape}",
+                self.name,
+            )
+        wrong = np.flatnonzero(((cells < 0) | (cells >= len(self.nodes))).any(axis=1))
+        if wrong.size:
+            raise ModelError(
+                f"counts nodes {cells[wrong[0]].tolist()}, {self.nodes.name} has 0 to "
+                f"{len(self.nodes) - 1}",
+                f"{self.name}[{wrong[0]}]",
+            )
+        return cells.astype(int)
+
+    def _quantities(self, numbers: dict[str, Any]) -> dict[str, Any]:
+        """Field → formula for all, or array of numbers or formulas for each."""
+        found: dict[str, Any] = {}
+        for field in self.cls.quantity_fields():
+            meta, entity = field.metadata, f"{self.name}.{field.name}"
+            if field.name not in numbers and field.default is dataclasses.MISSING:
+                raise ModelError(f"is missing; give {field.name} = … [{meta['unit']}]", entity)
+            value = numbers.pop(field.name, field.default)
+            shape = np.shape(value) if not isinstance(value, Expression) else ()
+            if shape[:1] == (len(self),) and shape != (meta["size"],):
+                found[field.name] = self._each(value, entity, meta)
+            else:
+                found[field.name] = as_expression(value, entity, meta["unit"], meta["size"])
+        return found
+
+    def _each(self, value: Any, entity: str, meta: Any) -> np.ndarray:
+        """A quantity of every element, numbers or formulas."""
+        each = np.asarray(value)
+        if each.size != meta["size"] * len(self):
+            raise ModelError(f"has shape {each.shape} for {len(self)} elements", entity)
+        if each.dtype.kind in "iuf":
+            return each
+        values = list(each.ravel())
+        different = {id(v): v for v in values}  # the same formula at many elements stays one
+        made = {k: as_expression(v, entity, meta["unit"]) for k, v in different.items()}
+        checked = [made[id(v)] for v in values]
+        return np.fromiter(checked, dtype=object, count=len(checked)).reshape(each.shape)
+
+    def __repr__(self) -> str:
+        return f"<Elements {self.name!r}: {len(self)} {self.cls.__name__}>"

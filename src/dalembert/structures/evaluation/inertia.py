@@ -1,0 +1,137 @@
+"""Masses and inertia forces of the elements of one kind, consistent or lumped."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from dalembert.structures.evaluation.compiled import Evaluation
+from dalembert.structures.evaluation.lumping import Lumping
+
+Moved = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def _name(lumped: bool) -> str:
+    return "lumped" if lumped else "consistent"
+
+
+class KindInertia(Evaluation):
+    """What the kinetic energy of the elements gives."""
+
+    @cached_property
+    def _lumping(self) -> Lumping:
+        return Lumping(self.dimension, self.node_count, self.per_node)
+
+    def masses(self, data: np.ndarray, lumped: bool = False) -> np.ndarray:
+        """(k, k, ne) mass matrices of the elements in their initial places."""
+        if not lumped:
+            return self._matrices("masses", self.cls.kinetic_samples, data)
+        k = self.displacement_count
+        found = np.zeros((k, k, data.shape[1]))
+        found[np.arange(k), np.arange(k)] = self._lumped(data)
+        return found
+
+    def push_mass(
+        self, b: np.ndarray, data: np.ndarray, change: np.ndarray, lumped: bool = False
+    ) -> np.ndarray:
+        """(k, ne) change of ``M b`` with a change of the data."""
+        if not lumped:
+            return self._kinetic("push_mass", b, data, change)[0]
+        return b * self._push_lumped(data, change)
+
+    def pull_mass(
+        self, a: np.ndarray, b: np.ndarray, data: np.ndarray, lumped: bool = False
+    ) -> np.ndarray:
+        """(m, ne) weights of the data in ``aᵀ M b``."""
+        if not lumped:
+            return self._kinetic("pull_mass", a, b, data)[0]
+        return self._pull_lumped(data, a * b)
+
+    # displaced elements -------------------------------------------------------------------
+    def turning(self, lumped: bool) -> bool:
+        """Whether the inertia depends on the displacements."""
+        return self.graphs.turning(_name(lumped))
+
+    def inertia_forces(self, motion: Moved, data: np.ndarray, lumped: bool) -> np.ndarray:
+        """(k, ne) ``d/dt ∂T/∂v − ∂T/∂u`` of displacements, velocities and accelerations (k, ne)."""
+        return self._moved("inertia_forces", lumped, *motion, self._numbers(data, lumped))[0]
+
+    def inertia_slopes(self, motion: Moved, data: np.ndarray, lumped: bool) -> list[np.ndarray]:
+        """(k, k, ne) derivatives of the inertia forces by each of the three."""
+        k = self.displacement_count
+        found = self._moved("inertia_slopes", lumped, *motion, self._numbers(data, lumped))
+        return [part.reshape(k, k, -1).transpose(1, 0, 2) for part in found]
+
+    def push_inertia(
+        self, motion: Moved, data: np.ndarray, change: np.ndarray, lumped: bool
+    ) -> np.ndarray:
+        """(k, ne) change of the inertia forces with a change of the data."""
+        moved = self._push_lumped(data, change) if lumped else change
+        given = *motion, self._numbers(data, lumped), moved
+        return self._moved("push_inertia", lumped, *given)[0]
+
+    def pull_inertia(
+        self, motion: Moved, data: np.ndarray, weights: np.ndarray, lumped: bool
+    ) -> np.ndarray:
+        """(m, ne) weights of the data from weights (k, ne) of the inertia forces."""
+        given = *motion, self._numbers(data, lumped), weights
+        found = self._moved("pull_inertia", lumped, *given)[0]
+        return self._pull_lumped(data, found) if lumped else found
+
+    def kinetic_energy(
+        self, u: np.ndarray, v: np.ndarray, data: np.ndarray, lumped: bool
+    ) -> tuple[np.ndarray, ...]:
+        """(ne,) energies; their slopes by displacements, velocities (k, ne) and data (m, ne)."""
+        numbers = self._numbers(data, lumped)
+        energy, by_u, by_v, own = self._moved("kinetic_energy", lumped, u, v, numbers)
+        return energy.ravel(), by_u, by_v, self._pull_lumped(data, own) if lumped else own
+
+    def _moved(self, what: str, lumped: bool, *columns: np.ndarray) -> list[np.ndarray]:
+        samples = self.cls.kinetic_samples
+        return self._sum(f"{what} {_name(lumped)}", samples[:1] if lumped else samples, *columns)
+
+    def _numbers(self, data: np.ndarray, lumped: bool) -> np.ndarray:
+        """What the kinetic energy is made of."""
+        return self._lumped(data) if lumped else data
+
+    # lumped masses ------------------------------------------------------------------------
+    def _lumped(self, data: np.ndarray) -> np.ndarray:
+        """(k, ne) diagonals."""
+        inertia, reference, _ = self._inertia(data)
+        return inertia[:-1] * self._lumping.scales(reference)
+
+    def _push_lumped(self, data: np.ndarray, change: np.ndarray) -> np.ndarray:
+        inertia, reference, scaled = self._inertia(data)
+        moved = self._kinetic("push_diagonal", data, change)[0]
+        of_scale = self._kinetic("push_diagonal", scaled, change)[0]
+        scales = self._lumping.scales(reference)
+        return scales * moved[:-1] + inertia[:-1] * self._lumping.push(reference, of_scale)
+
+    def _pull_lumped(self, data: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        inertia, reference, scaled = self._inertia(data)
+        own = np.zeros_like(inertia)
+        own[:-1] = weights * self._lumping.scales(reference)
+        of_scale = self._lumping.pull(reference, weights * inertia[:-1])
+        return (
+            self._kinetic("pull_diagonal", data, own)[0]
+            + self._kinetic("pull_diagonal", scaled, of_scale)[0]
+        )
+
+    def _inertia(self, data: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Diagonal and mass; the same, and the data, with a density where there is none.
+
+        Scales do not depend on the density, and are 0/0 without.
+        """
+        scaled = data
+        if "density" in self.quantities:
+            row, scaled = self.row("density"), data.copy()
+            scaled[row, data[row] == 0] = 1.0
+        found = [self._kinetic("diagonal", d)[0] for d in (data, scaled)]
+        return found[0], found[1], scaled
+
+    def row(self, quantity: str) -> int:
+        """Row of a quantity in the data."""
+        sizes = {f.name: f.metadata["size"] for f in self.cls.quantity_fields()}
+        after = list(sizes)[list(sizes).index(quantity) :]
+        return self.data_count - sum(sizes[name] for name in after)

@@ -1,0 +1,127 @@
+"""One load case: external forces on nodes and spread over elements, and temperatures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.errors import UnsupportedError
+from dalembert.structures.evaluation.assembly import Assembly
+from dalembert.structures.evaluation.block import ElementBlock
+from dalembert.structures.loads.configuration_load import ConfigurationLoad
+from dalembert.structures.loads.temperatures import Temperatures
+from dalembert.symbolic.parametric_array import ParametricArray
+
+
+@dataclass(frozen=True)
+class MassForce:
+    """Forces ``M(p) a(p, t)`` of a field of accelerations on the masses of some elements."""
+
+    assembly: Assembly
+    field: ParametricArray
+
+    def values(self, p: np.ndarray, time: float) -> np.ndarray:
+        """(n,) forces."""
+        return self.assembly.mass(p) @ self.field.values(p, time)
+
+    def push(self, p: np.ndarray, dp: np.ndarray, time: float) -> np.ndarray:
+        """(n,) their change with the parameters."""
+        own = self.assembly.push_mass(self.field.values(p, time), p, dp)
+        return own + self.assembly.mass(p) @ self.field.push(p, dp, time)
+
+    def pull(self, p: np.ndarray, weights: np.ndarray, time: float) -> np.ndarray:
+        """(m,) weights of the parameters from weights (n,) of the forces."""
+        own = self.assembly.pull_mass(weights, self.field.values(p, time), p)
+        return own + self.field.pull(p, self.assembly.mass(p) @ weights, time)
+
+
+class LoadCase:
+    """Forces on all displacements, ``P(p, t)``.
+
+    Parameters
+    ----------
+    nodal : forces given at nodes
+    spread : blocks of dead loads, whose energy is the negative work of the load
+    weights : forces on masses
+    temperatures : of the elements
+    configuration : forces that depend on displacements, of hindered expansion among them
+    fixed_axes : whether moments about fixed axes are among the loads, whose tangent at large
+        displacements is not symmetric
+    """
+
+    def __init__(
+        self,
+        nodal: ParametricArray,
+        spread: Sequence[ElementBlock],
+        weights: Sequence[MassForce],
+        temperatures: Temperatures,
+        configuration: ConfigurationLoad,
+        fixed_axes: bool = False,
+    ):
+        self.temperatures, self.configuration = temperatures, configuration
+        self.fixed_axes = fixed_axes
+        self.nodal, self.spread, self.weights = nodal, list(spread), list(weights)
+        self.size = nodal.constants.size
+        self.depends_on_time = nodal.depends_on_time or any(
+            w.field.depends_on_time for w in weights
+        )
+
+    def refuse_fixed_axes(self, what: str, cure: str) -> None:
+        """Say that an analysis does not take moments about fixed axes.
+
+        Raises
+        ------
+        UnsupportedError
+            There are some.
+        """
+        if self.fixed_axes:
+            raise UnsupportedError(
+                f"{what} does not take moments about fixed axes, whose stiffness is not "
+                f"symmetric; {cure}"
+            )
+
+    def values(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """(n,) forces."""
+        found = self.nodal.values(p, time)
+        for block, rest in self._at_rest():
+            found -= block.scatter(block.kind.forces(rest, block.data(p)), self.size)
+        return found + sum(w.values(p, time) for w in self.weights)
+
+    def push(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """(n,) their change with the parameters."""
+        found = self.nodal.push(p, dp, time)
+        for block, rest in self._at_rest():
+            change = block.kind.push(rest, block.data(p), block.push_data(p, dp))
+            found -= block.scatter(change, self.size)
+        return found + sum(w.push(p, dp, time) for w in self.weights)
+
+    def pull(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """(m,) weights of the parameters from weights (n,) of the forces."""
+        found = self.nodal.pull(p, weights, time)
+        for block, rest in self._at_rest():
+            data = block.kind.pull(rest, block.data(p), block.gather(weights))
+            found -= block.pull_data(p, data)
+        return found + sum(w.pull(p, weights, time) for w in self.weights)
+
+    def turn(self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray) -> np.ndarray:
+        """(m,) change of what ``pull`` gives with the parameters.
+
+        Raises
+        ------
+        UnsupportedError
+            Forces on masses act.
+        """
+        if self.weights:
+            raise UnsupportedError(
+                "second derivatives under gravity and line loads are not available; take "
+                "differences of gradients"
+            )
+        found = self.nodal.turn(p, weights, dp)
+        for block, rest in self._at_rest():
+            found -= block.turn(rest, p, block.gather(weights), rest, dp)[1]
+        return found
+
+    def _at_rest(self):
+        return ((b, np.zeros(b.degrees.shape)) for b in self.spread)

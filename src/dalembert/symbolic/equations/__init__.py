@@ -1,0 +1,1 @@
+"""Equations inside of the graph, and their solution."""

@@ -1,0 +1,236 @@
+"""Functions defined by equations, with exact derivatives in both directions.
+
+A stage is an unknown ``z`` with ``r(z, x) = 0``, an expression that computes it and a way to
+solve linear systems with ``∂r/∂z``. Stages follow one another, each seeing the ones before it,
+and explicit outputs ``h(x, z)`` come last. Differentiating the equation instead of the solver
+gives, with one further solve (adjoint: one transposed solve) by the *same* factors,
+
+    ż = −(∂r/∂z)⁻¹ (∂r/∂x) ẋ,        x̄ = −(∂r/∂x)ᵀ (∂r/∂z)⁻ᵀ z̄.
+
+Both are chains of the same kind, so derivatives of any order follow by repetition.
+Positions, accelerations, multipliers, projections, equilibria and the start of a mechanism are of
+these. Implicit steps (``integrators``) and structures, whose systems are large, are differentiated
+by the same two formulas with factors of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import casadi as ca
+
+from dalembert.symbolic.equations.linear_map import LinearChain, LinearMap, TriangularMap
+from dalembert.symbolic.evaluation.prelude import Prelude, before_tangent
+from dalembert.symbolic.evaluator import Evaluator
+
+Solver = Callable[[ca.SX], ca.SX]
+LARGE = 100_000
+"""Operations up to which those that occur twice are looked for. That takes 10 µs for each and finds
+a sixth of them, which pays after about ten thousand evaluations of any function; for large ones it
+would be most of the time to the first step."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A shorter way to an unknown, which mostly arrives.
+
+    Parameters
+    ----------
+    value : SX expression of the inputs and earlier unknowns
+    excess : SX expression of these and the unknown, at most one where it has arrived
+    """
+
+    value: ca.SX
+    excess: ca.SX
+
+
+@dataclass(frozen=True)
+class Stage(Evaluator):
+    """One implicitly defined unknown.
+
+    Parameters
+    ----------
+    unknown : SX symbols ``z``
+    residual : SX expression ``r(z, x)``
+    value : SX expression of the inputs and earlier unknowns that satisfies ``r = 0``
+    solver, transposed : right-hand side → solution with ``∂r/∂z`` and its transpose
+    trial : a shorter way to the unknown, if there is one
+    """
+
+    unknown: ca.SX
+    residual: ca.SX
+    value: ca.SX
+    solver: Solver
+    transposed: Solver
+    trial: Trial | None = None
+
+    def solve(self, rhs: ca.SX) -> ca.SX:
+        return self.solver(rhs)
+
+    def solve_transposed(self, weights: ca.SX) -> ca.SX:
+        return self.transposed(weights)
+
+    def push(self, change: tuple[ca.SX, ca.SX]) -> ca.SX:
+        """Of all that the stage sees, symbols and their changes."""
+        return _directional(self.residual, *change)
+
+    def pull(self, weights: ca.SX) -> ca.SX:
+        """As a sum whose gradients are the weights of whatever the stage sees."""
+        return ca.dot(weights, self.residual)
+
+
+class ImplicitFunction:
+    """``outputs(inputs)`` through a chain of implicit stages.
+
+    Parameters
+    ----------
+    name : str
+    inputs : list of SX symbol columns
+    stages : list of Stage
+    outputs : list of SX, expressions of inputs and unknowns
+    """
+
+    def __init__(self, name: str, inputs: list[ca.SX], stages: list[Stage], outputs: list[ca.SX]):
+        self.name = name
+        self.inputs = inputs
+        self.stages = stages
+        self.outputs = [ca.densify(o) for o in outputs]
+
+    @property
+    def input_sizes(self) -> list[int]:
+        return [x.numel() for x in self.inputs]
+
+    @property
+    def output_sizes(self) -> list[int]:
+        return [o.numel() for o in self.outputs]
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """inputs → outputs."""
+        return self._compile(self.name, self.inputs, self.outputs)
+
+    @cached_property
+    def trial(self) -> ca.Function | None:
+        """inputs → outputs by shorter ways, and how far these are from arriving; see ``Trial``."""
+        trials = [stage.trial for stage in self.stages if stage.trial is not None]
+        if not trials:
+            return None
+        excess = ca.densify(sum((trial.excess for trial in trials), ca.SX(0)))
+        return self._compile(f"{self.name}_trial", self.inputs, [*self.outputs, excess], True)
+
+    @property
+    def tangent(self) -> ca.Function:
+        """inputs, their rates → rates of the outputs."""
+        return self.forward.function
+
+    @property
+    def adjoint(self) -> ca.Function:
+        """inputs, weights of the outputs → weights of the inputs."""
+        return self.reverse.function
+
+    @cached_property
+    def linear(self) -> LinearMap:
+        """The tangent at a point and a time, with the outputs there beside its entries."""
+        return LinearMap(self._still, len(self.inputs), [self.function])
+
+    @cached_property
+    def prepared(self) -> tuple[Prelude, LinearMap]:
+        """The same after what depends on the last input alone."""
+        prelude, tangent, function = self._after_prelude
+        return prelude, LinearMap(tangent, len(self.inputs), [function])
+
+    @cached_property
+    def prepared_adjoint(self) -> ca.Function:
+        """inputs after the prelude, weights of the outputs → those of all but the first input."""
+        _, tangent, _ = self._after_prelude
+        inputs, count = tangent.sx_in(), len(self.inputs)
+        outputs = ca.vertcat(*tangent.call(inputs))
+        weight = ca.SX.sym("w", outputs.numel())
+        back = ca.densify(ca.jtimes(outputs, ca.vertcat(*inputs[count:]), weight, True))
+        return ca.Function("prepared_adjoint", [*inputs[:count], weight], [back], {"cse": True})
+
+    @property
+    def prepared_function(self) -> ca.Function:
+        """inputs after the prelude → outputs."""
+        return self._after_prelude[2]
+
+    @cached_property
+    def _after_prelude(self) -> tuple[Prelude, ca.Function, ca.Function]:
+        """The prelude, and the tangent at a time and the function as they go on."""
+        return before_tangent(self._still, self.function)
+
+    @property
+    def _still(self) -> ca.Function:
+        """The tangent at a time."""
+        first, *others = self.inputs
+        rates = [ca.SX.sym(f"d{i}", *x.shape) for i, x in enumerate(others)]
+        return self._along([ca.SX.zeros(*first.shape), *rates], rates).function
+
+    def at(self, *inputs: ca.MX) -> TriangularMap:
+        """The tangent there, time held, from rates of all other inputs to those of the outputs."""
+        chain = LinearChain(sum(self.input_sizes[1:]))
+        *_, entries = self.linear.point(*inputs)
+        return chain.closed(chain.through(self.linear, range(chain.input_count), entries))
+
+    def tangents(self, count: int) -> ca.Function:
+        """inputs, rates of all but the first in ``count`` columns → rates of the outputs."""
+        inputs = [ca.MX.sym(f"i{i}", x.numel()) for i, x in enumerate(self.inputs)]
+        rates = [ca.MX.sym(f"d{i}", x.numel(), count) for i, x in enumerate(self.inputs)][1:]
+        return ca.Function("tangents", [*inputs, *rates], [self.at(*inputs).tangent(rates)])
+
+    @cached_property
+    def forward(self) -> ImplicitFunction:
+        """The tangent as an implicit function: rates of unknowns solve ``r_z ż + r_x ẋ = 0``."""
+        rates = [ca.SX.sym(f"d{i}", *x.shape) for i, x in enumerate(self.inputs)]
+        return self._along(rates, rates)
+
+    def _along(self, rates: list[ca.SX], symbols: list[ca.SX]) -> ImplicitFunction:
+        """The tangent for rates of the inputs, expressions of symbols."""
+        known, changes = ca.vertcat(*self.inputs), ca.vertcat(*rates)
+        stages = list(self.stages)
+        for stage in self.stages:
+            rate = ca.SX.sym("dz", *stage.unknown.shape)
+            seen = stage.push((known, changes))
+            residual = seen + stage.push((stage.unknown, rate))
+            value = stage.correction(seen)
+            made = replace(stage, unknown=rate, residual=residual, value=value, trial=None)
+            stages.append(made)
+            known, changes = ca.vertcat(known, stage.unknown), ca.vertcat(changes, rate)
+        out = [_directional(o, known, changes) for o in self.outputs]
+        return ImplicitFunction(f"{self.name}_tangent", [*self.inputs, *symbols], stages, out)
+
+    @cached_property
+    def reverse(self) -> ImplicitFunction:
+        """The adjoint as an implicit function: weights of residuals solve ``r_zᵀ m = z̄``."""
+        seeds = [ca.SX.sym(f"w{i}", *o.shape) for i, o in enumerate(self.outputs)]
+        scalar = sum((ca.dot(s, o) for s, o in zip(seeds, self.outputs, strict=True)), ca.SX(0))
+        stages = list(self.stages)
+        for i, stage in reversed(list(enumerate(self.stages))):
+            # weights are symbols, so that each gradient stays a small graph
+            weight = ca.SX.sym(f"m{i}", *stage.unknown.shape)
+            seen = ca.gradient(scalar, stage.unknown)
+            scalar = scalar - stage.pull(weight)
+            residual = -ca.gradient(scalar, stage.unknown)
+            value = stage.solve_transposed(seen)
+            stages.append(Stage(weight, residual, value, stage.solve_transposed, stage.solve))
+        gradients = [ca.gradient(scalar, x) for x in self.inputs]
+        return ImplicitFunction(f"{self.name}_adjoint", [*self.inputs, *seeds], stages, gradients)
+
+    def _compile(
+        self, name: str, inputs: list[ca.SX], outputs: list[ca.SX], tried: bool = False
+    ) -> ca.Function:
+        for stage in reversed(self.stages):
+            value = stage.trial.value if tried and stage.trial is not None else stage.value
+            outputs = ca.substitute(outputs, [stage.unknown], [value])
+        outputs = [ca.densify(o) for o in outputs]
+        plain = ca.Function(name, inputs, outputs)
+        large = plain.n_instructions() > LARGE
+        return plain if large else ca.Function(name, inputs, outputs, {"cse": True})
+
+
+def _directional(expression: ca.SX, x: ca.SX, dx: ca.SX) -> ca.SX:
+    if not x.numel() or not expression.numel():
+        return ca.SX.zeros(*expression.shape)
+    return ca.jtimes(expression, x, dx)

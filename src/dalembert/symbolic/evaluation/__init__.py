@@ -1,0 +1,1 @@
+"""Who evaluates functions of the graph, and for how many arguments at once."""

@@ -1,0 +1,1 @@
+"""What users write wherever a number is accepted."""

@@ -1,0 +1,200 @@
+"""Tables as functions: a curve of measured values wherever a formula is."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import ExpressionError, ModelError
+from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.spline import CubicSpline, reached
+from dalembert.text.spelling import Spelled, spelled
+from dalembert.text.wording import unknown
+from dalembert.units.amounts import check_unit
+from dalembert.units.unit import unit
+
+KINDS = ("spline", "linear")
+OUTSIDE = ("error", "extrapolate", "clamp")
+MOST_ROWS = 1000
+"""Curves of more rows are noise, or a file taken by mistake."""
+SLACK = 1e-9
+"""Share of its range by which a table may be left, as rounding does."""
+
+
+class Interpolation(Spelled):
+    """A function ``y(x)`` through the rows of a table, with exact derivatives.
+
+    Call it with a number or an expression: ``gas(piston.x)``; in the text of a formula write
+    ``interp(piston.x, gas)``.
+
+    Parameters
+    ----------
+    x : increasing numbers, with formulas or texts such as ``"10 mm"`` among them
+    y : as many values
+    kind : ``"spline"``, cubic and natural, with two continuous derivatives, or ``"linear"``
+    outside : beyond the first and last row ``"error"``, the run ends there and says so;
+        ``"extrapolate"`` along the slopes at the ends; ``"clamp"``, the values at the ends
+    units : of x and y where they are plain numbers, such as ``("mm", "kN")``; SI units by default
+    name : in messages
+
+    Raises
+    ------
+    ModelError
+        Rows that do not increase, too few or too many of them, numbers that are none, unknown
+        units or choices.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("gas spring")
+    >>> piston = system.add(planar.Particle("piston", mass=0.5, position=(0.01, 0)))
+    >>> gas = da.Interpolation(["0 mm", "10 mm", "30 mm"], [2000.0, 1500.0, 300.0])
+    >>> pressure = system.add(planar.Force("gas", piston.center, (gas(piston.x), 0)))
+    >>> motion = da.solve_dynamics(system.build(), 1e-3, step=1e-3)
+    >>> round(motion["piston.ax"][0].item(), 6)  # 1500 N by the mass
+    3000.0
+    """
+
+    def __init__(
+        self,
+        x: Sequence[Any] | np.ndarray,
+        y: Sequence[Any] | np.ndarray,
+        kind: str = "spline",
+        outside: str = "error",
+        units: tuple[str, str] = ("", ""),
+        name: str = "",
+    ):
+        self.name, spoken = name, f"table {name}".rstrip()
+        for given, known in ((kind, KINDS), (outside, OUTSIDE)):
+            if given not in known:
+                what = "kind" if known is KINDS else "outside"
+                raise ModelError(unknown(what, given, known), spoken)
+        self.kind, self.outside = kind, outside
+        meant = []
+        for text in units:
+            try:
+                meant.append(unit(text))
+            except ExpressionError as error:
+                raise ModelError(error.message, spoken) from None
+        if len(x) > MOST_ROWS:
+            raise ModelError(f"has {len(x)} rows; thin it out to {MOST_ROWS} or fewer", spoken)
+        knots, values = (
+            [_in_si(value, one.factor, f"{spoken}, row {k + 1}") for k, value in enumerate(listed)]
+            for listed, one in zip((x, y), meant, strict=True)
+        )
+        self.units = (meant[0].si or _unit_of(x), meant[1].si or _unit_of(y))
+        if kind == "linear":
+            self._curve: Any = Polyline(knots, values, False, spoken)
+        else:
+            self._curve = CubicSpline(knots, values, False, spoken)
+        self.uses: list[ca.SX] = []
+
+    @property
+    def range(self) -> tuple[Any, Any]:
+        """First and last x, in SI units; formulas where they are some."""
+        return self._curve.knots[0], self._curve.knots[-1]
+
+    def __call__(self, x: Any) -> Expression:
+        """``y(x)``."""
+        spoken = f"table {self.name}".rstrip()
+        if isinstance(x, Expression) and x.unit and self.units[0]:
+            check_unit(x.unit, self.units[0], spoken, f"{x.name or 'its argument'} [{x.unit}]")
+        at = as_expression(x, spoken, self.units[0] or None).sx
+        first, last = self.range
+        slack = SLACK * (last - first)
+        if self.outside == "error":
+            self.uses.append(at)
+            inside = reached(at, first - slack) * (1 - reached(at, last + slack))
+            return Expression(ca.if_else(inside, self._curve(at), ca.SX.nan()), "", "")
+        if self.outside == "clamp":
+            at = self._clamped(at)
+        return Expression(self._curve(at))
+
+    def _clamped(self, x: ca.SX) -> ca.SX:
+        first, last = self.range
+        return ca.if_else(reached(x, first), ca.if_else(reached(x, last), last, x), first)
+
+    def is_left_at(self, value: float) -> bool:
+        """Whether its range of numbers ends before a value."""
+        ends = [end for end in self.range if isinstance(end, float)]
+        return len(ends) == 2 and not ends[0] <= value <= ends[1]
+
+    def __repr__(self) -> str:
+        return f"<table {self.name or ''} of {len(self._curve.knots)} rows, {self.kind}>"
+
+
+class Polyline(CubicSpline):
+    """Straight lines from row to row; the slope jumps at each."""
+
+    least = 2
+
+    def _made(self) -> Any:
+        slopes = [
+            (b - a) / h
+            for (a, b), h in zip(itertools.pairwise(self.values), self.steps, strict=True)
+        ]
+
+        ends = slopes[0], slopes[-1]
+        if found := self._looked_up(lambda: zip(self.values, slopes, strict=False)):
+            return found, ends
+
+        def inside(x: ca.SX) -> ca.SX:
+            beyond = [reached(x, knot) for knot in self.knots[1:-1]]
+            left, value, slope = (
+                self.pick(rows, beyond) for rows in (self.knots[:-1], self.values[:-1], slopes)
+            )
+            return value + slope * (x - left)
+
+        return inside, ends
+
+
+@spelled
+def table(
+    x: Sequence[Any] | np.ndarray,
+    y: Sequence[Any] | np.ndarray,
+    kind: str = "spline",
+    outside: str = "error",
+    units: tuple[str, str] = ("", ""),
+    name: str = "",
+) -> Interpolation:
+    """A function through the rows of a table, see ``Interpolation``.
+
+    Parameters
+    ----------
+    x, y, kind, outside, units, name : as of ``Interpolation``
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> torque = da.table([0, 1000, 3000], [10, 30, 0], kind="linear", units=("rpm", "N m"))
+    >>> round(float(torque("2000 rpm")), 12)
+    15.0
+    """
+    return Interpolation(x, y, kind, outside, units, name)
+
+
+def interp(x: Any, curve: Any) -> Expression:
+    """The value of a table at x, in formulas."""
+    if not isinstance(curve, Interpolation):
+        raise ExpressionError("interp takes a value and the name of a table: interp(x, gas)")
+    return curve(x)
+
+
+def _unit_of(listed: Sequence[Any] | np.ndarray) -> str:
+    """The unit of SI of the texts among the rows."""
+    found = (as_expression(value, "row").unit for value in listed if isinstance(value, str))
+    return next(found, "")
+
+
+def _in_si(value: Any, factor: float, entity: str) -> Any:
+    if isinstance(value, (Expression, str)):
+        return as_expression(value, entity)
+    try:
+        return float(value) * factor
+    except (TypeError, ValueError):
+        return value  # told by the curve

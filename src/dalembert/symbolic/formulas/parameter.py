@@ -1,0 +1,184 @@
+"""Parameters: the numbers a run may change without rebuilding anything."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import ExpressionError, ModelError
+from dalembert.symbolic.formulas.expression import Expression, refuse_unusable
+from dalembert.text.spelling import Spelled
+from dalembert.text.wording import plain_text, unknown
+from dalembert.units.amounts import Amount, check_unit
+from dalembert.units.grammar import amount_of
+from dalembert.units.unit import Unit, unit
+
+Bounds = tuple[float | str | None, float | str | None] | None
+"""Lower and upper, with None where a side is open."""
+
+
+class Parameter(Spelled, Expression):
+    """A named number with unit, bounds and description.
+
+    Parameters
+    ----------
+    name : str
+        Identifier, usable in formulas.
+    value : float or str
+        Nominal value, in ``unit``, or a text such as ``"45 mm"``.
+    unit : str
+        What value and bounds are given in, ``"mm"``, ``"deg"``, ``"rpm"``; SI units where none is.
+    bounds : (float or str, float or str), optional
+        Lower and upper bound for design; None leaves a side open.
+    description : str
+        Shown in results and reports.
+
+    Attributes
+    ----------
+    value, bounds : in SI units, as everything is inside
+    unit : the SI unit of these
+    given_unit : the one that they were given in, and are shown in
+
+    Raises
+    ------
+    ModelError
+        A name that is no identifier, a value not finite or outside its bounds, bounds in the
+        wrong order, an unknown unit.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> crank = da.System("press").parameter("crank", 45, unit="mm", bounds=(30, "6 cm"))
+    >>> isinstance(crank, da.Parameter), crank.value, crank.unit, crank.given_unit
+    (True, 0.045, 'm', 'mm')
+    """
+
+    __slots__ = ("bounds", "description", "given_unit", "value")
+    is_parameter = True
+
+    def __init__(
+        self,
+        name: str,
+        value: float | str,
+        unit: str = "",
+        bounds: Bounds = None,
+        description: str = "",
+    ):
+        if not isinstance(name, str) or not name.isidentifier():
+            raise ModelError(
+                f"{name!r} is not an identifier; use letters, digits and '_'", "parameter"
+            )
+        self.given_unit = plain_text(unit, f"{name}.unit") or _unit_in(value)
+        meant = _unit(self.given_unit, name)
+        super().__init__(ca.SX.sym(name), name, meant.si)
+        self.value = si_value(value, meant, name, "value")
+        lower, upper = bounds if bounds is not None else (None, None)
+        self.bounds = (
+            -math.inf if lower is None else si_value(lower, meant, name, "lower bound", True),
+            math.inf if upper is None else si_value(upper, meant, name, "upper bound", True),
+        )
+        self.description = plain_text(description, f"{name}.description")
+        if math.isnan(self.bounds[0]) or math.isnan(self.bounds[1]):
+            raise ModelError(f"bounds {bounds} contain NaN; give numbers", name)
+        if self.bounds[0] > self.bounds[1]:
+            raise ModelError(f"lower bound {lower} is above upper bound {upper}; swap them", name)
+        if not self.bounds[0] <= self.value <= self.bounds[1]:
+            raise ModelError(f"value {value} lies outside its bounds [{lower}, {upper}]", name)
+
+    def in_si(self, value: float | str) -> float:
+        """A value given in its unit, or a text with a unit, in SI units."""
+        return si_value(value, _unit(self.given_unit, self.name), self.name, "value")
+
+    def shown(self, value: float) -> float:
+        """A value in SI units, in the unit of the parameter."""
+        return value / _unit(self.given_unit, self.name).factor
+
+
+def _unit_in(value: Any) -> str:
+    """The unit that a text has, if it has one."""
+    if not isinstance(value, str):
+        return ""
+    try:
+        amount = amount_of(value)
+    except ExpressionError:  # told where the value is read
+        return ""
+    return amount.unit.text if isinstance(amount, Amount) else ""
+
+
+def _unit(text: str, name: str) -> Unit:
+    try:
+        return unit(text)
+    except ExpressionError as error:
+        raise ModelError(error.message, f"{name}.unit") from None
+
+
+def coherent(text: str, name: str) -> str:
+    """The unit of a formula, which is one of SI.
+
+    Raises
+    ------
+    ModelError
+        Another one, in which the formula's numbers are not.
+    """
+    meant = _unit(plain_text(text, f"{name}.unit"), name)
+    if meant.factor != 1.0:
+        raise ModelError(f"a formula gives {meant.si}, not {text}; write unit = {meant.si!r}", name)
+    return text
+
+
+def si_value(value: float | str, meant: Unit, name: str, what: str, endless: bool = False) -> float:
+    """A number of units, or a text with a unit of the same dimension, in SI units.
+
+    Raises
+    ------
+    ModelError
+        No finite number, or another dimension.
+    """
+    if isinstance(value, str):
+        try:
+            amount = amount_of(value)
+            if isinstance(amount, Amount):
+                check_unit(amount.si, meant.text, name, repr(value))
+                return _finite(amount.value, name, what)
+        except ExpressionError as error:
+            raise ModelError(f"{what}: {error.message}", name) from None
+        value = amount
+    if endless and isinstance(value, float) and not math.isfinite(value):
+        return value
+    return _finite(_finite(value, name, what) * meant.factor, name, what)
+
+
+def _finite(value, name: str, what: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ModelError(f"{what} {value!r} is not a number", name) from None
+    if isinstance(value, bool) or not math.isfinite(number):
+        raise ModelError(f"{what} {value} is not a finite number", name)
+    refuse_unusable(number, name)
+    return number
+
+
+def parameter_vector(
+    parameters: Mapping[str, Parameter], given: Mapping[str, float | str] | None, owner: str
+) -> np.ndarray:
+    """Values of all parameters, some replaced by given ones.
+
+    Raises
+    ------
+    ModelError
+        Unknown parameter or a value that is not finite; names the owner or the parameter.
+    """
+    values = {name: parameter.value for name, parameter in parameters.items()}
+    for name, value in (given or {}).items():
+        if name not in values:
+            raise ModelError(unknown("parameter", name, values), owner)
+        known_as = parameters[name]
+        values[name] = (
+            known_as.in_si(value) if isinstance(value, str) else _finite(value, name, "value")
+        )
+    return np.array(list(values.values()), dtype=float)
