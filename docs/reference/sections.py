@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dalembert.io import (
-    decision_tables,
-    orientations,
-    schema,
+from dalembert.io import orientations, schema, tables
+from dalembert.io.decisions import (
     synthesis_tables,
-    tables,
+    tables as decision_tables,
     task_tables,
     trajectory_tables,
 )
