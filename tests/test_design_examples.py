@@ -39,6 +39,18 @@ def test_truss_is_as_reliable_as_the_closed_form(pictures: Path) -> None:  # noq
     assert found["low"] < share < found["high"]
 
 
+def test_lightest_trusses_are_as_reliable_as_asked_for(pictures: Path) -> None:  # noqa: F811
+    """Indices in closed form are those asked for, and so is the mass without scatter."""
+    found, made = numbers("lightest_reliable_truss", pictures), script("lightest_reliable_truss")
+    for beta in made.INDICES:
+        assert found[f"beta at {beta:g}"] == pytest.approx(beta, abs=1e-4)
+    masses = [found["mass"], *(found[f"mass at {beta:g}"] for beta in made.INDICES)]
+    assert np.all(np.diff(masses) > 0)
+    length = math.hypot(made.WIDTH, 1.0)  # without scatter bars buckle, and a² L is least there
+    area = math.sqrt(6 * length**3 * made.LOAD / (math.pi**2 * made.MODULUS))
+    assert found["mass"] == pytest.approx(2 * made.DENSITY * area * length, rel=1e-6)
+
+
 def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:  # noqa: F811
     """``S = 2 L r/d``, taken as an integral over 360 intervals."""
     found, made = numbers("shaper_tolerances", pictures), script("shaper_tolerances")

@@ -34,8 +34,8 @@ CATEGORIES: dict[str, tuple[str, str]] = {
     "Design": (
         "path_optimization",
         "catapult four_bar_map four_bar_study identified_arm path_optimization pump_front "
-        "gripper reliable_truss shaper_tolerances smallest_cam straight_line_synthesis "
-        "swing_up",
+        "gripper lightest_reliable_truss reliable_truss shaper_tolerances smallest_cam "
+        "straight_line_synthesis swing_up",
     ),
     "Cases of the book, methods side by side": (
         "spring_pendulum",

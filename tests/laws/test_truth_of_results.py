@@ -13,7 +13,7 @@ from spatial_twins import rotation
 
 import dalembert as da
 from dalembert import planar, sin, spatial, t
-from dalembert.analysis.equilibrium.equilibrium import equilibrium
+from dalembert.analysis.equilibrium import equilibrium
 from dalembert.analysis.kinematics.run import KinematicsRun
 from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.formulations.levels import Level

@@ -17,7 +17,7 @@ class Choice {
     this.toned = this.columns[Math.max(aim, 0)];
   }
 
-  title(c) { return c.unit ? `${c.name} [${c.unit}]` : c.name; }
+  title(c) { return c.unit ? `${c.name} [${raised(c.unit)}]` : c.name; }
   label(k) { return this.labels[k] || `design ${k + 1}`; }
   failed(k) { return Boolean(this.reasons[k]); }
   kept(k) { return [...this.ranges].every(([c, [lo, hi]]) => this.columns[c].values[k] >= lo && this.columns[c].values[k] <= hi); }

@@ -8,7 +8,7 @@ function panel(title, id, ...children) {
 }
 
 const pairs = (items) => el("dl", { class: "pairs" }, list(items).map((item) => el("div", {},
-  el("dt", {}, String(item.label ?? "")), el("dd", { class: String(item.value ?? "").length <= 22 ? "short" : "" }, String(item.value ?? "–")))));
+  el("dt", {}, String(item.label ?? "")), el("dd", { class: String(item.value ?? "").length <= 22 ? "short" : "" }, raised(item.value ?? "–")))));
 
 function diagnosisPanel(diagnosis) {
   if (!diagnosis) return null;

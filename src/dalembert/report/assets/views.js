@@ -6,7 +6,7 @@ const choosing = payload.designs ? new Choice(payload.designs) : null;
 function rowsTable(view) {
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": view.title }, el("table", { class: "figures" },
     el("thead", {}, el("tr", {}, ["", ...view.heads, ""].map((t, k) => el("th", { scope: "col", class: k && k <= view.heads.length ? "right" : "" }, t)))),
-    el("tbody", {}, view.rows.map((row) => el("tr", {}, el("th", { scope: "row" }, row.name), row.cells.map((v) => el("td", { class: "right" }, tidy(v, 6))), el("td", { class: "unit" }, row.unit || ""))))));
+    el("tbody", {}, view.rows.map((row) => el("tr", {}, el("th", { scope: "row" }, row.name), row.cells.map((v) => el("td", { class: "right" }, tidy(v, 6))), el("td", { class: "unit" }, raised(row.unit || "")))))));
 }
 
 const VIEWS = {
@@ -45,7 +45,7 @@ function viewPanels(beside) {
 function decisionVerdict(node) {
   const told = payload.verdict;
   if (!told) return;
-  node.replaceChildren(el("i", { class: "dot" }), el("span", {}, String(told.text)));
+  node.replaceChildren(el("i", { class: "dot" }), el("span", {}, raised(told.text)));
   node.classList.remove("warning", "error");
   if (!told.success) node.classList.add("warning");
   node.removeAttribute("href");
