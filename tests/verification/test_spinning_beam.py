@@ -2,8 +2,8 @@
 
 Across the plane of rotation they are tabulated (Wright, Smith, Thresher and Wang, Vibration modes
 of centrifugally stiffened beams, Journal of Applied Mechanics 49, 1982) by ``η = Ω √(ρA L⁴/EI)``;
-in it each square is less by ``η²``. What stiffens is tension, so the beam first comes to rest in its
-stretched length, by some damping that shifts frequencies by less than a thousandth.
+in it each square is less by ``η²``. What stiffens is tension, so the beam first comes to rest in
+its stretched length, by some damping that shifts frequencies by less than a thousandth.
 """
 
 from __future__ import annotations
