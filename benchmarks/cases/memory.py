@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,19 +13,32 @@ from benchmarks.sample import Row, Sample
 from benchmarks.solvers.base import installed
 
 RUN = """
-import json, resource, sys
+from benchmarks.cases.memory import peak
 from benchmarks.mechanisms import four_bars
 from benchmarks.solvers import exudyn, ours
 mechanism, _ = four_bars(10)
 {run}
-print(json.dumps(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss))
+print(peak())
 """
 RUNS = {
     "dalembert": 'ours.runner(mechanism, 1.0, "vm")({steps})',
     "Exudyn": "exudyn.run(mechanism, 1.0, {steps})",
 }
-UNITS = 1024 if sys.platform != "darwin" else 1
-"""Bytes that the system counts in."""
+PEAK = re.compile(r"VmHWM:\s+(\d+) kB")
+STATUS = Path("/proc/self/status")
+
+
+def peak() -> int:
+    """The most bytes that this process has had.
+
+    What the system tells of its children counts their parent's memory before they began anew.
+    """
+    if STATUS.exists() and (found := PEAK.search(STATUS.read_text())):
+        return 1024 * int(found[1])
+    import resource
+
+    units = 1 if sys.platform == "darwin" else 1024
+    return units * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def megabytes(run: str) -> float:
@@ -37,7 +50,7 @@ def megabytes(run: str) -> float:
         text=True,
         cwd=root,
     )
-    return json.loads(done.stdout.splitlines()[-1]) * UNITS / 1e6
+    return int(done.stdout.splitlines()[-1]) / 1e6
 
 
 def measure(effort: Effort) -> Iterator[Row]:
