@@ -119,9 +119,41 @@ def test_openmdao_component(gradient):
         np.testing.assert_allclose(entry["J_fwd"], entry["J_fd"], atol=1e-5)
 
 
+def squared(x):
+    """A loss in which the responses stand, by operators alone."""
+    return (x**2).sum()
+
+
+def expected(functions: da.DesignFunctions, x: np.ndarray) -> np.ndarray:
+    return 2 * functions.values(x) @ functions.jacobian(x)
+
+
+def test_jax_differentiates_a_design():
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    functions = da.DesignFunctions(parametric(BOX), list(aims()), analysis=da.Statics())
+    slope = jax.grad(lambda x: squared(functions.jax(x)))
+    points = np.array([[1.0, 2.0], [0.3, 1.5]])
+    for found in (slope(points[0]), jax.jit(slope)(points[0]), jax.vmap(slope)(points)[0]):
+        np.testing.assert_allclose(found, expected(functions, points[0]), rtol=1e-12)
+
+
+def test_torch_differentiates_a_design():
+    torch = pytest.importorskip("torch")
+    functions = da.DesignFunctions(parametric(BOX), list(aims()), analysis=da.Statics())
+    x = torch.tensor([1.0, 2.0], dtype=torch.float64, requires_grad=True)
+    squared(functions.torch(x)).backward()
+    np.testing.assert_allclose(x.grad, expected(functions, np.array([1.0, 2.0])), rtol=1e-12)
+
+
 def test_extras_that_are_missing_are_named(monkeypatch):
     import sys
 
+    functions = da.DesignFunctions(parametric(BOX), list(aims()), analysis=da.Statics())
+    for name, call in (("jax", lambda: functions.jax), ("torch", lambda: functions.torch)):
+        monkeypatch.setitem(sys.modules, name, None)
+        with pytest.raises(UnsupportedError, match=f"pip install {name}"):
+            call()
     for name, call in (
         (
             "pymoo.core.problem",

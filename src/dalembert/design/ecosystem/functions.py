@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.design.ecosystem.differentiable import jax_function, torch_function
 from dalembert.design.limit import Limit
 from dalembert.design.optimize.optimization import design_problem
 from dalembert.design.optimize.problem import Evaluation
@@ -96,6 +97,19 @@ class DesignFunctions(Spelled):
     def jacobian(self, x: np.ndarray) -> np.ndarray:
         """(m, n) their gradients."""
         return self._slopes(x, range(self.count))
+
+    @property
+    def jax(self) -> Callable[[Any], Any]:
+        """``x → (m,)`` all responses as a function that JAX differentiates; ``pip install jax``.
+
+        Numbers are as precise as JAX is told to be: ``jax.config.update("jax_enable_x64", True)``.
+        """
+        return jax_function(self)
+
+    @property
+    def torch(self) -> Callable[[Any], Any]:
+        """``x → (m,)`` all responses of a tensor, which PyTorch differentiates."""
+        return torch_function(self)
 
     def limited(self, x: np.ndarray) -> np.ndarray:
         """The responses of the limits."""
