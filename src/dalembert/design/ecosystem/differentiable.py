@@ -7,18 +7,22 @@ the gradient of this package, so that a mechanism may stand among their layers a
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from dalembert.errors import UnsupportedError
 
-if TYPE_CHECKING:
-    from dalembert.design.ecosystem.functions import DesignFunctions
+Numbers = Callable[[np.ndarray], np.ndarray]
 
 
-def jax_function(functions: DesignFunctions) -> Callable[[Any], Any]:
+def jax_function(values: Numbers, jacobian: Numbers, count: int) -> Callable[[Any], Any]:
     """``x → (m,)`` for ``jax.grad``, ``jax.jit`` and ``jax.vmap``, one design after the other.
+
+    Parameters
+    ----------
+    values, jacobian : (n,) → (m,) and (m, n)
+    count : m
 
     Raises
     ------
@@ -40,21 +44,25 @@ def jax_function(functions: DesignFunctions) -> Callable[[Any], Any]:
         return jax.pure_callback(on_host, shape, *given, vmap_method="sequential")
 
     @jax.custom_vjp
-    def values(x: Any) -> Any:
-        return called(functions.values, functions.count, x)
+    def responses(x: Any) -> Any:
+        return called(values, count, x)
 
     def forward(x: Any) -> tuple[Any, Any]:
-        return values(x), x
+        return responses(x), x
 
     def backward(x: Any, weights: Any) -> tuple[Any]:
-        return (called(lambda x, w: w @ functions.jacobian(x), len(functions.names), x, weights),)
+        return (called(lambda x, w: w @ jacobian(x), x.size, x, weights),)
 
-    values.defvjp(forward, backward)
-    return values  # type: ignore[no-any-return]
+    responses.defvjp(forward, backward)
+    return responses  # type: ignore[no-any-return]
 
 
-def torch_function(functions: DesignFunctions) -> Callable[[Any], Any]:
+def torch_function(values: Numbers, jacobian: Numbers) -> Callable[[Any], Any]:
     """``x → (m,)`` for tensors, in the graph of ``backward``.
+
+    Parameters
+    ----------
+    values, jacobian : (n,) → (m,) and (m, n)
 
     Raises
     ------
@@ -74,11 +82,11 @@ def torch_function(functions: DesignFunctions) -> Callable[[Any], Any]:
         @staticmethod
         def forward(ctx: Any, x: Any) -> Any:
             ctx.save_for_backward(x)
-            return x.new_tensor(functions.values(plain(x)))
+            return x.new_tensor(values(plain(x)))
 
         @staticmethod
         def backward(ctx: Any, *weights: Any) -> Any:
             (x,) = ctx.saved_tensors
-            return weights[0] @ x.new_tensor(functions.jacobian(plain(x)))
+            return weights[0] @ x.new_tensor(jacobian(plain(x)))
 
     return Values.apply  # type: ignore[no-any-return]

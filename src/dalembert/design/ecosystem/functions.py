@@ -104,12 +104,12 @@ class DesignFunctions(Spelled):
 
         Numbers are as precise as JAX is told to be: ``jax.config.update("jax_enable_x64", True)``.
         """
-        return jax_function(self)
+        return jax_function(self.values, self.jacobian, self.count)
 
     @property
     def torch(self) -> Callable[[Any], Any]:
         """``x → (m,)`` all responses of a tensor, which PyTorch differentiates."""
-        return torch_function(self)
+        return torch_function(self.values, self.jacobian)
 
     def limited(self, x: np.ndarray) -> np.ndarray:
         """The responses of the limits."""
