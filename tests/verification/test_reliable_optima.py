@@ -114,6 +114,30 @@ def test_a_robust_limit():
     assert best.success and best.x["area"] == pytest.approx(1.3e5 / 1.5e8, rel=1e-6)
 
 
+def test_what_does_not_vary_keeps_its_own_mean():
+    """A modulus with bounds that is random but no variable: ``A = F l E(1/E)/u``."""
+    structure = da.Structure("rod")
+    area = structure.parameter("area", 1e-3, bounds=(1e-4, 1e-2))
+    modulus = structure.parameter("modulus", 2e11, bounds=(1e11, 3e11))
+    fixed, end = structure.node("fixed", 0.0), structure.node("end", 2.0)
+    structure.add(structures.Truss("rod", fixed, end, area=area, modulus=modulus, density=7850.0))
+    structure.support(fixed)
+    structure.load(end, fx=1e5)
+    given = da.Lognormal(1.5e11, 1e9)
+    sunk = da.robust(da.final("end.ux"), {"modulus": given}, 0.0)
+    aim = da.combined("2*sunk", "doubled", sunk=sunk)
+    for limit in (da.Limit(sunk, upper=1e-3), da.Limit(aim, upper=2e-3)):
+        best = da.optimize(
+            structure.build(),
+            minimize=da.final("mass"),
+            subject_to=[limit],
+            vary=["area"],
+            analysis=da.Statics(),
+        )
+        mean, spread = given.logarithm
+        assert best.x["area"] == pytest.approx(2e5 / 1e-3 * math.exp(spread**2 / 2 - mean))
+
+
 def test_a_robust_objective(numbers):
     """``(x₁ − 2)² + 0.1 x₂²`` about the design: mean ``+ s²``, variance ``4 d² s² + 2 s⁴`` each."""
     s, k = 0.3, 2.0

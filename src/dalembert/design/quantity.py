@@ -44,6 +44,10 @@ class Quantity(ABC):
         """The same, with responses that name no case taken of this one."""
         return self
 
+    def varying(self, names: Sequence[str]) -> Quantity:
+        """The same where these parameters vary, so that what scatters about them moves along."""
+        return self
+
 
 @dataclass(frozen=True, eq=False)
 class CaseResponse(Quantity):
@@ -149,6 +153,10 @@ class Combined(Quantity):
         made = Combined(self.formula, parts, self.name, self.given_unit)
         made.function  # noqa: B018 - tells of names that are unknown
         return made
+
+    def varying(self, names: Sequence[str]) -> Quantity:
+        parts = {name: part.varying(names) for name, part in self.parts.items()}
+        return Combined(self.formula, parts, self.name, self.given_unit)
 
 
 @spelled

@@ -33,11 +33,12 @@ class Robust(Quantity):
     Parameters
     ----------
     response : that scatters
-    random : parameter → distribution; about the design where the parameter varies
+    random : parameter → distribution; where the parameter varies, its mean is the design
     deviations : how many are added; less than zero for what is to be large
     correlation : as of ``reliability``
     name : label
-    runs : the response in the runs of a design, put in where one is judged
+    case : whose run scatters, put in where a design is judged
+    runs : the response in the runs about it
 
     Examples
     --------
@@ -52,6 +53,7 @@ class Robust(Quantity):
     deviations: float = 3.0
     correlation: Correlation = None
     name: str = ""
+    case: Case | None = None
     runs: Sequence[CaseResponse] = ()
 
     def __post_init__(self) -> None:
@@ -95,15 +97,19 @@ class Robust(Quantity):
 
     def of(self, case: Any) -> Quantity:
         """The same, drawn from runs about those of a case."""
-        if self.runs:
+        if self.case is not None:
             return self
         if not isinstance(case, Case):
             raise AnalysisError(f"{self.label}: of which run? give model and analysis=")
+        return replace(self, case=case).varying(())
+
+    def varying(self, names: Sequence[str]) -> Robust:
+        if self.case is None:
+            return self
         nataf = Nataf(self.random, self.correlation)
         ends = [s * POINTS * row for row in np.eye(nataf.size) for s in (1, -1)]
         places = [nataf.values(u) for u in (np.zeros(nataf.size), *ends)]
-        moves = [n for n, p in case.model.parameters.items() if np.any(np.isfinite(p.bounds))]
-        runs = [case_at(case, self.random, x, moves)[self.response] for x in places]
+        runs = [case_at(self.case, self.random, x, names)[self.response] for x in places]
         return replace(self, runs=runs)
 
 
@@ -122,8 +128,7 @@ def robust(
     Parameters
     ----------
     response : that scatters
-    random : parameter → distribution; where the parameter has bounds, so that a design may vary
-        it, the distribution's mean moves along with the design
+    random : parameter → distribution; where the parameter varies, its mean is the design
     deviations : how many are added; less than zero for what is to be large
     correlation : pair of names → linear correlation, or the whole matrix
     name : label

@@ -169,11 +169,7 @@ def make_variables(
     AnalysisError
         Nothing to vary, or sizes that cannot be.
     """
-    if isinstance(vary, (str, Integer, Catalogue)):
-        vary = [vary]
-    if vary is None:
-        vary = [n for n, p in parameters.items() if np.all(np.isfinite(p.bounds))]
-    listed = list(vary)
+    listed = _listed(parameters, vary)
     if not listed:
         raise AnalysisError("nothing to vary: name parameters, or give some of them bounds")
     _refuse_names(parameters, [n for one in listed for n in _names(one)])
@@ -204,6 +200,18 @@ def _curve(x: np.ndarray, y: np.ndarray) -> Any:
     if x.size == 1:
         return lambda at, order=0: float(y[0]) if order == 0 else 0.0
     return PchipInterpolator(x, y)
+
+
+def _listed(parameters: Mapping[str, Parameter], vary: Any) -> list[Any]:
+    """What varies, by default all with two bounds."""
+    if vary is None:
+        return [n for n, p in parameters.items() if np.all(np.isfinite(p.bounds))]
+    return [vary] if isinstance(vary, (str, Integer, Catalogue)) else list(vary)
+
+
+def varied_names(parameters: Mapping[str, Parameter], vary: Any) -> list[str]:
+    """All parameters that ``vary`` of ``optimize`` names."""
+    return [name for one in _listed(parameters, vary) for name in _names(one)]
 
 
 def _names(one: Any) -> list[str]:

@@ -28,6 +28,9 @@ class Weighted(Quantity):
     def terms(self) -> list[CaseResponse]:
         return [term for part in self.parts for term in part.terms]
 
+    def varying(self, names: Sequence[str]) -> Weighted:
+        return Weighted([part.varying(names) for part in self.parts], self.weights, self.label)
+
     def _split(self, values: np.ndarray) -> list[np.ndarray]:
         return np.split(values, np.cumsum([len(part.terms) for part in self.parts])[:-1])
 

@@ -121,7 +121,9 @@ def design_problem(
     for name in start or {}:
         if name not in parameters:
             raise ModelError(unknown("parameter", name, parameters))
-    return DesignProblem(quantities, make_variables(parameters, vary, dict(start or {})))
+    variables = make_variables(parameters, vary, dict(start or {}))
+    varied = variables.parameter_names
+    return DesignProblem([quantity.varying(varied) for quantity in quantities], variables)
 
 
 def _refuse_labels(quantities: Sequence[Quantity]) -> None:

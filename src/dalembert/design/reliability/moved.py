@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,7 +42,7 @@ def about(random: Mapping[str, Distribution], design: Mapping[str, float]) -> di
 
 
 def case_at(
-    base: Case, random: Mapping[str, Distribution], x: np.ndarray, varied: list[str]
+    base: Case, random: Mapping[str, Distribution], x: np.ndarray, varied: Sequence[str]
 ) -> Case:
     """The run at values of the random parameters, which move along with those that vary."""
     given: dict[str, Quantity] = {}

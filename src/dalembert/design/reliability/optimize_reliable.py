@@ -26,6 +26,7 @@ from dalembert.design.reliability.moved import about, case_at
 from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.reliable_optimum import ReliableLimit, ReliableOptimum, Round
 from dalembert.design.telling import Told
+from dalembert.design.variables import varied_names
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.results.result import Analysis
@@ -99,13 +100,13 @@ def optimize_reliable(
         raise AnalysisError("nothing is random; give random={parameter: distribution}")
     task = _Task(model, analysis, _one_sided(subject_to), random, correlation, beta)
     aim = {"minimize": minimize} if minimize is not None else {"maximize": maximize}
-    at: dict[str, float] = {}
+    varied, at = varied_names(model.parameters, vary), dict[str, float]()
     points, told = [np.zeros(len(random))] * len(task.limits), list[Round]()
     for number in range(max(rounds, 1)):
         best = optimize(
             model,
             **aim,
-            subject_to=task.at(points, _varied(vary, model)),
+            subject_to=task.at(points, varied),
             vary=vary,
             analysis=analysis,
             start=start,
@@ -129,17 +130,6 @@ def optimize_reliable(
 
 def _change(new: float, old: float | None) -> float:
     return np.inf if old is None else abs(new - old) / (abs(new) or 1.0)
-
-
-def _varied(vary: Sequence[Any] | None, model: ParametricModel) -> list[str]:
-    """Names of what varies, by default all with bounds."""
-    if vary is None:
-        return [n for n, p in model.parameters.items() if np.all(np.isfinite(p.bounds))]
-    made: list[str] = []
-    for one in vary:
-        columns = getattr(one, "columns", None)
-        made += list(columns) if columns is not None else [getattr(one, "name", one)]
-    return made
 
 
 def _one_sided(limits: Sequence[Limit]) -> list[Limit]:

@@ -46,6 +46,7 @@ class ContactMaps:
         self._steps: dict[Pattern, ImplicitMap] = {}
         self._openings: dict[tuple[tuple[int, bool], ...], ImplicitMap] = {}
         self._gaps: dict[int, ca.Function] = {}
+        self._closings: dict[int, ca.Function] = {}
 
     @cached_property
     def _smooth(self) -> ca.Function:
@@ -71,6 +72,26 @@ class ContactMaps:
                 "gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds, *laws]
             )
         return self._gaps[key]
+
+    def closing(self, key: int) -> ca.Function:
+        """``(t, y, v, p) → ġ, ∂ġ/∂v, ∂g/∂y, ∂g/∂p``."""
+        if key not in self._closings:
+            e = self.e
+            distance, speeds, *_ = self.gap(key)(e.t, e.y, e.v, e.p)
+            slopes = [ca.jacobian(distance, by) for by in (e.y, e.p)]
+            outputs = [speeds[0], ca.jacobian(speeds[0], e.v), *slopes]
+            self._closings[key] = ca.Function(
+                "closing", [e.t, e.y, e.v, e.p], [ca.densify(out) for out in outputs]
+            )
+        return self._closings[key]
+
+    @cached_property
+    def moving(self) -> ca.Function:
+        """``y → A`` with ``ẏ = A v``."""
+        m = self.e.manifold
+        still = ca.SX.zeros(m.delta.numel())
+        rate = ca.substitute(ca.jacobian(m.moved, m.delta), m.delta, still)
+        return ca.Function("moving", [m.y], [ca.densify(rate)])
 
     def step(self, pattern: Pattern) -> ImplicitMap:
         """From the start of a step to where it leads before anything is corrected."""

@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.errors import SingularityError
@@ -114,7 +113,7 @@ def closing_speeds(steps: ContactSteps, k: int) -> dict[int, tuple[float, float]
     (t, h), state = steps.span(k), steps.split(k)
     found = {}
     for key in steps.patterns[k].keys() - known.keys():
-        speed, by_v, *_ = _gap_slopes(steps, key)(t, *state, steps.p)
+        speed, by_v, *_ = steps.maps.closing(key)(t, *state, steps.p)
         found[key] = -float(speed), float(np.abs(by_v.full() @ before).max()) * h
     return found
 
@@ -140,18 +139,10 @@ def _impacts(
     jump = pushed(maps, now[:, None], 1.0, np.zeros((steps.p.size, 1))).ravel() - then
     found = []
     for key, part in _parts(steps, k, closing).items():
-        speed, _, by_y, by_p = (s.full() for s in _gap_slopes(steps, key)(t, *place, steps.p))
+        speed, _, by_y, by_p = (s.full() for s in steps.maps.closing(key)(t, *place, steps.p))
         by_x, share = np.concatenate([by_y.ravel(), 0 * after]), -1 / speed[0, 0]
         found.append(MovingImpact(part * jump, share * by_x, share * by_p.ravel()))
     return found
-
-
-def _gap_slopes(steps: ContactSteps, key: int) -> ca.Function:
-    """``(t, y, v, p) → ġ, ∂ġ/∂v, ∂g/∂y, ∂g/∂p``."""
-    e, gap = steps.maps.e, steps.maps.gap(key)
-    distance, speeds, *_ = gap(e.t, e.y, e.v, e.p)
-    slopes = [ca.jacobian(speeds[0], e.v), *(ca.jacobian(distance, by) for by in (e.y, e.p))]
-    return ca.Function("slopes", [e.t, e.y, e.v, e.p], [speeds[0], *map(ca.densify, slopes)])
 
 
 def _rests(steps: ContactSteps, k: int, key: int) -> bool:
@@ -165,9 +156,7 @@ def _rests(steps: ContactSteps, k: int, key: int) -> bool:
 
 def _moving(steps: ContactSteps, x: np.ndarray) -> np.ndarray:
     """(n_y, n_v) ``A`` with ``ẏ = A v``."""
-    m = steps.maps.e.manifold
-    rate = ca.substitute(ca.jacobian(m.moved, m.delta), m.delta, ca.SX.zeros(m.delta.numel()))
-    return ca.Function("moving", [m.y], [ca.densify(rate)])(x[: steps.size]).full()
+    return steps.maps.moving(x[: steps.size]).full()
 
 
 def _parts(steps: ContactSteps, k: int, keys: list[int]) -> dict[int, np.ndarray]:
@@ -184,7 +173,7 @@ def _parts(steps: ContactSteps, k: int, keys: list[int]) -> dict[int, np.ndarray
     solve = steps.step.smooth.at(t, y, steps.p)[0]
     touched = {}
     for key in steps.patterns[k]:
-        direction = _gap_slopes(steps, key)(t, y, v, steps.p)[1].full()[0]
+        direction = steps.maps.closing(key)(t, y, v, steps.p)[1].full()[0]
         moved = np.abs(solve(direction, None)[0])
         touched[key] = moved > TOUCHED * moved.max()
     parts: dict[int, np.ndarray] = {}
