@@ -46,13 +46,8 @@ class LabelledRecording(Recording):
         return self.labelled(measure, coords)
 
     @cached_property
-    def contents(self) -> Contents:  # type: ignore[override]
+    def contents(self) -> Contents:
         """Everything: poses, speeds, reactions, efforts, energies, violations."""
         from dalembert.results.dataset import motion_contents
 
         return motion_contents(self)
-
-    @cached_property
-    def data(self) -> xr.Dataset:  # type: ignore[override]
-        """``contents``, labelled."""
-        return self.contents.dataset()

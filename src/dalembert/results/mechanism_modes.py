@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -10,15 +10,13 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
+from dalembert.results.files.contents import Contents
 from dalembert.results.numbered import Numbered
-from dalembert.results.result import Analysis
-from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.formulas.names import Names
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray as xr
 
 REAL, IMAG = ca.SX.sym("eigenvalue_real"), ca.SX.sym("eigenvalue_imag")
 SIZE = ca.sqrt(REAL**2 + IMAG**2)
@@ -33,40 +31,24 @@ MEASURES = {
 """Of a mode with the eigenvalue ``s``: ``|s|/2π``, ``−Re s/|s|`` and the parts of ``s``."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Modes(Numbered):
-    """Eigenvalues and modes of the linearised mechanism.
+    """Eigenvalues and modes of the linearised mechanism, numbered by increasing ``|s|``.
 
     Attributes
     ----------
-    model : Model that was linearised
-    analysis : the analysis that made it
-    parameters : (n,) values used, then numbers computed from them
-    numbers : (k,) of the modes, from 1, by increasing ``|s|``
     eigenvalues : (k,) complex [1/s]; one of each conjugate pair
     shapes : (n, k) complex displacements, largest entry one
-    matrix : reduced state matrix
     status : Status, with the residual of the equilibrium
-    positions : (k,) of the eigenvalues in the whole spectrum of the record
-    record : what a gradient needs
-    statistics : name → number or text, for people
-    warnings : what speaks against reading too much from them
     """
 
     model: Model
-    analysis: Analysis
-    parameters: np.ndarray
-    numbers: np.ndarray
-    eigenvalues: np.ndarray
-    shapes: np.ndarray
-    matrix: np.ndarray
-    status: Status
-    positions: np.ndarray
-    record: Any = None
-    statistics: dict[str, Any] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
-
     has_page = False
+    named = MEASURES
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Reduced state matrix."""
+        return self.record.matrix  # type: ignore[no-any-return]
 
     @property
     def frequencies(self) -> np.ndarray:
@@ -122,17 +104,11 @@ class Modes(Numbered):
             return np.zeros((function.size1_out(0), 0))
         return function.map(s.size)(s.real, s.imag, np.tile(p[:, None], s.size)).full()
 
-    @property
-    def data(self) -> xr.Dataset:
-        """Labelled modes."""
-        import xarray as xr
-
-        found = {name: self[name] for name in MEASURES}
-        names = self.record.kernel.view.speed_names
-        for part in ("real", "imag"):
-            shape = (("coordinate", "mode"), getattr(self.shapes, part))
-            found[f"shape_{part}"] = xr.DataArray(shape[1], {"coordinate": names}, shape[0])
-        return xr.Dataset(found, attrs={"model": self.model.name})
+    @cached_property
+    def contents(self) -> Contents:
+        along, names = ("coordinate", "mode"), self.record.kernel.view.speed_names
+        shapes = {"shape_real": (along, self.shapes.real), "shape_imag": (along, self.shapes.imag)}
+        return super().contents.plus(shapes, {"coordinate": list(names)})
 
     def summary(self) -> dict[str, Any]:
         """Stability, frequencies and damping ratios."""

@@ -26,7 +26,7 @@ class NonsmoothMotion(Motion):
     """
 
     @cached_property
-    def contents(self) -> Contents:  # type: ignore[override]
+    def contents(self) -> Contents:
         from dalembert.results.dataset import motion_contents
 
         record: ContactRecord = self.record

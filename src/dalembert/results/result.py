@@ -6,6 +6,7 @@ import difflib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVar
 
@@ -96,14 +97,19 @@ class Result(Protocol):
 
     # for people ----------------------------------------------------------------------------
     @property
-    def data(self) -> xr.Dataset:
-        """All that is kept of it, with names."""
+    def about(self) -> dict[str, str]:
+        """What is said of all that is kept."""
+        return {"model": self.model.name, "status": str(self.status)}
+
+    @cached_property
+    def contents(self) -> Contents:
+        """All that is kept of it, with names, as files and pages take it."""
         ...
 
-    @property
-    def contents(self) -> Contents:
-        """``data`` as files and pages take it."""
-        return Contents.of(self.data)
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """The same, labelled."""
+        return self.contents.dataset()
 
     def summary(self) -> dict[str, Any]:
         """``status`` and the numbers to tell."""
@@ -140,7 +146,9 @@ class Result(Protocol):
         from dalembert.results.files.store import save_table
 
         table = self.to_dataframe()
-        known = {str(name): v.attrs.get("units", "") for name, v in self.data.data_vars.items()}
+        known = {
+            name: told.get("units", "") for name, (*_, told) in self.contents.variables.items()
+        }
         return save_table(headed(table, known | table.attrs.get("units", {}), units), path)
 
     def report(self, path: str | Path, **first_view: Any) -> Path:

@@ -176,7 +176,6 @@ def modes_of(analysis: Any, state: Linearized, earlier: Modes | None = None) -> 
         numbers,
         state.eigenvalues[positions],
         state.displacements(positions),
-        state.matrix,
         eigenpairs_status(f"{numbers.size} mode(s)", state.left, state.time, state.residual),
         positions,
         state,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -11,7 +10,6 @@ from dalembert.results.structural.eigenmodes import EIGENVALUE, EigenModes
 from dalembert.symbolic.formulas.expression import Expression
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class BucklingModes(EigenModes):
     """Modes of ``(K + λ K_g) φ = 0`` by the size of the load factor ``λ``.
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, cast
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, cast
 
 import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.results.files.contents import Contents
 from dalembert.results.numbered import Numbered
-from dalembert.results.result import Analysis
-from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
 from dalembert.structures.measuring.measures import (
@@ -24,9 +24,6 @@ from dalembert.structures.measuring.measures import (
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.formulas.names import Names
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 EIGENVALUE = ca.SX.sym("eigenvalue")
 
@@ -56,7 +53,6 @@ class Eigenvalue(Measure):
         cast(ModeWeights, into).eigenvalue += weight
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
     """Eigenvalues and shapes of ``A φ = λ B φ``, scaled to ``φᵀ B φ = 1`` in SI units.
 
@@ -65,33 +61,13 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
 
     Attributes
     ----------
-    model : StructuralModel
-    analysis : the analysis that made it
-    parameters : (np,) values used
-    numbers : (k,) of the modes, from 1
-    eigenvalues : (k,)
     shapes : (n, k) displacements; the largest entry is positive
     status : Status, with the residual of the eigenpairs
-    positions : (k,) of the modes in the spectrum of the record
-    record : what a gradient needs
-    statistics : name → number or text, for people
     """
 
     model: StructuralModel
-    analysis: Analysis
-    parameters: np.ndarray
-    numbers: np.ndarray
-    eigenvalues: np.ndarray
-    shapes: np.ndarray
-    status: Status
-    positions: np.ndarray
-    record: Any = None
-    statistics: dict[str, Any] = field(default_factory=dict)
-
-    named: ClassVar[dict[str, Expression]] = {}
-    """Measures of the eigenvalue alone."""
     main: ClassVar[str]
-    """The one of them that people ask for first."""
+    """The measure that people ask for first."""
 
     # measures -----------------------------------------------------------------------------
     @classmethod
@@ -192,16 +168,10 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
         """Draw a shape, ``case`` being the number of the mode; see ``StructuralResult.plot``."""
         return super().plot(field, case, **options)
 
-    @property
-    def data(self) -> xr.Dataset:
-        """Labelled modes."""
-        import xarray as xr
-
-        found = {name: self[name] for name in self.named}
-        about = {"units": "m or rad"}
-        coords = {"degree": self.model.degrees.names, "mode": self.numbers}
-        found["shape"] = xr.DataArray(self.shapes, coords, ("degree", "mode"), attrs=about)
-        return xr.Dataset(found, attrs={"model": self.model.name, "status": str(self.status)})
+    @cached_property
+    def contents(self) -> Contents:
+        shapes = {"shape": (("degree", "mode"), self.shapes, {"units": "m or rad"})}
+        return super().contents.plus(shapes, {"degree": self.model.degrees.names})
 
     def __repr__(self) -> str:
         values = self.values(self.main)

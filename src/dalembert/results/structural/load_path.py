@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, cast
+from functools import cached_property
+from typing import cast
 
 import numpy as np
 
+from dalembert.results.files.contents import Contents
 from dalembert.results.result import Instants
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.measuring.measures import State
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class LoadPathResult(StructuralResult):
     negative: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     limits: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
 
-    kind_of_state = "point"
+    kind_of_state = along = "point"
     in_sequence = True
 
     @property
@@ -95,11 +94,15 @@ class LoadPathResult(StructuralResult):
         """
         return self.analysis.at_load(self, factor)  # type: ignore[attr-defined]
 
+    @cached_property
+    def contents(self) -> Contents:
+        """Displacements, forces and load factors."""
+        more = {
+            "load_factor": ("point", self.load_factors, {"units": "1"}),
+            "negative_eigenvalues": ("point", self.negative),
+        }
+        return super().contents.plus(more)
+
     @property
-    def data(self) -> xr.Dataset:
-        """Displacements, forces and load factors with names."""
-        found = super().data.rename(case="point").assign_coords(point=self.time.astype(int))
-        return found.assign(
-            load_factor=("point", self.load_factors, {"units": "1"}),
-            negative_eigenvalues=("point", self.negative),
-        )
+    def _labels(self) -> np.ndarray:
+        return self.time.astype(int)

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy
 
+from dalembert.results.files.contents import Contents
 from dalembert.results.result import Instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
+from dalembert.structures.loads.temperatures import Temperatures
 from dalembert.structures.measuring.motion_measures import MovingState, MovingWeights
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression
@@ -68,6 +70,16 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
     def large(self) -> bool:
         return bool(self.analysis.nonlinear)
 
+    @property
+    def lumped(self) -> bool:
+        """Whether the mass matrix is diagonal."""
+        return bool(self.analysis.lumped)
+
+    @property
+    def temperatures(self) -> Temperatures:
+        """Of the load case that acts."""
+        return self.model.loads[self.analysis.case_of(self.model)].temperatures
+
     def at(self, times: Instants) -> StructuralMotion:
         """The same motion at other times, by the steps that were taken."""
         return self.analysis.resample(self, np.atleast_1d(np.asarray(times, dtype=float)))
@@ -80,8 +92,8 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
             v=self.velocities[:, k],
             a=self.accelerations[:, k],
             mass=self.mass,
-            lumped=self.analysis.lumped,
-            temperatures=self.model.loads[self.analysis.case_of(self.model)].temperatures,
+            lumped=self.lumped,
+            temperatures=self.temperatures,
             time=float(self.time[k]),
         )
 
@@ -99,10 +111,8 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
         return self.labelled(measure, {"time": ("time", self.time, {"units": "s"})})
 
     @cached_property
-    def data(self) -> xr.Dataset:
-        """Displacements, velocities, accelerations, forces and energies with names."""
-        import xarray as xr
-
+    def contents(self) -> Contents:
+        """Displacements, velocities, accelerations, forces and energies."""
         tables = {
             "displacement": (self.displacements, "m or rad"),
             "velocity": (self.velocities, "m/s or rad/s"),
@@ -116,8 +126,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
         for name in ("kinetic_energy", "strain_energy"):
             found[name] = ("time", self.values(name), {"units": "J"})
         coords = {"degree": self.model.degrees.names, "time": ("time", self.time, {"units": "s"})}
-        about = {"model": self.model.name, "status": str(self.status)}
-        return xr.Dataset(found, coords, about)
+        return Contents.given(found, coords, self.about)
 
     def __repr__(self) -> str:
         span = f"{self.time.size} times to {self.status.time:g} s"

@@ -13,7 +13,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.recording import Recording
 from dalembert.results.result import Instants
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.measuring.motion_measures import MovingState
+from dalembert.structures.loads.temperatures import Temperatures
 from dalembert.symbolic.formulas.expression import Expression, t
 
 
@@ -24,21 +24,8 @@ class RecoveredStates(StructuralMotion):
     Velocities and accelerations are those against the frame; stresses are those of the shapes.
     """
 
-    @property
-    def large(self) -> bool:
-        return False
-
-    def state(self, k: int) -> MovingState:
-        return MovingState(
-            u=self.displacements[:, k],
-            forces=self.forces[:, k],
-            p=self.parameters,
-            v=self.velocities[:, k],
-            a=self.accelerations[:, k],
-            mass=self.mass,
-            lumped=False,
-            time=float(self.time[k]),
-        )
+    large = lumped = False
+    temperatures = Temperatures()
 
     def at(self, times: Instants) -> RecoveredStates:
         """Refused: sample the motion of the mechanism.

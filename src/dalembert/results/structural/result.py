@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.results.files.contents import Contents
 from dalembert.results.result import Analysis, Instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
@@ -19,7 +21,6 @@ from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray as xr
 
 
 @dataclass(eq=False, repr=False)
@@ -49,6 +50,8 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
 
     continuous = False
     """There is nothing between two load cases: integrals over them are sums."""
+    along = "case"
+    """Dimension of the states."""
 
     @property
     def time(self) -> np.ndarray:  # type: ignore[override]
@@ -77,27 +80,25 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
         found = self.values(measure)
         return float(found[0]) if found.size == 1 else found
 
-    @property
-    def data(self) -> xr.Dataset:
-        """Displacements and forces of nodes, stresses and forces of elements, with names."""
-        import xarray as xr
-
+    @cached_property
+    def contents(self) -> Contents:
+        """Displacements and forces of nodes, stresses and forces of elements."""
         from dalembert.results.structural.measure_table import element_variables
 
-        coords = {"degree": self.model.degrees.names, "case": self.cases}
-        measured = {}
+        along, coords = self.along, {"degree": self.model.degrees.names, self.along: self._labels}
+        found: dict[str, Any] = {
+            "displacement": (("degree", along), self.displacements, {"units": "m or rad"}),
+            "external_force": (("degree", along), self.forces, {"units": "N or N m"}),
+        }
         for name, (elements, rows, unit) in element_variables(self).items():
             coords[f"{name}_of"] = elements
-            measured[name] = ((f"{name}_of", "case"), np.array(rows), {"units": unit})
-        return xr.Dataset(
-            {
-                "displacement": (("degree", "case"), self.displacements, {"units": "m or rad"}),
-                "external_force": (("degree", "case"), self.forces, {"units": "N or N m"}),
-                **measured,
-            },
-            coords,
-            attrs={"model": self.model.name, "status": str(self.status)},
-        )
+            found[name] = ((f"{name}_of", along), np.array(rows), {"units": unit})
+        return Contents.given(found, coords, self.about)
+
+    @property
+    def _labels(self) -> Any:
+        """Of the states, along their dimension."""
+        return self.cases
 
     def to_dataframe(self) -> pd.DataFrame:
         """One row per measure, by name and with its unit; one column per load case."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from dalembert.structures.meshes.mesh import Mesh
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.nodes import Nodes
 from dalembert.symbolic.formulas.expression import Expression
-
-if TYPE_CHECKING:
-    pass
 
 
 class StructuralStates(Result):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -12,9 +12,6 @@ from dalembert.results.structural.eigenmodes import EIGENVALUE, EigenModes
 from dalembert.structures.measuring.measures import Measure, State, Weights
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 OMEGA = ca.sign(EIGENVALUE) * ca.sqrt(ca.fabs(EIGENVALUE))
 PARTICIPATION, EFFECTIVE = "participation.", "effective_mass."
@@ -55,7 +52,6 @@ class Participation(Measure):
         return self.model.assembly.mass(s.p, self.lumped) @ self.motion
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class VibrationModes(EigenModes):
     """Modes of ``K φ = ω² M φ`` by increasing ``ω²``, scaled to ``φᵀ M φ = 1 kg m²``.
 
@@ -99,12 +95,8 @@ class VibrationModes(EigenModes):
         return super()._behind(model, name, lumped)
 
     @property
-    def data(self) -> xr.Dataset:
-        found: Any = super().data
-        for direction in _directions(self.model):
-            name = EFFECTIVE + direction
-            found[name] = self[name]
-        return found
+    def told(self) -> list[str]:
+        return [*self.named, *(EFFECTIVE + way for way in _directions(self.model))]
 
 
 def _directions(model: StructuralModel) -> tuple[str, ...]:
