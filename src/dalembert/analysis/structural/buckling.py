@@ -12,7 +12,8 @@ from dalembert.analysis.served import need_structure
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectral import SpectralAnalysis
 from dalembert.analysis.structural.spectrum import Spectrum
-from dalembert.analysis.structural.statics import Statics, factorised
+from dalembert.analysis.structural.static_equations import factorised
+from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options

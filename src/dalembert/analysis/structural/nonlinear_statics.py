@@ -10,8 +10,7 @@ import numpy as np
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.structural.balance import Balanced, full_steps
 from dalembert.analysis.structural.numbers import require
-from dalembert.analysis.structural.static_equations import StaticEquations
-from dalembert.analysis.structural.statics import StaticsRecord
+from dalembert.analysis.structural.static_equations import StaticEquations, StaticsRecord
 from dalembert.options import options
 from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status

@@ -8,8 +8,7 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.structural.balance import Balanced
-from dalembert.analysis.structural.static_equations import StaticEquations
-from dalembert.analysis.structural.statics import factorised
+from dalembert.analysis.structural.static_equations import StaticEquations, factorised
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.results.structural.load_path import Plane
 from dalembert.sparse.factorise import general_factors, symmetric_factors

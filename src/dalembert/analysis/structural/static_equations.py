@@ -1,19 +1,39 @@
 """Equilibrium of a structure under a share of one load case, ``∂W/∂u = s (P − ∂V/∂u)``.
 
 ``V`` holds what depends on where the structure is: hindered expansion, moments about fixed axes.
-Statics at large displacements, load paths and their gradients see a structure by these equations.
+Statics, load paths and their gradients see a structure by these equations.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from dalembert.analysis.structural.balance import Balance, Balanced
-from dalembert.analysis.structural.statics import factorised
-from dalembert.sparse.solver import Factors
+from dalembert.sparse.solver import Factors, SparseSolver
+from dalembert.structures.evaluation.factors import factors_of
 from dalembert.structures.model import StructuralModel
+
+
+@dataclass(frozen=True)
+class StaticsRecord:
+    """What a gradient needs: the stiffness, and what solves with its free part ``K_ff``."""
+
+    factor: SparseSolver | None
+    stiffness: Any
+
+
+def factorised(model: StructuralModel, matrix: Any) -> Factors | None:
+    """Sparse factors of the stiffness of the free displacements; None where there are none.
+
+    Raises
+    ------
+    SingularityError
+        It is singular: names the nodes that can move without straining anything.
+    """
+    return factors_of(matrix, model.degrees, model.assembly.free)
 
 
 class StaticEquations:
@@ -47,6 +67,11 @@ class StaticEquations:
         found = self.assembly.stiffness(u, self.p)
         return found + share * self.moving.stiffness(u, self.p) if self.moving else found
 
+    def left(self, u: np.ndarray, share: float) -> np.ndarray:
+        """(n,) forces left over; those at prescribed displacements are taken by the supports."""
+        applied = share * self.applied
+        return applied - sum(self.holding(u, share), np.zeros_like(applied))
+
     def residual(self, u: np.ndarray, share: float) -> Balanced:
         """Forces left over on the free displacements, with their scale and the stiffness."""
         stiffness = self.stiffness(u, share)
@@ -55,18 +80,15 @@ class StaticEquations:
         return self.balance.residual(terms, made_of, self.free, stiffness)
 
     def factor(self, stiffness: Any) -> Factors | None:
-        """Factors of the stiffness of the free displacements; None where there are none.
-
-        Raises
-        ------
-        SingularityError
-            The structure can move without straining.
-        """
+        """Factors of the part of the whole stiffness that belongs to the free displacements."""
         return factorised(self.model, self.assembly.inner(stiffness))
 
     def forces(self, u: np.ndarray, share: float) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
+        return self.supported(share, self.left(u, share))
+
+    def supported(self, share: float, left: np.ndarray) -> np.ndarray:
+        """The same of what is left over."""
         found = share * self.applied
-        internal = sum(self.holding(u, share), np.zeros_like(found))
-        found[self.held] = (internal - found)[self.held]
+        found[self.held] = -left[self.held]
         return found

@@ -2,32 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.structural.static_equations import (
+    StaticEquations,
+    StaticsRecord,
+    factorised,
+)
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
 from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.multigrid import Multigrid
-from dalembert.sparse.solver import Factors, SparseSolver
-from dalembert.structures.evaluation.factors import factors_of
+from dalembert.sparse.solver import SparseSolver
 from dalembert.structures.evaluation.iterative import better_iterative, multigrid_of
 from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
 
 AUTO, DIRECT, ITERATIVE = SOLVERS = ("auto", "direct", "iterative")
-
-
-@dataclass(frozen=True)
-class StaticsRecord:
-    """What a gradient needs: the stiffness, and what solves with its free part ``K_ff``."""
-
-    factor: SparseSolver | None
-    stiffness: Any
 
 
 @options
@@ -84,32 +79,27 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         timing = Timing()
         model = model.linearized
         p = model.values(parameters)
-        assembly, size = model.assembly, len(model.degrees)
-        free, held = assembly.free, assembly.prescribed
-        rest = np.zeros(size)
-        stiffness = assembly.stiffness(rest, p)
+        assembly, cases = model.assembly, list(model.loads)
+        u = np.zeros((assembly.size, len(cases)))
+        stiffness = assembly.stiffness(u[:, 0], p)
         timing.lap("assembly")
         factor = self._solver(model, assembly.inner(stiffness), p)
         timing.lap("factorisation")
-        start = assembly.internal_forces(rest, p)
-        u = np.zeros((size, len(model.loads)))
-        forces = np.zeros_like(u)
-        for k, load in enumerate(model.loads.values()):
-            applied, begin = load.values(p), start + load.configuration.forces(rest, p)
-            u[held, k] = model.prescribed.values(p)
+        forces, open_by = np.zeros_like(u), 0.0
+        for k, equations in enumerate(StaticEquations(model, p, case) for case in cases):
+            u[equations.held, k] = equations.given
             if factor is not None:
-                open_by = applied - begin - stiffness @ u[:, k]
-                u[free, k] = factor.solve(open_by[free])
-            internal = begin + stiffness @ u[:, k]
-            forces[:, k] = applied
-            forces[held, k] = (internal - applied)[held]
-        residual = self._residual(model, p, u, forces)
-        status = Status(Outcome.COMPLETED, "linear statics", 0.0, residual)
+                u[equations.free, k] = factor.solve(equations.left(u[:, k], 1.0)[equations.free])
+            left = equations.left(u[:, k], 1.0)
+            forces[:, k] = equations.supported(1.0, left)
+            open_by = max(open_by, np.abs(left[equations.free]).max(initial=0.0))
+        residual = open_by / max(np.abs(forces).max(initial=0.0), 1e-300)
+        status = Status(Outcome.COMPLETED, "linear statics", 0.0, float(residual))
         record = StaticsRecord(factor, stiffness)
         timing.lap("solution")
         statistics = self._statistics(model, factor, timing)
         return StructuralResult(
-            model, self, p, list(model.loads), u, forces, status, statistics, [record] * u.shape[1]
+            model, self, p, cases, u, forces, status, statistics, [record] * len(cases)
         )
 
     def _solver(self, model: StructuralModel, matrix: Any, p: np.ndarray) -> SparseSolver | None:
@@ -137,24 +127,3 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
             found["residual of the solver"] = factor.residual
         found["build time [s]"] = round(model.build_time, 6)
         return found | timing.statistics
-
-    @staticmethod
-    def _residual(model: StructuralModel, p, u: np.ndarray, forces: np.ndarray) -> float:
-        """Largest force left over on free displacements, relative to the largest of all."""
-        free, left = model.assembly.free, []
-        for k, load in enumerate(model.loads.values()):
-            rest = model.assembly.internal_forces(u[:, k], p) - forces[:, k]
-            rest += load.configuration.forces(u[:, k], p)
-            left.append(np.abs(rest[free]).max(initial=0.0))
-        return float(max(left, default=0.0) / max(np.abs(forces).max(initial=0.0), 1e-300))
-
-
-def factorised(model: StructuralModel, matrix) -> Factors | None:
-    """Sparse factors of the stiffness of the free displacements.
-
-    Raises
-    ------
-    SingularityError
-        It is singular: names the nodes that can move without straining anything.
-    """
-    return factors_of(matrix, model.degrees, model.assembly.free)

@@ -6,7 +6,7 @@ import numpy as np
 
 from dalembert.analysis.structural.instant import Instant, Unknown
 from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
-from dalembert.analysis.structural.statics import factorised
+from dalembert.analysis.structural.static_equations import factorised
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions, factors
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.integrators.newmark.rule import Moving
