@@ -15,6 +15,7 @@ import scipy
 
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.evaluation.assembly import Assembly
+from dalembert.structures.evaluation.inertia import from_rest
 from dalembert.structures.evaluation.pattern import combined
 from dalembert.structures.model import StructuralModel
 
@@ -94,27 +95,24 @@ class Mass(Term):
         s, (steady, turning) = self.state, self._parts
         found = steady.mass(s.p, self.lumped)
         if turning.blocks:
-            begin = s.u, *np.zeros((2, s.u.size))
+            begin = from_rest(np.zeros_like(s.u), s.u)
             found = found + turning.inertia_slopes(begin, s.p, self.lumped)[2]
         return found
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        s, (steady, turning) = self.state, self._parts
-        found = steady.push_mass(b, s.p, dp, self.lumped)
-        if turning.blocks:
-            begin = s.u, np.zeros_like(b), b
-            found += turning.inertia_slopes(begin, s.p, self.lumped)[0] @ du
-            found += turning.push_inertia(begin, s.p, dp, self.lumped)
-        return found
+        s = self.state
+        own = s.model.assembly.push_inertia(from_rest(b, s.u), s.p, dp, self.lumped)
+        return own + self._turned(b) @ du
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        s, (steady, turning) = self.state, self._parts
-        u_bar, p_bar = np.zeros_like(a), steady.pull_mass(a, b, s.p, self.lumped)
-        if turning.blocks:
-            begin = s.u, np.zeros_like(b), b
-            u_bar = turning.inertia_slopes(begin, s.p, self.lumped)[0].T @ a
-            p_bar = p_bar + turning.pull_inertia(begin, s.p, a, self.lumped)
-        return u_bar, p_bar
+        s = self.state
+        own = s.model.assembly.pull_inertia(from_rest(b, s.u), s.p, a, self.lumped)
+        return self._turned(b).T @ a, own
+
+    def _turned(self, b: np.ndarray) -> scipy.sparse.csc_matrix:
+        """(n, n) change of ``M b`` with the displacements."""
+        s, (_, turning) = self.state, self._parts
+        return turning.inertia_slopes(from_rest(b, s.u), s.p, self.lumped)[0]
 
     @cached_property
     def _parts(self) -> tuple[Assembly, Assembly]:

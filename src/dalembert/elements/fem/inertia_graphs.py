@@ -45,16 +45,6 @@ class InertiaGraphs:
     def _masses(self):
         return [self.data], [ca.vec(ca.hessian(self.kinetic, self.v)[0])]
 
-    def _push_mass(self):
-        b, change = self._symbols("b", "change")
-        momentum = ca.substitute(ca.gradient(self.kinetic, self.v), self.v, b)
-        return [b, self.data, change], [ca.jtimes(momentum, self.data, change)]
-
-    def _pull_mass(self):
-        a, b = self._symbols("a", "b")
-        momentum = ca.substitute(ca.gradient(self.kinetic, self.v), self.v, b)
-        return [a, b, self.data], [ca.gradient(ca.dot(a, momentum), self.data)]
-
     @property
     def _inertia(self) -> ca.SX:
         """Diagonal of the mass matrix, and the mass."""

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.results.structural.eigenmodes import EIGENVALUE, EigenModes
+from dalembert.structures.evaluation.inertia import from_rest
 from dalembert.structures.measuring.measures import Measure, State, Weights
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression
@@ -46,7 +47,9 @@ class Participation(Measure):
 
     def pull(self, s: State, weight: float, into: Weights) -> None:
         into.u += weight * self._moved(s)
-        into.p += weight * self.model.assembly.pull_mass(s.u, self.motion, s.p, self.lumped)
+        into.p += weight * self.model.assembly.pull_inertia(
+            from_rest(self.motion), s.p, s.u, self.lumped
+        )
 
     def _moved(self, s: State) -> np.ndarray:
         return self.model.assembly.mass(s.p, self.lumped) @ self.motion

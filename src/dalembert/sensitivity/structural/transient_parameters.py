@@ -13,6 +13,7 @@ import numpy as np
 from dalembert.analysis.structural.instant import Instant
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions
 from dalembert.structures.evaluation.columns import Products, Pulls, Pushes
+from dalembert.structures.evaluation.inertia import from_rest
 from dalembert.structures.evaluation.kind import ElementKind
 
 ENTRIES = 4_000_000
@@ -136,7 +137,9 @@ class ParameterWeights:
         """(np, rows) weights of the parameters."""
         self._flush()
         e, lumped = self.equation, self.equation.lumped
-        self._steady.products(self._inertia, lambda k, x, d, w: k.pull_mass(w, x, d, lumped))
+        self._steady.products(
+            self._inertia, lambda k, x, d, w: k.pull_inertia(from_rest(x), d, w, lumped)
+        )
         self._small.products(self._springs, _pull_stiffness)
         if e.linear:
             rest = np.zeros((e.assembly.size, 1))
@@ -189,7 +192,9 @@ class ParameterChanges:
         self._heated = Pushes(e.heated, e.p, directions)
         small = Pushes(e.model.linearized.assembly, e.p, directions)
         steady, self._turning = (Pushes(part, e.p, directions) for part in (e.steady, e.turning))
-        self._mass = steady.matrices(lambda k, x, d, dd: k.push_mass(x, d, dd, e.lumped))
+        self._mass = steady.matrices(
+            lambda k, x, d, dd: k.push_inertia(from_rest(x), d, dd, e.lumped)
+        )
         self._stiffness = small.matrices(_push_stiffness)
         self._at_rest = small.forces(np.zeros(e.assembly.size))
         self._damping = self.each(e.damping)

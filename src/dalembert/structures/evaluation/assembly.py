@@ -108,22 +108,6 @@ class Assembly:
         """Mass matrix of the whole structure, diagonal if lumped."""
         return self.matrix(b.kind.masses(b.data(p), lumped) for b in self.blocks)
 
-    def push_mass(
-        self, a: np.ndarray, p: np.ndarray, dp: np.ndarray, lumped: bool = False
-    ) -> np.ndarray:
-        """(n,) change of ``M a`` with the parameters."""
-        return self._added(
-            lambda b: b.kind.push_mass(b.gather(a), b.data(p), b.push_data(p, dp), lumped)
-        )
-
-    def pull_mass(
-        self, a: np.ndarray, b: np.ndarray, p: np.ndarray, lumped: bool = False
-    ) -> np.ndarray:
-        """Weights of the parameters in ``aᵀ M b``."""
-        return self._to_parameters(
-            p, lambda x: x.kind.pull_mass(x.gather(a), x.gather(b), x.data(p), lumped)
-        )
-
     def inertia_forces(self, motion: Moved, p: np.ndarray, lumped: bool) -> np.ndarray:
         """(n,) inertia forces of displaced elements, ``motion = (u, v, a)``."""
         return self._added(
@@ -134,13 +118,15 @@ class Assembly:
         self, motion: Moved, p: np.ndarray, lumped: bool
     ) -> list[scipy.sparse.csc_matrix]:
         """Derivatives of the inertia forces by displacements, velocities and accelerations."""
+        if not self.blocks:
+            return [scipy.sparse.csc_matrix((self.size, self.size))] * 3
         parts = [
             b.kind.inertia_slopes(b.gather_motion(motion), b.data(p), lumped) for b in self.blocks
         ]
         return [self.matrix(by) for by in zip(*parts, strict=True)]
 
     def push_inertia(
-        self, motion: Moved, p: np.ndarray, dp: np.ndarray, lumped: bool
+        self, motion: Moved, p: np.ndarray, dp: np.ndarray, lumped: bool = False
     ) -> np.ndarray:
         """(n,) change of the inertia forces with the parameters."""
         return self._added(
@@ -150,7 +136,7 @@ class Assembly:
         )
 
     def pull_inertia(
-        self, motion: Moved, p: np.ndarray, weights: np.ndarray, lumped: bool
+        self, motion: Moved, p: np.ndarray, weights: np.ndarray, lumped: bool = False
     ) -> np.ndarray:
         """Weights of the parameters from weights (n,) of the inertia forces."""
         return self._to_parameters(

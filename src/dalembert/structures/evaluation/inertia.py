@@ -10,6 +10,12 @@ from dalembert.structures.evaluation.compiled import Evaluation
 from dalembert.structures.evaluation.lumping import Lumping
 
 Moved = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Displacements, velocities and accelerations."""
+
+
+def from_rest(a: np.ndarray, u: np.ndarray | float = 0.0) -> Moved:
+    """A motion that begins with these accelerations; its inertia forces are ``M(u) a``."""
+    return u + np.zeros_like(a), np.zeros_like(a), a
 
 
 def _name(lumped: bool) -> str:
@@ -31,22 +37,6 @@ class KindInertia(Evaluation):
         found = np.zeros((k, k, data.shape[1]))
         found[np.arange(k), np.arange(k)] = self._lumped(data)
         return found
-
-    def push_mass(
-        self, b: np.ndarray, data: np.ndarray, change: np.ndarray, lumped: bool = False
-    ) -> np.ndarray:
-        """(k, ne) change of ``M b`` with a change of the data."""
-        if not lumped:
-            return self._kinetic("push_mass", b, data, change)[0]
-        return b * self._push_lumped(data, change)
-
-    def pull_mass(
-        self, a: np.ndarray, b: np.ndarray, data: np.ndarray, lumped: bool = False
-    ) -> np.ndarray:
-        """(m, ne) weights of the data in ``aᵀ M b``."""
-        if not lumped:
-            return self._kinetic("pull_mass", a, b, data)[0]
-        return self._pull_lumped(data, a * b)
 
     # displaced elements -------------------------------------------------------------------
     def turning(self, lumped: bool) -> bool:

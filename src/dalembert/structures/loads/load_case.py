@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.block import ElementBlock
+from dalembert.structures.evaluation.inertia import from_rest
 from dalembert.structures.loads.configuration_load import ConfigurationLoad
 from dalembert.structures.loads.temperatures import Temperatures
 from dalembert.symbolic.parametric_array import ParametricArray
@@ -28,12 +29,12 @@ class MassForce:
 
     def push(self, p: np.ndarray, dp: np.ndarray, time: float) -> np.ndarray:
         """(n,) their change with the parameters."""
-        own = self.assembly.push_mass(self.field.values(p, time), p, dp)
+        own = self.assembly.push_inertia(from_rest(self.field.values(p, time)), p, dp)
         return own + self.assembly.mass(p) @ self.field.push(p, dp, time)
 
     def pull(self, p: np.ndarray, weights: np.ndarray, time: float) -> np.ndarray:
         """(m,) weights of the parameters from weights (n,) of the forces."""
-        own = self.assembly.pull_mass(weights, self.field.values(p, time), p)
+        own = self.assembly.pull_inertia(from_rest(self.field.values(p, time)), p, weights)
         return own + self.field.pull(p, self.assembly.mass(p) @ weights, time)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 
 from dalembert.sparse.factorise import general_factors
+from dalembert.structures.evaluation.inertia import from_rest
 from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.rigid import pull_places, push_places, spins
@@ -130,7 +131,7 @@ class ReductionSlopes:
 
     def push_mass(self, table: np.ndarray, dp: np.ndarray) -> np.ndarray:
         """Change of ``M`` times each column."""
-        return self._columns(lambda b: self.assembly.push_mass(b, self.p, dp), table)
+        return self._columns(lambda b: self.assembly.push_inertia(from_rest(b), self.p, dp), table)
 
     def pull_stiffness(self, bars: np.ndarray, table: np.ndarray) -> np.ndarray:
         """Weights (np,) of the parameters from weights of ``K`` times each column."""
@@ -146,8 +147,8 @@ class ReductionSlopes:
         found = np.zeros(self.p.size)
         for bar, column in zip(bars.T, table.T, strict=True):
             if bar.any():
-                given = np.ascontiguousarray(bar), np.ascontiguousarray(column), self.p
-                found += self.assembly.pull_mass(*given)
+                given = from_rest(np.ascontiguousarray(column)), self.p, np.ascontiguousarray(bar)
+                found += self.assembly.pull_inertia(*given)
         return found
 
     @staticmethod
