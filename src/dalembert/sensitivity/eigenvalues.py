@@ -23,7 +23,7 @@ import numpy as np
 from dalembert.analysis.equilibrium.linearization_kernel import Linearized
 from dalembert.errors import SingularityError
 from dalembert.results.mechanism_modes import IMAG, REAL
-from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.invariant import invariant_subspaces
 from dalembert.sensitivity.samples import Sample
 from dalembert.sparse.eigenvalues import COINCIDE, coincidence, told_apart
@@ -56,7 +56,7 @@ class EigenvalueGradient:
         is asked for, or the state has no derivative.
     """
 
-    def __init__(self, sample: Sample):
+    def __init__(self, sample: Sample, shared: dict | None = None):
         self.sample, self.modes = sample, sample.motion
         self.state: Linearized = self.modes.record
         self.origin = cast(ImplicitFunction, self.state.origin)  # for all that the registry lists
@@ -168,11 +168,7 @@ class EigenvalueGradient:
         return gradient
 
 
-class EigenvalueEngine(Engine):
+class EigenvalueEngine(RowEngine):
     """One row after the other."""
 
-    def direct(self, columns: Sequence[int]) -> np.ndarray:
-        return np.array([EigenvalueGradient(sample).direct(columns) for sample in self.samples])
-
-    def adjoint(self) -> np.ndarray:
-        return self.gathered([EigenvalueGradient(sample).adjoint() for sample in self.samples])
+    row = EigenvalueGradient

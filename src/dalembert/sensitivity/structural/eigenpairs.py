@@ -19,7 +19,7 @@ import numpy as np
 
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.errors import SingularityError
-from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample
 from dalembert.sensitivity.structural.loaded_pencil import PencilTangent
 from dalembert.sparse.eigenvalues import ALIKE, coincidence, told_apart
@@ -85,7 +85,12 @@ class Group:
 
 
 class EigenpairGradient:
-    """What one sampled response weighs, group by group.
+    """Rows of the gradient for one sampled response, which weighs eigenpairs group by group.
+
+    Parameters
+    ----------
+    sample : Sample
+    shared : what responses of the same modes have in common
 
     Raises
     ------
@@ -93,9 +98,13 @@ class EigenpairGradient:
         Modes coincide that the response tells apart, or the measure has a kink at an eigenvalue.
     """
 
-    def __init__(self, sample: Sample):
+    def __init__(self, sample: Sample, shared: dict):
         self.sample, self.modes = sample, sample.motion
         self.spectrum: Spectrum = self.modes.record
+        self.shared = shared
+        if not shared:
+            shared["tangent"] = PencilTangent(self.spectrum.pencil)
+        self.tangent: PencilTangent = shared["tangent"]
         self.own = np.zeros(self.modes.parameters.size)
         self.groups = self._groups()
 
@@ -138,36 +147,27 @@ class EigenpairGradient:
                 "eigenvalue_slopes for their one-sided derivatives"
             )
 
-
-class EigenpairEngine(Engine):
-    """All responses with the same factors, one for each group of modes."""
-
-    @cached_property
-    def rows(self) -> list[EigenpairGradient]:
-        """One for each response."""
-        return [EigenpairGradient(sample) for sample in self.samples]
-
-    @cached_property
-    def tangent(self) -> PencilTangent:
-        """How the matrices follow the parameters."""
-        return PencilTangent(self.rows[0].spectrum.pencil)
-
     def adjoint(self) -> np.ndarray:
-        found = [row.own.copy() for row in self.rows]
-        for gradient, row in zip(found, self.rows, strict=True):
-            for group in row.groups:
-                gradient += self.tangent.pulled(*group.pulled(), group.phi)
-        return np.array(found)
+        """(np,) gradient by one solution for each group of modes whose shapes count."""
+        pulled = (self.tangent.pulled(*group.pulled(), group.phi) for group in self.groups)
+        return sum(pulled, self.own)
 
     def direct(self, columns: Sequence[int]) -> np.ndarray:
-        found = np.array([row.own[list(columns)] for row in self.rows])
+        """(columns,) derivatives along one parameter after the other."""
+        found = self.own[list(columns)]
         for i, column in enumerate(columns):
-            pushed: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray]] = {}
-            change = self.tangent.along(int(column))
-            for r, row in enumerate(self.rows):
-                for group in row.groups:
-                    key = tuple(group.places)
-                    if key not in pushed:
-                        pushed[key] = change.of(group.phi)
-                    found[r, i] += group.pushed(*pushed[key])
+            found[i] += sum(group.pushed(*self._change(group, column)) for group in self.groups)
         return found
+
+    def _change(self, group: Group, column: int) -> tuple[np.ndarray, np.ndarray]:
+        """``dA Φ`` and ``dB Φ`` with one parameter, once for all responses."""
+        key = (column, *group.places)
+        if key not in self.shared:
+            self.shared[key] = self.tangent.along(column).of(group.phi)
+        return self.shared[key]  # type: ignore[no-any-return]
+
+
+class EigenpairEngine(RowEngine):
+    """All responses with the same factors, one for each group of modes."""
+
+    row = EigenpairGradient

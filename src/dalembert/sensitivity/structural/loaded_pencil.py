@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -20,7 +21,7 @@ class PencilTangent:
     """
 
     def __init__(self, pencil: Pencil):
-        self.pencil = pencil
+        self.pencil, self.along = pencil, cache(self._along)
         terms = (*pencil.left, *pencil.right)
         self.parameter_count = terms[0].state.p.size
         loaded = {id(t.state): t.state for t in terms if t.state.result is not None}
@@ -45,7 +46,7 @@ class PencilTangent:
             gradient += self.statics[key].pulled(0, [seen])[:, 0]
         return gradient
 
-    def along(self, column: int) -> PencilChange:
+    def _along(self, column: int) -> PencilChange:
         """Change with one parameter, by its number."""
         dp = np.eye(1, self.parameter_count, column).ravel()
         moved = {key: statics.pushed(0, dp)[0] for key, statics in self.statics.items()}
