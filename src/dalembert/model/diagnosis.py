@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 
 from dalembert.elements.driver import Driver
+from dalembert.errors import SingularityError
 from dalembert.model.assembly.closure import Closure
 from dalembert.model.assembly.independence import columns_of
 from dalembert.model.checks import doubts_of
@@ -78,6 +79,21 @@ class Diagnosis:
     velocity_corrections: dict[str, float]
     lost: str = ""
     doubts: tuple[str, ...] = ()
+
+    def refuse_massless(
+        self,
+        cure: str = "give mass and inertia to the bodies that move there, or constrain them",
+    ) -> None:
+        """Accelerations follow from forces where mass moves.
+
+        Raises
+        ------
+        SingularityError
+            Something can move without.
+        """
+        if self.massless:
+            names = ", ".join(self.massless)
+            raise SingularityError(f"{names}: can move without any mass moving; {cure}")
 
     @property
     def summary(self) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property
 from time import perf_counter
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -168,25 +169,10 @@ class StructuralModel(ParametricModel):
         return craig_bampton(linear.assembly, self.degrees, p, held, modes, up_to)
 
     def floating(
-        self,
-        interface: GivenInterfaces,
-        modes: int = 6,
-        *,
-        up_to: float | None = None,
-        frame: str = MEAN,
-        second_order: bool = False,
-        parameters: Mapping[str, float] | None = None,
+        self, interface: GivenInterfaces, modes: int = 6, **options: Any
     ) -> FloatingShapes:
-        """Shapes in a frame that floats with the structure, see ``following``."""
-        made = self.following(
-            interface,
-            modes,
-            up_to=up_to,
-            frame=frame,
-            second_order=second_order,
-            parameters=parameters,
-        )
-        return made.chosen
+        """Shapes in a frame that floats with the structure, with the options of ``following``."""
+        return self.following(interface, modes, **options).chosen
 
     def following(
         self,

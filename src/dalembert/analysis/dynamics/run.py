@@ -67,11 +67,7 @@ class DynamicsRun:
         self.requested = output_times(analysis.outputs, self.start, self.end)
         self._afford()
         self.p = model.values(parameters)
-        if model.diagnosis.massless:
-            raise SingularityError(
-                f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; "
-                "give mass and inertia to the bodies that move there, or constrain them"
-            )
+        model.diagnosis.refuse_massless()
         refuse_collisions(model)
         if not analysis.formulation.every_equation:
             model.closure.refuse_singular_start(PASSING)

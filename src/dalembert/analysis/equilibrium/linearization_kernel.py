@@ -13,7 +13,6 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
-from dalembert.errors import SingularityError
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import Kkt
 from dalembert.model.coordinates import Coordinates
@@ -38,10 +37,7 @@ class LinearizationKernel:
     """
 
     def __init__(self, model: Model, coordinates: Coordinates):
-        if model.diagnosis.massless:
-            raise SingularityError(
-                f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; no modes"
-            )
+        model.diagnosis.refuse_massless("no modes")
         model.closure.refuse_singular_start()
         self.model, self.view = model, coordinates.view(model)
         self.e = self.view.equations

@@ -54,11 +54,7 @@ class NonsmoothRun:
             step_count(self.start, self.end, self.h), 3 * (e.coordinate_count + e.speed_count)
         )
         self.p = model.values(parameters)
-        if model.diagnosis.massless:
-            raise SingularityError(
-                f"{', '.join(model.diagnosis.massless)}: can move without any mass moving; "
-                "give mass and inertia to the bodies that move there, or constrain them"
-            )
+        model.diagnosis.refuse_massless()
         check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
         sources = gap_sources(model)
         if not sources:

@@ -39,6 +39,10 @@ class Attached(StructuralElement):
         return (self.node,)
 
     @classmethod
+    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return ca.SX(0)
+
+    @classmethod
     def directions(cls, x: list[ca.SX]) -> list[tuple[str, int]]:
         """Axis and row of its motions: translations of the node, or rotations if it turns."""
         d = x[0].numel()
@@ -158,10 +162,6 @@ class PointMass(Attached):
     mass: Scalar = quantity("kg", "mass", minimum=0.0, keyword=True)
 
     @classmethod
-    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        return ca.SX(0)
-
-    @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         return q["mass"] * ca.sumsqr(v[0]) / 2
 
@@ -195,10 +195,6 @@ class PointInertia(Attached):
     inertia_z: Scalar = quantity("kg m^2", "about z", minimum=0.0, keyword=True)
     turns: ClassVar[bool] = True
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
-
-    @classmethod
-    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        return ca.SX(0)
 
     @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:

@@ -8,9 +8,9 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint
 from dalembert.elements.body import BodyElement
-from dalembert.elements.pair import Pair, PointJoint, need_body, refuse_same_body
+from dalembert.elements.pair import Pair, PointJoint
 from dalembert.elements.planar.body import Body
-from dalembert.elements.planar.in_plane import InPlane
+from dalembert.elements.planar.in_plane import BetweenAngles, InPlane
 from dalembert.errors import ModelError
 
 
@@ -68,28 +68,8 @@ class TreeJoint(PinJoint):
 
 
 @dataclass(eq=False)
-class BodyJoint(InPlane, Pair, Constraint):
-    """Constraint between the angles of two bodies (the moment acts anywhere).
-
-    Parameters
-    ----------
-    body_i, body_j : first and second body
-    """
-
-    body_i: Body
-    body_j: Body
-
-    def __post_init__(self) -> None:
-        self.body_i = need_body(self.body_i, self.name, "body_i")
-        self.body_j = need_body(self.body_j, self.name, "body_j")
-        refuse_same_body(self.body_i, self.body_j, self.name)
-        for body in (self.body_i, self.body_j):
-            if not body.rotates:
-                raise ModelError(f"{body.name} is a particle and has no angle", self.name)
-        super().__post_init__()
-
-    def ends(self) -> tuple[Body, Body]:
-        return self.body_i, self.body_j
+class BodyJoint(BetweenAngles, Pair, Constraint):
+    """Constraint between the angles of two bodies (the moment acts anywhere)."""
 
     def place(self) -> ca.SX:
         return self.body_j.pose_position

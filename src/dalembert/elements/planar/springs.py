@@ -10,36 +10,18 @@ from dalembert.elements.base import ForceElement, Look, Scalar, Vector, quantity
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.elastic_bearing import ElasticBearing
 from dalembert.elements.look import Brake, Sleeve, Spiral
-from dalembert.elements.pair import BetweenPoints, need_body, refuse_same_body
-from dalembert.elements.planar.body import Body, rotation
-from dalembert.elements.planar.in_plane import InPlane
+from dalembert.elements.pair import BetweenPoints
+from dalembert.elements.planar.body import rotation
+from dalembert.elements.planar.in_plane import BetweenAngles, InPlane
 from dalembert.elements.springs import AngularSpring
-from dalembert.errors import ModelError
 
 
 @dataclass(eq=False)
-class BodyPair(InPlane, ForceElement):
-    """Force element between the angles of two bodies.
-
-    Parameters
-    ----------
-    body_i, body_j : first and second body; the coordinate is ``φ_j − φ_i``
-    """
-
-    body_i: Body
-    body_j: Body
-
-    def __post_init__(self) -> None:
-        self.body_i = need_body(self.body_i, self.name, "body_i")
-        self.body_j = need_body(self.body_j, self.name, "body_j")
-        refuse_same_body(self.body_i, self.body_j, self.name)
-        for body in (self.body_i, self.body_j):
-            if not body.rotates:
-                raise ModelError(f"{body.name} is a particle and has no angle", self.name)
-        super().__post_init__()
+class BodyPair(BetweenAngles, ForceElement):
+    """Force element between the angles of two bodies; the coordinate is ``φ_j − φ_i``."""
 
     def parts(self) -> list[Coordinates]:
-        return [self.body_i, self.body_j]
+        return list(self.ends())
 
     def coordinate(self) -> ca.SX:
         return self.body_j.pose_angle - self.body_i.pose_angle

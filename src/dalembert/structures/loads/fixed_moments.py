@@ -33,10 +33,6 @@ class FixedMoment(Attached):
     dimensions: ClassVar[tuple[int, ...]] = (3,)
 
     @classmethod
-    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        return ca.SX(0)
-
-    @classmethod
     def virtual_work(
         cls, u: list[ca.SX], w: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
     ) -> ca.SX:

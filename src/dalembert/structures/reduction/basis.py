@@ -117,15 +117,23 @@ def _modes(reduced: CraigBampton, held: Interface | None, rigid: int) -> np.ndar
     if not kept.size:
         return np.zeros((size, 0))
     a, b = (m[np.ix_(kept, kept)] for m in (reduced.stiffness, reduced.mass))
+    vectors = modes_of(a, b)[1]
+    found = np.zeros((size, len(kept) - rigid))
+    found[kept] = vectors[:, rigid:]
+    return found
+
+
+def modes_of(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(m,) squares of the frequencies, not below zero, and (m, m) modes of unit mass."""
+    if not len(mass):
+        return np.zeros(0), np.zeros((0, 0))
     try:
-        _, vectors = scipy.linalg.eigh(a, b)
+        squares, modes = scipy.linalg.eigh(stiffness, mass)
     except scipy.linalg.LinAlgError:
         raise ModelError(
             "the mass of its shapes is not positive definite; give all elements a density"
         ) from None
-    found = np.zeros((size, len(kept) - rigid))
-    found[kept] = vectors[:, rigid:]
-    return found
+    return np.maximum(squares, 0.0), modes
 
 
 def _sizes(shapes: np.ndarray, degrees: Numbering, places: np.ndarray) -> np.ndarray:

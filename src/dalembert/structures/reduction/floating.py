@@ -9,12 +9,11 @@ frame alone, and the shapes are orthogonal.
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from dalembert.elements.flexible.shapes import FloatingShapes, SectionShapes
 from dalembert.errors import ModelError
 from dalembert.structures.evaluation.numbering import Numbering
-from dalembert.structures.reduction.basis import ShapeBasis
+from dalembert.structures.reduction.basis import ShapeBasis, modes_of
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.interface import Interface
 from dalembert.structures.reduction.rigid import carried, rigid_motions, spins
@@ -115,19 +114,6 @@ def momentum_shares(mass, rigid: np.ndarray, shapes: np.ndarray) -> np.ndarray:
     """Rigid motions with the momenta of shapes, ``(Rᵀ M R)⁻¹ Rᵀ M Φ``."""
     heavy = mass @ rigid
     return np.linalg.solve(rigid.T @ heavy, heavy.T @ shapes)
-
-
-def modes_of(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(m,) squares of the frequencies, not below zero, and (m, m) modes of unit mass."""
-    if not len(mass):
-        return np.zeros(0), np.zeros((0, 0))
-    try:
-        squares, modes = scipy.linalg.eigh(stiffness, mass)
-    except scipy.linalg.LinAlgError:
-        raise ModelError(
-            "the mass of its shapes is not positive definite; give all elements a density"
-        ) from None
-    return np.maximum(squares, 0.0), modes
 
 
 def _section(interface: Interface, origin: np.ndarray, amplitudes: np.ndarray) -> SectionShapes:

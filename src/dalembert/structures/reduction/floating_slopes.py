@@ -13,12 +13,11 @@ import numpy as np
 
 from dalembert.elements.flexible.shapes import FloatingShapes, SectionShapes
 from dalembert.structures.evaluation.numbering import Numbering
-from dalembert.structures.reduction.basis import ShapeBasis
+from dalembert.structures.reduction.basis import ShapeBasis, modes_of
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.floating import (
     floating_shapes,
     mass_centre,
-    modes_of,
     momentum_shares,
     symmetric,
 )

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from dalembert.elements.flexible.shapes import FloatingShapes
+from dalembert.structures.reduction.basis import modes_of
 from dalembert.structures.reduction.floating import (
     mass_centre,
-    modes_of,
     momentum_shares,
     symmetric,
 )
