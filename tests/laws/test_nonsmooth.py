@@ -132,6 +132,21 @@ def test_reactions_are_those_of_a_turning_bar(scheme):
     assert np.abs(motion.data["balance_error"]).max() < 1e-5
 
 
+def test_a_stack_is_opened_all_at_once():
+    """What lifts a disc lifts those above it, in the same Newton step."""
+    system = da.System("stack", gravity=(0.0, -G))
+    discs = []
+    for k in range(5):
+        disc = planar.Body(f"d{k}", mass=1.0, inertia=0.001, position=(0.0, 0.07 + 0.105 * k))
+        discs.append((system.add(disc), 0.05))
+    floor = (system.ground.center, (0.0, 1.0))
+    system.add(planar.Collisions("stack", discs, [floor], restitution=0.3, friction=0.4))
+    motion = da.solve_nonsmooth(system.build(), 0.2, step=5e-4, integrator=da.MoreauJean())
+    assert motion.status.success
+    assert motion.data["penetration"].max() < 1e-12
+    assert motion.values("d4.y")[-1] == pytest.approx(0.45, abs=1e-5)
+
+
 # how runs end -------------------------------------------------------------------------------
 
 
