@@ -22,6 +22,7 @@ from dalembert.model.diagnosis import diagnose
 from dalembert.model.natural_units import scales_of
 from dalembert.model.scales import Scales
 from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.names import Names
 from dalembert.symbolic.once import once
@@ -174,7 +175,7 @@ class Model(ParametricModel):
         e = self.all_equations
         column = ca.vertcat(*(ca.densify(self._grounded(m).sx) for m in measures))
         inputs = [e.t, e.y, e.v, e.a, e.transmitted, e.p]
-        return ca.Function("measures", inputs, [column], {"cse": True})
+        return condensed("measures", inputs, [column], SELDOM)
 
     @cached_property
     def names(self) -> Names:
