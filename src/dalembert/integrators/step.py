@@ -11,6 +11,7 @@ import casadi as ca
 
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.equations.linear_map import TriangularMap
+from dalembert.symbolic.evaluation.lane_tangents import LinearStep
 from dalembert.symbolic.evaluation.prelude import Prelude, before
 
 WIDTH = 16
@@ -79,6 +80,11 @@ class Step:
         Direct gradients march with it.
         """
         raise NotImplementedError
+
+    @property
+    def linear(self) -> LinearStep | None:
+        """The same in two parts, for several directions side by side, if it comes in two parts."""
+        return None
 
     @property
     def prepared_adjoint(self) -> ca.Function:
