@@ -33,6 +33,7 @@ SYSTEM_MEASURES = {
     "time": "s",
     "kinetic_energy": "J",
     "potential_energy": "J",
+    "energy": "J",
     "dissipated_power": "W",
     "input_power": "W",
 }
@@ -210,6 +211,7 @@ class Model(ParametricModel):
             "time": lambda: e.t,
             "kinetic_energy": lambda: e.kinetic_energy,
             "potential_energy": lambda: e.potential,
+            "energy": lambda: e.kinetic_energy + e.potential,
             "dissipated_power": lambda: e.powers[0],
             "input_power": lambda: e.powers[1],
         }[name]()
