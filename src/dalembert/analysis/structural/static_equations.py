@@ -90,5 +90,5 @@ class StaticEquations:
     def supported(self, share: float, left: np.ndarray) -> np.ndarray:
         """The same of what is left over."""
         found = share * self.applied
-        found[self.held] = -left[self.held]
+        found[self.held] = 0.0 - left[self.held]  # no negative zeros
         return found

@@ -11,7 +11,7 @@ from dalembert.errors import ModelError
 from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.location import Located
 from dalembert.io.parameters import declare_parameters, declare_tables
-from dalembert.io.structures.mesh_reader import MeshReader
+from dalembert.io.structures.mesh_reader import MeshReader, narrowed
 from dalembert.io.structures.schema import StructureDocument
 from dalembert.io.structures.tables import (
     DISPLACEMENTS,
@@ -63,6 +63,7 @@ class StructureBuilder:
         self.on_nodes("supports", self.structure.support, DISPLACEMENTS)
         self.on_nodes("loads", self.structure.load, FORCES, "case", "fixed_axes")
         self.spread_loads()
+        self.on_facets()
         self.on_nodes("initial", self.structure.initial, DISPLACEMENTS | VELOCITIES)
         return self.structure
 
@@ -86,22 +87,25 @@ class StructureBuilder:
                     act(nodes, **options)
 
     def spread_loads(self) -> None:
-        """Loads on the insides of elements, on lines, edges and faces."""
-        table: Any
+        """Loads on the insides of elements and on lines."""
         for k, given in enumerate(self.document.gravity):
             with self.located("gravity", k):
                 field = [self.formulas.read(x) for x in given.acceleration]
                 self.structure.gravity(*field, case=given.case)
-        for k, table in enumerate(self.document.line_loads):
-            with self.located("line_loads", k):
-                options = self.reader.directed(table, LINE_FORCES, "line_loads", k)
-                parts = [self.part(n, "line_loads", k, "elements") for n in table.elements]
-                self.structure.line_load(parts, case=table.case, **options)
-        for k, table in enumerate(self.document.temperatures):
-            with self.located("temperatures", k):
-                options = self.reader.directed(table, TEMPERATURES, "temperatures", k)
-                parts = [self.part(n, "temperatures", k, "elements") for n in table.elements]
-                self.structure.heat(parts, case=table.case, **options)
+        loads: Any = {
+            "line_loads": (self.structure.line_load, LINE_FORCES),
+            "temperatures": (self.structure.heat, TEMPERATURES),
+        }
+        for section, (act, directions) in loads.items():
+            for k, table in enumerate(getattr(self.document, section)):
+                with self.located(section, k):
+                    options = self.reader.directed(table, directions, section, k)
+                    parts = [self.part(n, section, k, "elements") for n in table.elements]
+                    act(parts, case=table.case, **options)
+
+    def on_facets(self) -> None:
+        """Tractions on edges and faces."""
+        table: Any
         for k, table in enumerate(self.document.tractions):
             with self.located("tractions", k):
                 options = self.reader.directed(table, TRACTIONS, "tractions", k)
@@ -120,20 +124,7 @@ class StructureBuilder:
 
     def chosen(self, table: NodeChoice, section: str, k: int) -> list[Node | Nodes]:
         """The nodes that a table of supports or loads means."""
-        found = [self.named(name, section, k) for name in table.nodes]
-        if table.where is None and table.nearest is None:
-            return found
-        narrowed: list[Node | Nodes] = []
-        for nodes in found:
-            if not isinstance(nodes, Nodes):
-                raise ModelError(f"{nodes.name} is one node; where and nearest choose among many")
-            chosen = nodes if table.where is None else nodes.where(**table.where)
-            if table.nearest is not None:
-                if len(table.nearest) != nodes.dimension:
-                    raise ModelError(f"nearest needs {nodes.dimension} coordinates")
-                chosen = chosen.nearest(*table.nearest)
-            narrowed.append(chosen)
-        return narrowed
+        return [narrowed(self.named(name, section, k), table) for name in table.nodes]
 
     def named(self, name: str, section: str, k: int) -> Node | Nodes:
         """The node, the nodes of a mesh, or those of a group of it."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from dalembert.elements.fem.node_bodies import NodeBody
-from dalembert.errors import ModelError
 from dalembert.io.schema import Document
-from dalembert.io.structures.mesh_reader import MeshReader
+from dalembert.io.structures.mesh_reader import MeshReader, narrowed
 from dalembert.io.structures.tables import DISPLACEMENTS, FORCES, NodeChoice
 from dalembert.model.system import System
 from dalembert.structures.elastic_structure import ElasticStructure
@@ -68,9 +67,7 @@ class FiniteElements:
                 with self.located(section, k, "nodes"):
                     found += self.of_mesh(owner, group, table)
                 continue
-            found.append(self.node(name, section, k, "nodes"))
-            if table.where is not None or table.nearest is not None:
-                raise ModelError(f"{name} is one node; where and nearest choose among many")
+            found.append(narrowed(self.node(name, section, k, "nodes"), table))
         return found
 
     def of_mesh(self, owner: str, group: str, table: NodeChoice) -> list[NodeBody]:
@@ -79,9 +76,4 @@ class FiniteElements:
         assert isinstance(made, ElasticStructure)
         if group in made.named_nodes:
             return [made.named_nodes[group]]
-        chosen = made.mesh.nodes(group or None)
-        if table.where is not None:
-            chosen = chosen.where(**table.where)
-        if table.nearest is not None:
-            chosen = chosen.nearest(*table.nearest)
-        return made.at(chosen)
+        return made.at(narrowed(made.mesh.nodes(group or None), table))

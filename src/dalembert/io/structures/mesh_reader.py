@@ -14,7 +14,9 @@ from dalembert.io.fields import Quantities, Quantity, connected, given_fields
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
 from dalembert.io.shapes import made_of
+from dalembert.io.structures.tables import NodeChoice
 from dalembert.structures.meshes.generators import box_mesh, line_mesh, rectangle_mesh
+from dalembert.structures.nodes import Nodes
 
 
 class MeshReader:
@@ -97,6 +99,20 @@ class MeshReader:
                 with self.located(section, k, key):
                     found[key] = self.formulas.read(getattr(table, key), Scope.TIME)
         return found
+
+
+def narrowed(nodes: Any, table: NodeChoice) -> Any:
+    """Those of some nodes that a table means by their places."""
+    if table.where is None and table.nearest is None:
+        return nodes
+    if not isinstance(nodes, Nodes):
+        raise ModelError(f"{nodes.name} is one node; where and nearest choose among many")
+    chosen = nodes if table.where is None else nodes.where(**table.where)
+    if table.nearest is None:
+        return chosen
+    if len(table.nearest) != nodes.dimension:
+        raise ModelError(f"nearest needs {nodes.dimension} coordinates")
+    return chosen.nearest(*table.nearest)
 
 
 def _array(values: list) -> np.ndarray:

@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.results.files.page_parts import diagnosis, parameter_rows, statistics
 from dalembert.results.structural.drawing import StructuralDrawing
+from dalembert.results.structural.fields import element_field, field_names
 from dalembert.results.structural.plot import automatic_scale
 from dalembert.results.structural.shapes import Shapes
 from dalembert.results.structural.states import StructuralStates
@@ -22,7 +23,7 @@ def structural_payload(result: StructuralStates) -> dict[str, Any]:
     """Everything the page of a structural result needs."""
     drawing = StructuralDrawing(result.model, result.parameters)
     model, degrees = result.model, result.model.degrees
-    quantities = list(dict.fromkeys(q for b in model.blocks for q in b.kind.measures))
+    quantities = field_names(model)[1:]
     each = 3 * len(drawing.rest) + len(quantities) * int(drawing.starts[-1]) + len(degrees)
     count = len(result.cases)
     fit = max(1, min(count, MOST_NUMBERS // max(each, 1)))
@@ -83,17 +84,10 @@ def _fields(
     """Quantities of the elements, case by case; null where an element has none."""
     found: list[dict[str, Any]] = []
     for name in quantities:
-        values, unit = np.full((len(keep), drawing.starts[-1]), np.nan), ""
-        for block, start in zip(result.model.blocks, drawing.starts, strict=False):
-            if name not in block.kind.measures:
-                continue
-            unit = block.kind.measures[name][1]
-            for row, case in enumerate(keep):
-                s = result.state(int(case))
-                measured = block.kind.measure(name, block.gather(s.u), s.data(block))
-                values[row, start : start + block.count] = measured.ravel()
-        if np.isfinite(values).any():
-            found.append({"name": name, "unit": unit, "values": list(values)})
+        fields = [element_field(drawing, result.state(int(case)), name) for case in keep]
+        if any(np.isfinite(one.values).any() for one in fields):
+            values = [one.values for one in fields]
+            found.append({"name": name, "unit": fields[0].unit, "values": values})
     return found
 
 
