@@ -286,7 +286,7 @@ def truss() -> da.StructuralModel:
 
 
 OTHERS = {
-    "kinematics": (driven, da.solve_kinematics, {"duration": 1.0, "step": 0.02}, "rocker.angle"),
+    "kinematics": (driven, da.solve_kinematics, {"duration": 1.0, "outputs": 21}, "rocker.angle"),
     "inverse dynamics": (
         driven,
         da.solve_inverse_dynamics,
