@@ -36,6 +36,8 @@ LOOSE = 1e-5
 """Differences that are less certain than this confirm nothing, of runs with exact derivatives."""
 BARELY = 1e-9
 """Influence, relative to the response, of which a run shows no digits."""
+ROUNDED = 100.0
+"""Accuracies of the machine, of a response, to which its derivatives are rounded at least."""
 SPREAD = 10.0
 """By so many tolerances errors of runs beside each other differ, where a tolerance bounds them."""
 SLOPE = 0.1
@@ -153,7 +155,8 @@ def certify(
         "error": np.abs(differences - adjoint) * shares,
         "uncertainty": uncertainty * shares,
     }
-    cells["verdict"] = _verdicts(cells, np.abs(adjoint) * shares, agreement)
+    agreed = np.maximum(agreement, ROUNDED * EPS * size / largest)
+    cells["verdict"] = _verdicts(cells, np.abs(adjoint) * shares, agreement, agreed)
     names = list(motion.model.parameters)
     coordinates = {
         "response": [r.label for r in responses],
@@ -222,14 +225,16 @@ def _quotients(
     return tuple(each[best, rows, cols] for each in (lengths, found, uncertain))
 
 
-def _verdicts(cells: dict[str, np.ndarray], influence: np.ndarray, agreement: float) -> np.ndarray:
+def _verdicts(
+    cells: dict[str, np.ndarray], influence: np.ndarray, agreement: float, agreed: np.ndarray
+) -> np.ndarray:
     """A word for every entry."""
     error, uncertainty = cells["error"], cells["uncertainty"]
     within = np.maximum(max(CONFIRM, agreement), 10 * uncertainty)
     verdicts = np.full(error.shape, CONFIRMED, dtype=object)
     verdicts[influence <= NEGLIGIBLE] = NO_INFLUENCE
     verdicts[~(uncertainty <= max(LOOSE, 100 * agreement))] = UNCONFIRMED
-    verdicts[(error > within) | ~(cells["disagreement"] <= agreement)] = CONTRADICTED
+    verdicts[(error > within) | ~(cells["disagreement"] <= agreed)] = CONTRADICTED
     return verdicts
 
 
