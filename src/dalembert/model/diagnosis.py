@@ -12,7 +12,7 @@ import scipy
 from dalembert.elements.driver import Driver
 from dalembert.errors import SingularityError
 from dalembert.model.assembly.closure import Closure
-from dalembert.model.assembly.independence import columns_of
+from dalembert.model.assembly.independence import columns_of, least_fill
 from dalembert.model.checks import doubts_of
 from dalembert.model.description import Description
 from dalembert.model.tree.topology import Topology, analyse_topology
@@ -228,7 +228,8 @@ def _massless(closure: Closure, mass: scipy.sparse.csc_array) -> tuple[str, ...]
     weighed = scipy.sparse.csr_array(scale @ mass @ scale)
     largest = abs(weighed).max(axis=1).toarray().ravel()
     heavy = np.flatnonzero(largest > NO_MASS * largest.max(initial=0.0))
-    motions = columns_of(scipy.sparse.vstack([closure.jacobian[closure.rows], weighed[heavy]]))
+    moved = scipy.sparse.vstack([closure.jacobian[closure.rows], weighed[heavy]])
+    motions = columns_of(moved, least_fill(moved))
     if not motions.free:
         return ()
     motion = np.abs(motions.any_kernel(np.random.default_rng(0)))
