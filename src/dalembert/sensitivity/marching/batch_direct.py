@@ -14,6 +14,7 @@ from dalembert.responses.base import Response
 from dalembert.results.batch.batch import Batch
 from dalembert.sensitivity.marching.batch_gradients import BatchGradients
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
+from dalembert.symbolic.evaluation.columns import LONG, instructions
 from dalembert.symbolic.once import once
 
 
@@ -108,4 +109,8 @@ def _forward_steps(step: Step, width: int) -> ca.Function:
         linear.along(dx[k * n : (k + 1) * n], entries, q[m + k * r : m + (k + 1) * r])
         for k in range(width)
     ]
-    return ca.Function("forward_steps", [dx, t, h, flag, x, q], [ca.vertcat(*found)])
+    made = ca.Function("forward_steps", [dx, t, h, flag, x, q], [ca.vertcat(*found)])
+    if instructions(made) > LONG:
+        return made
+    scalar = made.expand()
+    return made if scalar.n_instructions() > LONG else scalar
