@@ -170,7 +170,7 @@ def test_several_design_points():
 
 
 def test_a_median_on_an_axis_of_symmetry():
-    """``3 − y − x²/2`` bends around the origin: (0, 3) is farthest, ``√5`` is nearest; and a disc."""
+    """``3 − y − x²/2`` bends around the origin: (0, 3) is farthest, √5 is nearest; and a disc."""
     normal = {"x": da.Normal(0, 1), "y": da.Normal(0, 1)}
     found = da.reliability(None, "3 - y - x**2/2", normal)
     assert found.success and found.beta == pytest.approx(np.sqrt(5), rel=1e-8)
