@@ -161,9 +161,13 @@ class Model(ParametricModel):
         return self.all_equations.mass_at(self.start.y, p).toarray()
 
     # access ------------------------------------------------------------------------
-    @once
     def expression(self, measure: str | Expression) -> Expression:
         """See ``ParametricModel``; the ground is at rest in what comes out."""
+        known = isinstance(measure, (str, Expression))
+        return self._expression(measure) if known else super().expression(measure)
+
+    @once
+    def _expression(self, measure: str | Expression) -> Expression:
         found = super().expression(measure)
         return self._grounded(found) if isinstance(measure, Expression) else found
 
