@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dalembert.elements.base import Constraint, Element, ForceElement
@@ -14,16 +14,16 @@ from dalembert.model.model import Model
 from dalembert.structures.elastic_structure import ElasticStructure
 from dalembert.structures.meshes.mesh import Classes
 from dalembert.structures.structure import Structure
+from dalembert.symbolic.formulas.declared import Declared
 from dalembert.symbolic.formulas.expression import Expression, as_expression
-from dalembert.symbolic.formulas.interpolation import Interpolation
-from dalembert.symbolic.formulas.parameter import Bounds, Parameter, coherent
+from dalembert.symbolic.formulas.parameter import coherent
 from dalembert.text.spelling import Spelled
 
 E = TypeVar("E", bound=Element)
 RESERVED = {"t", "u", "pi", "e", "ground", "system", "extension", "rate"}
 
 
-class System(Spelled, Description):
+class System(Spelled, Declared, Description):
     """A mechanism under construction.
 
     Parameters
@@ -52,23 +52,6 @@ class System(Spelled, Description):
             )
 
     # building ----------------------------------------------------------------
-    def parameter(
-        self,
-        name: str,
-        value: float | str,
-        unit: str = "",
-        bounds: Bounds = None,
-        description: str = "",
-    ) -> Parameter:
-        """Declare a parameter; use it in formulas wherever a number is accepted.
-
-        See ``Parameter``; value and bounds are in ``unit``, or texts such as ``"45 mm"``.
-        """
-        self._claim(name)
-        made = Parameter(name, value, unit, bounds, description)
-        self.parameters[name] = made
-        return made
-
     def derived(self, name: str, formula, unit: str = "", description: str = "") -> Expression:
         """Name a formula of parameters; it is listed beside them.
 
@@ -80,24 +63,6 @@ class System(Spelled, Description):
             made.unit = getattr(formula, "unit", "")
         made.name = name
         self.derived_parameters[name] = made
-        return made
-
-    def table(
-        self,
-        name: str,
-        x: Sequence[Any],
-        y: Sequence[Any],
-        kind: str = "spline",
-        outside: str = "error",
-        units: tuple[str, str] = ("", ""),
-    ) -> Interpolation:
-        """Declare a table of values, to be called like a function, see ``Interpolation``.
-
-        Texts of formulas name it: ``interp(piston.x, gas)``.
-        """
-        self._claim(name)
-        made = Interpolation(x, y, kind, outside, units, name)
-        self.tables[name] = made
         return made
 
     def add(self, element: E) -> E:
@@ -181,9 +146,11 @@ class System(Spelled, Description):
     def _claim(self, name: str) -> None:
         if name in RESERVED:
             raise ModelError(f"the name {name!r} is reserved; choose another", self.name)
-        known = (self.parameters, self.derived_parameters, self.tables, self.elements)
-        if any(name in section for section in known):
-            raise ModelError("the name is already used; choose a different one", name)
+        super()._claim(name)
+
+    @property
+    def _named(self) -> tuple[Mapping[str, Any], ...]:
+        return self.parameters, self.derived_parameters, self.tables, self.elements
 
     # freezing ------------------------------------------------------------------
     def build(self, strict: bool = False) -> Model:

@@ -122,7 +122,7 @@ class EigenvalueGradient:
         return found
 
     def _refusal(self, group: list[int]) -> str:
-        pairs = self.state.one_of_each_pair()
+        pairs = self.state.wanted()
         numbers = [int(k) + 1 for k in np.flatnonzero(np.isin(pairs, group))]
         return coincidence(numbers, f"s = {self.state.eigenvalues[group].mean():.6g} 1/s")
 

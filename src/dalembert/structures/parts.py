@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, TypeVar
 
 import numpy as np
@@ -13,15 +14,16 @@ from dalembert.errors import ModelError
 from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.spans import Spans
+from dalembert.symbolic.formulas.declared import Declared
 from dalembert.symbolic.formulas.expression import Expression, as_expression
 from dalembert.symbolic.formulas.interpolation import Interpolation
-from dalembert.symbolic.formulas.parameter import Bounds, Parameter
+from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.text.wording import plain_text
 
 S = TypeVar("S", bound=StructuralElement)
 
 
-class StructureParts:
+class StructureParts(Declared):
     """Parameters, nodes and elements.
 
     Parameters
@@ -38,35 +40,6 @@ class StructureParts:
         self.nodes: dict[str, Node | Nodes] = {}
         self.numbers = Spans()
         self.elements: dict[str, StructuralElement | Elements] = {}
-
-    def parameter(
-        self,
-        name: str,
-        value: float | str,
-        unit: str = "",
-        bounds: Bounds = None,
-        description: str = "",
-    ) -> Parameter:
-        """Declare a parameter; use it in formulas wherever a number is accepted."""
-        self._claim(name)
-        made = Parameter(name, value, unit, bounds, description)
-        self.parameters[name] = made
-        return made
-
-    def table(
-        self,
-        name: str,
-        x: Any,
-        y: Any,
-        kind: str = "spline",
-        outside: str = "error",
-        units: tuple[str, str] = ("", ""),
-    ) -> Interpolation:
-        """Declare a table of values, to be called like a function, see ``Interpolation``."""
-        self._claim(name)
-        made = Interpolation(x, y, kind, outside, units, name)
-        self.tables[name] = made
-        return made
 
     def node(self, name: str, *position) -> Node:
         """Add a node at the given coordinates [m]; all nodes have the same number of them."""
@@ -176,7 +149,6 @@ class StructureParts:
             raise ModelError(f"needs {self.dimension} numbers, got {len(values)}", entity)
         return tuple(as_expression(v, entity, unit) for v in values)
 
-    def _claim(self, name: str) -> None:
-        known = (self.parameters, self.tables, self.nodes, self.elements)
-        if any(name in section for section in known):
-            raise ModelError("the name is already used; choose a different one", name)
+    @property
+    def _named(self) -> tuple[Mapping[str, Any], ...]:
+        return self.parameters, self.tables, self.nodes, self.elements

@@ -13,11 +13,11 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
 from dalembert.analysis.equilibrium.linearization_kernel import Linearized, linearization_kernel
 from dalembert.analysis.keywords import LinearizationKeywords
 from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.spectral import SpectralAnalysis
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
@@ -25,24 +25,15 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
-from dalembert.results.recording import Trajectory
-from dalembert.results.result import Analysis
-from dalembert.results.status import eigenpairs_status
+from dalembert.results.result import Given
 from dalembert.text.spelling import spelled
 
 ABSOLUTE = AbsoluteCoordinates()
-STEADY = 1e-3
-"""Change of the matrix within a natural time that a steady motion may show."""
-OF_AN_INSTANT = (
-    "the motion is not steady in these coordinates: eigenvalues are those of an instant and say "
-    "little about stability; coordinates=JointCoordinates() helps where only cyclic angles change, "
-    "with the bodies that do not spin carrying the others"
-)
 __all__ = ["Linearization", "Modes", "MotionLinearization", "linearize"]
 
 
 @options
-class Linearization(Analysis[Model, Modes]):
+class Linearization(SpectralAnalysis[Model, Modes]):
     """Linearisation as a strategy object.
 
     Parameters
@@ -66,47 +57,36 @@ class Linearization(Analysis[Model, Modes]):
     """
 
     spoken = "modes"
+    makes = Modes
 
     time: float = 0.0
     equilibrium: bool = True
     coordinates: Coordinates = ABSOLUTE
 
-    def run(
-        self,
-        model: Model,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
-        progress: Any = False,
-    ) -> Modes:
-        """Linearise about the equilibrium or the assembled state.
+    def spectrum(self, model: Model, p: np.ndarray) -> Linearized:
+        """About the equilibrium or the assembled state.
 
         Raises
         ------
         AnalysisError
             No equilibrium was found.
         """
-        p = model.values(parameters)
-        return modes_of(self, self._state(model, p))
-
-    def _state(self, model: Model, p: np.ndarray) -> Linearized:
         if self.equilibrium:
             return at_rest(Equilibrium(self.time).run(model, p), self.coordinates)
         kernel, state = linearization_kernel(model, self.coordinates), model.assemble(p, self.time)
         x = kernel.state(self.time, state.y, state.v, p)
         return Linearized(kernel, self.time, x, p, kernel.assembled, state.y, state.residual)
 
-    def replay(self, modes: Modes, p: np.ndarray) -> Modes:
-        """The same modes at other parameter values, told by their shapes, not their order."""
-        if self.equilibrium:
-            start = modes.record.near[: modes.model.equations.coordinate_count]
-            found = Equilibrium(self.time).run(modes.model, p, start=start)
-            state = at_rest(found, self.coordinates)
-        else:
-            state = self._state(modes.model, p)
-        return modes_of(self, state, modes)
+    def again(self, result: Modes, p: np.ndarray) -> Linearized:
+        if not self.equilibrium:
+            return self.spectrum(result.model, p)
+        start = result.record.near[: result.model.equations.coordinate_count]
+        found = Equilibrium(self.time).run(result.model, p, start=start)
+        return at_rest(found, self.coordinates)
 
 
 @dataclass(frozen=True)
-class MotionLinearization(Analysis[Model, Modes]):
+class MotionLinearization(SpectralAnalysis[Model, Modes]):
     """Linearisation about the last instant of a motion.
 
     Parameters
@@ -116,25 +96,19 @@ class MotionLinearization(Analysis[Model, Modes]):
     """
 
     spoken = "modes"
+    makes = Modes
 
     motion: Motion
     coordinates: Coordinates = ABSOLUTE
 
-    def run(
-        self, model: Model, parameters: Mapping[str, float] | np.ndarray | None = None
-    ) -> Modes:
-        """The modes at the end of the motion."""
+    def run(self, model: Model, parameters: Given = None, progress: Any = False) -> Modes:
+        """The modes at the end of the motion, at its own parameters where none are given."""
         if model is not self.motion.model:
             raise AnalysisError("the motion is of another model; linearize with the one it is of")
-        p = self.motion.parameters if parameters is None else model.values(parameters)
-        return modes_of(
-            self, last_instant(self.motion.analysis.replay(self.motion, p), self.coordinates)
-        )
+        return super().run(model, self.motion.parameters if parameters is None else parameters)
 
-    def replay(self, modes: Modes, p: np.ndarray) -> Modes:
-        """The same modes at the end of the motion at other parameter values."""
-        motion = self.motion.analysis.replay(self.motion, p)
-        return modes_of(self, last_instant(motion, self.coordinates), modes)
+    def spectrum(self, model: Model, p: np.ndarray) -> Linearized:
+        return last_instant(self.motion.analysis.replay(self.motion, p), self.coordinates)
 
 
 def at_rest(motion: Motion, coordinates: Coordinates) -> Linearized:
@@ -159,37 +133,6 @@ def last_instant(motion: Motion, coordinates: Coordinates) -> Linearized:
     s, kernel = motion.trajectory, linearization_kernel(motion.model, coordinates)
     x = kernel.state(float(s.t[-1]), s.y[:, -1], s.v[:, -1], motion.parameters)
     return Linearized(kernel, float(s.t[-1]), x, motion.parameters)
-
-
-def modes_of(analysis: Any, state: Linearized, earlier: Modes | None = None) -> Modes:
-    """One mode of each conjugate pair by increasing ``|s|``, or those that earlier ones became."""
-    if earlier is None:
-        positions = state.one_of_each_pair()
-        numbers = np.arange(1, positions.size + 1)
-    else:
-        positions = state.following(earlier.record, earlier.positions)
-        numbers = earlier.numbers
-    return Modes(
-        state.model,
-        analysis,
-        state.p,
-        numbers,
-        state.eigenvalues[positions],
-        state.displacements(positions),
-        eigenpairs_status(f"{numbers.size} mode(s)", state.left, state.time, state.residual),
-        positions,
-        state,
-        warnings=_doubts(state),
-    )
-
-
-def _doubts(state: Linearized) -> tuple[str, ...]:
-    """A motion that is not steady, and contacts that small motions would open or close."""
-    y, model = state.kernel.bodies(state.time, state.x, state.p)[:, None], state.model
-    still, none = np.zeros((model.equations.speed_count, 1)), np.zeros((0, 1))
-    instant = Trajectory(np.array([state.time]), y, still, still, none, np.zeros((2, 1)))
-    unsteady = (OF_AN_INSTANT,) if state.unsteadiness > STEADY else ()
-    return (*unsteady, *unseen_contacts(model, instant, state.p, forces=True))
 
 
 @spelled
@@ -241,8 +184,8 @@ def linearize(
             raise AnalysisError(f"linearize: {given} cannot be given with at=, which has its own")
         if at.analysis.at_rest:
             analysis = Linearization(float(at.time[0]), coordinates=coordinates)
-            return modes_of(analysis, at_rest(at, coordinates))
-        return modes_of(MotionLinearization(at, coordinates), last_instant(at, coordinates))
+            return analysis.modes(at_rest(at, coordinates))
+        return MotionLinearization(at, coordinates).modes(last_instant(at, coordinates))
     made = analysis_of(
         Linearization, "linearize", model, parameters, coordinates=coordinates, **options
     )

@@ -12,11 +12,13 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import Kkt
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
+from dalembert.results.recording import Trajectory
 from dalembert.sparse.eigenvalues import coinciding, error_sizes, leading, residual
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
@@ -25,6 +27,13 @@ RESTING = 1e-9
 """Change of the state within a natural time that counts as none."""
 SHORT = 1e-4
 """Of a natural time, the step in which a change is looked for."""
+STEADY = 1e-3
+"""Change of the matrix within a natural time that a steady motion may show."""
+OF_AN_INSTANT = (
+    "the motion is not steady in these coordinates: eigenvalues are those of an instant and say "
+    "little about stability; coordinates=JointCoordinates() helps where only cyclic angles change, "
+    "with the bodies that do not spin carrying the others"
+)
 
 
 class LinearizationKernel:
@@ -148,6 +157,20 @@ class Linearized:
         largest = np.abs(here).max(initial=0.0)
         return float(np.abs(there - here).max() / (SHORT * largest)) if largest else 0.0
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """A motion that is not steady, and contacts that small motions would open or close."""
+        y, model = self.kernel.bodies(self.time, self.x, self.p)[:, None], self.model
+        still, none = np.zeros((model.equations.speed_count, 1)), np.zeros((0, 1))
+        instant = Trajectory(np.array([self.time]), y, still, still, none, np.zeros((2, 1)))
+        unsteady = (OF_AN_INSTANT,) if self.unsteadiness > STEADY else ()
+        return (*unsteady, *unseen_contacts(model, instant, self.p, forces=True))
+
+    @property
+    def statistics(self) -> dict[str, int]:
+        """Size of the matrix."""
+        return {"states": len(self.matrix)}
+
     @cached_property
     def basis(self) -> np.ndarray:
         """``B`` (N, f): directions along the constraints, orthonormal by natural sizes."""
@@ -194,7 +217,7 @@ class Linearized:
         """(f,) all of them; conjugate ones are neighbours, the positive imaginary part first."""
         return self._spectrum[0]
 
-    def one_of_each_pair(self) -> np.ndarray:
+    def wanted(self) -> np.ndarray:
         """Positions of one eigenvalue of each conjugate pair, by increasing size."""
         values = self.eigenvalues
         unit = np.abs(values).max(initial=0.0) or 1.0

@@ -9,8 +9,9 @@ import numpy as np
 
 from dalembert.analysis.keywords import BucklingKeywords
 from dalembert.analysis.served import need_structure
+from dalembert.analysis.spectral import SpectralAnalysis
+from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
-from dalembert.analysis.structural.spectral import SpectralAnalysis
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.analysis.structural.static_equations import factorised
 from dalembert.analysis.structural.statics import Statics
@@ -25,7 +26,7 @@ from dalembert.text.spelling import spelled
 
 
 @options
-class Buckling(SpectralAnalysis[BucklingModes]):
+class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     """Linear buckling as a strategy object.
 
     The exact strain energies of the elements give ``K_g = ∂³W/∂u³ (0) · u₀``. What is true of the
@@ -70,6 +71,9 @@ class Buckling(SpectralAnalysis[BucklingModes]):
     constant: str | None = None
     negative: bool = False
 
+    def __post_init__(self) -> None:
+        require(self, (), ("count",))
+
     def run(
         self, model: StructuralModel, parameters: Given = None, progress: Any = False
     ) -> BucklingModes:
@@ -95,7 +99,8 @@ class Buckling(SpectralAnalysis[BucklingModes]):
             stiffness.append(Geometric(loaded(self.constant)))
         return Pencil(model, [Geometric(loaded(self.case), -1.0)], stiffness)
 
-    def spectrum(self, pencil: Pencil) -> Spectrum:
+    def spectrum(self, model: StructuralModel, p: np.ndarray) -> Spectrum:
+        pencil = self.pencil(model, p)
         a, b = pencil.matrices()
         factor = factorised(pencil.model, b)
         if factor is None:
@@ -110,7 +115,7 @@ class Buckling(SpectralAnalysis[BucklingModes]):
                 f"load case {self.case!r} does not make the structure buckle in this direction; "
                 "negative=True finds factors of the load turned round"
             )
-        return Spectrum(pencil, (a, b), values, vectors)
+        return Spectrum(pencil, (a, b), values, vectors, self.count)
 
 
 @spelled

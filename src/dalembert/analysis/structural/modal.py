@@ -10,8 +10,9 @@ import numpy as np
 
 from dalembert.analysis.keywords import ModalKeywords
 from dalembert.analysis.served import need_structure
+from dalembert.analysis.spectral import SpectralAnalysis
+from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
-from dalembert.analysis.structural.spectral import SpectralAnalysis
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.analysis.structural.static_equations import factorised
 from dalembert.analysis.times import analysis_of
@@ -27,7 +28,7 @@ from dalembert.text.spelling import spelled
 
 
 @options
-class Modal(SpectralAnalysis[VibrationModes]):
+class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
     """Modes of vibration as a strategy object.
 
     Parameters
@@ -68,7 +69,7 @@ class Modal(SpectralAnalysis[VibrationModes]):
     about: StructuralResult | None = None
 
     def __post_init__(self) -> None:
-        super().__post_init__()
+        require(self, (), ("count",))
         if self.about is None:
             return
         if not self.about.analysis.at_rest:
@@ -127,12 +128,13 @@ class Modal(SpectralAnalysis[VibrationModes]):
                 stiffness, mass = [Tangent(loaded)], Mass(loaded, self.lumped)
         return Pencil(model, stiffness, [mass])
 
-    def spectrum(self, pencil: Pencil) -> Spectrum:
+    def spectrum(self, model: StructuralModel, p: np.ndarray) -> Spectrum:
+        pencil = self.pencil(model, p)
         a, b = pencil.matrices()
         if not a.shape[0]:
             raise AnalysisError("nothing in the structure can move; release a support")
         values, vectors = nearest(a, b, self.count + 1, self.shift, self._solve(pencil, a, b))
-        return Spectrum(pencil, (a, b), values, vectors)
+        return Spectrum(pencil, (a, b), values, vectors, self.count)
 
     def _solve(self, pencil: Pencil, a, b):
         matrix = a - self.shift * b

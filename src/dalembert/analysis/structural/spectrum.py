@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy
@@ -12,6 +13,7 @@ from dalembert.analysis.structural.pencil import Pencil
 from dalembert.sparse.eigenvalues import coinciding, residual
 from dalembert.sparse.factorise import indefinite_factors
 from dalembert.structures.evaluation.eigenpairs import Solve
+from dalembert.structures.model import StructuralModel
 
 VANISHES = 1e-13
 """An eigenvalue is zero where it is this share of what its terms would add up to, or less."""
@@ -25,31 +27,66 @@ class Spectrum:
     ----------
     pencil : Pencil
     matrices : its ``A`` and ``B``, of the free displacements (f)
-    values : (m,) eigenvalues ``λ``
+    eigenvalues : (m,) ``λ``
     vectors : (f, m) shapes, ``φᵀ B φ = 1``
+    count : of those that are wanted
     """
 
     pencil: Pencil
     matrices: tuple[scipy.sparse.csc_matrix, scipy.sparse.csc_matrix]
-    values: np.ndarray
+    eigenvalues: np.ndarray
     vectors: np.ndarray
+    count: int
+    time: ClassVar[float] = 0.0
+    residual: ClassVar[float | None] = None
+    doubts: ClassVar[tuple[str, ...]] = ()
     _factors: dict[tuple[int, ...], tuple[np.ndarray, Solve]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         size = np.einsum("fk,fk->k", abs(self.vectors), abs(self.matrices[0]) @ abs(self.vectors))
-        self.values = np.where(np.abs(self.values) <= VANISHES * size, 0.0, self.values)
+        vanishing = np.abs(self.eigenvalues) <= VANISHES * size
+        self.eigenvalues = np.where(vanishing, 0.0, self.eigenvalues)
+
+    @property
+    def model(self) -> StructuralModel:
+        return self.pencil.model
+
+    @property
+    def p(self) -> np.ndarray:
+        return self.pencil.left[0].state.p
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """How many displacements there are, and how many can move."""
+        return {"displacements": self.model.assembly.size, "free": int(self.pencil.free.size)}
+
+    def displacements(self, positions: np.ndarray) -> np.ndarray:
+        """(n, k) shapes."""
+        return self.shapes[:, positions]
+
+    def wanted(self) -> np.ndarray:
+        """(k,) the first ones."""
+        return np.arange(min(self.count, self.eigenvalues.size))
+
+    def following(self, earlier: Spectrum, positions: np.ndarray) -> np.ndarray:
+        """The same places, with shapes turned to the side to which those of earlier ones point."""
+        k = min(self.eigenvalues.size, earlier.eigenvalues.size)
+        heavy = self.matrices[1] @ self.vectors[:, :k]
+        sides = np.einsum("fk,fk->k", earlier.vectors[:, :k], heavy)
+        self.vectors[:, :k] *= np.where(sides < 0, -1.0, 1.0)
+        return positions[positions < self.eigenvalues.size]
 
     @cached_property
     def shapes(self) -> np.ndarray:
         """(n, m) of all displacements."""
-        found = np.zeros((self.pencil.model.assembly.size, self.values.size))
+        found = np.zeros((self.pencil.model.assembly.size, self.eigenvalues.size))
         found[self.pencil.free] = self.vectors
         return found
 
     @cached_property
     def groups(self) -> list[list[int]]:
         """Positions of eigenvalues, those together that coincide."""
-        return coinciding(self.values, np.abs(self.values))
+        return coinciding(self.eigenvalues, np.abs(self.eigenvalues))
 
     def scaled(self, shapes: np.ndarray) -> np.ndarray:
         """(n, k) ``B φ`` of shapes (n, k), the free displacements only."""
@@ -77,20 +114,12 @@ class Spectrum:
         a, b = self.matrices
         held = scipy.linalg.qr(self.vectors[:, group].T, pivoting=True, mode="r")[1][: len(group)]
         kept = np.setdiff1d(np.arange(a.shape[0]), held)
-        matrix = (a - self.values[group].mean() * b).tocsc()[kept][:, kept]
+        matrix = (a - self.eigenvalues[group].mean() * b).tocsc()[kept][:, kept]
         if not kept.size:
             return kept, lambda rhs: rhs
         return kept, indefinite_factors(matrix).solve
 
-    def align(self, earlier: np.ndarray) -> None:
-        """Turn shapes so that they point to the side where earlier ones (n, m) do."""
-        k = min(self.values.size, earlier.shape[1])
-        sides = np.einsum(
-            "fk,fk->k", earlier[self.pencil.free][:, :k], self.matrices[1] @ self.vectors[:, :k]
-        )
-        self.vectors[:, :k] *= np.where(sides < 0, -1.0, 1.0)
-
     @property
-    def residual(self) -> float:
+    def left(self) -> float:
         """What is left of the equation of the pairs."""
-        return residual(*self.matrices, self.values, self.vectors)
+        return residual(*self.matrices, self.eigenvalues, self.vectors)

@@ -44,7 +44,7 @@ class Group:
     @property
     def eigenvalues(self) -> np.ndarray:
         """(m,) ``λ``."""
-        return self.spectrum.values[self.places]
+        return self.spectrum.eigenvalues[self.places]
 
     @property
     def phi(self) -> np.ndarray:
@@ -109,7 +109,10 @@ class EigenpairGradient:
         self.groups = self._groups()
 
     def _groups(self) -> list[Group]:
-        values, shapes = np.zeros(self.spectrum.values.size), np.zeros_like(self.spectrum.shapes)
+        values, shapes = (
+            np.zeros(self.spectrum.eigenvalues.size),
+            np.zeros_like(self.spectrum.shapes),
+        )
         for k in np.flatnonzero(self.sample.weights):
             share = float(self.sample.weights[k])
             seen = self.modes.weights(self.sample.measure.sx, int(k))

@@ -65,7 +65,7 @@ def eigenvalue_slopes(
     for group in modes.record.groups:
         phi = modes.record.shapes[:, group]
         da, db = change.of(phi)
-        matrix = phi.T @ (da - db * modes.record.values[group])
+        matrix = phi.T @ (da - db * modes.record.eigenvalues[group])
         rates = np.linalg.eigvalsh((matrix + matrix.T) / 2)
         here = [k for k, place in enumerate(modes.positions) if place in group]
         for k in here:
