@@ -15,6 +15,22 @@ from browser import browser, show  # noqa: F401
 from hypothesis import settings
 
 from dalembert.io import json_schema
+from dalembert.symbolic.evaluation import switching
+
+
+class NeverCompiled:
+    """What is compiled beside a run never ends: it would take a worker's core, and come by chance.
+
+    Tests of changing over put the true one back.
+    """
+
+    running = True
+
+    def __init__(self, text: str, toolchain: object):
+        pass
+
+
+switching.Compilation = NeverCompiled  # type: ignore[assignment,misc]
 
 settings.register_profile(
     "dalembert", deadline=None, derandomize=True, max_examples=25, database=None

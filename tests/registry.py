@@ -1245,8 +1245,12 @@ PLANAR = [n for n, c in CASES.items() if c.dimension == 2]
 CONSTRAINED = [n for n, c in CASES.items() if c.residual]
 LOADED = [n for n, c in CASES.items() if c.loads]
 SPATIAL = [n for n in CASES if n not in PLANAR]
-IN_SPACE = [f for f in FORMULATIONS if f != "NullSpace svd"]  # for few speeds only
-COMBINED = [(n, f) for n in PLANAR for f in FORMULATIONS] + [
-    (n, IN_SPACE[k % len(IN_SPACE)]) for k, n in enumerate(SPATIAL)
+RELATED = [n for n in CONSTRAINED if n.removeprefix("rotational driver ") not in list(LAWS)[1:]]
+"""All that are constrained, but a driver with one law: others change its right side only."""
+EACH = [n for n in PLANAR if n in RELATED]
+IN_TURN = [f for f in FORMULATIONS if f not in ("Kkt", "NullSpace svd")]  # svd: for few speeds only
+COMBINED = [(n, f) for n in EACH for f in FORMULATIONS] + [
+    (n, IN_TURN[k % len(IN_TURN)]) for k, n in enumerate(n for n in CASES if n not in EACH)
 ]
-"""Cases with formulations: in the plane each with each, in space all formulations in turn."""
+"""Cases with formulations: constraints in the plane each with each; all formulations in turn in
+space, for other laws of one driver, and where nothing is constrained, so that all do the same."""

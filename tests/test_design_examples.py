@@ -76,3 +76,17 @@ def test_torques_of_a_leg(pictures: Path) -> None:  # noqa: F811
     for joint in ("hip", "knee"):
         assert found[f"smooth {joint}"] < 0.15 < 0.5 < found[f"raw {joint}"]
     assert found["misfit"] == pytest.approx(1, abs=0.2)
+
+
+def test_a_wing_twists_as_the_closed_form(pictures: Path) -> None:  # noqa: F811
+    """``α (1/cos λl − 1)``, to which a second-order mesh comes near; the wall it takes at most."""
+    pytest.importorskip("openmdao.api")
+    found, made = numbers("twisting_wing", pictures), script("twisting_wing")
+    for speed in made.SPEEDS:
+        tip = made.exact(made.SPAN, made.pressure(speed))
+        assert found[f"tip at {speed:g}"] == pytest.approx(tip, rel=5e-3)
+    needed = made.pressure(made.SPEED) * made.CHORD * made.AHEAD * made.SLOPE * made.SPAN**2
+    needed /= math.acos(1 / (1 + made.MOST)) ** 2 * made.G * 2 * math.pi * made.RADIUS**3
+    assert found["uniform wall"] == pytest.approx(needed, rel=1e-3)
+    assert found["mass"] < 0.9 * found["uniform mass"]
+    assert found["tip"] == pytest.approx(made.MOST * made.ATTACK, rel=1e-6)

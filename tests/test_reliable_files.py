@@ -96,28 +96,38 @@ def test_slips(text, old, new, words, tmp_path, capsys):
         assert words in error and str(path) in error
 
 
-def test_no_history_of_a_search_in_rounds(tmp_path, capsys):
-    path = written(tmp_path, ROD + RELIABLE)
-    assert main(["optimize", str(path), "--history", str(tmp_path / "h")]) == 2
-    assert "keeps no history" in capsys.readouterr().err
-
-
-def test_interrupted(tmp_path, capsys, monkeypatch):
+def stop_at(monkeypatch, number: int) -> list:
+    """Ctrl-C at a run of the model; the runs made by then, and after."""
     from dalembert.design.optimize.problem import DesignProblem
 
     honest, calls = DesignProblem._run, []
 
     def stopped(self, x):
         calls.append(1)
-        if len(calls) == 3:
+        if len(calls) == number:
             raise KeyboardInterrupt
         return honest(self, x)
 
     monkeypatch.setattr(DesignProblem, "_run", stopped)
-    path = written(tmp_path, ROD + RELIABLE)
-    assert main(["optimize", str(path), "--output", str(tmp_path / "o")]) == 130
-    assert "interrupted" in capsys.readouterr().out
+    return calls
+
+
+@pytest.mark.parametrize(("number", "rounds"), [(3, "0 whole rounds"), (9, "0"), (14, "1 whole")])
+def test_goes_on_from_its_history(number, rounds, tmp_path, capsys, monkeypatch):
+    """Ctrl-C in the first search of a design, and while a worst point is looked for."""
+    path, kept = written(tmp_path, ROD + RELIABLE), tmp_path / "h.jsonl"
+    whole = run(capsys, "optimize", path)
+    calls = stop_at(monkeypatch, number)
+    asked = ["optimize", str(path), "--history", str(kept), "--output", str(tmp_path / "o")]
+    assert main(asked) == 130 and len(calls) <= number + 2
+    assert f"interrupted after {rounds}" in capsys.readouterr().out
     assert len(list((tmp_path / "o").iterdir())) == 3
+    assert "NaN" not in (tmp_path / "o" / "model.optimum.json").read_text(encoding="utf-8")
+    again = run(capsys, *asked)
+    assert again["x"] == whole["x"] and again["rounds"][-1]["x"] == whole["rounds"][-1]["x"]
+    assert again["runs"] < whole["runs"] and again["start"] == whole["start"]
+    for changes in (["--vary", "load"], ["--set", "load=2e5"]):
+        assert main([*asked, *changes]) == 2 and "another problem" in capsys.readouterr().err
 
 
 def test_beta_is_seen_in_numbers(tmp_path, capsys):

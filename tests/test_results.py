@@ -158,3 +158,12 @@ def test_a_state_brings_its_own_parameters():
     for given in ({"parameters": {"m": 1.0}}, {"time": 1.0}):
         with pytest.raises(da.AnalysisError, match=r"linearize: (m|time) cannot be given with at="):
             da.linearize(model, rest, **given)
+
+
+def test_what_is_asked_for_wrongly_is_told_kindly(motion, tmp_path):
+    """Lists of measures, and files whose names promise another format."""
+    for ask in (motion.plot, motion.values, lambda names: da.evaluate(motion, da.final(names))):
+        with pytest.raises(da.DalembertError, match="each by itself"):
+            ask(["time", "energy"])
+    with pytest.raises(da.FileError, match="to_csv writes"):
+        motion.save(tmp_path / "run.csv")

@@ -49,6 +49,9 @@ from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleig
 from dalembert.design.case import Case as Case
 from dalembert.design.ecosystem.functions import DesignFunctions as DesignFunctions
 from dalembert.design.ecosystem.openmdao_component import openmdao_component as openmdao_component
+from dalembert.design.ecosystem.openmdao_implicit import (
+    openmdao_implicit_component as openmdao_implicit_component,
+)
 from dalembert.design.ecosystem.pymoo_problem import pymoo_problem as pymoo_problem
 from dalembert.design.identification.experiment import Experiment as Experiment
 from dalembert.design.identification.identified import Identification as Identification

@@ -86,3 +86,34 @@ def test_guesses_that_do_not_close_are_corrected(bodies):
     angles = model.start.y[2::3]
     cranks = [body.name.startswith("c") for body in model.bodies]
     np.testing.assert_allclose(angles, np.where(cranks, 1.2, 0.0), atol=1e-9)
+
+
+def test_what_stands_at_the_end_of_its_way_is_not_held():
+    """Of a crank along the x axis, x says nothing of its turn: y is held, and the start follows
+    the parameters to the last digits."""
+    system = da.System("crank along x")
+    r = system.parameter("r", 0.1, "m")
+    crank = system.add(planar.Body("crank", mass=1.0, inertia=0.1, position=(r / 2, 0.0)))
+    rod = system.add(planar.Bar("rod", length=0.4, mass=1.0, position=(0.1, 0.17), angle=1.2))
+    slider = system.add(planar.Body("slider", mass=1.0, inertia=0.1, position=(0.0, 0.35)))
+    system.add(planar.Revolute("O", system.ground.center, crank.point(-r / 2, 0.0)))
+    system.add(planar.Revolute("A", crank.point(r / 2, 0.0), rod.start))
+    system.add(planar.Revolute("B", rod.end, slider.center))
+    system.add(planar.Translational("rail", system.ground.center, slider.center, axis=(0.0, 1.0)))
+    model = system.build()
+    y = math.sqrt(0.4**2 - 0.1**2)
+    assert abs(model.start.y[1]) < 1e-15
+    assert abs(model.start.y[7] - y) < 1e-15
+    motion = da.solve_dynamics(model, 1e-3, step=1e-3)
+    slope = da.sensitivity(motion, da.at(0.0, "slider.y")).item()
+    assert abs(slope + 0.1 / y) < 1e-13
+
+
+def test_what_a_formula_holds_is_connected():
+    """A constraint and a stop that are formulas act on the bodies they speak of."""
+    system = da.System("formulas")
+    held, caught, loose = (system.add(planar.Particle(n, mass=1.0)) for n in ("a", "b", "c"))
+    system.add(planar.UserConstraint("wire", held.x - 2 * held.y))
+    system.add(planar.Stop("floor", caught.y, lower=0.0, stiffness=1e3))
+    told = [text for _, text in system.build().diagnosis.messages]
+    assert told == [f"body {loose.name} is not connected to anything"]

@@ -211,3 +211,20 @@ def test_table_and_repr():
     assert "slope 2.0" in repr(certificate)
     assert "<table" in certificate._repr_html_()
     assert (certificate.data["step"] > 0).all()
+
+
+def test_beside_a_kink_shorter_steps_tell():
+    """Of two peaks nearly as high the other one is the highest a little farther on."""
+    motion = dynamics()
+    names = list(motion.model.parameters)
+    length = motion.model[names[0]]
+    value = motion.model.values(motion.parameters)[0]
+    other = value * (1 + 2e-5)
+    from_kink = da.maximum(
+        da.where(da.t < 0.2, length - value, 3.0 * (length - other)) + 1.0, name="peak"
+    )
+    zero = da.at(0.0, 0.1 * (length - value) + (da.t > 0.3), name="nothing yet")
+    certificate = certify(motion, [from_kink, zero], [1])
+    assert certificate.data["verdict"].values.ravel().tolist() == ["no influence"] * 2
+    certificate = certify(motion, [from_kink], [0])
+    assert certificate.data["verdict"].item() == "confirmed"

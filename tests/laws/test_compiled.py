@@ -18,7 +18,14 @@ from dalembert import planar
 from dalembert.errors import SolverFailure
 from dalembert.symbolic.evaluation import backends, switching
 from dalembert.symbolic.evaluation.columns import NativeColumns, VirtualColumns
-from dalembert.symbolic.native import c_compiler, code_cache, llvm, source, translation
+from dalembert.symbolic.native import (
+    background,
+    c_compiler,
+    code_cache,
+    llvm,
+    source,
+    translation,
+)
 from dalembert.symbolic.native.c_compiler import Compiler
 from dalembert.symbolic.native.llvm import Llvm
 
@@ -404,6 +411,7 @@ def test_auto_compiles_what_repays_it_and_takes_what_is_there(cache):
 def test_auto_is_the_default_and_changes_over_while_it_runs(monkeypatch):
     """Nobody announces how often short runs are repeated."""
     assert da.Dynamics(1.0).backend == "auto"
+    monkeypatch.setattr(switching, "Compilation", background.Compilation)
     monkeypatch.setattr(Llvm, "effort", lambda self, text: 0.1)
     monkeypatch.setattr(Llvm, "least_effort", lambda self, text: 0.1)
     model, seen = four_bar(), []

@@ -278,3 +278,18 @@ def test_optimization_to_a_frequency():
     analysis = da.Linearization()
     best = da.optimize(pendulum(), gap, vary=["l"], analysis=analysis, tolerance=1e-12)
     assert best.x["l"] == pytest.approx(G / np.pi**2, rel=1e-4)
+
+
+def test_slow_modes_beside_fast_ones_have_gradients():
+    """Of two oscillators, ten million times as fast as each other, each follows its own spring."""
+    system = da.System("slow and fast")
+    slow, fast = system.parameter("slow", 100.0, "N/m"), system.parameter("fast", 1e9, "N/m")
+    for name, mass, k in (("a", 1.0, slow), ("b", 1e-7, fast)):
+        body = system.add(planar.Body(name, mass=mass, inertia=mass, position=(1.0, 0.0)))
+        ground = system.ground.center
+        system.add(planar.Translational(f"rail_{name}", ground, body.center))
+        system.add(planar.Spring(f"s_{name}", ground, body.center, stiffness=k, free_length=1.0))
+    modes = da.linearize(system.build())
+    gradient = da.sensitivity(modes, [da.at(1, "frequency", name="1"), da.at(2, "frequency", "2")])
+    expected = [[modes.frequencies[0] / 200.0, 0.0], [0.0, modes.frequencies[1] / 2e9]]
+    np.testing.assert_allclose(gradient, expected, rtol=1e-9, atol=1e-12)

@@ -161,6 +161,16 @@ def _measured_models():
     ]
 
 
+def test_sums_may_have_a_hundred_terms():
+    """Each term stands one deeper in the tree than the next; what is nested stays bounded."""
+    known = {f"x{k}": Expression(ca.SX.sym(f"x{k}")) for k in range(100)}
+    made = parse_formula("9 - " + " - ".join(known), known.get)
+    at_ones = ca.Function("f", [k.sx for k in known.values()], [made.sx])(*[1.0] * 100)
+    assert float(at_ones) == -91
+    with pytest.raises(ExpressionError, match="too large"):
+        parse_formula("x" + " + x" * 130, NAMES.get)
+
+
 @pytest.mark.parametrize("kind", [0, 1])
 def test_a_name_comes_before_a_formula(kind):
     """Names with numbers in them are names, alone and in formulas; all readers agree."""

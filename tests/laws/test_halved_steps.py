@@ -94,23 +94,22 @@ def test_what_no_step_solves_ends_the_run():
 
 
 def test_steps_of_structures_are_halved_too():
-    """A cantilever of many short frames that a force pushes all of a sudden."""
+    """A cantilever of short frames that a force pushes hard, and few iterations allowed."""
     structure = da.Structure("cantilever")
     modulus = structure.parameter("E", 206e9, "Pa")
-    nodes = [structure.node(f"n{k}", k / 200, 0.0) for k in range(201)]
+    nodes = [structure.node(f"n{k}", k / 20, 0.0) for k in range(21)]
     section = {"area": 2e-4, "second_moment": 1.7e-9, "modulus": modulus, "density": 7850.0}
-    for k in range(200):
+    for k in range(20):
         structure.add(Frame(f"e{k}", nodes[k], nodes[k + 1], **section))
     structure.support(nodes[0])
-    structure.load(nodes[-1], fy=-10.0)
-    motion = da.solve_transient(structure.build(), 3e-3, step=1e-3, nonlinear=True)
+    structure.load(nodes[-1], fy=-1e4)
+    few = da.HHT(max_iterations=4)
+    motion = da.solve_transient(structure.build(), 3e-3, step=1e-3, nonlinear=True, integrator=few)
     assert motion.status.success
     assert motion.statistics["rejected steps"] > 0
     assert any("halves" in text for text in motion.warnings)
     np.testing.assert_allclose(motion.time, [0.0, 1e-3, 2e-3, 3e-3], atol=1e-15)
-    tip = [da.final("n200.uy")]
+    tip = [da.final("n20.uy")]
     direct = da.sensitivity(motion, tip, method="direct").values
     adjoint = da.sensitivity(motion, tip, method="adjoint").values
     np.testing.assert_allclose(adjoint, direct, rtol=1e-8)
-    linear = da.solve_transient(structure.build(), 3e-3, step=1e-5)
-    assert float(motion["n200.uy"][-1]) == pytest.approx(float(linear["n200.uy"][-1]), rel=0.05)

@@ -10,10 +10,11 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.symbolic.evaluation.backends import VirtualMachine
+from dalembert.symbolic.evaluation.backends import Compiled, VirtualMachine
+from dalembert.symbolic.evaluation.lane_tangents import LaneTangents, LinearStep
 from dalembert.symbolic.evaluation.lanes import LaneColumns
 from dalembert.symbolic.native import llvm
-from dalembert.symbolic.native.llvm import lane_count
+from dalembert.symbolic.native.llvm import lane_count, needed_llvm
 
 LANES = lane_count()
 LAST = 4 * np.finfo(float).eps
@@ -135,6 +136,40 @@ def test_equations_solved_by_newton_are_solved_set_by_set():
     function = ca.rootfinder("root", "fast_newton", residual, {"abstol": 1e-12})
     rng = np.random.default_rng(6)
     check(function, [np.ones((1, 1, 4)), rng.uniform(1, 2, (6, 1, 4))], 4, False)
+
+
+@pytest.mark.parametrize("count", [1, LANES, LANES + 1])
+def test_directions_of_a_step(count):
+    """One number stands for all lanes in the entries, and rows of them are filled up."""
+    e, dx, dq = ca.SX.sym("e", 3), ca.SX.sym("dx", 2), ca.SX.sym("dq")
+    along = ca.vertcat(e[0] * dx[0] + e[1] * dx[1] + dq, e[2] * dx[1] - dx[0])
+    t, h, x, q = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("x", 2), ca.SX.sym("q")
+    entries = ca.vertcat(ca.cos(x[0]) * q, h * x[1], 1 - h * t)
+    step = LinearStep(
+        ca.Function("entries", [t, h, x, q], [entries]), ca.Function("along", [dx, e, dq], [along])
+    )
+    lanes = LaneTangents.of(step, Compiled(needed_llvm), 10, count)
+    rng = np.random.default_rng(1)
+    given = [rng.normal(size=(n, 2 * LANES + 3)) for n in (1, 1, 2)]
+    changes, rates = rng.normal(size=(2, count)), rng.normal(size=(1, count))
+    found = lanes(changes, given, np.array([0.7]), rates)
+    for k in range(2 * LANES + 3):
+        at = step.entries(*(g[:, k] for g in given), 0.7)
+        changes = step.along.map(count)(changes, np.tile(at.full(), count), rates).full()
+        np.testing.assert_allclose(found[k].T, changes, rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("method", [da.RK4(), da.DormandPrince()], ids=["fixed", "controlled"])
+def test_direct_gradients_side_by_side(method):
+    """As by the virtual machine, and as the adjoint."""
+    model, seen = pendulum(), da.final("rod.end.y")
+    options = {"step": 0.01} if isinstance(method, da.RK4) else {"outputs": 5}
+    runs = [
+        da.solve_dynamics(model, 0.3, integrator=method, backend=backend, **options)
+        for backend in ("jit", "vm")
+    ]
+    found = [da.sensitivity(run, seen, method="direct").values for run in runs]
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-10, atol=1e-12)
 
 
 def test_without_llvm_sets_are_called_one_by_one(monkeypatch):

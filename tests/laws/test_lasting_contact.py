@@ -90,6 +90,28 @@ def test_a_belt_that_moves_drags_along():
     assert np.abs(motion.data["balance_error"]).max() < 1e-12
 
 
+def test_a_block_tips_where_friction_has_grown():
+    """A sliding block tips about its front corner where ``μ(t) = b/h``, b and h its half sides."""
+    g, slope, b, h = 9.81, 0.3, 0.1, 0.2
+    system = da.System("block", gravity=(g * np.sin(slope), -g * np.cos(slope)))
+    growth = system.parameter("growth", 0.4, "1/s")
+    block = planar.Body("block", mass=1, inertia=(b * b + h * h) / 3, position=(0, h))
+    system.add(block), system.initial(block.vx, 2.0)
+    for name, x in (("back", -b), ("front", b)):
+        p = block.point(x, -h)
+        law = {"restitution": 0.0, "friction": 0.1 + growth * da.t}
+        system.add(planar.UnilateralConstraint(name, p.y, p.velocity[0], **law))
+    motion = da.solve_dynamics(system.build(), 1.1, integrator=da.DormandPrince())
+    tips = motion.at(1.0)
+    fast = 2 + g * np.sin(slope) - g * np.cos(slope) * 0.3
+    np.testing.assert_allclose(tips.values("block.vx"), fast, rtol=1e-12)
+    np.testing.assert_allclose(tips.values("block.angle"), 0, atol=1e-9)
+    assert motion.values("block.angle")[-1] < -5e-3
+    slope_of = da.sensitivity(motion, da.final("block.vx")).item()
+    differences = da.sensitivity(motion, da.final("block.vx"), method="finite-difference").item()
+    assert slope_of == pytest.approx(differences, rel=1e-5)
+
+
 def test_terminal_events_end_runs_with_impacts():
     motion = da.solve_dynamics(
         ball().build(),

@@ -115,6 +115,38 @@ def test_joints_stay_closed_beside_contacts(scheme):
     assert motion.status.residual == pytest.approx(closed, abs=1e-11)
 
 
+@schemes
+def test_reactions_are_those_of_a_turning_bar(scheme):
+    """The pin carries ``m ω² l/2``, a motor the whole of what speeds a wheel up."""
+    system = da.System("turning", gravity=(0.0, 0.0))
+    bar = system.add(planar.Bar("bar", length=1.0, mass=2.0, inertia=0.5, angular_velocity=3.0))
+    system.add(planar.Revolute("pin", system.ground.center, bar.start))
+    wheel = system.add(planar.Body("wheel", mass=1.0, inertia=0.7))
+    system.add(planar.Revolute("axle", system.ground.point(0.0, 5.0), wheel.center))
+    system.add(planar.RotationalDriver("motor", system.ground, wheel, da.t**2 / 2))
+    floor = (system.ground.point(0.0, -9.0), (0.0, 1.0))
+    system.add(planar.Collisions("floor", [(bar.end, 0.01)], [floor]))
+    motion = da.solve_nonsmooth(system.build(), 0.5, step=1e-2, integrator=scheme)
+    assert motion.values("pin.force_norm")[-1] == pytest.approx(9.0, rel=1e-4)
+    assert motion.values("motor.effort")[-1] == pytest.approx(0.7, rel=1e-9)
+    assert np.abs(motion.data["balance_error"]).max() < 1e-5
+
+
+def test_a_stack_is_opened_all_at_once():
+    """What lifts a disc lifts those above it, in the same Newton step."""
+    system = da.System("stack", gravity=(0.0, -G))
+    discs = []
+    for k in range(5):
+        disc = planar.Body(f"d{k}", mass=1.0, inertia=0.001, position=(0.0, 0.07 + 0.105 * k))
+        discs.append((system.add(disc), 0.05))
+    floor = (system.ground.center, (0.0, 1.0))
+    system.add(planar.Collisions("stack", discs, [floor], restitution=0.3, friction=0.4))
+    motion = da.solve_nonsmooth(system.build(), 0.2, step=5e-4, integrator=da.MoreauJean())
+    assert motion.status.success
+    assert motion.data["penetration"].max() < 1e-12
+    assert motion.values("d4.y")[-1] == pytest.approx(0.45, abs=1e-5)
+
+
 # how runs end -------------------------------------------------------------------------------
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
-from registry import CONSTRAINED, definite, model_of
+from registry import RELATED, definite, model_of
 
 import dalembert as da
 from dalembert.formulations.null_space import LARGEST_SVD
@@ -30,7 +30,7 @@ def basis_of(name: str, basis: str) -> NullSpaceBasis:
 
 
 @pytest.mark.parametrize("basis", BASES)
-@pytest.mark.parametrize("name", CONSTRAINED)
+@pytest.mark.parametrize("name", RELATED)
 def test_basis(name, basis):
     """C D = 0, C x₂ = r₂, Cᵀ z = w, and D of full rank."""
     model, rng = model_of(name), np.random.default_rng(3)

@@ -291,3 +291,10 @@ def test_all_designs_are_compared_whether_by_formulas_or_by_runs():
     method = da.Enumeration(max_designs=20)
     with pytest.raises(AnalysisError, match="36 designs"):
         solve(variables, "x*y", vary=sizes, method=method)
+
+
+def test_a_start_on_a_limit_that_is_zero():
+    """``x + 2 y`` on ``x y ≥ 1``: neither bound nor value there say how large the limit is."""
+    for y in (1.0, 1.0 - 1e-13):
+        found = solve({"x": (1.0, 0.1, 5), "y": (y, 0.1, 5)}, "x + 2*y", [("x*y - 1", 0.0, None)])
+        assert found.success and found.fun == pytest.approx(2 * math.sqrt(2), rel=1e-6)

@@ -103,22 +103,6 @@ def test_pymoo_problem():
     np.testing.assert_allclose(out["G"], [[-3.0, -0.5]])
 
 
-@pytest.mark.parametrize("gradient", ["direct", "adjoint"])
-def test_openmdao_component(gradient):
-    om = pytest.importorskip("openmdao.api")
-    component = da.openmdao_component(
-        parametric(BOX), list(aims()), analysis=da.Statics(), gradient=gradient
-    )
-    problem = om.Problem(reports=False)
-    problem.model.add_subsystem("design", component, promotes=["*"])
-    problem.setup()
-    problem.run_model()
-    assert problem.get_val("near")[0] == pytest.approx(0.34)
-    checked = problem.check_partials(out_stream=None)["design"]
-    for entry in checked.values():
-        np.testing.assert_allclose(entry["J_fwd"], entry["J_fd"], atol=1e-5)
-
-
 def squared(x):
     """A loss in which the responses stand, by operators alone."""
     return (x**2).sum()

@@ -201,3 +201,17 @@ def test_what_is_not_built_says_so():
 def test_meshes_need_whole_numbers(counts):
     with pytest.raises(da.ModelError, match="positive whole number"):
         structures.rectangle_mesh((1.0, 1.0), counts)
+
+
+def test_no_force_may_stand_on_a_support():
+    """Loads of many nodes are arrays, with zeros where nodes are held."""
+    truss = da.Structure("held")
+    a, b = truss.node("a", 0.0, 0.0), truss.node("b", 1.0, 0.0)
+    truss.add(structures.Truss("t", a, b, area=1.0, modulus=2.0))
+    truss.support(a)
+    truss.support(b, uy=0.0)
+    truss.load(b, fx=1.0, fy=0.0)
+    assert float(da.solve_statics(truss.build())["b.ux"]) == pytest.approx(0.5)
+    truss.load(b, fy=1.0)
+    with pytest.raises(da.ModelError, match="reaction"):
+        truss.build()

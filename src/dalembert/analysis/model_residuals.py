@@ -17,6 +17,7 @@ import numpy as np
 from dalembert.formulations.levels import Level
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
+from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.once import once
 
@@ -162,7 +163,7 @@ def violation(model: Model) -> ca.Function:
     e = model.all_equations
     lengths = e.constraints * (e.scales.length / e.scales.rows)
     largest = ca.densify(ca.norm_inf(lengths)) if lengths.numel() else ca.SX(0)
-    return ca.Function("violation", [e.t, e.y, e.p], [largest], {"cse": True})
+    return condensed("violation", [e.t, e.y, e.p], [largest], SELDOM)
 
 
 @once
@@ -170,7 +171,7 @@ def energies(model: Model) -> ca.Function:
     """``(t, y, v, p) → [T; V]``."""
     e = model.all_equations
     wanted = ca.densify(ca.vertcat(e.kinetic_energy, e.potential))
-    return ca.Function("energies", [e.t, e.y, e.v, e.p], [wanted], {"cse": True})
+    return condensed("energies", [e.t, e.y, e.v, e.p], [wanted], SELDOM)
 
 
 @once

@@ -99,29 +99,33 @@ def near_singular_position(
     n, k = e.coordinate_count, e.speed_count
     times = np.append(steps.t[: steps.count], steps.end)
 
-    def seen(j: int, after: float = 0.0) -> tuple[float, float, np.ndarray]:
-        """Smallest singular value some time after the beginning of step ``j``, time, position."""
-        y, v = steps.x[:n, j], steps.x[n : n + k, j]
-        moved = y + after * function(times[j], y, v, p)[2].full().ravel()
-        jacobian = function(times[j] + after, moved, v, p)[1].full()
-        known = np.all(np.isfinite(jacobian))
-        smallest = np.linalg.svd(jacobian, compute_uv=False)[-1] if known else np.inf
-        return float(smallest), float(times[j] + after), moved
+    def seen(j: int, after: np.ndarray) -> list[tuple[float, float, np.ndarray]]:
+        """Smallest singular values some times after the beginning of step ``j``; time, position."""
+        y, v, count = steps.x[:n, j], steps.x[n : n + k, j], after.size
+        moved = y[:, None] + function(times[j], y, v, p)[2].full() * after
+        tiled = (np.tile(column[:, None], count) for column in (v, p))
+        found = function.map(count)(times[j] + after, moved, *tiled)[1].full()
+        jacobians = found.reshape(found.shape[0], count, -1).transpose(1, 0, 2)
+        known, smallest = np.isfinite(jacobians).all(axis=(1, 2)), np.full(count, np.inf)
+        if known.any():
+            smallest[known] = np.linalg.svd(jacobians[known], compute_uv=False)[:, -1]
+        return list(zip(smallest.tolist(), (times[j] + after).tolist(), moved.T, strict=True))
 
     before = int(np.searchsorted(times, lost_at)) - 1
     good = max(min(_last_good(function, steps, times, n, k, p), before), 0)
     length = steps.h[min(good, steps.count - 1)] if steps.count else following
-    found = [seen(j) for j in range(max(good - 2, 0), good + 1)]
+    found = [seen(j, np.zeros(1))[0] for j in range(max(good - 2, 0), good + 1)]
+    first = found[0][0] if good == 0 else seen(0, np.zeros(1))[0][0]
     # twice the step: a fold is approached like a square root, so a straight line comes late
     low, high = 0.0, 2 * length
     for count in (2 * SAMPLES - 1, FINER, FINER):  # a line that begins near one crosses it steeply
         looks = np.linspace(low, high, count)
-        ahead = [seen(good, after) for after in looks[1:]]
+        ahead = seen(good, looks[1:])
         found += ahead
         least = 1 + ahead.index(min(ahead, key=lambda one: one[:2]))
         low, high = looks[least - 1], looks[min(least + 1, count - 1)]
     smallest, time, place = min(found, key=lambda one: one[:2])
-    return (time, smallest, place) if smallest < NEAR * seen(0)[0] else None
+    return (time, smallest, place) if smallest < NEAR * first else None
 
 
 def _last_good(function: ca.Function, steps: Steps, times, n: int, k: int, p) -> int:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import WrongInput, tell
+from dalembert.cli.console import tell
 from dalembert.cli.decision import PLAIN, Asked, Options, Run, iterations
-from dalembert.errors import ModelError
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -71,22 +69,18 @@ def optimize(
 
         design = make_design(changed(file, "optimize", changes), built)
         design["analysis"] = make_analysis(file, built)
-        best_of = _search("beta" in design, history)
-        return lambda show: best_of(built, **design, progress=iterations(show))
+        best_of = _search("beta" in design)
+        return lambda show: best_of(built, **design, history=history, progress=iterations(show))
 
     return Asked(model, output, options).decide(read, _show)
 
 
-def _search(reliable: bool, history: Path | None) -> Callable[..., Any]:
+def _search(reliable: bool) -> Callable[..., Any]:
     """What optimises: at the design alone, or with a reliability."""
     from dalembert.design.optimize.optimization import optimize as best_of
     from dalembert.design.reliability.optimize_reliable import optimize_reliable
 
-    if not reliable:
-        return partial(best_of, history=history)
-    if history is not None:
-        raise WrongInput(ModelError("an optimisation with beta keeps no history", "--history"))
-    return optimize_reliable
+    return optimize_reliable if reliable else best_of
 
 
 def _show(made: dict[str, Any]) -> None:

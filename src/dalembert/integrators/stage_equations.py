@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 import numpy as np
 import scipy
 
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit
+from dalembert.symbolic.evaluation.condensed import condensed
 
 ROUNDING = 16 * float(np.finfo(float).eps)
 LEAST = 1e-9
@@ -100,26 +99,26 @@ class StageEquations:
         z = s.start.function(s.t, s.x, s.p)
         rate = ca.substitute(s.rate, s.z, z)
         guess = ca.vertcat(z / self._lag, rate[self.coupled])
-        options: Any = {"never_inline": True, "is_diff_out": [False, True], "cse": True}
-        return ca.Function(
+        return condensed(
             "begin",
             [s.t, self.h, s.x, s.p],
             [ca.densify(guess), ca.densify(rate)],
-            options,
+            options={"never_inline": True, "is_diff_out": [False, True]},
         )
 
 
 def _order(system: SemiExplicit) -> tuple[list[int], list[list[int]]]:
     """States whose rates depend on each other, and the levels of the others."""
-    pattern = ca.DM(ca.jacobian_sparsity(system.rate, system.x), 1.0).full() != 0
-    graph = scipy.sparse.csr_matrix(pattern)
+    sparsity = ca.jacobian_sparsity(system.rate, system.x)
+    ones, places = np.ones(sparsity.nnz()), (sparsity.row(), sparsity.colind())
+    graph = scipy.sparse.csc_matrix((ones, *places), sparsity.shape).tocsr()
     _, label = scipy.sparse.csgraph.connected_components(graph, directed=True, connection="strong")
     crowd = np.bincount(label)[label] > 1
-    cyclic = crowd | np.diag(pattern)
+    cyclic = crowd | (graph.diagonal() > 0)
     done, levels = cyclic.copy(), []
     while not done.all():
         # what is left depends on nothing that is not known by now, sooner or later
-        ready = ~done & ~(pattern & ~done[None, :]).any(axis=1)
+        ready = ~done & (graph @ ~done == 0)
         levels.append([int(i) for i in np.flatnonzero(ready)])
         done |= ready
     return [int(i) for i in np.flatnonzero(cyclic)], levels

@@ -11,6 +11,8 @@ import casadi as ca
 
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.equations.linear_map import TriangularMap
+from dalembert.symbolic.evaluation.columns import LONG, instructions
+from dalembert.symbolic.evaluation.lane_tangents import LinearStep
 from dalembert.symbolic.evaluation.prelude import Prelude, before
 
 WIDTH = 16
@@ -38,7 +40,9 @@ class Marching:
     @property
     def side_by_side(self) -> ca.Function:
         """The step in the form that is fastest in lanes."""
-        return self.lanes or self.called or self.function
+        if self.lanes is not None or self.called is None:
+            return self.lanes or self.function
+        return self.called if instructions(self.function) > LONG else self.function
 
 
 class Step:
@@ -79,6 +83,11 @@ class Step:
         Direct gradients march with it.
         """
         raise NotImplementedError
+
+    @property
+    def linear(self) -> LinearStep | None:
+        """The same in two parts, for several directions side by side, if it comes in two parts."""
+        return None
 
     @property
     def prepared_adjoint(self) -> ca.Function:

@@ -82,10 +82,17 @@ def absolute_equations(d: Description) -> Equations:
 
 def _contacts(d: Description) -> tuple[RigidGap, ...]:
     """Rigid gaps with the ground at rest."""
-    found = tuple(
-        replace(gap, distance=at_ground(d.ground, gap.distance), slip=at_ground(d.ground, gap.slip))
-        for gap in rigid_gaps([*d.elements.values()], d.coordinates)
-    )
+
+    def grounded(gap: RigidGap) -> RigidGap:
+        friction = at_ground(d.ground, gap.impact.friction)
+        return replace(
+            gap,
+            distance=at_ground(d.ground, gap.distance),
+            slip=at_ground(d.ground, gap.slip),
+            impact=replace(gap.impact, friction=friction),
+        )
+
+    found = tuple(map(grounded, rigid_gaps([*d.elements.values()], d.coordinates)))
     pose, twist = (stack(getattr(c, kind) for c in d.coordinates) for kind in ("pose", "twist"))
     for gap in found:
         if not ca.depends_on(gap.distance, pose):

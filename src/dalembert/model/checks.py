@@ -78,7 +78,8 @@ def check_symbols(d: Description) -> None:
         positions.append((gap.name, gap.distance))
         efforts.append((gap.name, gap.slip))
         law = gap.impact
-        lengths += [(gap.name, f) for f in (law.restitution, law.tangential, law.friction)]
+        positions.append((gap.name, law.friction))
+        lengths += [(gap.name, share) for share in (law.restitution, law.tangential)]
     _allow(positions, poses, ", positions and t")
     _refuse_bent_speeds(d)
     _allow(efforts, states, ", positions, speeds and t")

@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import scipy
 
 from dalembert.elements.driver import Driver
 from dalembert.errors import SingularityError
 from dalembert.model.assembly.closure import Closure
-from dalembert.model.assembly.independence import columns_of
+from dalembert.model.assembly.independence import columns_of, least_fill
 from dalembert.model.checks import doubts_of
 from dalembert.model.description import Description
 from dalembert.model.tree.topology import Topology, analyse_topology
+from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.text.cards import card, messages, table
 
 NOT_SHARED = 1e-9
@@ -157,6 +159,19 @@ class Diagnosis:
         }
 
 
+def _touched(d: Description) -> set[str]:
+    """Names of bodies that a constraint or force acts on, be it by a formula of where they are."""
+    acting = [*d.constraints, *(f for f in d.forces if f.name != "gravity" and not f.internal)]
+    found = {body.name for element in acting for body in element.parts()}
+    symbols = [(body.name, ca.symvar(ca.vertcat(body.pose, body.twist))) for body in d.bodies]
+    owners = {symbol.name(): name for name, listed in symbols for symbol in listed}
+    for element in acting:
+        if not element.parts():
+            for _, formula, _ in element.checked_quantities():
+                found |= {owners[s] for s in free_symbols(formula.sx) if s in owners}
+    return found
+
+
 def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> Diagnosis:
     """Examine a closed mechanism; ``mass`` is its mass matrix."""
     is_driver = np.array([isinstance(c, Driver) for c, _ in closure.owners], dtype=bool)
@@ -167,10 +182,6 @@ def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> 
     joint_rows = int(np.sum(~is_driver))
     independent_joint_rows = int(np.sum(kept & ~is_driver))
     redundancies = tuple(_redundancy(closure, k) for k in range(len(closure.owners)) if not kept[k])
-    touched = {b.name for c in d.constraints for b in c.parts()}
-    touched |= {
-        b.name for f in d.forces if f.name != "gravity" and not f.internal for b in f.parts()
-    }
     return Diagnosis(
         coordinates=n - own,
         joint_equations=joint_rows - own,
@@ -179,7 +190,7 @@ def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> 
         gruebler=n - joint_rows,
         free=n - len(closure.generic),
         redundancies=redundancies,
-        topology=analyse_topology(d.bodies, d.constraints, touched),
+        topology=analyse_topology(d.bodies, d.constraints, _touched(d)),
         massless=_massless(closure, mass),
         bodies=tuple(b.name for b in d.bodies),
         joints=tuple(c.name for c in d.constraints if not isinstance(c, Driver)),
@@ -217,7 +228,8 @@ def _massless(closure: Closure, mass: scipy.sparse.csc_array) -> tuple[str, ...]
     weighed = scipy.sparse.csr_array(scale @ mass @ scale)
     largest = abs(weighed).max(axis=1).toarray().ravel()
     heavy = np.flatnonzero(largest > NO_MASS * largest.max(initial=0.0))
-    motions = columns_of(scipy.sparse.vstack([closure.jacobian[closure.rows], weighed[heavy]]))
+    moved = scipy.sparse.vstack([closure.jacobian[closure.rows], weighed[heavy]])
+    motions = columns_of(moved, least_fill(moved))
     if not motions.free:
         return ()
     motion = np.abs(motions.any_kernel(np.random.default_rng(0)))

@@ -22,6 +22,7 @@ from dalembert.model.diagnosis import diagnose
 from dalembert.model.natural_units import scales_of
 from dalembert.model.scales import Scales
 from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.names import Names
 from dalembert.symbolic.once import once
@@ -32,6 +33,7 @@ SYSTEM_MEASURES = {
     "time": "s",
     "kinetic_energy": "J",
     "potential_energy": "J",
+    "energy": "J",
     "dissipated_power": "W",
     "input_power": "W",
 }
@@ -159,9 +161,13 @@ class Model(ParametricModel):
         return self.all_equations.mass_at(self.start.y, p).toarray()
 
     # access ------------------------------------------------------------------------
-    @once
     def expression(self, measure: str | Expression) -> Expression:
         """See ``ParametricModel``; the ground is at rest in what comes out."""
+        known = isinstance(measure, (str, Expression))
+        return self._expression(measure) if known else super().expression(measure)
+
+    @once
+    def _expression(self, measure: str | Expression) -> Expression:
         found = super().expression(measure)
         return self._grounded(found) if isinstance(measure, Expression) else found
 
@@ -174,7 +180,7 @@ class Model(ParametricModel):
         e = self.all_equations
         column = ca.vertcat(*(ca.densify(self._grounded(m).sx) for m in measures))
         inputs = [e.t, e.y, e.v, e.a, e.transmitted, e.p]
-        return ca.Function("measures", inputs, [column], {"cse": True})
+        return condensed("measures", inputs, [column], SELDOM)
 
     @cached_property
     def names(self) -> Names:
@@ -209,6 +215,7 @@ class Model(ParametricModel):
             "time": lambda: e.t,
             "kinetic_energy": lambda: e.kinetic_energy,
             "potential_energy": lambda: e.potential,
+            "energy": lambda: e.kinetic_energy + e.potential,
             "dissipated_power": lambda: e.powers[0],
             "input_power": lambda: e.powers[1],
         }[name]()

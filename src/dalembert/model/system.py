@@ -53,9 +53,14 @@ class System(Spelled, Declared, Description):
 
     # building ----------------------------------------------------------------
     def derived(self, name: str, formula, unit: str = "", description: str = "") -> Expression:
-        """Name a formula of parameters; it is listed beside them."""
+        """Name a formula of parameters; it is listed beside them.
+
+        Without a ``unit`` it has that of the formula, where this is known.
+        """
         self._claim(name)
-        made = as_expression(formula, name, coherent(unit, name))
+        made = as_expression(formula, name, coherent(unit, name) if unit else None)
+        if not unit:
+            made.unit = getattr(formula, "unit", "")
         made.name = name
         self.derived_parameters[name] = made
         return made

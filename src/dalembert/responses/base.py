@@ -50,7 +50,8 @@ class Response:
         """The name, or one made of the reduction and the measure."""
         if self.name:
             return plain_text(self.name, "name of a response")
-        text = self.measure if isinstance(self.measure, str) else self.measure.name or "formula"
+        named = isinstance(self.measure, str)
+        text = self.measure if named else getattr(self.measure, "name", "") or "formula"
         return f"{type(self).__name__.lower()}({text})"
 
     @property

@@ -10,6 +10,7 @@ from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression, t
+from dalembert.symbolic.once import once
 from dalembert.text.spelling import spelled
 
 
@@ -59,7 +60,7 @@ class AtEvent(Response):
 
     def sampled(self, motion: Result) -> Result:
         try:
-            return motion.analysis.at_event(motion, Occurrence(self.event, self.occurrence))
+            return _at_event(motion, Occurrence(self.event, self.occurrence))
         except UnsupportedError as error:
             raise UnsupportedError(f"{self.label}: {error}") from None
 
@@ -71,6 +72,12 @@ class AtEvent(Response):
 
     def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
         return np.ones(1)
+
+
+@once
+def _at_event(motion: Result, occurrence: Occurrence) -> Result:
+    """The motion then; all responses at one event look at the same."""
+    return motion.analysis.at_event(motion, occurrence)
 
 
 @spelled

@@ -14,7 +14,8 @@ from dalembert.responses.base import Response
 from dalembert.responses.batch import batch_response, representative
 from dalembert.results.batch.batch import Batch
 from dalembert.sensitivity.marching.batch_adjoint import BatchAdjoint
-from dalembert.sensitivity.methods import Adjoint
+from dalembert.sensitivity.marching.batch_direct import BatchDirect
+from dalembert.sensitivity.methods import Adjoint, Direct
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,13 +56,20 @@ def batch_gradients(
     if not good.size or not columns:
         return found
     together = np.setdiff1d(good, list(batch.results))
-    if isinstance(strategy, Adjoint) and isinstance(batch.samples, MarchedStates) and together.size:
-        adjoint = BatchAdjoint(batch, responses, batch.design(int(together[0])))
-        if adjoint.serves:
-            model, p = batch.model, batch.samples.p
-            for k, rows in zip(together, adjoint.gradients(together), strict=True):
-                found[k] = model.gathered(p[k], rows)[:, columns]
-            good = np.setdiff1d(good, together)
+    if isinstance(batch.samples, MarchedStates) and together.size:
+        like = batch.design(int(together[0]))
+        if isinstance(strategy, Adjoint):
+            adjoint = BatchAdjoint(batch, responses, like)
+            if adjoint.serves:
+                model, p = batch.model, batch.samples.p
+                for k, rows in zip(together, adjoint.gradients(together), strict=True):
+                    found[k] = model.gathered(p[k], rows)[:, columns]
+                good = np.setdiff1d(good, together)
+        elif isinstance(strategy, Direct):
+            direct = BatchDirect(batch, responses, like, columns)
+            if direct.serves:
+                found[together] = direct.gradients(together)
+                good = np.setdiff1d(good, together)
     for k, rows in _one_by_one(batch, responses, columns, strategy, good):
         found[k] = rows
     return np.where(np.isfinite(found), found, np.nan)

@@ -15,6 +15,8 @@ COINCIDE = 1e-6
 """Distance, relative to their size, below which eigenvalues cannot be told apart.
 
 Rounding splits a defective pair by the square root of the machine's accuracy."""
+SPLIT = 100.0
+"""By so many times what rounding does to an eigenvalue another one may be apart from it."""
 ALIKE = 1e-7
 """Relative difference of what coinciding eigenvalues weigh that counts as none."""
 CONVERGED = 1e-6
@@ -30,7 +32,7 @@ def coinciding(values: np.ndarray, sizes: np.ndarray | float) -> list[list[int]]
     ----------
     values : (m,)
     sizes : (m,) or one for all, what their errors are relative to: their own sizes where matrices
-        are symmetric, that of the matrix where they are not
+        are symmetric, ``error_sizes`` where they are not
     """
     reach = COINCIDE * np.broadcast_to(sizes, values.shape)
     groups: list[list[int]] = []
@@ -44,6 +46,28 @@ def coinciding(values: np.ndarray, sizes: np.ndarray | float) -> list[list[int]]
         groups = [group for group in groups if group not in near]
         groups.append(sorted([k, *(i for group in near for i in group)]))
     return groups
+
+
+def error_sizes(
+    matrix: np.ndarray, values: np.ndarray, left: np.ndarray, right: np.ndarray
+) -> np.ndarray:
+    """(m,) what the errors of eigenvalues of a matrix without symmetry are relative to.
+
+    Rounding moves one by the size of the matrix times its condition ``|w| |τ| / |wᴴ τ|`` (J. H.
+    Wilkinson, *The Algebraic Eigenvalue Problem*, 1965), both of the balanced matrix. That is its
+    distance from a partner with which it is defective; slow modes beside fast ones are well apart.
+    """
+    from scipy.linalg import matrix_balance
+
+    if not values.size:
+        return np.zeros(0)
+    balanced, (scale, _) = matrix_balance(matrix, permute=False, separate=True)
+    lengths = (np.linalg.norm(v, axis=0) for v in (left * scale[:, None], right / scale[:, None]))
+    overlap = np.abs(np.sum(left.conj() * right, axis=0))
+    condition = np.prod(list(lengths), axis=0) / np.maximum(overlap, np.finfo(float).tiny)
+    moved = SPLIT * np.finfo(float).eps * np.linalg.norm(balanced) * condition
+    largest: np.ndarray = np.minimum(np.abs(values).max(), moved / COINCIDE)
+    return np.maximum(np.abs(values), largest)
 
 
 def told_apart(weights: np.ndarray, size: float) -> bool:

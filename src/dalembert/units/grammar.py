@@ -24,6 +24,8 @@ from dalembert.units.dimensions import Dimension, dimension_of
 MAX_LENGTH = 2000
 MAX_DEPTH = 50
 MAX_NODES = 1000
+TERM = 0.4
+"""Depth of a term of a sum, each of which stands one deeper than the next in the tree."""
 
 _OPERATORS = {
     ast.Add: operator.add,
@@ -64,6 +66,13 @@ def amount_of(text: str) -> Amount | float:
         A name, or a formula outside the grammar.
     """
     return Grammar(text, lambda name: None, list, PLAIN_FUNCTIONS).run()
+
+
+def _goes_on(node: ast.BinOp) -> bool:
+    """Whether it is a sum whose first term is one."""
+    sums = (ast.Add, ast.Sub)
+    left = node.left
+    return isinstance(node.op, sums) and isinstance(left, ast.BinOp) and isinstance(left.op, sums)
 
 
 class Grammar:
@@ -151,13 +160,13 @@ class Grammar:
         except ExpressionError:
             return True
 
-    def visit(self, node: ast.AST, depth: int) -> Any:
+    def visit(self, node: ast.AST, depth: float) -> Any:
         value = self.evaluated(node, depth)
         if isinstance(value, (Amount, float)):
             self.numbers[node] = value
         return value
 
-    def evaluated(self, node: ast.AST, depth: int) -> Any:
+    def evaluated(self, node: ast.AST, depth: float) -> Any:
         self.nodes += 1
         if depth > MAX_DEPTH or self.nodes > MAX_NODES:
             raise self.fail(f"too large (at most {MAX_NODES} parts, {MAX_DEPTH} deep)")
@@ -166,7 +175,7 @@ class Grammar:
         if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
             return self.apply(
                 _OPERATORS[type(node.op)],
-                self.visit(node.left, depth + 1),
+                self.visit(node.left, depth + (TERM if _goes_on(node) else 1)),
                 self.visit(node.right, depth + 1),
             )
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
@@ -217,7 +226,7 @@ class Grammar:
             raise self.fail("a root of a negative number")
         return float(value) if isinstance(value, (bool, int, float)) else value
 
-    def call(self, node: ast.Call, depth: int) -> Any:
+    def call(self, node: ast.Call, depth: float) -> Any:
         if not isinstance(node.func, ast.Name) or node.func.id not in self.functions:
             name = ast.unparse(node.func)[:40]
             raise self.fail(unknown("function", name, self.functions))

@@ -15,8 +15,10 @@ from dalembert.analysis.batch.starts import Starts
 from dalembert.analysis.batch.states import States
 from dalembert.analysis.kinematics.kernel import KinematicsKernel
 from dalembert.analysis.kinematics.run import (
+    FEW,
     LARGEST_TURN,
     REGULAR,
+    SHORT_WAY,
     SMALL_TURN,
     TOLERANCE,
     KinematicsRun,
@@ -59,9 +61,8 @@ class DrivenSteps:
 
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
-        """Whether all designs take the same steps."""
-        chosen = analysis.outputs is not None and analysis.step is None and not analysis.efforts
-        return not (chosen or model.closure.lost or model.diagnosis.free)
+        """Whether its equations determine every position."""
+        return not (model.closure.lost or model.diagnosis.free)
 
     def execute(self, report: Callable[[float], None]) -> Batch:
         """All designs; after an interruption those that were finished."""
@@ -97,7 +98,7 @@ class DrivenSteps:
         statistics = {
             "workers": self.workers,
             "backend": self.marching.report,
-            "steps of a design": self.run.grid.size - 1,
+            "steps of a design": self.longest,
             "designs run on their own": len(waiting),
             "computation time [s]": round(clock.perf_counter() - begin, 6),
         }
@@ -109,28 +110,75 @@ class DrivenSteps:
         self, starts: Starts, report: Callable[[float], None]
     ) -> tuple[States, np.ndarray, np.ndarray, bool]:
         """States at the outputs, designs trusted all the way, residuals, and whether it stopped."""
-        grid, requested, known = self.run.grid, self.run.requested, starts.known
-        h, single = np.diff(grid), _step(self.kernel)
+        requested, known, single = self.run.requested, starts.known, _step(self.kernel)
+        looks = 2 * FEW + requested.size if self.run.chosen else self.run.grid.size
+        asked = _asked(self.kernel)
+        asked[0] += looks * known.size
         columns = self.backend.columns(single, True, (3,))
-        self.marching = march = LaneMarch(single, columns, self.backend, h.size * known.size)
-        shared, p, x0 = march.shared(grid[1:], h), starts.p[known], starts.x0
-        outputs = np.searchsorted(grid, requested)
+        self.marching = march = LaneMarch(single, columns, self.backend, asked[0])
+        p, x0, self.longest = starts.p[known], starts.x0, 0
         x = np.full((self.count, requested.size, self.kept), np.nan)
         residuals, trusted = np.full(self.count, np.nan), np.zeros(known.size, dtype=bool)
-        every, length = np.arange(h.size), self.model.equations.scales.length
+        moved, length = np.full(known.size, np.nan), self.model.equations.scales.length
 
-        def work(group: np.ndarray) -> None:
-            path = march.run(x0[group], shared, p[group], every)
-            trusted[group] = self._trusted(path, h) & (x0[group, -4] >= REGULAR * 1e-3)
+        def move(grid: np.ndarray, sets: np.ndarray, take: Callable[..., None]) -> np.ndarray:
+            h, every = np.diff(grid), np.arange(grid.size - 1)
+            shared = march.shared(grid[1:], h)
+
+            def work(group: np.ndarray) -> None:
+                path = march.run(x0[group], shared, p[group], every)
+                regular = x0[group, -4] >= REGULAR * 1e-3
+                take(group, grid, path, self._trusted(path, h) & regular)
+
+            self.longest = max(self.longest, h.size)
+            threads = self.workers if march.threaded else 1
+            begun = np.count_nonzero(done) / known.size
+
+            def told(fraction: float) -> None:
+                if take is keep:
+                    report(begun + fraction * sets.size / known.size)
+
+            return in_groups(work, sets, march.width, threads, told)
+
+        def look(group: np.ndarray, _: np.ndarray, path: np.ndarray, sound: np.ndarray) -> None:
+            moved[group] = np.where(sound, path[..., -1].max(axis=1, initial=0.0), np.nan)
+
+        def keep(group: np.ndarray, grid: np.ndarray, path: np.ndarray, sound: np.ndarray) -> None:
+            trusted[group] = sound
             whole = np.concatenate([x0[group, None], path], axis=1)
-            x[known[group]] = whole[:, outputs, : self.kept]
+            x[known[group]] = whole[:, np.searchsorted(grid, requested), : self.kept]
             residuals[known[group]] = np.nanmax(whole[..., -3], axis=1) * length
 
-        threads = self.workers if march.threaded else 1
-        done = in_groups(work, np.arange(known.size), march.width, threads, report)
+        done, stopped = np.zeros(known.size, dtype=bool), False
+        if self.run.chosen:
+            few = np.linspace(self.run.start, self.run.end, FEW + 1)
+            stopped = not move(few, np.arange(known.size), look).all()
+        for grid, sets in self._grids(moved):
+            if not stopped:
+                done[sets] = move(grid, sets, keep)
+                stopped = not done[sets].all()
         bodies = _bodies(self.kernel, self.analysis.efforts)
         states = States(self.model, bodies, self.backend, requested, starts.p, x, self.workers)
         return states, known[done & trusted], residuals, not done.all()
+
+    def _grids(self, moved: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Instants of steps, and the designs that take them.
+
+        As single runs do, designs take no more steps than the way asks for that they go at most in
+        one of a few; but their number is rounded up, so that many have the same.
+        """
+        run = self.run
+        with np.errstate(invalid="ignore"):
+            times = np.ceil(np.log2(np.maximum(moved / SHORT_WAY, 1.0)))
+        counts = np.where(np.isnan(times), run.grid.size, FEW * 2.0 ** np.nan_to_num(times))
+        made = []
+        for count in np.unique(counts):
+            grid = run.grid
+            if count + run.requested.size < run.grid.size:
+                needed = np.linspace(run.start, run.end, int(count) + 1)
+                grid = np.union1d(needed, run.requested)
+            made.append((grid, np.flatnonzero(counts == count)))
+        return made
 
     def _trusted(self, path: np.ndarray, h: np.ndarray) -> np.ndarray:
         """(sets,) whether all steps converged with corrections small against their motion."""
@@ -147,6 +195,12 @@ class DrivenSteps:
 def _backend(model: Model) -> Backend:
     """What evaluates the functions of this model's kinematics."""
     return BACKENDS["auto"]()
+
+
+@once
+def _asked(kernel: KinematicsKernel) -> list[int]:
+    """Steps that batches of this model have asked for: those of a sweep are many."""
+    return [0]
 
 
 @once

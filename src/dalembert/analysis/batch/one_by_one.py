@@ -18,7 +18,7 @@ from dalembert.results.result import Analysis, Result
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.parametric_model import ParametricModel
 
-WORTH_COPYING = 0.5
+WORTH_COPYING = 0.15
 """Seconds of work that are left from which it is shared with copies of this process."""
 OWN = ("model", "analysis", "record")
 """What results have in common, or what only a new run of a design needs."""

@@ -19,6 +19,7 @@ from dalembert.integrators.marching.steps import Steps
 from dalembert.results.motion import Motion
 from dalembert.results.result import Result
 from dalembert.results.status import Outcome
+from dalembert.symbolic.once import once
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ def end_by_event(motion: Result) -> Occurrence | None:
     return Occurrence(name, sum(record.name == name for record in motion.events))
 
 
+@once
 def instant_of(motion: Motion, occurrence: Occurrence) -> Instant:
     """Where an event happened.
 

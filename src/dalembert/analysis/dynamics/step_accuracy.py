@@ -24,6 +24,9 @@ HALVINGS = 12
 SMALL = 1e-2
 """Way or speed, relative to the largest, by which a coordinate is measured at least."""
 
+REST = 1e-8
+"""Way or speed, by natural sizes, that what stands still is measured by: rounding moves it, too."""
+
 
 class StepAccuracy:
     """A few steps of a run of fixed steps, looked at again.
@@ -95,7 +98,10 @@ class StepAccuracy:
         seen = np.column_stack([first, last, self.begins[: self.size], after])
         way = np.ptp(seen[: self.positions], axis=1)
         speed = np.abs(seen[self.positions :]).max(axis=1)
-        return np.concatenate([np.maximum(w, SMALL * w.max(initial=0.0)) for w in (way, speed)])
+        found = np.concatenate([np.maximum(w, SMALL * w.max(initial=0.0)) for w in (way, speed)])
+        scales = self.kernel.equations.scales
+        natural = REST * np.concatenate([scales.coordinates, scales.speeds])
+        return np.maximum(found, np.where(found > 0, natural, 0.0))
 
     def _share(self, error: np.ndarray, way: np.ndarray) -> float:
         """Errors of all steps, relative to the way, where that is most."""

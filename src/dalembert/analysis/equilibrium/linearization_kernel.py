@@ -19,7 +19,7 @@ from dalembert.formulations.kkt import Kkt
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
-from dalembert.sparse.eigenvalues import coinciding, leading, residual
+from dalembert.sparse.eigenvalues import coinciding, error_sizes, leading, residual
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
@@ -209,8 +209,8 @@ class Linearized:
     @cached_property
     def groups(self) -> list[list[int]]:
         """Positions of eigenvalues, those together that coincide."""
-        values = self.eigenvalues
-        return coinciding(values, np.abs(values).max(initial=0.0))
+        values, left, right = self._pairs
+        return coinciding(values, error_sizes(self.matrix, values, left, right))
 
     @property
     def eigenvalues(self) -> np.ndarray:

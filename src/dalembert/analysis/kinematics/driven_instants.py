@@ -9,8 +9,10 @@ import numpy as np
 from dalembert.analysis.events import Occurrence, locate, locate_again
 from dalembert.results.motion import Motion
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.once import once
 
 
+@once
 def driven_instant(motion: Motion, occurrence: Occurrence) -> float:
     """Time at which an event happens [s], looked for between the positions of the run.
 

@@ -104,8 +104,7 @@ class ContactStep:
     ) -> StepResult:
         """A step of length ``h`` after another one, whose impulses are near."""
         theta, go = self.scheme.theta, self.model.equations.manifold.go
-        middle = go(y, theta * h * v)
-        free, multiplier, solve = self.smooth.step(t + theta * h, middle, v, self.p, h, theta)
+        free, multiplier, solve = self.smooth.step(t, y, v, self.p, h, theta)
         ahead = AHEAD * h
         for _ in range(WIDENINGS):
             contacts = self.near(t, y, ahead * np.column_stack([v, free]))

@@ -7,13 +7,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep
+from dalembert.analysis.nonsmooth.smooth_motion import Solve
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.friction_problem import FrictionProblem
 from dalembert.symbolic.equations import newton
-from dalembert.symbolic.evaluation.patterned import dense
+from dalembert.symbolic.evaluation.patterned import Matrix, dense
 
 OPENED = newton.NewtonSettings(tolerance=CLOSED, max_iterations=20, halvings=0)
-"""What is left is squared by every step, unless another gap closes."""
+"""What is left is squared by every step."""
+ROUNDS = 20
+"""Times that a shift may close further gaps, which are then counted in."""
 
 
 @dataclass(frozen=True)
@@ -53,21 +56,42 @@ class Opening(newton.Equations[np.ndarray]):
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
         assert isinstance(residual, Left)
-        smooth, gaps = self.step_of.smooth, residual.gaps
-        solve = smooth.at(self.t, x, self.step_of.p)[0]
+        return self.shift(x, residual)[0]
+
+    def shift(self, x: np.ndarray, residual: Left) -> tuple[np.ndarray, Contacts | None]:
+        """The displacement, and the gaps that are counted in: those closed, and those it would
+        close, such as the next ones in a stack."""
+        solve = self.step_of.smooth.at(self.t, x, self.step_of.p)[0]
         still = np.zeros(self.step_of.model.equations.speed_count)
-        shift = solve(still, -residual.value[:-1])[0]
+        joined, gaps = solve(still, -residual.value[:-1])[0], residual.gaps
         if gaps is None or not gaps.count:
-            return shift
-        normals = gaps.directions[np.arange(gaps.count) * gaps.drift.shape[1]]
+            return joined, None
+        allowed = CLOSED * self.step_of.model.scales.length
+        for _ in range(ROUNDS):
+            shift = joined + self._opened(gaps, joined, solve)
+            near = self.step_of.near(self.t, x, shift[:, None])
+            closes = near.distance + normals_of(near) @ shift < -allowed
+            if np.isin(near.key[closes], gaps.key).all():
+                break
+            gaps = near.some(np.isin(near.key, gaps.key) | closes)
+        return shift, gaps
+
+    def _opened(self, gaps: Contacts, joined: np.ndarray, solve: Solve) -> np.ndarray:
+        """Displacement by which some gaps open, beside that which closes joints."""
+        normals = normals_of(gaps)
         way = solve(dense(normals).T, None)[0]
-        open_by = (gaps.distance + normals @ shift)[:, None]
+        open_by = (gaps.distance + normals @ joined)[:, None]
         scale = float(np.abs(open_by).max())
         problem = FrictionProblem(normals @ way, open_by, np.zeros(gaps.count), scale)
-        return shift + way @ self.step_of.solver.solve(problem).impulses.ravel()
+        return way @ self.step_of.solver.solve(problem).impulses.ravel()
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         return self.step_of.model.equations.manifold.go(x, step)
+
+
+def normals_of(gaps: Contacts) -> Matrix:
+    """Rows of ``W`` along the normals."""
+    return gaps.directions[np.arange(gaps.count) * gaps.drift.shape[1]]
 
 
 def corrected(

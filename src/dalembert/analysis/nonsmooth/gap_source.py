@@ -97,11 +97,12 @@ class FormulaGaps(GapSource):
         shares = ca.horzcat(
             *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws if law)
         )
+        shares = model.at_ground(ca.densify(shares))
         self._stated = distances, speeds, shares
         inputs = [e.t, e.y, e.p]
         outputs = [distances, directions, drift]
         self._gaps = Patterned("gaps", inputs, outputs)
-        self._laws = Kernel(ca.Function("laws", [e.p], [ca.densify(shares)]))
+        self._laws = Kernel(ca.Function("laws", inputs, [shares]))
 
     def near(
         self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
@@ -111,7 +112,7 @@ class FormulaGaps(GapSource):
         count = self.owner.size
         more = ((0, 0), (0, width - self.width), (0, 0))
         rows = np.pad(dense(directions).reshape(count, self.width, -1), more)
-        restitution, tangential, friction = self._laws(p)[0][:, self.owner]
+        restitution, tangential, friction = self._laws(time, y, p)[0][:, self.owner]
         every = Contacts(
             distance,
             rows.reshape(count * width, -1),

@@ -22,10 +22,11 @@ Solve = Callable[[np.ndarray, np.ndarray | None], tuple[np.ndarray, np.ndarray]]
 class SmoothMotion:
     """Functions of a model for steps by the θ-method,
 
-        (M − h θ D − h² θ² K)(v⁺ − v) = h F − Cᵀ Λ,      C v⁺ = −Φ_t
+        (M − h θ D − h² θ² K)(v⁺ − v) = h F − Cᵀ Λ,      C (σ v⁺ + (1−σ) v) = −Φ_t
 
     with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at ``y ⊕ θ h v``, ``v``; of linear forces
-    this is the θ-method itself.
+    this is the θ-method itself. ``C`` and ``Φ_t`` are those at ``y ⊕ σ h v``, ``σ = max(θ, 1/2)``:
+    speeds that are right at the end alone would need no force there that turns them on the way.
 
     Parameters
     ----------
@@ -57,21 +58,23 @@ class SmoothMotion:
         energies = ca.densify(ca.vertcat(e.kinetic_energy, e.potential))
         self.energies = Kernel(ca.Function("energies", inputs, [energies]))
         self._reacts = ca.sparsify(ca.horzcat(damping, stiffness)).nnz() > 0
-        self.has_joints = e.constraint_count > 0
+        self.has_joints, self._go = e.constraint_count > 0, e.manifold.go
 
     def step(
         self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray, h: float, theta: float
     ) -> tuple[np.ndarray, np.ndarray, Solve]:
-        """Speeds at the end without impulses, multipliers times ``h``, and the solver of the step;
-        ``y`` and ``t`` are those of the middle."""
-        force, damping, stiffness = self._forces(t, y, v, p)
-        mass = self._mass(y, p)[0]
+        """Speeds at the end without impulses, multipliers times ``h``, and the solver of the
+        step."""
+        part = joined(theta)
+        middle, between = self._go(y, theta * h * v), self._go(y, part * h * v)
+        force, damping, stiffness = self._forces(t + theta * h, middle, v, p)
+        mass = self._mass(middle, p)[0]
         matrix = mass
         if self._reacts:
             matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
-        joints, still = self._joints(t, y, p)[:2]
+        joints, still = self._joints(t + part * h, between, p)[:2]
         solve = solver(matrix, joints)
-        change, multiplier = solve(h * force, -still - joints @ v)
+        change, multiplier = solve(h * force, -(still + joints @ v) / part)
         return v + change, multiplier, solve
 
     def open_by(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -85,6 +88,11 @@ class SmoothMotion:
         """Solver with ``M`` and ``C`` at a position, ``Φ``, ``Φ_t`` and ``C``."""
         joints, still, open_by = self._joints(t, y, p)[:3]
         return solver(self._mass(y, p)[0], joints), open_by, still, joints
+
+
+def joined(theta: float) -> float:
+    """``σ``, the part of a step after which the speeds between its ends are what joints allow."""
+    return max(theta, 0.5)
 
 
 def solver(matrix: Matrix, joints: Matrix) -> Solve:

@@ -66,7 +66,8 @@ class Walk:
             direction = after
             growth = np.clip(np.sqrt(QUICK / max(self.effort, 1)), 0.5, 2.0)
             length = min(length * growth, tools.longest * first)
-        return self.status(Outcome.COMPLETED, f"{tools.max_points} points, up to")
+        short = f"max_points={tools.max_points} came before load factor {tools.until:g}; up to"
+        return self.status(Outcome.COMPLETED, short)
 
     def _step(self, direction: np.ndarray, length: float):
         """Point, direction and plane at some length along the path; None where Newton fails."""

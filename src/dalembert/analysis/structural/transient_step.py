@@ -1,8 +1,10 @@
 """One step of Newmark's method or a relative, for structures.
 
 The rule of ``integrators/newmark/rule.py``; the equations of motion hold at the end of the step.
-Newton's method begins with the factors that the step before ended with, and takes new ones only
-where they do not lead fast to the root; what it finds is corrected once more with those at the end.
+Newton's method begins where the equations that are linear about the beginning of the step lead:
+kept accelerations would carry nodes under loads of their own across their neighbours, and stiff
+waves with them. It goes on with the factors at the beginning, and takes new ones only where they do
+not lead fast to the root; what it finds is corrected once more with those at the end.
 """
 
 from __future__ import annotations
@@ -60,6 +62,8 @@ class TransientStep:
         self.factorisations = 0
         self._steady = self._factors(equation.slopes(equation.rest)) if equation.linear else None
         self.kept: Unknown | None = None
+        self.end: Moving | None = None
+        """Of the step before, and the equations there."""
         self.balance, self.iterations = Balance(equation.model, equation.p), 0
         self.left = 0.0
         """Relative residual at which Newton's method ended."""
@@ -92,7 +96,7 @@ class TransientStep:
         ahead, held, loads = self.predicted(x), e.support_motion(time), e.loads(time)
         a = np.zeros_like(x.a)
         if not e.linear:
-            a[e.free] = x.a[e.free]
+            a = self._guess(x, ahead, held, loads, time)
             found = self._solved(EndOfStep(self, ahead, held, loads, time, FAST), a)
             if found is None:
                 found = self._solved(EndOfStep(self, ahead, held, loads, time, 0.0), a)
@@ -103,7 +107,21 @@ class TransientStep:
         self.kept = self.unknown(Instant(e, motion, time))
         rest = (e.forces(motion) - loads)[e.free]
         a[e.free] += self.kept.correction(rest)  # after convergence: round-off only is left
-        return self.placed(ahead, held, a)
+        self.end = self.placed(ahead, held, a)
+        return self.end
+
+    def _guess(
+        self, x: Moving, ahead: Ahead, held: Motions, loads: np.ndarray, time: float
+    ) -> np.ndarray:
+        """(n,) accelerations at the end by forces that are linear about the beginning."""
+        e, begin, a = self.equation, moved(x), np.zeros_like(x.a)
+        if self.kept is None or self.end is not x:
+            self.kept = self.unknown(Instant(e, begin, time - self.rule.h))
+        end = moved(self.placed(ahead, held, a))
+        change = Motions(*(new - old for new, old in zip(end, begin, strict=True)))
+        rest = e.forces(begin) + self.kept.at.slopes.along(change) - loads
+        a[e.free] = self.kept.correction(rest[e.free])
+        return a
 
     def push(self, end: Instant, change: Moving) -> Moving:
         """Change of what the step ends with, from that of what it begins with."""

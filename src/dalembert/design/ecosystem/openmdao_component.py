@@ -62,20 +62,15 @@ def openmdao_component(
     >>> float(problem["spring.u"][0])  # F/k
     2.0
     """
-    try:
-        import openmdao.api as om
-    except ImportError:
-        raise UnsupportedError("OpenMDAO is missing: pip install dalembert[mdo]") from None
+    om = openmdao_api()
     functions = DesignFunctions(model, responses, analysis=analysis, vary=vary, gradient=gradient)
-    outputs = [re.sub(r"\W", "_", label) for label in functions.labels]
-    if len(set(outputs)) < len(outputs):
-        raise AnalysisError(f"responses need names that differ in letters: {functions.labels}")
+    inputs_, outputs = openmdao_names(functions.names), openmdao_names(functions.labels)
 
-    class Component(om.ExplicitComponent):
+    class Component(om.ExplicitComponent):  # type: ignore[name-defined, misc]
         """Responses of a design for OpenMDAO."""
 
         def setup(self) -> None:
-            for name, value in zip(functions.names, functions.x0, strict=True):
+            for name, value in zip(inputs_, functions.x0, strict=True):
                 self.add_input(name, float(value))
             for output in outputs:
                 self.add_output(output)
@@ -91,10 +86,39 @@ def openmdao_component(
         def compute_partials(self, inputs: Any, partials: Any, *ignored: Any) -> None:
             slopes = functions.jacobian(_vector(inputs))
             for output, row in zip(outputs, slopes, strict=True):
-                for name, slope in zip(functions.names, row, strict=True):
+                for name, slope in zip(inputs_, row, strict=True):
                     partials[output, name] = slope
 
     def _vector(inputs: Any) -> np.ndarray:
-        return np.array([float(np.ravel(inputs[name])[0]) for name in functions.names])
+        return np.array([float(np.ravel(inputs[name])[0]) for name in inputs_])
 
     return Component()
+
+
+def openmdao_api() -> Any:
+    """Its module.
+
+    Raises
+    ------
+    UnsupportedError
+        OpenMDAO is not there.
+    """
+    try:
+        import openmdao.api as om
+    except ImportError:
+        raise UnsupportedError("OpenMDAO is missing: pip install dalembert[mdo]") from None
+    return om
+
+
+def openmdao_names(labels: Sequence[str]) -> list[str]:
+    """Labels with ``_`` for what OpenMDAO's names do not hold.
+
+    Raises
+    ------
+    AnalysisError
+        Two of them differ in nothing else.
+    """
+    made = [re.sub(r"\W", "_", label) for label in labels]
+    if len(set(made)) < len(made):
+        raise AnalysisError(f"OpenMDAO needs names that differ in letters: {list(labels)}")
+    return made

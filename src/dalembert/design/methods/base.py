@@ -58,3 +58,7 @@ class Optimizer(ABC):
     @abstractmethod
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         """The best design from ``z`` on."""
+
+    def rescue(self) -> Optimizer | None:
+        """What goes on where this one is stuck short of an optimum."""
+        return None

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.ipopt import Ipopt
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
 
@@ -14,6 +15,11 @@ from dalembert.options import options
 @options
 class Slsqp(Optimizer):
     """Quick for up to about a hundred variables, with limits and equations.
+
+    Parameters
+    ----------
+    rescued : where it is stuck short of an optimum or of its limits, though designs nearby are
+        better, ``Ipopt`` goes on from there
 
     Examples
     --------
@@ -29,6 +35,11 @@ class Slsqp(Optimizer):
     >>> round(best.x["k"])  # of k + 4e4/k
     200
     """
+
+    rescued: bool = True
+
+    def rescue(self) -> Optimizer | None:
+        return Ipopt() if self.rescued else None
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         from scipy.optimize import minimize

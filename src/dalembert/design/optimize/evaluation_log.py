@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -56,23 +57,44 @@ class EvaluationLog:
                 entry = json.loads(line)
             except ValueError:  # the last line of a run that was killed
                 continue
-            kept = self.known.setdefault(self._key(entry["x"]), {})
+            kept = self.known.setdefault(self._key(entry["x"], entry.get("part", "")), {})
             kept.update(entry)
 
     @staticmethod
-    def _key(x: Any) -> bytes:
-        return np.asarray(x, dtype=float).tobytes()
+    def _key(x: Any, part: str) -> bytes:
+        return part.encode() + np.asarray(x, dtype=float).tobytes()
 
     def _write(self, entry: Mapping[str, Any]) -> None:
         with self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(entry) + "\n")
 
-    def find(self, x: np.ndarray) -> dict[str, Any] | None:
-        """What is known of a design: ``values`` and perhaps ``gradient``, or a ``failure``."""
-        return self.known.get(self._key(x))
+    def find(self, x: np.ndarray, part: str = "") -> dict[str, Any] | None:
+        """What is known of a design: ``terms`` and perhaps ``gradient``, or a ``failure``."""
+        return self.known.get(self._key(x, part))
 
-    def keep(self, x: np.ndarray, **entry: Any) -> None:
+    def keep(self, x: np.ndarray, part: str = "", **entry: Any) -> None:
         """Write what a run gave."""
         plain = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in entry.items()}
-        self.known.setdefault(self._key(x), {}).update(plain)
-        self._write({"x": np.asarray(x, dtype=float).tolist(), **plain})
+        self.known.setdefault(self._key(x, part), {}).update(plain)
+        named = {"part": part} if part else {}
+        self._write({**named, "x": np.asarray(x, dtype=float).tolist(), **plain})
+
+    def part(self, name: str = "") -> LogPart:
+        """Evaluations of one of several problems that share the file."""
+        return LogPart(self, name)
+
+
+@dataclass(frozen=True)
+class LogPart:
+    """What one problem writes and finds there."""
+
+    log: EvaluationLog
+    name: str
+
+    def find(self, x: np.ndarray) -> dict[str, Any] | None:
+        """As of ``EvaluationLog``."""
+        return self.log.find(x, self.name)
+
+    def keep(self, x: np.ndarray, **entry: Any) -> None:
+        """As of ``EvaluationLog``."""
+        self.log.keep(x, self.name, **entry)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from dalembert.design.case import Case
 from dalembert.design.limit import Limit
@@ -82,19 +85,58 @@ def optimize(
     >>> best.success, round(math.degrees(best.x["angle"]), 3), round(best.fun * 9.81, 3)  # v²/g
     (True, 45.0, 100.0)
     """
+    limits = Limit.all_of(subject_to)
+    sign, objective = aimed(minimize, maximize)
+    wanted = [objective, *(limit.response for limit in limits)]
+    problem = design_problem(model, analysis, wanted, vary, start)
+    if history is not None:
+        problem.log = EvaluationLog(history, fingerprint(problem)).part()
+    how = Searched(method, gradient, Stop(max_iterations, tolerance), progress)
+    return how.best(how.program(problem, limits, sign))
+
+
+@dataclass(frozen=True)
+class Searched:
+    """How a design is searched for; as of ``optimize``."""
+
+    method: str | Optimizer
+    gradient: Method
+    stop: Stop
+    progress: bool | Told
+
+    def program(
+        self,
+        problem: DesignProblem,
+        limits: list[Limit],
+        sign: float,
+        sizes: np.ndarray | None = None,
+    ) -> Program:
+        """The problem, whose first quantity is the objective, in scaled numbers."""
+        problem.gradient = self.gradient
+        self.optimizer(problem)
+        start = problem.variables.start
+        return Program(problem, limits, sign, start, teller(self.progress), sizes)
+
+    def optimizer(self, problem: DesignProblem) -> Optimizer:
+        """Its method."""
+        return make_optimizer(self.method, bool(problem.variables.sizes))
+
+    def best(self, program: Program) -> Optimum:
+        """The optimum of a program."""
+        return solve(program, self.optimizer(program.problem), self.stop)
+
+
+def aimed(minimize: Any, maximize: Any) -> tuple[float, Any]:
+    """1 or −1, and the objective.
+
+    Raises
+    ------
+    AnalysisError
+        Both or none.
+    """
     if (minimize is None) == (maximize is None):
         raise AnalysisError("give one objective: minimize=... or maximize=...")
-    limits = Limit.all_of(subject_to)
-    sign, objective = (1.0, minimize) if minimize is not None else (-1.0, maximize)
-    problem = design_problem(
-        model, analysis, [objective, *(limit.response for limit in limits)], vary, start
-    )
-    problem.gradient = gradient
-    chosen = make_optimizer(method, bool(problem.variables.sizes))
-    if history is not None:
-        problem.log = EvaluationLog(history, fingerprint(problem))
-    program = Program(problem, limits, sign, problem.variables.start, teller(progress))
-    return solve(program, chosen, Stop(max_iterations, tolerance))
+    return (1.0, minimize) if minimize is not None else (-1.0, maximize)
 
 
 def design_problem(

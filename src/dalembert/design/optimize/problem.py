@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.case import Case, in_order
-from dalembert.design.optimize.evaluation_log import EvaluationLog
+from dalembert.design.optimize.evaluation_log import LogPart
 from dalembert.design.quantity import Quantity
 from dalembert.design.variables import Variables
 from dalembert.errors import AnalysisError, ModelError
@@ -59,7 +59,7 @@ class DesignProblem:
     quantities: Sequence[Quantity]
     variables: Variables
     gradient: Method = "auto"
-    log: EvaluationLog | None = None
+    log: LogPart | None = None
     on_run: Callable[[], None] = lambda: None
     source: DesignProblem | None = None
     runs: int = 0

@@ -41,6 +41,7 @@ class Program:
     limits : in the order of these quantities
     sign : 1 to minimise, −1 to maximise
     start : (n,) design at which it begins and is scaled
+    sizes : (m,) what one is for each limit, where another program has told
 
     Raises
     ------
@@ -55,6 +56,7 @@ class Program:
         sign: float,
         start: np.ndarray,
         on_iterate: Callable[[int, float], None] | None = None,
+        sizes: np.ndarray | None = None,
     ):
         self.problem, self.limits, self.sign = problem, list(limits), sign
         self.variables, self.on_iterate = problem.variables, on_iterate
@@ -66,7 +68,8 @@ class Program:
             raise AnalysisError(f"the starting design fails: {problem.failures[-1]}")
         self.first, self.reached = first, (self.origin, first)
         self.scale = self._scale(first)
-        self.sizes = np.array([self._size(k, limit) for k, limit in enumerate(self.limits, 1)])
+        own = np.array([self._size(k, limit) for k, limit in enumerate(self.limits, 1)])
+        self.sizes = own if sizes is None else sizes
         self.c_lower = self._bounds("lower", -np.inf)
         self.c_upper = self._bounds("upper", np.inf)
         self.last = sign * first.values[0] / self.scale
@@ -79,9 +82,11 @@ class Program:
         return float(max(value, 1e-3 * np.max(abs(slope), initial=0.0))) or 1.0
 
     def _size(self, row: int, limit: Limit) -> float:
-        """What one is for a limit: its bound, or the quantity at the start."""
+        """What one is for a limit: its bound, or the quantity at the start and what moves it."""
         bounds = [abs(b) for b in (limit.lower, limit.upper) if b is not None]
-        return float(max(*bounds, abs(self.first.values[row]), 1e-12))
+        slope = self.problem.slope(self.first, row) * self.width if not any(bounds) else np.zeros(1)
+        moved = 1e-3 * float(np.max(abs(slope), initial=0.0))
+        return float(max(*bounds, abs(self.first.values[row]), moved, 1e-12))
 
     def _bounds(self, side: str, none: float) -> np.ndarray:
         given = [getattr(limit, side) for limit in self.limits]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
-from dalembert.design.optimize.optimality import OPTIMAL, multipliers
+from dalembert.design.optimize.optimality import OPTIMAL, multipliers, why_stuck
 from dalembert.design.optimize.program import FEASIBLE, Program
 
 ROUNDS = 4
@@ -15,7 +17,10 @@ FALL = 1e-2
 
 
 def settled(program: Program, method: Optimizer, stop: Stop, z: np.ndarray) -> Ended:
-    """Where a method ends from ``z``, taken up again with sharper tolerances if stuck."""
+    """Where a method ends from ``z``, taken up again with sharper tolerances if stuck.
+
+    If that does not help, the method that it names goes on.
+    """
     used = len(program.history)
     ended = method.solve(program, z, stop)
     if method.is_global or ended.optima:
@@ -32,7 +37,37 @@ def settled(program: Program, method: Optimizer, stop: Stop, z: np.ndarray) -> E
             ended = found
         if not after < before - 1e-3 * abs(before) and _is_feasible(program, ended.z):
             break
-    return ended
+    rescue = method.rescue()
+    if rescue is None or not _is_stuck(program, ended.z):
+        return ended
+    left = stop.max_iterations - (len(program.history) - used)
+    return _rescued(program, rescue, Stop(max(left, 1), stop.tolerance), ended)
+
+
+def _rescued(program: Program, method: Optimizer, stop: Stop, ended: Ended) -> Ended:
+    """Where another method ends from there, if that is better."""
+    if not program.begin(ended.z):
+        return ended
+    found = method.solve(program, ended.z, stop)
+    values = [
+        program.problem.evaluate(program.unscale(e.z), gradient=False) for e in (found, ended)
+    ]
+    if values[0] is None or values[1] is None:
+        return ended
+    if not program.is_better(values[0].values, values[1].values):
+        return ended
+    return replace(found, message=f"{ended.message}, but {found.message}")
+
+
+def _is_stuck(program: Program, z: np.ndarray) -> bool:
+    """No optimum, though designs nearby can be run and are better."""
+    point = program.point(z, record=False)
+    if point is None:
+        return False
+    if not _is_feasible(program, z):
+        return True
+    left = multipliers(program, z, point)
+    return left.stationarity > OPTIMAL and not why_stuck(program, z, point, left.residual)
 
 
 def _is_feasible(program: Program, z: np.ndarray) -> bool:

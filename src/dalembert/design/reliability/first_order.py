@@ -18,6 +18,10 @@ from dalembert.errors import AnalysisError, UnsupportedError
 
 METHODS = ("improved-hlrf", "hlrf")
 NEGLIGIBLE = 1e-6
+STARTS = 3
+"""Searches from beside a median at which the limit state does not change."""
+BESIDE = 0.1
+"""How far from a point, of its index, it is looked whether the limit state bends back there."""
 
 
 @dataclass(frozen=True)
@@ -173,6 +177,52 @@ class Search:
         return ", ".join(f"{n} = {v:.6g}" for n, v in zip(self.limits.names, x, strict=True))
 
 
+def _first(search: Search, scale: float, rng: Any) -> DesignPoint:
+    """The point reached from the median, or from beside it where no gradient shows the way there.
+
+    Raises
+    ------
+    AnalysisError
+        None of these searches can be made.
+    """
+    n = search.nataf.size
+    try:
+        return search.solve(np.zeros(n), scale)
+    except AnalysisError:
+        if np.any(search.slope(np.zeros(n))[0]):
+            raise
+        for _ in range(STARTS):
+            direction = rng.normal(size=n)
+            try:
+                return search.solve(direction / np.linalg.norm(direction), scale)
+            except AnalysisError:
+                continue
+        raise
+
+
+def _nearest(search: Search, point: DesignPoint, scale: float) -> DesignPoint:
+    """The point itself, unless the limit state bends around the origin there.
+
+    Then points beside it on the sphere of the same index fail already, and the search goes on from
+    one of them: from a median on an axis of symmetry it may have come to the farthest point.
+    """
+    u, beta = point.u, point.beta
+    beside = np.random.default_rng(0).normal(size=u.size)
+    beside -= (beside @ point.alpha) * point.alpha
+    size = float(np.linalg.norm(beside))
+    if not (point.converged and beta > 0 and size > 1e-6):
+        return point
+    there = u + BESIDE * max(beta, 1.0) * beside / size
+    there *= beta / np.linalg.norm(there)
+    if not search.value(there) < -10 * search.tolerance * scale:
+        return point
+    try:
+        nearer = search.solve(there, scale)
+    except AnalysisError:
+        return point
+    return nearer if nearer.converged and nearer.beta < beta else point
+
+
 def design_points(search: Search, starts: int, rng: Any) -> list[DesignPoint]:
     """Design points of a limit state from the median and from starts around it, nearest first.
 
@@ -186,7 +236,7 @@ def design_points(search: Search, starts: int, rng: Any) -> list[DesignPoint]:
     n = search.nataf.size
     scale = abs(search.needed(np.zeros(n)))
     scale = scale or abs(search.needed(np.full(n, 0.1))) or 1.0
-    found = [search.solve(np.zeros(n), scale)]
+    found = [_nearest(search, _first(search, scale, rng), scale)]
     radius = max(abs(found[0].beta), 1.0)
     for _ in range(starts - 1):
         direction = rng.normal(size=n)

@@ -2,33 +2,32 @@
 
 Optimisation and reliability in turn (SORA, Du and Chen 2004): every limit is kept at the worst
 point of its random parameters at the index that is wanted, where the last design put it; at the
-new design the worst points are looked for again, until nothing moves. All gradients are exact.
+new design the worst points are looked for again, until nothing moves. Each round begins where the
+last one ended, with its design and its worst points. All gradients are exact.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from dalembert.design.case import Case
+from dalembert.design.bounded import Bounded
 from dalembert.design.limit import Limit
-from dalembert.design.methods.base import Optimizer
-from dalembert.design.optimize.optimization import optimize
+from dalembert.design.methods.base import Optimizer, Stop
+from dalembert.design.optimize.evaluation_log import EvaluationLog
+from dalembert.design.optimize.optimization import Searched, aimed, design_problem, fingerprint
 from dalembert.design.optimize.optimum import Optimum
 from dalembert.design.reliability.distribution import Distribution
-from dalembert.design.reliability.first_order import Search
-from dalembert.design.reliability.inverse_search import worst_point
-from dalembert.design.reliability.limit_state import RunLimits, limit_states
-from dalembert.design.reliability.moved import about, case_at
-from dalembert.design.reliability.nataf import Correlation, Nataf
+from dalembert.design.reliability.nataf import Correlation
 from dalembert.design.reliability.reliable_optimum import ReliableLimit, ReliableOptimum, Round
+from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
 from dalembert.design.telling import Told
 from dalembert.design.variables import varied_names
 from dalembert.errors import AnalysisError
-from dalembert.responses.base import Response
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -56,6 +55,7 @@ def optimize_reliable(
     max_iterations: int = 100,
     tolerance: float = 1e-8,
     rounds: int = 20,
+    history: str | Path | None = None,
     progress: bool | Told = False,
 ) -> ReliableOptimum:
     """Best parameters for which every limit holds with a probability ``Φ(β)``, to first order.
@@ -70,6 +70,7 @@ def optimize_reliable(
     vary, start, method, gradient, max_iterations, tolerance, progress : as of ``optimize``
     correlation : pair of names → linear correlation, or the whole matrix
     rounds : of optimisation and reliability at most
+    history : file in which evaluations are kept; the same call goes on from it after an interrupt
 
     Raises
     ------
@@ -98,127 +99,106 @@ def optimize_reliable(
         raise AnalysisError(f"beta is {beta!r}; give an index above zero, such as 3")
     if not random:
         raise AnalysisError("nothing is random; give random={parameter: distribution}")
-    task = _Task(model, analysis, _one_sided(subject_to), random, correlation, beta)
-    aim = {"minimize": minimize} if minimize is not None else {"maximize": maximize}
-    varied, at = varied_names(model.parameters, vary), dict[str, float]()
-    points, told = [np.zeros(len(random))] * len(task.limits), list[Round]()
-    for number in range(max(rounds, 1)):
-        best = optimize(
-            model,
-            **aim,
-            subject_to=task.at(points, varied),
-            vary=vary,
-            analysis=analysis,
-            start=start,
-            method=method,
-            gradient=gradient,
-            max_iterations=max_iterations,
-            tolerance=tolerance,
-            progress=progress,
+    sign, objective = aimed(minimize, maximize)
+    task = ReliableTask(model, analysis, one_sided(subject_to), random, correlation, beta)
+    how = Searched(method, gradient, Stop(max_iterations, tolerance), progress)
+    walk = _Rounds(task, how, sign, objective, vary, dict(start or {}), history)
+    try:
+        walk.walk(max(rounds, 1))
+    except KeyboardInterrupt:
+        if walk.best is None:
+            raise
+        walk.stopped = True
+    return walk.ended()
+
+
+@dataclass
+class _Rounds:
+    """Optimisation and reliability in turn, and what they came to."""
+
+    task: ReliableTask
+    how: Searched
+    sign: float
+    objective: Any
+    vary: Sequence[Any] | None
+    start: dict[str, float]
+    history: str | Path | None
+    best: Optimum | None = None
+    found: list[ReliableLimit] = field(default_factory=list)
+    told: list[Round] = field(default_factory=list)
+    settled: bool = False
+    stopped: bool = False
+    sizes: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        task = self.task
+        self.points, self.log = task.means, None
+        self.varied = varied_names(task.model.parameters, self.vary)
+        if self.history is not None:
+            wanted = [self.objective, *(limit.response for limit in task.limits)]
+            problem = design_problem(task.model, task.analysis, wanted, self.vary, self.start)
+            about = {"random": repr(dict(task.random)), "correlation": repr(task.correlation)}
+            self.log = EvaluationLog(self.history, fingerprint(problem) | about)
+            task.states.problem.log = self.log.part("reliability")
+
+    def walk(self, rounds: int) -> None:
+        """From round to round, until nothing moves."""
+        at = dict[str, float]()
+        for number in range(rounds):
+            best = self._optimum()
+            self.best = best if self.best is None else _after(self.best, best)
+            if best.interrupted:
+                self.stopped = True
+                return
+            moved = max((_change(best.x[n], at.get(n)) for n in best.x), default=0.0)
+            self.points, self.found = self.task.worst(best, self.points)
+            at = self.start = dict(best.x)
+            margin = min(one.margin for one in self.found)
+            self.told.append(Round(number, best.fun, best.x, margin, best.runs))
+            self.settled = moved <= SETTLED and margin >= -SETTLED
+            if self.settled:
+                break
+        assert self.best is not None
+        self.found = self.task.with_indices(self.best, self.points, self.found)
+
+    def _optimum(self) -> Optimum:
+        """The best design for the limits at their worst points of the last one."""
+        task, limits = self.task, self.task.at(self.points, self.varied)
+        wanted = [self.objective, *(limit.response for limit in limits)]
+        problem = design_problem(task.model, task.analysis, wanted, self.vary, self.start)
+        if self.log is not None:
+            problem.log = task.log_of(self.log, self.points)
+        program = self.how.program(problem, limits, self.sign, self.sizes)
+        self.sizes = program.sizes
+        return self.how.best(program)
+
+    def ended(self) -> ReliableOptimum:
+        """What there is by now."""
+        assert self.best is not None
+        limits = self.found or self.task.unknown()
+        runs = self.task.states.problem.runs + self.best.runs
+        return ReliableOptimum(
+            self.best, self.task.beta, limits, self.told, self.settled, runs, self.stopped
         )
-        if best.interrupted:
-            break
-        moved = max((_change(best.x[n], at.get(n)) for n in best.x), default=0.0)
-        points, found = task.worst(best, points)
-        at = dict(best.x)
-        margin = min(one.margin for one in found)
-        told.append(Round(number, best.fun, best.x, margin, best.runs))
-        if moved <= SETTLED and told[-1].margin >= -SETTLED:
-            return task.ended(best, points, found, told)
-    return task.ended(best, points, task.worst(best, points)[1], told, settled=False)
+
+
+def _after(before: Optimum, best: Optimum) -> Optimum:
+    """An optimum that goes on from another one, told from the very start."""
+    return replace(
+        best,
+        initial=before.initial,
+        history=[*before.history, *best.history[1:]],
+        runs=before.runs + best.runs,
+        gradients=before.gradients + best.gradients,
+        failed_runs=before.failed_runs + best.failed_runs,
+        variables=_begun(before.variables, best.variables),
+        limits=_begun(before.limits, best.limits),
+    )
+
+
+def _begun(before: list[Bounded], now: list[Bounded]) -> list[Bounded]:
+    return [replace(one, start=first.start) for first, one in zip(before, now, strict=True)]
 
 
 def _change(new: float, old: float | None) -> float:
     return np.inf if old is None else abs(new - old) / (abs(new) or 1.0)
-
-
-def _one_sided(limits: Sequence[Limit]) -> list[Limit]:
-    """A limit for each side."""
-    made = []
-    for limit in Limit.all_of(limits):
-        if not isinstance(limit.response, Response):
-            raise AnalysisError(
-                f"{limit.response!r:.60}: limits with a reliability are those of one response"
-            )
-        if limit.lower is not None:
-            made.append(replace(limit, upper=None))
-        if limit.upper is not None:
-            made.append(replace(limit, lower=None))
-    if not made:
-        raise AnalysisError("there is no limit to be reliable; give subject_to=[da.Limit(...)]")
-    return made
-
-
-@dataclass
-class _Task:
-    """Limits of one side each, with what is random."""
-
-    model: ParametricModel
-    analysis: Analysis
-    limits: list[Limit]
-    random: Mapping[str, Distribution]
-    correlation: Correlation
-    beta: float
-
-    def __post_init__(self) -> None:
-        self.base = Case(self.model, self.analysis)
-        made = limit_states(self.model, self.limits, list(self.random), self.analysis)
-        assert isinstance(made, RunLimits)
-        self.states = made
-
-    def at(self, points: list[np.ndarray], varied: list[str]) -> list[Limit]:
-        """The limits at these points of the random parameters, about the design."""
-        nataf, made = Nataf(self.random, self.correlation), []
-        means = np.array([one.moments[0] for one in self.random.values()])
-        for limit, label, u in zip(self.limits, self.states.labels, points, strict=True):
-            x = nataf.values(u) if np.any(u) else means
-            case = case_at(self.base, self.random, x, varied)
-            made.append(replace(limit, response=case[replace(limit.response, name=label)]))
-        return made
-
-    def searches(self, best: Optimum) -> list[Search]:
-        """Of every limit, with the random parameters about a design."""
-        nataf = Nataf(about(self.random, best.x), self.correlation)
-        self.states.rest = np.array(
-            [best.x.get(n, self.model.parameters[n].value) for n in self.states.others]
-        )
-        return [Search(self.states, nataf, row) for row in range(len(self.limits))]
-
-    def worst(
-        self, best: Optimum, points: list[np.ndarray]
-    ) -> tuple[list[np.ndarray], list[ReliableLimit]]:
-        """The worst points at a design, and the limits there."""
-        made, told = [], []
-        for search, limit, u in zip(self.searches(best), self.limits, points, strict=True):
-            there, g = worst_point(search, self.beta, u)
-            bound = limit.lower if limit.lower is not None else limit.upper
-            x = dict(zip(self.random, map(float, search.nataf.values(there)), strict=True))
-            label = self.states.labels[search.row]
-            told.append(ReliableLimit(label, g, g / (abs(bound or 0.0) or 1.0), x))
-            made.append(there)
-        return made, told
-
-    def ended(
-        self,
-        best: Optimum,
-        points: list[np.ndarray],
-        found: list[ReliableLimit],
-        rounds: list[Round],
-        settled: bool = True,
-    ) -> ReliableOptimum:
-        """With the index of each limit by a search of its own, where that finds one."""
-        searches = self.searches(best)
-        indices = [_index(s, u) for s, u in zip(searches, points, strict=True)]
-        limits = [replace(one, beta=b) for one, b in zip(found, indices, strict=True)]
-        runs = self.states.calls + sum(one.runs for one in rounds)
-        return ReliableOptimum(best, self.beta, limits, rounds, settled, runs)
-
-
-def _index(search: Search, start: np.ndarray) -> float | None:
-    """``β`` of a limit; None where its design point is not found."""
-    try:
-        scale = abs(search.needed(np.zeros(search.nataf.size))) or 1.0
-        point = search.solve(start, scale)
-    except AnalysisError:
-        return None
-    return point.beta if point.converged else None

@@ -56,12 +56,14 @@ class ReliableOptimum(Decision):
 
     Attributes
     ----------
-    optimum : the last optimisation, limits at their worst points
+    optimum : of all rounds, its limits at the worst points of the last but one
     beta : index that was wanted
     limits : ReliableLimit each
     rounds : designs on the way
     settled : whether design and worst points no longer move
     runs : of the model, of all rounds, the searches for worst points among them
+    stopped : by Ctrl-C; the design is the best one reached, limits are of the last whole round, not
+        a number where there was none
 
     Examples
     --------
@@ -91,6 +93,7 @@ class ReliableOptimum(Decision):
     rounds: list[Round]
     settled: bool
     runs: int
+    stopped: bool = False
 
     @property
     def x(self) -> dict[str, float]:
@@ -106,7 +109,7 @@ class ReliableOptimum(Decision):
 
     @property
     def interrupted(self) -> bool:  # type: ignore[override]
-        return self.optimum.interrupted
+        return self.stopped
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -114,7 +117,10 @@ class ReliableOptimum(Decision):
 
     @property
     def message(self) -> str:  # type: ignore[override]
-        if self.settled or self.interrupted:
+        if self.stopped:
+            whole = len(self.rounds)
+            return f"interrupted after {whole} whole round{'' if whole == 1 else 's'}"
+        if self.settled:
             return self.optimum.message
         return f"worst points still move after {len(self.rounds)} rounds; give more rounds"
 

@@ -37,7 +37,7 @@ class UnilateralConstraint(Unilateral, ForceElement):
     slip : formula of speeds along the surface, linear in them; None where nothing rubs
     restitution : ``e``
     tangential_restitution : of the slip
-    friction : ``μ``
+    friction : ``μ``, which may depend on positions and ``t`` as well
     poisson : ``e`` is the share of the impulse of compression that follows in restitution, instead
         of the share of the speed that returns; nothing then returns of the slip
 

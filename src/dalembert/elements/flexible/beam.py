@@ -154,7 +154,7 @@ class Beam(Noded, ForceElement):
         inputs = [places, turns, ca.vertcat(*others)]
         return ca.Function("strains", inputs, [stacked], {"cse": True}), inputs[2]
 
-    @property
+    @cached_property
     def strains(self) -> list[tuple[ca.SX, float]]:
         """(strains less those of the natural shape, share of the length) by point of Gauss."""
         function, others = self._element

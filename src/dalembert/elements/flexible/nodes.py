@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from typing import Any
 
 import casadi as ca
@@ -73,7 +73,7 @@ class Noded:
         """Number of nodes, those at the ends among them."""
         return self.elements * self.order + 1
 
-    @property
+    @cached_property
     def places(self) -> np.ndarray:
         """(count,) of the nodes, in shares of the length."""
         return np.linspace(0.0, 1.0, self.count)
@@ -97,14 +97,13 @@ class Noded:
         """A body without mass where the element was said to start."""
         raise NotImplementedError
 
-    def carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
+    def carried(self, k: int) -> tuple[ca.SX, ca.SX]:
         """Place and turn of a node on the natural shape, which its start carries."""
         raise NotImplementedError
 
     def _estimate(self, k: int) -> ca.SX:
         """Pose of a node as far as guesses of its start tell."""
-        base = self.sections[0]
-        return initial_value(ca.vertcat(*self.carried(k, base)), [base.body]).sx
+        return initial_value(ca.vertcat(*self.carried(k)), [self.start]).sx
 
     def _section(self, k: int) -> CrossSection:
         if k in self.nodes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 import casadi as ca
@@ -18,6 +19,7 @@ from dalembert.elements.planar.in_plane import InPlane
 from dalembert.elements.planar.node import ElementNode
 from dalembert.elements.point import Point
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.once import once
 
 
 @dataclass(eq=False)
@@ -77,9 +79,15 @@ class Beam(InPlane, beam.Beam):
         given = self.velocity, self.angular_velocity
         return ElementNode(name, None, None, self.position, self.angle, *given)
 
-    def carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
+    @cached_property
+    def start_axes(self) -> ca.SX:
+        return rotation(self.sections[0].turn)
+
+    @once
+    def carried(self, k: int) -> tuple[ca.SX, ca.SX]:
+        base = self.sections[0]
         place, angle = self.natural(self.length.sx * self.places[k])
-        return base.place + ca.mtimes(rotation(base.turn), place), base.turn + angle
+        return base.place + ca.mtimes(self.start_axes, place), base.turn + angle
 
     def node_section(self, node: Any) -> CrossSection:
         return CrossSection(node.pose[:2], node.pose[2], node.twist[2], node)
@@ -109,9 +117,9 @@ class Beam(InPlane, beam.Beam):
         return [(turning, inertia * ca.mtimes(ca.DM(shared), rate(turning)))]
 
     def shape_error(self, k: int) -> ca.SX:
-        base, last, share = self.sections[0], self.sections[-1], self.places[k]
-        place, angle = self.carried(k, base)
+        last, share = self.sections[-1], self.places[k]
+        place, angle = self.carried(k)
         if 0 < k < self.count - 1:
-            end, turn = self.carried(self.count - 1, base)
+            end, turn = self.carried(self.count - 1)
             place, angle = place + share * (last.place - end), angle + share * (last.turn - turn)
         return ca.vertcat(self.sections[k].place - place, self.sections[k].turn - angle)

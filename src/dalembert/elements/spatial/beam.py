@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 import casadi as ca
@@ -23,6 +24,7 @@ from dalembert.elements.spatial.node import ElementNode
 from dalembert.errors import ModelError
 from dalembert.symbolic import rotation
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.once import once
 
 
 @dataclass(eq=False)
@@ -107,9 +109,15 @@ class Beam(beam.Beam):
         speeds = {"velocity": self.velocity, "angular_velocity": self.angular_velocity}
         return ElementNode(name, **where, **speeds)
 
-    def carried(self, k: int, base: CrossSection) -> tuple[ca.SX, ca.SX]:
+    @cached_property
+    def start_axes(self) -> ca.SX:
+        return rotation.matrix(self.sections[0].turn)
+
+    @once
+    def carried(self, k: int) -> tuple[ca.SX, ca.SX]:
+        base = self.sections[0]
         own = self.natural_section(self.length.sx * self.places[k])
-        place = base.place + ca.mtimes(rotation.matrix(base.turn), own.place)
+        place = base.place + ca.mtimes(self.start_axes, own.place)
         return place, rotation.product(base.turn, own.turn)
 
     def node_section(self, node: Any) -> CrossSection:
@@ -159,10 +167,10 @@ class Beam(beam.Beam):
         return found
 
     def shape_error(self, k: int) -> ca.SX:
-        base, last, share = self.sections[0], self.sections[-1], self.places[k]
-        place, turn = self.carried(k, base)
+        last, share = self.sections[-1], self.places[k]
+        place, turn = self.carried(k)
         if 0 < k < self.count - 1:
-            end, end_turn = self.carried(self.count - 1, base)
+            end, end_turn = self.carried(self.count - 1)
             between = rotation.product(rotation.conjugate(end_turn), last.turn)
             place = place + share * (last.place - end)
             small = rotation.vector(between) * share / 2

@@ -15,6 +15,7 @@ from dalembert.integrators.newmark.rule import NewmarkCoefficients, StepRule
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep
 from dalembert.symbolic.equations.newton_node import NewtonNode, constant
+from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
 
 
 class NewmarkStep(GraphStep):
@@ -115,7 +116,7 @@ class NewmarkStep(GraphStep):
         )
         jerk = ca.substitute(along, system.z, z)
         memory = ca.vertcat(z, self.chosen.shift * jerk, rate[self.rest], self.spare, drift)
-        return ca.Function("begin", [self.t, self.x, self.p], [memory], {"cse": True})
+        return condensed("begin", [self.t, self.x, self.p], [memory], SELDOM)
 
     def _solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX]:
         """New state with memory, relative residual."""

@@ -20,6 +20,7 @@ from dalembert.integrators.step import Marching, Step
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.equations.linear_map import LinearChain, TriangularMap
 from dalembert.symbolic.evaluation.columns import LONG
+from dalembert.symbolic.evaluation.lane_tangents import LinearStep
 from dalembert.symbolic.evaluation.prelude import Prelude, before
 
 Following = tuple[ca.Function, Any]
@@ -208,6 +209,17 @@ class ExplicitStep(Step):
         dx = ca.MX.sym("dx", self.size, count)
         dq = ca.MX.sym("dq", self.prelude.rate_count, count)
         return ca.Function("step_tangent", [*point, dx, dq], [linear.tangent([dx, dq])])
+
+    @cached_property
+    def linear(self) -> LinearStep:
+        point, linear = self._linear
+        dx, dq = ca.SX.sym("dx", self.size), ca.SX.sym("dq", self.prelude.rate_count)
+        e = ca.SX.sym("e", linear.entries.numel())
+        along = linear.along([self.size, self.prelude.rate_count])(e, dx, dq)
+        return LinearStep(
+            ca.Function("entries", point, [ca.densify(linear.entries)]),
+            ca.Function("along", [dx, e, dq], [ca.densify(along)]),
+        )
 
     @cached_property
     def prepared_adjoint(self) -> ca.Function:

@@ -19,7 +19,7 @@ from dalembert.model.assembly.assembly import Assembler
 from dalembert.model.assembly.continuation import continued
 from dalembert.model.assembly.failure import failure
 from dalembert.model.assembly.guesses import Guesses
-from dalembert.model.assembly.independence import free_columns, rows_of
+from dalembert.model.assembly.independence import determine_the_others, free_columns, rows_of
 from dalembert.model.assembly.placement import placed_guesses
 from dalembert.model.assembly.recipe import INCONSISTENT, HeldPlaces, HeldSpeeds, Pinned, Recipe
 from dalembert.model.assembly.regularity import (
@@ -36,6 +36,8 @@ from dalembert.symbolic.formulas.expression import stack
 
 STAYS_CLOSED = 1e-9
 """Violation, by natural sizes, of an equation that others imply."""
+NEARBY = 1e-3
+"""Displacement, by natural sizes, along which coordinates that were clearly free remain so."""
 
 
 class Closure:
@@ -175,10 +177,32 @@ class Closure:
             wanted = [k for k in chosen if given[k]]
             found, reached = continued(self.pinned, y, p, p, 0.0)
             if reached == 1.0:
-                return found
+                at_their_ends = self._at_their_ends(y, found, p, priority).intersection(wanted)
+                if not at_their_ends:
+                    return found
+                lost |= at_their_ends
+                continue
             if not wanted:
                 raise self._failure(0.0, found, p)
             lost.add(wanted[0])
+
+    def _at_their_ends(
+        self, before: np.ndarray, y: np.ndarray, p: np.ndarray, priority: list[int]
+    ) -> set[int]:
+        """Held coordinates that can go no farther, as the height of a crank that stands upright.
+
+        What is held there would not say how the rest stands, nor how it follows the parameters.
+        """
+        away = self.all_equations.manifold.lead(before, y) / self.scales.displacements
+        if np.max(np.abs(away), initial=0.0) < NEARBY:
+            return set()  # where they were chosen they are not
+        jacobian = self._assembler.scaled_jacobian(0.0, y, p)
+        conditions = range(len(self.owners), jacobian.shape[0])
+        matrix = jacobian[[*self.recipe.position_rows, *conditions]]
+        held = set(self.recipe.positions.indices)
+        if determine_the_others(matrix, held):
+            return set()
+        return held - set(free_columns(matrix, priority))
 
     def _hold_speeds(self, strict: bool) -> None:
         """Hold given speeds; project them where they contradict each other."""

@@ -12,10 +12,11 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import count, pairwise
 
+import casadi as ca
 import numpy as np
 import scipy
 
@@ -23,6 +24,9 @@ CLEARLY, BARELY = 0.05, 1e-6
 """Share of a column that is across the others, for it to be taken at first, and then."""
 DEPENDENT = 1e-8
 """Share up to which a row of constraints follows from others."""
+STANDING = 1e-5
+"""Share of a column across the others below which what it is left of stands at an end of its way:
+where that is a double root, half of the digits are lost."""
 NOTHING = 1e-14
 """Entries of a matrix of unit rows or columns that are rounding."""
 
@@ -204,10 +208,13 @@ def columns_of(matrix, order: Iterable[int] | None = None, least: float = DEPEND
     order : of the columns; their own by default
     least : share of a column across the others that is enough at last
     """
-    by_row = scipy.sparse.csr_array(matrix)
-    norms = np.sqrt(np.bincount(_row_of_entry(by_row), by_row.data**2, by_row.shape[0]))
-    unit = scipy.sparse.diags_array(1.0 / np.where(norms > 0, norms, 1.0)) @ by_row
-    return Echelon(unit, order, (CLEARLY, BARELY, least))
+    return Echelon(_unit_rows(matrix), order, (CLEARLY, BARELY, least))
+
+
+def determine_the_others(matrix, held: Collection[int]) -> bool:
+    """Whether independent equations say clearly where all coordinates are but those held."""
+    others = [k for k in range(matrix.shape[1]) if k not in held]
+    return len(Echelon(_unit_rows(matrix), others, (CLEARLY, STANDING)).pivots) == len(others)
 
 
 def free_columns(matrix, order: Sequence[int]) -> list[int]:
@@ -219,12 +226,32 @@ def free_columns(matrix, order: Sequence[int]) -> list[int]:
     return [k for k in order if k not in determined][: matrix.shape[1] - matrix.shape[0]]
 
 
+def least_fill(matrix) -> list[int]:
+    """An order in which columns touch few others, for questions that any order answers.
+
+    Approximate minimum degree (P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal.
+    Appl. 17, 1996) of the columns that rows tie together.
+    """
+    by_row = scipy.sparse.csr_array(matrix)
+    tied = scipy.sparse.csc_array(abs(by_row.T) @ abs(by_row))
+    tied.sort_indices()
+    rows, starts = tied.indices.tolist(), tied.indptr.tolist()
+    graph = ca.Sparsity(tied.shape[0], tied.shape[1], starts, rows)
+    return [int(k) for k in graph.amd()]
+
+
 def _triangular(block: np.ndarray) -> np.ndarray:
     """The factor R of ``Q R``."""
     packed = scipy.linalg.lapack.dgeqrf(block, overwrite_a=True)[0]
     for row in range(1, min(block.shape)):
         packed[row, :row] = 0.0
     return packed[: min(block.shape)]
+
+
+def _unit_rows(matrix) -> scipy.sparse.sparray:
+    by_row = scipy.sparse.csr_array(matrix)
+    norms = np.sqrt(np.bincount(_row_of_entry(by_row), by_row.data**2, by_row.shape[0]))
+    return scipy.sparse.diags_array(1.0 / np.where(norms > 0, norms, 1.0)) @ by_row
 
 
 def _row_of_entry(matrix: scipy.sparse.csr_array) -> np.ndarray:

@@ -115,6 +115,15 @@ class Recipe:
         """What is held of the position, to be zero."""
         return self.positions.away(self.equations, self.guesses.place)
 
+    @property
+    def position_equations(self) -> tuple[ca.SX, np.ndarray]:
+        """What is zero at the assembled position, with its natural sizes."""
+        e, s, rows = self.equations, self.scales, self.position_rows
+        residual = ca.vertcat(e.constraints[rows, :], self.position_conditions, self.pinned)
+        asked = np.full(self.position_conditions.numel(), s.length)
+        held = s.displacements[list(self.positions.indices)]
+        return residual, np.concatenate([s.rows[rows], asked, held])
+
     @cached_property
     def initial_state(self) -> ImplicitFunction:
         """``(t, y_start, p) → (y0, v0)`` with derivatives by ``p``.
@@ -123,13 +132,7 @@ class Recipe:
         """
         e = self.equations
         start = ca.SX.sym("y_start", e.coordinate_count)
-        rows = self.position_rows
-        residual = ca.vertcat(e.constraints[rows, :], self.position_conditions, self.pinned)
-        s = self.scales
-        asked = np.full(self.position_conditions.numel(), s.length)
-        held = s.displacements[list(self.positions.indices)]
-        sizes = np.concatenate([s.rows[rows], asked, held])
-        position = position_stages(e, start, residual, sizes)
+        position = position_stages(e, start, *self.position_equations)
         unknown, equations = self._speed_equations()
         speed_factor = QrFactor(ca.jacobian(equations, unknown), *self._speed_sizes())
         at_zero = ca.substitute(equations, unknown, ca.SX.zeros(unknown.numel()))

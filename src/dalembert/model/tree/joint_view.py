@@ -123,8 +123,9 @@ class JointView(CoordinateView):
         return replace(made, massless=self._massless(inertia)) if e.massless else made
 
     def _moved_gap(self, gap: RigidGap) -> RigidGap:
-        distance, slip = self.moved([gap.distance, gap.slip])
-        return replace(gap, distance=distance, slip=slip)
+        distance, slip, friction = self.moved([gap.distance, gap.slip, gap.impact.friction])
+        law = replace(gap.impact, friction=friction)
+        return replace(gap, distance=distance, slip=slip, impact=law)
 
     def _shortened(self, constraints: ca.SX) -> ca.SX:
         """Loop equations, those between a body and its carrier by their joint alone."""

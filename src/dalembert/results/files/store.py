@@ -19,14 +19,24 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+OTHERS = {".csv": "to_csv", ".html": "report"} | dict.fromkeys(
+    (".txt", ".json", ".toml", ".xlsx", ".parquet", ".mat", ".pkl", ".png", ".pdf"), ""
+)
+"""Endings of files that hold something else, and who writes it."""
+
+
 def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
     """Write labelled arrays as NetCDF-4, whole or not at all.
 
     Raises
     ------
     FileError
-        The file cannot be written.
+        The file cannot be written, or its name says that it is of another kind.
     """
+    ending = Path(path).suffix.lower()
+    if ending in OTHERS:
+        writer = f"; {OTHERS[ending]} writes {ending}" if OTHERS[ending] else ""
+        raise FileError(f"{path}: results are saved as NetCDF, in a file such as x.nc{writer}")
     with atomic_path(path) as temporary:
         write_netcdf(data if isinstance(data, Contents) else Contents.of(data), temporary)
     return Path(path)

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.analysis.times import follow_parameters
 from dalembert.errors import AnalysisError
-from dalembert.responses.base import Response
+from dalembert.responses.base import Response, scalar_measure
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.diagnosis import NEGLIGIBLE
 from dalembert.sensitivity.checks.replays import Replays
@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 STEPS = (1e-2, 1e-3, 1e-4, 1e-5)
+SHORT_STEPS = (1e-5, 1e-6, 1e-7)
 LONG_STEPS = (4e-2, 2e-2, 1e-2, 1e-3)
-"""Relative steps of the differences, and those where a tolerance makes the values uneven."""
+"""Relative steps of the differences, those beside a kink, and those where a tolerance makes the
+values uneven."""
 AGREE = 1e-9
 """Largest difference of direct and adjoint derivatives, relative to the largest influence."""
 CONFIRM = 1e-6
@@ -34,6 +36,8 @@ LOOSE = 1e-5
 """Differences that are less certain than this confirm nothing, of runs with exact derivatives."""
 BARELY = 1e-9
 """Influence, relative to the response, of which a run shows no digits."""
+ROUNDED = 100.0
+"""Accuracies of the machine, of a response, to which its derivatives are rounded at least."""
 SPREAD = 10.0
 """By so many tolerances errors of runs beside each other differ, where a tolerance bounds them."""
 SLOPE = 0.1
@@ -134,12 +138,12 @@ def certify(
     direct, adjoint = engine.direct(columns), engine.adjoint()[:, columns]
     scales = parameter_scales(motion, columns)
     largest = np.abs(adjoint * scales).max(axis=1, keepdims=True)
-    size = np.abs(values(motion.parameters))[:, None]
+    size = _sizes(motion, responses, values(motion.parameters))[:, None]
     largest = np.where(largest > BARELY * size, largest, np.where(size > 0, size, 1.0))
     shares = scales / largest
     unsteady = SPREAD * motion.analysis.gradient_error * np.maximum(size, largest)
     noise = np.maximum(EPS * size, unsteady)
-    steps, differences, uncertainty = _differences(values, columns, noise)
+    steps, differences, uncertainty = _differences(values, columns, noise, shares)
     agreement, rng = _agreement(motion), rng or np.random.default_rng(0)
     taylor = taylor_test(values, columns, adjoint, agreement, noise, rng)
     cells: dict[str, Any] = {
@@ -151,7 +155,8 @@ def certify(
         "error": np.abs(differences - adjoint) * shares,
         "uncertainty": uncertainty * shares,
     }
-    cells["verdict"] = _verdicts(cells, np.abs(adjoint) * shares, agreement)
+    agreed = np.maximum(agreement, ROUNDED * EPS * size / largest)
+    cells["verdict"] = _verdicts(cells, np.abs(adjoint) * shares, agreement, agreed)
     names = list(motion.model.parameters)
     coordinates = {
         "response": [r.label for r in responses],
@@ -172,13 +177,37 @@ def _agreement(motion: Result) -> float:
     return max(AGREE, 1e3 * motion.analysis.gradient_error)
 
 
-def _differences(values: Replays, columns: list[int], noise: np.ndarray) -> tuple[np.ndarray, ...]:
+def _sizes(motion: Result, responses: Sequence[Response], values: np.ndarray) -> np.ndarray:
+    """Of the responses; of the largest sample where a response is nothing beside it.
+
+    A crank that lies along the x axis has no height to which influences could be compared.
+    """
+    reach = [np.abs(motion.values(scalar_measure(motion, r))).max(initial=0.0) for r in responses]
+    return np.where(np.abs(values) > BARELY * np.array(reach), np.abs(values), reach)
+
+
+def _differences(
+    values: Replays, columns: list[int], noise: np.ndarray, shares: np.ndarray
+) -> tuple[np.ndarray, ...]:
     """(responses, columns) steps, quotients and uncertainties, each where two steps agree best.
 
-    By the ``noise`` (responses, 1) of the values two steps may agree by chance.
+    By the ``noise`` (responses, 1) of the values two steps may agree by chance. Where none do,
+    as beside a kink, shorter ones are tried.
     """
+    exact = not values.motion.analysis.gradient_error
+    found = _quotients(values, columns, noise, STEPS if exact else LONG_STEPS)
+    if exact and not np.all(found[2] * shares <= LOOSE):
+        shorter = _quotients(values, columns, noise, SHORT_STEPS)
+        better = np.nan_to_num(shorter[2], nan=np.inf) < np.nan_to_num(found[2], nan=np.inf)
+        found = tuple(np.where(better, *both) for both in zip(shorter, found, strict=True))
+    return found
+
+
+def _quotients(
+    values: Replays, columns: list[int], noise: np.ndarray, steps: Sequence[float]
+) -> tuple[np.ndarray, ...]:
+    """Likewise, of some relative steps."""
     size = values(values.parameters).size
-    steps = LONG_STEPS if values.motion.analysis.gradient_error else STEPS
     shape = (len(steps), size, len(columns))
     found, lengths, rough = (np.full(shape, np.nan) for _ in range(3))
     for j, column in enumerate(columns):
@@ -196,14 +225,16 @@ def _differences(values: Replays, columns: list[int], noise: np.ndarray) -> tupl
     return tuple(each[best, rows, cols] for each in (lengths, found, uncertain))
 
 
-def _verdicts(cells: dict[str, np.ndarray], influence: np.ndarray, agreement: float) -> np.ndarray:
+def _verdicts(
+    cells: dict[str, np.ndarray], influence: np.ndarray, agreement: float, agreed: np.ndarray
+) -> np.ndarray:
     """A word for every entry."""
     error, uncertainty = cells["error"], cells["uncertainty"]
     within = np.maximum(max(CONFIRM, agreement), 10 * uncertainty)
     verdicts = np.full(error.shape, CONFIRMED, dtype=object)
     verdicts[influence <= NEGLIGIBLE] = NO_INFLUENCE
     verdicts[~(uncertainty <= max(LOOSE, 100 * agreement))] = UNCONFIRMED
-    verdicts[(error > within) | ~(cells["disagreement"] <= agreement)] = CONTRADICTED
+    verdicts[(error > within) | ~(cells["disagreement"] <= agreed)] = CONTRADICTED
     return verdicts
 
 

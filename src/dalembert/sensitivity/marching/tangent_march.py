@@ -14,6 +14,7 @@ from dalembert.integrators.step import Step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
 from dalembert.sensitivity.marching.walk import ForwardWalk
 from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.lane_tangents import LaneTangents
 from dalembert.symbolic.evaluation.prelude import Prelude
 from dalembert.symbolic.once import once
 
@@ -35,6 +36,8 @@ class TangentMarch(ForwardWalk[np.ndarray]):
         self, run: MarchedSample, unit: np.ndarray, take: Callable[[int, np.ndarray], None]
     ):
         self.run, self.unit, self.take, self.width = run, unit, take, unit.shape[1]
+        self._known: dict[int, LaneTangents | None] = {}
+        self._ready: tuple[Prelude, np.ndarray, np.ndarray] | None = None
 
     @property
     def count(self) -> int:
@@ -68,9 +71,8 @@ class TangentMarch(ForwardWalk[np.ndarray]):
 
     def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
         out = self._forward(begin, end, change)
-        changes = np.hstack([change, out]).T.reshape(end - begin + 1, self.width, -1)
-        self.take(begin, changes[:-1])
-        return out[:, -self.width :]
+        self.take(begin, np.concatenate([change.T[None], out[:-1]]))
+        return out[-1].T
 
     def arrive(self, change: np.ndarray) -> None:
         self.take(self.count, change.T.reshape(1, self.width, -1))
@@ -88,18 +90,41 @@ class TangentMarch(ForwardWalk[np.ndarray]):
         return moved
 
     def _forward(self, begin: int, end: int, dx: np.ndarray) -> np.ndarray:
-        """Tangents of the steps between two states in one call."""
+        """(steps, c, n) changes after each of the steps between two states."""
         kernel, p, given = self.run.kernel, self.run.p, self.run.given(begin, end)
         count, mode = end - begin, int(self.run.steps.mode[begin])
         if kernel.fixed.at_once(mode):
             forward = _forward_chunk(self.run.step_of(mode), count, self.width)
-            return forward(dx, *given, p, self.unit)[0]
+            return self._parted(forward(dx, *given, p, self.unit)[0])
+        if (lanes := self._lanes(mode)) is not None:
+            t, h, _, x = given
+            values, rates = self._prepared(self.run.step_of(mode).prelude)
+            return lanes(dx, (t[None], h[None], x), values, rates)
         prelude, single = _forward_step(kernel, mode, self.width)
-        values = prelude.values(p).full()
-        rates = prelude.tangent.map(self.width)(np.tile(p[:, None], self.width), self.unit).full()
         columns = kernel.marched(single, (5, 6))
         columns.announce(self.count)
-        return columns(count, dx, *given, values, rates)[0]
+        return self._parted(columns(count, dx, *given, *self._prepared(prelude))[0])
+
+    def _parted(self, out: np.ndarray) -> np.ndarray:
+        return out.T.reshape(-1, self.width, out.shape[0])
+
+    def _prepared(self, prelude: Prelude) -> tuple[np.ndarray, np.ndarray]:
+        """What steps take of the parameters, and its rates along the directions."""
+        if self._ready is None or self._ready[0] is not prelude:
+            p, c = self.run.p, self.width
+            rates = prelude.tangent.map(c)(np.tile(p[:, None], c), self.unit).full()
+            self._ready = prelude, prelude.values(p).full().ravel(), rates
+        return self._ready[1:]
+
+    def _lanes(self, mode: int) -> LaneTangents | None:
+        """What takes steps of a mode along several directions side by side, if anything does."""
+        if mode not in self._known:
+            kernel, step = self.run.kernel, self.run.step_of(mode)
+            parted, found = None if branches(step, kernel.fixed.period) else step.linear, None
+            if parted is not None:
+                found = LaneTangents.of(parted, kernel.backend, self.count, self.width)
+            self._known[mode] = found
+        return self._known[mode]
 
 
 def beside(changes: np.ndarray) -> np.ndarray:

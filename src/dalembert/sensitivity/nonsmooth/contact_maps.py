@@ -1,6 +1,6 @@
 """The maps that a step with contacts consists of, where it is known which press and which slip.
 
-    (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ − Wᵀ P = h F,      C v⁺ = −Φ_t,
+    (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ − Wᵀ P = h F,      C (σ v⁺ + (1−σ) v) = −Φ_t,
     u_N⁺ + e u_N⁻ = 0,      u_T⁺ + e_T u_T⁻ = 0  or  P_T = −μ P_N u_T/|u_T|
 
 then ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``; positions opened along ``M⁻¹``; speeds that joints allow.
@@ -14,6 +14,7 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.smooth_motion import joined
 from dalembert.sensitivity.nonsmooth.implicit_map import ImplicitMap
 from dalembert.symbolic.formulas.expression import stack
 
@@ -105,10 +106,12 @@ class ContactMaps:
         multiplier = ca.SX.sym("multiplier", e.constraint_count)
         at, middle = e.t + theta * h, e.manifold.going(e.y, theta * h * e.v)
         mass, force, damping, stiffness = self._smooth(at, middle, e.v, e.p)
-        jacobian, still, _ = self._joints(at, middle, e.p)
+        part = joined(theta)
+        between = e.manifold.going(e.y, part * h * e.v)
+        jacobian, still, _ = self._joints(e.t + part * h, between, e.p)
         matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
         dynamics = ca.mtimes(matrix, after - e.v) + ca.mtimes(jacobian.T, multiplier) - h * force
-        impulses, rows = [], [ca.mtimes(jacobian, after) + still]
+        impulses, rows = [], [ca.mtimes(jacobian, part * after + (1 - part) * e.v) + still]
         for key, rubbing in pattern:
             gap = self.gap(key)
             _, before, bounce, back, friction = gap(e.t, e.y, e.v, e.p)

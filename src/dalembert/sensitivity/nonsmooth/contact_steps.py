@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.correction import OPENED, Opening
+from dalembert.analysis.nonsmooth.correction import OPENED, Left, Opening, normals_of
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.contact.schemes import MoreauJean
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
@@ -136,11 +136,11 @@ class Followed(Opening):
         self.taken: list[dict[int, float]] = []
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
-        found, gaps = super().step(x, residual), residual.gaps  # type: ignore[attr-defined]
+        assert isinstance(residual, Left)
+        found, gaps = self.shift(x, residual)
         held: dict[int, float] = {}
-        if gaps is not None and gaps.count:
-            normals = gaps.directions[np.arange(gaps.count) * gaps.drift.shape[1]]
-            left = np.abs(gaps.distance + normals @ found)
+        if gaps is not None:
+            left = np.abs(gaps.distance + normals_of(gaps) @ found)
             for n in np.flatnonzero(left <= SAME * -gaps.distance.min()):
                 held[int(gaps.key[n])] = float(gaps.distance[n])
         self.taken.append(held)

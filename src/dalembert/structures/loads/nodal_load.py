@@ -24,6 +24,12 @@ class Load:
     fixed_axes: bool = False
 
     @property
+    def nothing(self) -> np.ndarray:
+        """At which nodes it is zero, whatever the parameters are."""
+        values = self.value if isinstance(self.value, list) else [self.value]
+        return np.array([value.sx.is_zero() for value in values])
+
+    @property
     def each(self) -> Any:
         """A formula for all nodes, or an array with one for each."""
         if not isinstance(self.value, list):

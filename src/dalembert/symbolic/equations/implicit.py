@@ -22,14 +22,11 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.symbolic.equations.linear_map import LinearChain, LinearMap, TriangularMap
+from dalembert.symbolic.evaluation.condensed import condensed
 from dalembert.symbolic.evaluation.prelude import Prelude, before_tangent
 from dalembert.symbolic.evaluator import Evaluator
 
 Solver = Callable[[ca.SX], ca.SX]
-LARGE = 100_000
-"""Operations up to which those that occur twice are looked for. That takes 10 µs for each and finds
-a sixth of them, which pays after about ten thousand evaluations of any function; for large ones it
-would be most of the time to the first step."""
 
 
 @dataclass(frozen=True)
@@ -224,10 +221,7 @@ class ImplicitFunction:
         for stage in reversed(self.stages):
             value = stage.trial.value if tried and stage.trial is not None else stage.value
             outputs = ca.substitute(outputs, [stage.unknown], [value])
-        outputs = [ca.densify(o) for o in outputs]
-        plain = ca.Function(name, inputs, outputs)
-        large = plain.n_instructions() > LARGE
-        return plain if large else ca.Function(name, inputs, outputs, {"cse": True})
+        return condensed(name, inputs, [ca.densify(o) for o in outputs])
 
 
 def _directional(expression: ca.SX, x: ca.SX, dx: ca.SX) -> ca.SX:

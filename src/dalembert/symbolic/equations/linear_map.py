@@ -116,7 +116,7 @@ class LinearChain:
         place[used] = np.arange(used.size)
         place[self.input_count :] = used.size + np.arange(self.count - self.input_count)
         size = used.size + self.count - self.input_count
-        pool = ca.vertcat(*self._pool, ca.DM(list(self._numbers)))
+        pool = ca.vertcat(*self._pool), ca.DM(list(self._numbers))
         where = [k if k >= 0 else self._size - 1 - k for k in self._where]
         triplets = (place[self._row], place[self._column], np.array(where, dtype=int))
         return TriangularMap(triplets, pool, size, (self.input_count, used), place[list(outputs)])
@@ -158,15 +158,16 @@ class TriangularMap:
     Parameters
     ----------
     triplets : row, column and place in ``pool`` of every entry below the diagonal
-    pool : MX
+    pool : MX entries, and numbers behind them
     size : of the matrix
     inputs : length of the directions, and those that matter, which are the first rows
     outputs : rows of the rates
     """
 
-    def __init__(self, triplets, pool: ca.MX, size: int, inputs, outputs: np.ndarray):
+    def __init__(self, triplets, pool: tuple[ca.MX, ca.DM], size: int, inputs, outputs: np.ndarray):
         self.row, self.column, self.pick = triplets
-        self.pool, self.size = pool, size
+        (self.entries, self._numbers), self.size = pool, size
+        self.pool = ca.vertcat(*pool)
         self.input_count, self.used = inputs
         self.outputs = [int(k) for k in outputs]
 
@@ -188,6 +189,16 @@ class TriangularMap:
             part = block[[int(k) for k in self.used[rows] - begin], :]
             given, begin = given + _placed(part, self.size, rows), end
         return _substituted(self._lower, ca.densify(given))[self.outputs, :]
+
+    def along(self, sizes: Sequence[int]) -> ca.Function:
+        """``(entries, direction) → rates`` in scalars, with blocks of these sizes."""
+        triplets = self.row, self.column, self.pick
+        pool = ca.MX.sym("e", self.entries.numel()), self._numbers
+        same = TriangularMap(
+            triplets, pool, self.size, (self.input_count, self.used), np.array(self.outputs)
+        )
+        blocks = [ca.MX.sym(f"d{k}", size) for k, size in enumerate(sizes)]
+        return ca.Function("along", [pool[0], *blocks], [same.tangent(blocks)]).expand()
 
     def adjoint(self, weights: ca.MX) -> ca.MX:
         """Weights (inputs,) of the directions for weights (outputs,) of the rates."""

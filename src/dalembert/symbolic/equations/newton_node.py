@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.symbolic.equations.newton import NewtonSettings
+from dalembert.symbolic.evaluation.condensed import condensed
 
 
 class NewtonNode:
@@ -45,17 +46,16 @@ class NewtonNode:
         self._zero = constant("zero", [unknown, given], zero)
         wanted = [ca.densify(out) for out in (outputs or [])]
         seen: list[bool] = [False, *(True for _ in wanted)]
-        options: Any = {"never_inline": True, "is_diff_out": seen, "cse": True}
-        self._finish = ca.Function(
+        self._finish = condensed(
             "finish",
             [unknown, given, unit],
             [_largest(ca.densify(relative)), *wanted],
-            options,
+            options={"never_inline": True, "is_diff_out": seen},
         )
         self._find = ca.rootfinder(
             name,
             "fast_newton",
-            ca.Function("residual", [unknown, ca.vertcat(given, unit)], [alike], {"cse": True}),
+            condensed("residual", [unknown, ca.vertcat(given, unit)], [alike]),
             {
                 "abstol": 1.0,
                 "abstolStep": 0.0,
@@ -93,5 +93,5 @@ def _largest(relative: ca.SX) -> ca.SX:
 
 def constant(name: str, inputs: list[ca.SX], output: ca.SX) -> ca.Function:
     """A function that derivatives do not look into: guesses and scales."""
-    options: Any = {"never_inline": True, "is_diff_out": [False], "cse": True}
-    return ca.Function(name, inputs, [ca.densify(output)], options)
+    options: Any = {"never_inline": True, "is_diff_out": [False]}
+    return condensed(name, inputs, [ca.densify(output)], options=options)

@@ -33,10 +33,19 @@ class LaneColumns:
     Parameters
     ----------
     function, carried, fixed : as for ``Columns``
+    alike : numbers of the arguments that are the same in all lanes, which neither are carried nor
+        fixed; where there are some, ``SideBySide.fill`` calls it
     """
 
-    def __init__(self, function: ca.Function, carried: bool = False, fixed: Sequence[int] = ()):
+    def __init__(
+        self,
+        function: ca.Function,
+        carried: bool = False,
+        fixed: Sequence[int] = (),
+        alike: Sequence[int] = (),
+    ):
         self.function, self.carried, self.fixed = dense(function), carried, tuple(fixed)
+        self.alike = tuple(alike)
 
     @cached_property
     def side_by_side(self) -> SideBySide | None:
@@ -44,13 +53,13 @@ class LaneColumns:
         text, found = c_source(self.function), find_llvm()
         if text is None or found is None or hindrance(text, found):
             return None
-        toolchain = type(found)(lane_count())
+        toolchain = type(found)(lane_count(), alike=self.alike)
         try:
             loop = made(text, toolchain)
         except UnsupportedError:
             return None
         made_for = self.function, loop, toolchain.name, self.carried, self.fixed
-        return SideBySide(toolchain.lanes, *made_for)
+        return SideBySide(toolchain.lanes, *made_for, alike=self.alike)
 
     @cached_property
     def alone(self) -> Columns:
@@ -94,11 +103,32 @@ class LaneColumns:
 
 
 class SideBySide(NativeColumns):
-    """Machine code in which every number is a row of as many numbers as there are lanes."""
+    """Machine code in which every number is a row of as many numbers as there are lanes.
 
-    def __init__(self, lanes: int, *made_for: Any):
-        self.lanes = lanes
+    Columns of arguments that are the same in all lanes are single numbers, filled up to whole rows
+    of lanes.
+    """
+
+    def __init__(self, lanes: int, *made_for: Any, alike: Sequence[int] = ()):
+        self.lanes, self.alike = lanes, frozenset(alike)
         super().__init__(*made_for)
+        for i in alike:
+            self._steps[0][i] = self.filled(self.sizes[i]) // lanes
+
+    def filled(self, size: int) -> int:
+        """Numbers of whole rows that hold so many."""
+        return -(-size // self.lanes) * self.lanes
+
+    def fill(self, count: int, given: list[np.ndarray], results: list[np.ndarray]) -> None:
+        """Results where they are wanted, of arguments as they are laid out, without copies.
+
+        Parameters
+        ----------
+        given : (columns, rows, lanes) each, or (rows, lanes) of those given once; those that are
+            the same in all lanes (columns, filled size)
+        results : (columns, rows, lanes) each; of those carried the first has the argument before it
+        """
+        self._call(count, given, results)  # what is in lanes does not fail
 
     def group(
         self, count: int, arguments: Sequence[np.ndarray], chosen: np.ndarray | None = None
@@ -122,7 +152,7 @@ class SideBySide(NativeColumns):
             whole = np.empty(first * (count + 1))
             whole[:first] = given[0]
             given[0], results[0] = whole, whole[first:]
-        self._call(count, given, results)  # what is in lanes does not fail
+        self.fill(count, given, results)
         if chosen is not None:
             return [
                 r.reshape(count, rows, self.lanes)[chosen].transpose(2, 1, 0)

@@ -9,8 +9,8 @@ has ended. Both give the same numbers, so that nobody sees when they change.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from functools import cached_property, lru_cache
+from collections.abc import Callable, Sequence
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import casadi as ca
@@ -30,6 +30,7 @@ from dalembert.symbolic.native.code_cache import kept, made
 from dalembert.symbolic.native.llvm import find_llvm
 from dalembert.symbolic.native.source import c_source, hindrance
 from dalembert.symbolic.native.toolchain import Call, Toolchain
+from dalembert.symbolic.once import once
 
 VIRTUAL_RATE = 2e-9
 TEXT_RATE = 4e-6
@@ -170,6 +171,13 @@ def repays(function: ca.Function, called: ca.Function, count: int) -> bool:
     coming, toolchain = count * VIRTUAL_RATE * instructions(function), find_llvm()
     if toolchain is None or coming < TEXT_RATE * instructions(called):
         return False
-    text = c_source(called) or ""
-    efforts = (toolchain.least_effort, toolchain.effort)
-    return all(coming >= WORTH_WAITING * effort(text) for effort in efforts)
+    least, whole = _efforts(called)
+    return coming >= WORTH_WAITING * least and coming >= WORTH_WAITING * whole()
+
+
+@once
+def _efforts(called: ca.Function) -> tuple[float, Callable[[], float]]:
+    """Seconds to compile a function by LLVM: the least, and by a closer look."""
+    text, toolchain = c_source(called) or "", find_llvm()
+    assert toolchain is not None
+    return toolchain.least_effort(text), lru_cache(partial(toolchain.effort, text))

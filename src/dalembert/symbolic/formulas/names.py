@@ -53,7 +53,11 @@ class Names:
         if isinstance(given, Expression):
             return given
         if not isinstance(given, str):
-            raise ExpressionError(f"a measure is a name, a formula or an expression, got {given!r}")
+            several = isinstance(given, (list, tuple))
+            cure = "; give several one after the other, each by itself" if several else ""
+            raise ExpressionError(
+                f"a measure is a name, a formula or an expression, got {given!r}{cure}"
+            )
         text = given.strip()
         found = self.find(text)
         if found is not None:

@@ -36,6 +36,7 @@ class Llvm(Toolchain):
     lanes : numbers that are computed side by side, one for each of so many sets of arguments
     short : operations up to which a body is compiled as a whole; in longer ones equal pieces are
         compiled once
+    alike : numbers of arguments that are the same in all lanes and given once
     """
 
     name: ClassVar[str] = "LLVM"
@@ -45,6 +46,7 @@ class Llvm(Toolchain):
 
     lanes: int = 1
     short: int = SHORT
+    alike: tuple[int, ...] = ()
 
     @cached_property
     def identity(self) -> tuple[str, ...]:
@@ -53,8 +55,9 @@ class Llvm(Toolchain):
 
         version = ".".join(map(str, llvm.llvm_version_info))
         features = llvm.get_host_cpu_features().flatten()
-        about = (llvmlite.__version__, version, llvm.get_host_cpu_name(), features)
-        return (*about, str(OPTIMISED), str(VERSION), str(self.lanes), str(self.short))
+        about: tuple[str, ...] = (llvmlite.__version__, version, llvm.get_host_cpu_name(), features)
+        about += (str(OPTIMISED), str(VERSION), str(self.lanes), str(self.short))
+        return (*about, str(self.alike)) if self.alike else about
 
     def least_effort(self, text: str) -> float:
         return BEGIN + READING * len(text)
@@ -72,7 +75,7 @@ class Llvm(Toolchain):
         from dalembert.symbolic.native.translation import translated
 
         try:
-            code = _object_code(translated(text, ENTRY, self.lanes, self.short))
+            code = _object_code(translated(text, ENTRY, self.lanes, self.short, self.alike))
         except NotTranslated:
             raise
         except Exception as error:  # other versions of CasADi may write what nobody has seen

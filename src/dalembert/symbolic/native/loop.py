@@ -6,6 +6,8 @@ import ctypes
 
 ENTRY = "dalembert_columns"
 """The function of a library that is called."""
+FIRST = "casadi_f0"
+"""The function of a text that the loop calls."""
 PIECES = "dalembert_pieces"
 """Two numbers of a library of LLVM: pieces of straight bodies, and how many of these differ."""
 SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_longlong, *[ctypes.c_longlong] * 3, *[ctypes.c_void_p] * 8)
@@ -20,7 +22,7 @@ CASADI_SYMBOL_EXPORT casadi_int {ENTRY}(casadi_int count, casadi_int n_in, casad
   for (k=0; k<count; ++k) {{
     for (i=0; i<n_in; ++i) arg[i] = from[i]+k*from_step[i];
     for (i=0; i<n_out; ++i) res[i] = to[i]+k*to_step[i];
-    if (casadi_f0(arg, res, iw, w, 0)) return k;
+    if ({FIRST}(arg, res, iw, w, 0)) return k;
   }}
   return count;
 }}

@@ -48,6 +48,7 @@ class Piece:
     constants : of the body
     calls : of the body
     room : slots of the body in the work vector; behind them is that of what it calls
+    alike : arguments that are the same in all lanes: one number stands for all of them
     """
 
     def __init__(
@@ -57,10 +58,11 @@ class Piece:
         constants: Constants,
         calls: Sequence[Called],
         room: int,
+        alike: Sequence[int] = (),
     ):
         self.real, self.count = real, 0
         self._places, self._constants = iter(places), constants
-        self._calls, self.room = calls, room
+        self._calls, self.room, self._alike = calls, room, frozenset(alike)
         self._given: dict[int, str] = {}
         self._taken: dict[int, str] = {}
         self.lines: list[str] = []
@@ -125,10 +127,10 @@ class Piece:
     def _store(self, value: str, place: str) -> None:
         self.lines.append(f"  store {self.real.ir} {value}, ptr {place}, align 8")
 
-    def _element(self, array: str) -> str:
-        """Where in an array the next place is."""
+    def _element(self, array: str, kind: str = "") -> str:
+        """Where in an array, by default of what stands for a number, the next place is."""
         column, number = next(self._places)
-        ir = self.real.ir
+        ir = kind or self.real.ir
         if column is None:
             return self.new(f"getelementptr {ir}, ptr {array}, i64 {number}")
         begin = self.new(f"getelementptr {ir}, ptr {array}, i64 {self._told(column)}")
@@ -189,7 +191,11 @@ class Piece:
         """The value of an assignment."""
         ir = self.real.ir
         if what == "input":
-            return self._load(self._element(self._argument(given[0])))
+            array = self._argument(given[0])
+            if int(given[0]) not in self._alike:
+                return self._load(self._element(array))
+            place = self._element(array, "double")
+            return self._in_all_lanes(self.new(f"load double, ptr {place}, align 8"))
         if what == "constant":
             return self._constant()
         values = [self.value(operand) for operand in given]

@@ -9,6 +9,7 @@ elements. A list of the pieces and a table of places are then what remains of th
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -31,8 +32,13 @@ def cut_up(function: CFunction, short: int) -> Pieces:
     return Pieces.whole(operations) if whole else pieces(operations, PIECE)
 
 
-def straight_line(function: CFunction, cut: Pieces, real: Real) -> list[str]:
-    """IR of a function ``i32 (arg, res, iw, w, mem)`` with such a body."""
+def straight_line(
+    function: CFunction, cut: Pieces, real: Real, alike: Sequence[int] = ()
+) -> list[str]:
+    """IR of a function ``i32 (arg, res, iw, w, mem)`` with such a body.
+
+    ``alike`` are the arguments that are the same in all lanes.
+    """
     operations, table, name = cut.operations, Table.of(cut), function.name
     room = slot_count(function)
     constants = Constants(f"{name}.numbers", operations.numbers)
@@ -40,7 +46,7 @@ def straight_line(function: CFunction, cut: Pieces, real: Real) -> list[str]:
     for label in cut.different.tolist():
         begin, end = cut.cuts[label], cut.cuts[label + 1]
         lines = [as_line(operations.lines[k]) for k in range(begin, end)]
-        piece = Piece(real, table.places[label], constants, operations.calls, room)
+        piece = Piece(real, table.places[label], constants, operations.calls, room, alike)
         kept = cut.kept[begin:end].tolist()
         text += piece.text(f"{name}.{label}", lines, kept, table.widths[label])
     driver = _driver(name, cut.count, bool(operations.calls))

@@ -16,7 +16,7 @@ from dalembert.symbolic.native.c_text import CFunction, CText
 from dalembert.symbolic.native.c_types import INT, REAL
 from dalembert.symbolic.native.calls import called_from
 from dalembert.symbolic.native.lines import slot_count
-from dalembert.symbolic.native.loop import PIECES
+from dalembert.symbolic.native.loop import FIRST, PIECES
 from dalembert.symbolic.native.piece import ZEROS
 from dalembert.symbolic.native.real import Real
 from dalembert.symbolic.native.repeats import Pieces
@@ -47,7 +47,9 @@ class Module:
     in_memory: tuple[str, ...]
 
 
-def translated(source: str, entry: str, lanes: int, short: int) -> Module:
+def translated(
+    source: str, entry: str, lanes: int, short: int, alike: tuple[int, ...] = ()
+) -> Module:
     """The function ``entry`` of a C text and all it calls.
 
     Parameters
@@ -56,11 +58,13 @@ def translated(source: str, entry: str, lanes: int, short: int) -> Module:
     entry : name of the function
     lanes : numbers in the place of one
     short : operations up to which a body is compiled as a whole
+    alike : numbers of arguments that are the same in all lanes
 
     Raises
     ------
     NotTranslated
-        There is C in it that is not known, or lanes do not agree on a choice.
+        There is C in it that is not known, lanes do not agree on a choice, or arguments that are
+        the same in all lanes go to what is no straight body.
     """
     text = CText.read(source)
     _check_work(text.needed(entry))
@@ -68,7 +72,9 @@ def translated(source: str, entry: str, lanes: int, short: int) -> Module:
     if lanes > 1:
         own, lone = text.parted(entry)
         others = list(lone.functions.values())
-        parts = [_Part(text, own, Real(lanes), short), _Part(lone, others, Real(), short)]
+        parts = [_Part(text, own, Real(lanes), short, alike), _Part(lone, others, Real(), short)]
+        if alike and FIRST not in [function.name for function in parts[0].straight]:
+            raise NotTranslated("arguments are the same in all lanes for straight bodies only")
     cuts = [cut for part in parts for cut in part.cuts]
     if (different := sum(cut.different_operations for cut in cuts)) > MOST:
         raise NotTranslated(f"{different:,} different operations would gain little")
@@ -90,8 +96,15 @@ def translated(source: str, entry: str, lanes: int, short: int) -> Module:
 class _Part:
     """Functions of a text, for numbers or for lanes."""
 
-    def __init__(self, text: CText, functions: list[CFunction], real: Real, short: int):
-        self.text, self.functions, self.real = text, functions, real
+    def __init__(
+        self,
+        text: CText,
+        functions: list[CFunction],
+        real: Real,
+        short: int,
+        alike: tuple[int, ...] = (),
+    ):
+        self.text, self.functions, self.real, self.alike = text, functions, real, alike
         self.straight = [function for function in functions if function.straight]
         self.parsed = [function for function in functions if not function.straight]
         self.cuts: list[Pieces] = [cut_up(function, short) for function in self.straight]
@@ -106,7 +119,8 @@ class _Part:
         structs = [s for s in self.text.structs if s.split()[1] in used]
         lines = written_functions(self.functions, structs, around)
         for function, cut in zip(self.straight, self.cuts, strict=True):
-            lines += straight_line(function, cut, self.real)
+            alike = self.alike if function.name == FIRST else ()
+            lines += straight_line(function, cut, self.real, alike)
         told = [_array(name, *arrays[name], self.real) for name in wanted]
         return [*struct_lines(around), *told, *self.real.declarations("\n".join(lines)), *lines]
 

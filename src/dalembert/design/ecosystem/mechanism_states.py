@@ -1,0 +1,207 @@
+"""Positions of a mechanism as a state: assembled, or in static equilibrium with its multipliers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+import scipy
+
+from dalembert.analysis.equilibrium.equilibrium import Equilibrium
+from dalembert.analysis.equilibrium.static_balance import statics_kernel
+from dalembert.design.ecosystem.states import (
+    Change,
+    Measures,
+    StateEquations,
+    StateTangent,
+    StateVariable,
+    labelled,
+)
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.model import Model
+from dalembert.sparse.factorise import general_factors
+from dalembert.sparse.solver import Factors
+
+Solver = Callable[[np.ndarray, np.ndarray | None], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Equations of a position and of what is unknown beside it.
+
+    Attributes
+    ----------
+    residual : SX
+    rows : natural sizes of the residual
+    beside : SX symbols of other unknowns, with their natural sizes
+    solve : ``(p, state near) → state``
+    """
+
+    residual: ca.SX
+    rows: np.ndarray
+    beside: ca.SX
+    beside_sizes: np.ndarray
+    solve: Solver
+
+
+def assembled(model: Model, time: float) -> Balance:
+    """``Φ(y, p) = 0`` with what is held of the position."""
+    model.closure.refuse_singular_start()
+    recipe = model.closure.recipe
+    residual, rows = recipe.position_equations
+
+    def solve(p: np.ndarray, near: np.ndarray | None) -> np.ndarray:
+        return model.assemble(p, time).y
+
+    return Balance(residual, rows, ca.SX(0, 1), np.zeros(0), solve)
+
+
+def balanced(model: Model, analysis: Equilibrium) -> Balance:
+    """``f − d − Cᵀ λ = 0``, ``Φ = 0``."""
+    kernel, e, s = statics_kernel(model), model.equations, model.scales
+    residual = ca.vertcat(kernel.balance, e.constraints)
+    sizes = e.scales
+
+    def solve(p: np.ndarray, near: np.ndarray | None) -> np.ndarray:
+        start = None if near is None else near[: e.coordinate_count]
+        found = analysis.run(model, p, start=start)
+        if not found.status.success:
+            raise AnalysisError(f"{model.name}: no equilibrium, {found.status}")
+        return kernel.near(found.trajectory)[:, 0]
+
+    rows = np.concatenate([sizes.efforts, sizes.rows])
+    forces = np.maximum(sizes.multipliers, s.energy * 1e-12)
+    return Balance(residual, rows, e.multiplier, forces, solve)
+
+
+class MechanismStates(StateEquations):
+    """Coordinates ``y``, at rest, and multipliers where forces are balanced.
+
+    Parameters
+    ----------
+    model : Model
+    analysis : Equilibrium, or None for the assembled position
+    measures : of position, and of multipliers in equilibrium
+    time : instant of an assembled position [s]
+
+    Raises
+    ------
+    UnsupportedError
+        Positions depend on the way that led there.
+    AnalysisError
+        A measure of what is no part of the state.
+    """
+
+    model: Model
+    samples = 1
+
+    def __init__(
+        self, model: Model, analysis: Equilibrium | None, measures: Measures, time: float = 0.0
+    ):
+        e = model.equations
+        if e.slips:
+            raise UnsupportedError(
+                f"{model.name}: positions of what rolls depend on the way that led there, and are "
+                "no state of equations"
+            )
+        self.model, self.at_rest = model, analysis is not None
+        self.time = time if analysis is None else analysis.time
+        self.balance = assembled(model, time) if analysis is None else balanced(model, analysis)
+        self.measured = labelled(model, measures)
+        self.unknown = ca.vertcat(e.y, self.balance.beside)
+        bounds = e.manifold.bounds
+        self.equations = ca.vertcat(self.balance.residual, bounds)
+        self.sizes = np.concatenate([self.balance.rows, np.ones(bounds.numel())])
+        self.reach = np.concatenate([e.scales.coordinates, self.balance.beside_sizes])
+        self.variables = [StateVariable("coordinates", (e.coordinate_count,), model.guesses.names)]
+        if self.at_rest and e.constraint_count:
+            names = [model.equation_names[k] for k in model.closure.rows]
+            self.variables.append(StateVariable("multipliers", (len(names),), names))
+        self._seen = [self._still(label) for label in self.measured]
+
+    def _still(self, label: str) -> ca.SX:
+        """A measure of the state alone."""
+        e = self.model.equations
+        sx = e.without_dropped(self.measured[label].sx)
+        if self.at_rest:
+            still = ca.vertcat(e.v, e.a)
+            sx = ca.substitute(sx, still, ca.SX.zeros(still.numel()))
+        elif ca.depends_on(sx, ca.vertcat(e.v, e.a, e.multiplier)):
+            raise AnalysisError(
+                f"{label}: an assembled position has no speeds and no forces; take a measure of "
+                "positions, or analysis=Equilibrium() for forces"
+            )
+        return sx
+
+    def solve(self, p: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
+        return self.balance.solve(p, near)
+
+    def residual(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
+        return self._values(self.time, x, p)[0].full().ravel()
+
+    def measures(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
+        return self._values(self.time, x, p)[1].full().ravel()
+
+    def tangent(self, x: np.ndarray, p: np.ndarray) -> MechanismTangent:
+        slopes = [scipy.sparse.csc_array(s.sparse()) for s in self._slopes(self.time, x, p)]
+        return MechanismTangent(self, slopes)
+
+    @cached_property
+    def _given(self) -> list[ca.SX]:
+        return [self.model.equations.t, self.unknown, self.model.equations.p]
+
+    @cached_property
+    def _values(self) -> ca.Function:
+        """``(t, x, p) → r, m``."""
+        outputs = [ca.densify(self.equations), ca.densify(ca.vertcat(*self._seen))]
+        return ca.Function("state", self._given, outputs, {"cse": True})
+
+    @cached_property
+    def _slopes(self) -> ca.Function:
+        """``(t, x, p) →`` derivatives of ``r`` and ``m`` by ``x`` and ``p``."""
+        _, x, p = self._given
+        of = [self.equations, ca.vertcat(ca.SX(0, 1), *self._seen)]
+        outputs = [ca.jacobian(one, by) for one in of for by in (x, p)]
+        return ca.Function("state_slopes", self._given, outputs, {"cse": True})
+
+
+class MechanismTangent(StateTangent):
+    """Sparse derivatives, with factors when something is solved with them."""
+
+    def __init__(self, of: MechanismStates, slopes: list[scipy.sparse.csc_array]):
+        self.of = of
+        self.by_state, self.by_p, self.measure_by_state, self.measure_by_p = slopes
+
+    @cached_property
+    def _factors(self) -> Factors:
+        """Of the derivative by the state, in natural sizes."""
+        rows = scipy.sparse.diags_array(1 / self.of.sizes)
+        columns = scipy.sparse.diags_array(self.of.reach)
+        try:
+            return general_factors(scipy.sparse.csc_array(rows @ self.by_state @ columns))
+        except np.linalg.LinAlgError:
+            raise AnalysisError(
+                f"{self.of.model.name}: the position is singular, or something moves freely; its "
+                "equations have no single solution nearby"
+            ) from None
+
+    def push(self, dx: np.ndarray, dp: np.ndarray) -> Change:
+        return Change(
+            self.by_state @ dx + self.by_p @ dp,
+            self.measure_by_state @ dx + self.measure_by_p @ dp,
+        )
+
+    def pull(self, r_bar: np.ndarray, m_bar: np.ndarray) -> Change:
+        return Change(
+            self.by_state.T @ r_bar + self.measure_by_state.T @ m_bar,
+            self.by_p.T @ r_bar + self.measure_by_p.T @ m_bar,
+        )
+
+    def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
+        left, right = self.of.reach, 1 / self.of.sizes
+        if trans == "T":
+            left, right = right, left
+        return left * self._factors.solve(right * rhs, trans)
