@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.keywords import BucklingKeywords
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.spectral import SpectralAnalysis
-from dalembert.analysis.structural.numbers import require
+from dalembert.analysis.structural.numbers import need_count
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.analysis.structural.static_equations import factorised
@@ -72,7 +72,7 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     negative: bool = False
 
     def __post_init__(self) -> None:
-        require(self, (), ("count",))
+        need_count(self)
 
     def run(
         self, model: StructuralModel, parameters: Given = None, progress: Any = False

@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.analysis.keywords import ModalKeywords
 from dalembert.analysis.served import need_structure
 from dalembert.analysis.spectral import SpectralAnalysis
-from dalembert.analysis.structural.numbers import require
+from dalembert.analysis.structural.numbers import need_count
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.analysis.structural.static_equations import factorised
@@ -69,7 +69,7 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
     about: StructuralResult | None = None
 
     def __post_init__(self) -> None:
-        require(self, (), ("count",))
+        need_count(self)
         if self.about is None:
             return
         if not self.about.analysis.at_rest:

@@ -7,6 +7,19 @@ from typing import Any
 from dalembert.errors import UnsupportedError
 
 
+def need_count(strategy: Any) -> None:
+    """Some modes must be asked for.
+
+    Raises
+    ------
+    UnsupportedError
+        None are.
+    """
+    if not strategy.count > 0:
+        kind = type(strategy).__name__
+        raise UnsupportedError(f"{kind}: count is {strategy.count}; it must be positive")
+
+
 def require(strategy: Any, positive: tuple[str, ...], whole: tuple[str, ...] = ()) -> None:
     """Options must be positive, some of them whole numbers.
 

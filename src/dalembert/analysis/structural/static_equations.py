@@ -57,9 +57,11 @@ class StaticEquations:
         self.applied, self.moving = model.loads[case].values(p), model.loads[case].configuration
         self.given, self.balance = model.prescribed.values(p), Balance(model, p)
 
-    def holding(self, u: np.ndarray, share: float) -> list[np.ndarray]:
+    def holding(
+        self, u: np.ndarray, share: float, strain: np.ndarray | None = None
+    ) -> list[np.ndarray]:
         """Forces (n,) that hold the displaced elements: of strain, and of what grows with them."""
-        forces = [self.assembly.internal_forces(u, self.p)]
+        forces = [self.assembly.internal_forces(u, self.p) if strain is None else strain]
         return [*forces, share * self.moving.forces(u, self.p)] if self.moving else forces
 
     def stiffness(self, u: np.ndarray, share: float) -> Any:
@@ -67,10 +69,10 @@ class StaticEquations:
         found = self.assembly.stiffness(u, self.p)
         return found + share * self.moving.stiffness(u, self.p) if self.moving else found
 
-    def left(self, u: np.ndarray, share: float) -> np.ndarray:
-        """(n,) forces left over; those at prescribed displacements are taken by the supports."""
+    def left(self, u: np.ndarray, share: float, strain: np.ndarray | None = None) -> np.ndarray:
+        """(n,) forces left over, at prescribed displacements by supports; of strain if known."""
         applied = share * self.applied
-        return applied - sum(self.holding(u, share), np.zeros_like(applied))
+        return applied - sum(self.holding(u, share, strain), np.zeros_like(applied))
 
     def residual(self, u: np.ndarray, share: float) -> Balanced:
         """Forces left over on the free displacements, with their scale and the stiffness."""

@@ -85,14 +85,15 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         timing.lap("assembly")
         factor = self._solver(model, assembly.inner(stiffness), p)
         timing.lap("factorisation")
+        u[assembly.prescribed] = model.prescribed.values(p)[:, None]
+        begin, free = assembly.internal_forces(u[:, 0], p), assembly.free
         forces, open_by = np.zeros_like(u), 0.0
         for k, equations in enumerate(StaticEquations(model, p, case) for case in cases):
-            u[equations.held, k] = equations.given
             if factor is not None:
-                u[equations.free, k] = factor.solve(equations.left(u[:, k], 1.0)[equations.free])
+                u[free, k] = factor.solve(equations.left(u[:, k], 1.0, begin)[free])
             left = equations.left(u[:, k], 1.0)
             forces[:, k] = equations.supported(1.0, left)
-            open_by = max(open_by, np.abs(left[equations.free]).max(initial=0.0))
+            open_by = max(open_by, np.abs(left[free]).max(initial=0.0))
         residual = open_by / max(np.abs(forces).max(initial=0.0), 1e-300)
         status = Status(Outcome.COMPLETED, "linear statics", 0.0, float(residual))
         record = StaticsRecord(factor, stiffness)
