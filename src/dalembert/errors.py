@@ -170,6 +170,20 @@ class SolverFailure(AnalysisError):
         )
 
 
+class UnsolvedPart(SolverFailure):
+    """The equations of a part of a step, in which a change is looked for, were not solved.
+
+    Parameters
+    ----------
+    number : of the step among those looked at
+    time : at which it begins [s]
+    """
+
+    def __init__(self, number: int, time: float):
+        self.number = number
+        super().__init__(f"no motion up to a contact after t = {time:.9g} s")
+
+
 class SingularityError(AnalysisError):
     """The equations have no unique solution at this position.
 

@@ -14,16 +14,20 @@ END, STEP = 0.1, 2e-3
 TIP = [da.final("strip.end.y"), da.mean("strip.end.x")]
 
 
-@pytest.fixture(scope="module")
-def strip() -> da.Model:
-    """A leaf spring that a force pushes all of a sudden to more than half its length."""
+def leaf_spring() -> da.System:
+    """A force pushes it all of a sudden to more than half its length."""
     steel, section = Material(206e9, 0.3, 7850.0), rectangle(0.02, 0.001)
     system = da.System("strip", gravity=(0, 0))
     force, length = system.parameter("F", 4.0, "N"), system.parameter("L", 0.5, "m")
     options = {"length": length, "elements": 4, **section.planar_beam(steel)}
     beam = system.add(planar.Beam("strip", system.ground.center, **options))
     system.add(planar.Force("push", beam.end.center, (0, -force)))
-    return system.build()
+    return system
+
+
+@pytest.fixture(scope="module")
+def strip() -> da.Model:
+    return leaf_spring().build()
 
 
 def pushed(model: da.Model, **options) -> da.Motion:
@@ -81,6 +85,29 @@ def test_designs_of_a_batch_are_halved_too(strip):
         assert float(batch["strip.end.y"].values[k, -1]) == pytest.approx(
             float(single["strip.end.y"].values[-1]), rel=1e-9
         )
+
+
+def test_steps_between_located_impacts_are_halved_too(halved):
+    """A ball falls on a floor beside the leaf spring: the motion of neither is changed."""
+    system = leaf_spring()
+    height = system.parameter("height", 0.02, "m")
+    ball = system.add(planar.Particle("ball", mass=1.0, position=(2.0, height)))
+    system.add(planar.Force("weight", ball.center, (0.0, -9.81)))
+    system.add(planar.UnilateralConstraint("floor", ball.y, restitution=0.5))
+    motion = pushed(system.build(), step=STEP)
+    assert motion.status.success
+    assert motion.record.steps.rejected == halved.record.steps.rejected
+    assert motion.impacts[0].time == pytest.approx(np.sqrt(0.04 / 9.81), abs=1e-12)
+    assert float(motion["strip.end.y"][-1]) == pytest.approx(
+        float(halved["strip.end.y"][-1]), abs=1e-3
+    )
+    ends = [*TIP, da.final("ball.y")]
+    direct, adjoint = (
+        da.sensitivity(motion, ends, method=method).values for method in ("direct", "adjoint")
+    )
+    np.testing.assert_allclose(adjoint, direct, rtol=1e-8, atol=1e-9)
+    fall, after = np.sqrt(0.04 / 9.81), 0.1 - np.sqrt(0.04 / 9.81)
+    assert direct[2, 2] == pytest.approx(0.5 * (after - fall) / fall + after / fall, rel=1e-9)
 
 
 def test_what_no_step_solves_ends_the_run():

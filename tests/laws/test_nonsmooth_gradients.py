@@ -129,17 +129,35 @@ def test_pendulum_at_a_wall():
     np.testing.assert_allclose(found, exact, atol=0.03 * abs(exact).max())
 
 
-def test_impacts_on_one_body_in_one_step_are_refused():
+def dropped_bar(tilt: float) -> da.Model:
     system = da.System("dumb-bell", gravity=(0.0, -9.81))
     height = system.parameter("height", 0.3, "m")
-    bar = planar.Body("bar", mass=1.0, inertia=0.05, position=(0.0, height), angle=0.0)
+    bar = planar.Body("bar", mass=1.0, inertia=0.05, position=(0.0, height), angle=tilt)
     system.add(bar)
     ends = [(bar.point(x, 0.0), 0.02) for x in (-0.5, 0.5)]
     floor = [(system.ground.point(0.0, 0.0), (0.0, 1.0))]
     system.add(planar.Collisions("floor", ends, floor, restitution=0.5))
-    motion = run(system.build(), 0.3, 1e-3)
+    return system.build()
+
+
+def test_impacts_on_one_body_one_after_the_other_in_one_step_are_refused():
+    motion = run(dropped_bar(1e-3), 0.3, 1e-3)
     with pytest.raises(da.SingularityError, match="come within one step"):
         da.sensitivity(motion, da.final("bar.y"))
+
+
+def test_impacts_on_one_body_in_one_instant_are_one():
+    """A bar that falls level moves as one ball does: ``y = e g t* (T − t*) − g (T − t*)²/2``."""
+    motion = run(dropped_bar(0.0), 0.3, 1e-4)
+    found = both(motion, da.final("bar.y")).item()
+    fall, e = np.sqrt(2 * 0.28 / 9.81), 0.5
+    after = 0.3 - fall
+    assert found == pytest.approx(e * (after - fall) / fall + after / fall, abs=2e-3)
+    assert any("in one instant" in note for note in gradient_notes(motion))
+
+
+def gradient_notes(motion: da.Motion) -> list[str]:
+    return da.sensitivity(motion, da.final("bar.y")).attrs["notes"]
 
 
 def test_impacts_of_different_bodies_in_one_step():

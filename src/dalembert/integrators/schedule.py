@@ -26,7 +26,7 @@ class Schedule:
 
     def __init__(self, t: np.ndarray, h: np.ndarray, corrected: np.ndarray, mode: np.ndarray):
         self.t, self.h, self.corrected, self.mode = t, h, corrected, mode.copy()
-        self.shortest = h / (1.5 * 2**HALVINGS)
+        self.shortest = shortest(h)
         self.halved = 0
 
     def part(self, begin: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -50,3 +50,34 @@ class Schedule:
         self.shortest = np.insert(self.shortest, k, self.shortest[k])
         self.halved += 1
         return True
+
+
+class Grid:
+    """Times that steps lead to, whatever happens between them.
+
+    Parameters
+    ----------
+    given : the times, in order [s]
+    """
+
+    def __init__(self, given: np.ndarray):
+        self.given = self.times = given
+        self.shortest = shortest(np.diff(given))
+
+    @property
+    def halved(self) -> int:
+        """How many times have been put in."""
+        return self.times.size - self.given.size
+
+    def halve(self, t: float, h: float) -> bool:
+        """Put in the middle of a step; False where that has been done too often."""
+        middle = t + h / 2
+        if h / 2 < self.shortest[np.searchsorted(self.given, middle) - 1]:
+            return False
+        self.times = np.insert(self.times, np.searchsorted(self.times, middle), middle)
+        return True
+
+
+def shortest(h: np.ndarray) -> np.ndarray:
+    """The least lengths of the parts of steps."""
+    return h / (1.5 * 2**HALVINGS)

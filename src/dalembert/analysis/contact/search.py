@@ -19,6 +19,7 @@ from dalembert.analysis.contact.zeros import HALVINGS, cubic, first_zero, lowest
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.passage import NOW, Passage
 from dalembert.analysis.events import locate
+from dalembert.errors import UnsolvedPart
 from dalembert.formulations.base import state_symbols
 from dalembert.integrators.marching.steps import Crossing
 from dalembert.model.contacts import Phase, Phases
@@ -127,19 +128,29 @@ class ContactSearch:
         dips = cubic(parts, *ends_of) < -near
         for k in np.flatnonzero(beyond.any(axis=0) | dips.any(axis=(0, 1))):
             ends: dict[int, float] = {int(i): float(h[k]) for i in np.flatnonzero(beyond[:, k])}
-            for i in np.flatnonzero(dips[:, :, k].any(axis=0)):
-                part = h[k] * parts[dips[:, i, k], i, k].min()
-                if not self._value(mode, int(i), times[k], part, states[:, k]) >= -guards.near[i]:
-                    ends[int(i)] = float(part)
-            found_at = {
-                i: self._locate(mode, i, float(times[k]), states[:, k], end)
-                for i, end in ends.items()
+            low = {
+                int(i): float(h[k] * parts[dips[:, i, k], i, k].min())
+                for i in np.flatnonzero(dips[:, :, k].any(axis=0))
             }
-            roots = {i: root for i, root in found_at.items() if root is not None}
+            try:
+                roots = self._roots(mode, float(times[k]), states[:, k], ends, low)
+            except FloatingPointError:
+                raise UnsolvedPart(int(k), float(times[k])) from None
             if roots:
                 number = min(roots, key=lambda i: roots[i])
                 return int(k), roots[number], number
         return None
+
+    def _roots(
+        self, mode: int, t: float, x: np.ndarray, ends: dict[int, float], low: dict[int, float]
+    ) -> dict[int, float]:
+        """Zeros of guards in a step, that are negative at its end or perhaps inside."""
+        near = self._guards(mode).near
+        for i, part in low.items():
+            if not self._value(mode, i, t, part, x) >= -near[i]:
+                ends[i] = part
+        found = {i: self._locate(mode, i, t, x, end) for i, end in ends.items()}
+        return {i: root for i, root in found.items() if root is not None}
 
     def _locate(
         self, mode: int, number: int, t: float, x: np.ndarray, longest: float
@@ -162,9 +173,10 @@ class ContactSearch:
     def _value(self, mode: int, number: int, t: float, length: float, x: np.ndarray) -> float:
         state = self._state(mode, t, length, x) if length else x
         function = self._guards(mode).function
-        return float(
-            self._call(function, t + length, state[: self.size], self.p)[0].ravel()[number]
-        )
+        found = self._call(function, t + length, state[: self.size], self.p)[0].ravel()[number]
+        if not np.isfinite(found):
+            raise FloatingPointError
+        return float(found)
 
     def _state(self, mode: int, t: float, h: float, x: np.ndarray) -> np.ndarray:
         return self._call(self.kernel.variants[mode].step.function, t, h, x, self.p)[0].ravel()

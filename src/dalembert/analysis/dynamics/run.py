@@ -153,7 +153,7 @@ class DynamicsRun:
             steps = self.events.cut(steps, *ends)
         jumps = self.kernel.jumps(steps)
         wanted = self.requested
-        if wanted is None and self.halved(steps):
+        if wanted is None and self.contacts is None and self.halved(steps):
             wanted = self.grid
         times, branches = outputs_of(steps, wanted, ends is not None, jumps)
         trajectory = self.kernel.trajectory(times, steps, branches, self.p)

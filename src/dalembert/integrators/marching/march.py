@@ -119,7 +119,8 @@ class FixedMarch:
                 recorder.add(ends[: valid + 1], out[:, :valid])
                 done += valid
                 if not good.all():
-                    if watch is not None and self._halved(ahead, done, now, reason):
+                    halved = watch is not None and self.halves(now, reason) and ahead.halve(done)
+                    if halved:
                         longest = SHORT_CHUNK
                     else:
                         message = reason or "the state is no longer finite"
@@ -147,11 +148,9 @@ class FixedMarch:
         steps.x = recorder.states(self.again(steps, p))
         return steps
 
-    def _halved(self, ahead: Schedule, number: int, mode: int, reason: str) -> bool:
-        """Halve a step that failed, if it is one whose equations shorter steps may solve."""
-        if reason or self.step_of(mode).residual is None or self.at_once(mode):
-            return False
-        return ahead.halve(number)
+    def halves(self, mode: int, reason: str) -> bool:
+        """Whether a step that failed is one whose equations shorter steps may solve."""
+        return not (reason or self.step_of(mode).residual is None or self.at_once(mode))
 
     def advance(
         self, mode: int, x: np.ndarray, given, p: np.ndarray

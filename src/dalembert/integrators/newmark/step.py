@@ -7,6 +7,7 @@ The rule of ``newmark_rule`` with ``ẏ ≈ A(ȳ) w`` and the algebraic equation
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Problem
@@ -17,11 +18,16 @@ from dalembert.integrators.step import GraphStep
 from dalembert.symbolic.equations.newton_node import NewtonNode, constant
 from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
 
+SUDDEN = 1.0
+"""Change of the accelerations within the first step, by their size, that it does not resolve."""
+
 
 class NewmarkStep(GraphStep):
-    """One step; its memory is ``[ẑ; s; powers; 0; dẑ/dt]``, the last for first guesses.
+    """One step; its memory is ``[ẑ; s; powers; 0; first; dẑ/dt]``, the last for first guesses.
 
     The zeros stand for variables of other steps of the run, so that all memories have one length.
+    Rates at a start hold for the first step where it resolves them; of the vibrations that an
+    impact leaves in a stiff body it would make anything, so that they count as none there.
     """
 
     def __init__(self, chosen: NewmarkCoefficients, problem: Problem, settings: ImplicitIntegrator):
@@ -35,7 +41,7 @@ class NewmarkStep(GraphStep):
         self.t, self.h, self.x, self.p = s.t, ca.SX.sym("h"), s.x, s.p
         self.u = ca.SX.sym("u", e.count)
         self.spare = ca.SX.zeros(2 * problem.spare)
-        length = 2 * e.algebraic + len(self.speeds) + len(self.rest) + self.spare.numel()
+        length = 2 * e.algebraic + len(self.speeds) + len(self.rest) + self.spare.numel() + 1
         self.memory = ca.SX.sym("memory", length)
         self.given = ca.vertcat(self.t, self.h, self.x, self.memory, self.p)
         new, memory, rows = self._equations()
@@ -67,13 +73,15 @@ class NewmarkStep(GraphStep):
     def _equations(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """New state, new memory and residuals, as expressions of the unknowns."""
         e, c, t, h, x, p = self.equations, self.chosen, self.t, self.h, self.x, self.p
-        z, s, powers = self._remembered()
+        z, kept, powers = self._remembered()
 
         def rate(time, state, u) -> ca.SX:
             return e.rate(time, h, state, u, p)
 
         old = rate(t, x, ca.vertcat(z, ca.SX.zeros(len(e.coupled))))[self.speeds]
         true = rate(t, x, self.u)[self.speeds]
+        sizes = self.problem.system.sizes.rates[self.speeds]
+        s = self._resolved(kept, old, sizes, abs(c.shift))
         rule = StepRule.of(c, h)
         course = rule.corrected(rule.predicted(x[self.speeds], old, s), true)
         new, middle = ca.SX(x), ca.SX(x)
@@ -91,13 +99,25 @@ class NewmarkStep(GraphStep):
         used = rate(t + h, new, self.u)[self.rest]
         new[self.rest] = x[self.rest] + h / 2 * (powers + used)
         found = self.u[: e.algebraic, :]
-        memory = ca.vertcat(found, rule.memory(course, true), used, self.spare, (found - z) / h)
-        return new, memory, rows
+        memory = [found, rule.memory(course, true), used, self.spare, 0, (found - z) / h]
+        return new, ca.vertcat(*memory), rows
+
+    def _resolved(
+        self, change: ca.SX, value: ca.SX, sizes: np.ndarray, share: float = 1.0
+    ) -> ca.SX:
+        """A share of the rate of change of values; none at a start where steps are too long."""
+        if not change.numel():
+            return change
+        first = self.memory[self.memory.numel() - self.equations.algebraic - 1]
+        moved = self.h * ca.mmax(ca.fabs(change) / sizes)
+        sudden = moved > SUDDEN * share * (1 + ca.mmax(ca.fabs(value) / sizes))
+        return ca.if_else(ca.logic_and(first > 0, sudden), 0, 1) * change
 
     def _extrapolated(self) -> ca.SX:
         """First guess of the unknowns."""
         e, z = self.equations, self._remembered()[0]
         drift = self.memory[self.memory.numel() - e.algebraic :, :]
+        drift = self._resolved(drift, z, e.unknown_sizes[: e.algebraic])
         ahead = ca.vertcat(z + self.h * drift, ca.SX(len(e.coupled), 1))
         rate = e.rate(self.t, self.h, self.x, ahead, self.p)
         return ca.vertcat(ahead[: e.algebraic, :], rate[e.coupled])
@@ -115,7 +135,8 @@ class NewmarkStep(GraphStep):
             ca.vertcat(1, rate, drift),
         )
         jerk = ca.substitute(along, system.z, z)
-        memory = ca.vertcat(z, self.chosen.shift * jerk, rate[self.rest], self.spare, drift)
+        shifted = self.chosen.shift * jerk
+        memory = ca.vertcat(z, shifted, rate[self.rest], self.spare, 1, drift)
         return condensed("begin", [self.t, self.x, self.p], [memory], SELDOM)
 
     def _solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX]:

@@ -7,10 +7,13 @@ its gap by ``dt* = −dg/ġ⁻`` later adds
 
 (jump of the sensitivities: Hiskens and Pai 2000). So the gradient is that of the motion, to the
 order of the step, where the derivative of steps at fixed times would miss a term of its own size.
+Gaps on the same bodies that close in one instant make one impact, which moves by the mean of what
+each of them would: exact for whatever keeps them together.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +28,8 @@ SLOW = 2.0
 """Approach, by what forces change in a step, that counts as rest."""
 RESTS = 1e-8
 """Speed after an impact, by that before, that is none."""
+TOGETHER = 1e-6
+"""Share of a step that is one instant."""
 TOUCHED = 1e-9
 """Share of the largest change of speed by an impulse that is none."""
 
@@ -138,10 +143,14 @@ def _impacts(
     now = np.concatenate([_moving(steps, begin) @ begin[steps.size :], _before(steps, k)])
     jump = pushed(maps, now[:, None], 1.0, np.zeros((steps.p.size, 1))).ravel() - then
     found = []
-    for key, part in _parts(steps, k, closing).items():
-        speed, _, by_y, by_p = (s.full() for s in steps.maps.closing(key)(t, *place, steps.p))
-        by_x, share = np.concatenate([by_y.ravel(), 0 * after]), -1 / speed[0, 0]
-        found.append(MovingImpact(part * jump, share * by_x, share * by_p.ravel()))
+    for keys, part in moving_parts(steps, k, closing).items():
+        moving = []
+        for key in keys:
+            speed, _, by_y, by_p = (s.full() for s in steps.maps.closing(key)(t, *place, steps.p))
+            by_x = np.concatenate([by_y.ravel(), 0 * after])
+            moving.append(-np.concatenate([by_x, by_p.ravel()]) / speed[0, 0])
+        by_x, by_p = np.split(np.mean(moving, axis=0), [steps.x.shape[0]])
+        found.append(MovingImpact(part * jump, by_x, by_p))
     return found
 
 
@@ -159,36 +168,52 @@ def _moving(steps: ContactSteps, x: np.ndarray) -> np.ndarray:
     return steps.maps.moving(x[: steps.size]).full()
 
 
-def _parts(steps: ContactSteps, k: int, keys: list[int]) -> dict[int, np.ndarray]:
+def together(steps: ContactSteps, k: int, keys: Sequence[int]) -> bool:
+    """Whether gaps close in one instant, seen from before they were opened for this step."""
+    before = max(k - 1, 0)
+    (t, h), state = steps.span(before), steps.split(before)
+    values = [steps.maps.gap(key)(t, *state, steps.p) for key in keys]
+    instants = [-float(distance) / float(speeds[0]) for distance, speeds, *_ in values]
+    return max(instants) - min(instants) <= TOGETHER * h
+
+
+def moving_parts(steps: ContactSteps, k: int, keys: list[int]) -> dict[tuple[int, ...], np.ndarray]:
     """Which part of the state, as ones and zeros, each of the impacts of a step moves.
+
+    Gaps that close in one instant and move the same are one impact.
 
     Raises
     ------
     SingularityError
-        Two of them move the same.
+        Two of them move the same, one after the other.
     """
     (t, _), (y, v) = steps.span(k), steps.split(k)
     if len(keys) == 1:
-        return {keys[0]: np.ones(steps.x.shape[0])}
+        return {tuple(keys): np.ones(steps.x.shape[0])}
     solve = steps.step.smooth.at(t, y, steps.p)[0]
     touched = {}
     for key in steps.patterns[k]:
         direction = steps.maps.closing(key)(t, y, v, steps.p)[1].full()[0]
         moved = np.abs(solve(direction, None)[0])
         touched[key] = moved > TOUCHED * moved.max()
-    parts: dict[int, np.ndarray] = {}
+    parts: dict[tuple[int, ...], np.ndarray] = {}
     for key in keys:
         part, others = touched[key], dict(touched)
         while near := [other for other, own in others.items() if (own & part).any()]:
             part = np.logical_or.reduce([part, *(others.pop(other) for other in near)])
-        if any((part & known).any() for known in parts.values()):
+        met = [known for known, own in parts.items() if (part & own).any()]
+        if met and together(steps, k, [key, *met[0]]):
+            parts[(*met[0], key)] = parts.pop(met[0])
+            continue
+        if met:
             raise SingularityError(
                 f"impacts on the same bodies come within one step at t = {t:.9g} s: which is "
                 "first depends on parameters, and so does the motion after them; take shorter "
                 "steps"
             )
-        parts[key] = part
+        parts[(key,)] = part
     places = np.abs(_moving(steps, steps.x[:, k]))
     return {
-        key: np.concatenate([places @ part > 0, part]).astype(float) for key, part in parts.items()
+        some: np.concatenate([places @ part > 0, part]).astype(float)
+        for some, part in parts.items()
     }
