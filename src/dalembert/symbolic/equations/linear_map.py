@@ -17,6 +17,7 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
+from dalembert.symbolic.evaluation.condensed import condensed
 from dalembert.symbolic.evaluation.tape import Tape
 
 WIDTH, NEAR = 16, 1 << 16
@@ -65,7 +66,7 @@ class LinearMap:
             self.sums.append(row)
         stacked = ca.densify(ca.DM(numbers) * ca.vertcat(*entries)) if entries else ca.SX(0, 1)
         given = [part for value in values for part in value.call(tape.point)]
-        self.point = ca.Function("point", tape.point, [*given, stacked], {"cse": True})
+        self.point = condensed("point", tape.point, [*given, stacked])
 
 
 class LinearChain:

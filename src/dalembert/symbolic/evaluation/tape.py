@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 
 SHORT = 3
 """Terms of a sum that is written into its only user even where that multiplies it by an entry."""
 
 
-@dataclass(frozen=True)
 class Factor:
-    """``number · entry``, an entry of None being one."""
+    """``number · entry``, an entry of None being one; hundreds of thousands are made of a model."""
 
-    number: float = 1.0
-    entry: ca.SX | None = None
+    __slots__ = ("entry", "number")
+
+    def __init__(self, number: float = 1.0, entry: ca.SX | None = None):
+        self.number, self.entry = number, entry
 
     def __mul__(self, other: Factor) -> Factor:
+        if other is ONE:
+            return self
+        if self is ONE:
+            return other
         if self.entry is None or other.entry is None:
             entry = self.entry if other.entry is None else other.entry
         else:
@@ -34,12 +37,16 @@ class Factor:
         return ca.SX(self.number) if self.entry is None else self.number * self.entry
 
 
-@dataclass(frozen=True)
+ONE, MINUS = Factor(), Factor(-1.0)
+
+
 class Multiple:
     """A multiple of a sum or direction."""
 
-    source: int
-    factor: Factor = Factor()
+    __slots__ = ("factor", "source")
+
+    def __init__(self, source: int, factor: Factor = ONE):
+        self.source, self.factor = source, factor
 
     def scaled(self, factor: Factor) -> Multiple:
         return Multiple(self.source, self.factor * factor)
@@ -121,9 +128,12 @@ class Tape:
 
     def _sum(self, operation: int, values: list, sums: list[Terms | None]) -> Multiple:
         terms: Terms = {}
-        for value, sign in zip(values, (1.0, -1.0 if operation == ca.OP_SUB else 1.0), strict=True):
-            if isinstance(value, Multiple):
-                self._include(terms, value.scaled(Factor(sign)), sums)
+        first, second = values
+        if isinstance(first, Multiple):
+            self._include(terms, first, sums)
+        if isinstance(second, Multiple):
+            negative = operation == ca.OP_SUB
+            self._include(terms, second.scaled(MINUS) if negative else second, sums)
         sums.append(terms)
         return Multiple(len(sums) - 1)
 
@@ -133,10 +143,13 @@ class Tape:
         cheap = value.factor.entry is None or (inner is not None and len(inner) <= SHORT)
         if inner is not None and self._users[value.source] == 1 and cheap:
             sums[value.source] = None
-            parts = [(source, factor * value.factor) for source, factor in inner.items()]
+            parts = {source: factor * value.factor for source, factor in inner.items()}
         else:
-            parts = [(value.source, value.factor)]
-        for source, factor in parts:
+            parts = {value.source: value.factor}
+        if not terms:
+            terms.update(parts)
+            return
+        for source, factor in parts.items():
             terms[source] = terms[source] + factor if source in terms else factor
 
     def _ordered(self, sums: list[Terms | None], outputs: list[Terms]) -> list[Terms]:
@@ -150,15 +163,18 @@ class Tape:
         return [{place[k]: factor for k, factor in terms.items()} for terms in [*kept, *outputs]]
 
 
-def _instructions(function: ca.Function) -> list[tuple[int, list[int], list[int]]]:
-    """Operation, where it finds what it is given, and where it leaves what it makes."""
+def _instructions(function: ca.Function) -> list[tuple[int, tuple[int, ...], tuple[int, ...]]]:
+    """Operation, where it finds what it is given, and where it leaves what it makes.
+
+    As tuples, which unlike lists are not looked at by every round of the garbage collector.
+    """
     count = range(function.n_instructions())
     which, given, made = (
         function.instruction_id,
         function.instruction_input,
         function.instruction_output,
     )
-    return [(which(k), given(k), made(k)) for k in count]
+    return [(which(k), tuple(given(k)), tuple(made(k))) for k in count]
 
 
 def _scaled(operation: int, values: list) -> Multiple:
@@ -169,7 +185,7 @@ def _scaled(operation: int, values: list) -> Multiple:
     if operation == ca.OP_DIV:
         return values[0].scaled(Factor(1.0, 1 / values[1].written))
     if operation == ca.OP_NEG:
-        return values[0].scaled(Factor(-1.0))
+        return values[0].scaled(MINUS)
     if operation == ca.OP_TWICE:
         return values[0].scaled(Factor(2.0))
     if operation == ca.OP_IF_ELSE_ZERO:
