@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -315,7 +317,8 @@ def test_other_analyses_take_designs(build, verb, options, measure, tmp_path):
             continue
         single = verb(model, parameters={name: value}, **options)
         found, expected = batch.statuses[k], single.status
-        assert (found.outcome, found.message) == (expected.outcome, expected.message)
+        texts = [re.sub(r"residual \S+ N", "", s.message) for s in (found, expected)]
+        assert found.outcome == expected.outcome and texts[0] == texts[1]
         assert abs(found.residual - expected.residual) < 1e-12
         if single.status.success:
             wanted = single.values(measure)

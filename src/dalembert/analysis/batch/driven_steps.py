@@ -9,9 +9,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.batch.ending import ended_batch
 from dalembert.analysis.batch.judgement import open_by
-from dalembert.analysis.batch.one_by_one import STOPPED, OneByOne
-from dalembert.analysis.batch.starts import Starts
+from dalembert.analysis.batch.starts import Starts, backend_of
 from dalembert.analysis.batch.states import States
 from dalembert.analysis.kinematics.kernel import KinematicsKernel
 from dalembert.analysis.kinematics.run import (
@@ -28,7 +28,6 @@ from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs
 from dalembert.results.status import reached
-from dalembert.symbolic.evaluation.backends import BACKENDS, Backend
 from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
 from dalembert.symbolic.once import once
 
@@ -48,7 +47,7 @@ class DrivenSteps:
         self.workers, self.count = workers, len(designs)
         self.run = KinematicsRun(analysis, model, None)
         self.kernel: KinematicsKernel = self.run.kernel
-        self.backend = _backend(model)
+        self.backend = backend_of(model)
         e, times = model.equations, self.run.requested.size
         self.kept = e.coordinate_count + 2 * e.speed_count
         if analysis.efforts:
@@ -76,7 +75,7 @@ class DrivenSteps:
             False,
             _first(self.kernel),
         )
-        statuses, alone = starts.statuses, starts.alone
+        statuses = starts.statuses
         states, known, residuals, interrupted = self._move(starts, report)
         passed = known
         if known.size:
@@ -84,27 +83,9 @@ class DrivenSteps:
         end = float(self.run.requested[-1])
         for k in passed:
             statuses[int(k)] = reached(end, float(residuals[k]))
-        alone += [int(k) for k in np.setdiff1d(known, passed)]
-        states.x[np.setdiff1d(np.arange(self.count), passed)] = np.nan
-        runs = OneByOne(self.analysis, self.model, self.designs)
-        waiting = [k for k in range(self.count) if k not in statuses]
-        if not interrupted:
-            runs.run(waiting, self.workers, lambda fraction: None)
-        for k in waiting:
-            statuses[k] = runs.statuses.get(k, STOPPED)
-        states.apart = runs.results
-        if len(runs.errors) == self.count and len({s.message for s in statuses.values()}) == 1:
-            raise next(iter(runs.errors.values()))
-        statistics = {
-            "workers": self.workers,
-            "backend": self.marching.report,
-            "steps of a design": self.longest,
-            "designs run on their own": len(waiting),
-            "computation time [s]": round(clock.perf_counter() - begin, 6),
-        }
-        listed = [statuses[k] for k in range(self.count)]
-        made = self.model, self.analysis, self.designs, listed, states, runs.results
-        return Batch(*made, statistics)
+        made_by = self.analysis, self.model, self.designs, self.workers
+        about = {"backend": self.marching.report, "steps of a design": self.longest}
+        return ended_batch(made_by, states, statuses, interrupted, about, begin)
 
     def _move(
         self, starts: Starts, report: Callable[[float], None]
@@ -189,12 +170,6 @@ class DrivenSteps:
             sound = (residual < TOLERANCE) & (regular > REGULAR)
             sound &= change <= np.maximum(LARGEST_TURN * moved, small)
         return np.asarray(np.all(sound, axis=1) & np.all(np.isfinite(path), axis=(1, 2)))
-
-
-@once
-def _backend(model: Model) -> Backend:
-    """What evaluates the functions of this model's kinematics."""
-    return BACKENDS["auto"]()
 
 
 @once

@@ -26,7 +26,7 @@ from dalembert.integrators.marching.steps import Steps
 from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs
-from dalembert.results.status import reached
+from dalembert.results.status import Status, reached
 from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
 
 
@@ -205,9 +205,13 @@ class FixedSteps:
         if not known.size:
             return known
         found = Judgement(states, known, self.outputs, self.analysis.balance)
-        end = float(self.times[-1])
-        for k, residual in zip(known[found.passed], found.violations[found.passed], strict=True):
-            self.statuses[int(k)] = reached(end, float(residual))
+        end = reached(float(self.times[-1]), 0.0)
+        self.statuses |= {
+            k: Status(end.outcome, end.message, end.time, residual)  # thousands of the same words
+            for k, residual in zip(
+                known[found.passed].tolist(), found.violations[found.passed].tolist(), strict=True
+            )
+        }
         self.alone += [int(k) for k in known[~found.passed]]
         passed = known[found.passed]
         if passed.size:

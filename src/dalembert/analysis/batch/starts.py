@@ -13,7 +13,7 @@ from dalembert.model.assembly.many_starts import ManyStarts
 from dalembert.model.model import Model
 from dalembert.results.batch.designs import Designs
 from dalembert.results.status import Outcome, Status
-from dalembert.symbolic.evaluation.backends import Backend
+from dalembert.symbolic.evaluation.backends import BACKENDS, Backend
 from dalembert.symbolic.evaluation.shared_columns import in_blocks
 from dalembert.symbolic.formulas.expression import stack
 from dalembert.symbolic.once import once
@@ -126,6 +126,12 @@ class Starts:
             float("nan"),
             gap,
         )
+
+
+@once
+def backend_of(model: Model) -> Backend:
+    """What evaluates the functions of analyses of this model that name no backend."""
+    return BACKENDS["auto"]()
 
 
 def starting_mode(kernel: DynamicsKernel, model: Model) -> int:

@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
+from dalembert.analysis.batch.rests import Rests
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.equilibrium.static_balance import (
     StaticBalance,
     StaticsKernel,
+    rest_text,
     statics_kernel,
 )
 from dalembert.analysis.keywords import EquilibriumKeywords, NonlinearStaticsKeywords
@@ -79,6 +81,7 @@ class Equilibrium(Analysis[Model, Motion]):
 
     spoken = "static equilibrium"
     at_rest = True
+    batched = Rests
 
     time: float = 0.0
     tolerance: float = TOLERANCE
@@ -147,9 +150,7 @@ class _Search:
         n, here = self.model.equations.speed_count, balance.residual(found.x)
         residual = float(np.abs(here.value).max(initial=0.0)) / self.model.scales.length
         stable = bool(np.all(here.resistance > 0))
-        text = f"residual {residual:.3g} N after {found.iterations} iterations, " + (
-            "stable" if stable else "not a stable position"
-        )
+        text = rest_text(residual, found.iterations, stable)
         outcome = Outcome.COMPLETED if found.accepted else Outcome.NOT_CONVERGED
         status = Status(outcome, text, self.analysis.time, found.residual)
         column = (-1, 1)

@@ -244,6 +244,12 @@ class _Nearest(Equations[np.ndarray]):
         return -unit * np.linalg.lstsq(alike, residual.value / row, rcond=None)[0]
 
 
+def rest_text(residual: float, iterations: int, stable: bool) -> str:
+    """What is said of an equilibrium."""
+    kind = "stable" if stable else "not a stable position"
+    return f"residual {residual:.3g} N after {iterations} iterations, {kind}"
+
+
 def _spectrum(stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues and vectors of the symmetric part."""
     if not np.all(np.isfinite(stiffness)):

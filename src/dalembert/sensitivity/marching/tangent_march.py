@@ -119,10 +119,10 @@ class TangentMarch(ForwardWalk[np.ndarray]):
     def _lanes(self, mode: int) -> LaneTangents | None:
         """What takes steps of a mode along several directions side by side, if anything does."""
         if mode not in self._known:
-            kernel, step = self.run.kernel, self.run.step_of(mode)
-            parted, found = None if branches(step, kernel.fixed.period) else step.linear, None
-            if parted is not None:
-                found = LaneTangents.of(parted, kernel.backend, self.count, self.width)
+            kernel, step, found = self.run.kernel, self.run.step_of(mode), None
+            possible = kernel.backend.has_lanes and not branches(step, kernel.fixed.period)
+            if possible and step.linear is not None:
+                found = LaneTangents.of(step.linear, kernel.backend, self.count, self.width)
             self._known[mode] = found
         return self._known[mode]
 

@@ -19,6 +19,7 @@ from dalembert.symbolic.evaluation.columns import (
     NativeColumns,
     VirtualColumns,
     compiled_form,
+    instructions,
 )
 from dalembert.symbolic.evaluation.switching import SwitchingColumns, best_toolchain, repays
 from dalembert.symbolic.native.c_compiler import needed_compiler
@@ -50,12 +51,24 @@ class Backend(ABC):
         """
         return self._columns(function, carried, fixed, called)
 
+    @property
+    def has_lanes(self) -> bool:
+        """Whether it computes anything side by side."""
+        return False
+
     def side_by_side(self, function: ca.Function, called: ca.Function, work: int) -> bool:
         """Whether several sets of arguments are to be computed side by side, by LLVM.
 
         ``work`` columns are asked for of all sets together; ``called`` is what would be compiled.
         """
         return False
+
+    def repays_lanes(self, operations: float, compiled: Sequence[ca.Function]) -> bool:
+        """Whether so many operations of the virtual machine are rather done side by side, by LLVM,
+
+        which has to compile these functions.
+        """
+        return self.has_lanes
 
     @abstractmethod
     def _columns(
@@ -101,8 +114,12 @@ class Compiled(Backend):
     def __init__(self, needed: Callable[[], Toolchain]):
         self._needed = needed
 
-    def side_by_side(self, function: ca.Function, called: ca.Function, work: int) -> bool:
+    @property
+    def has_lanes(self) -> bool:
         return self._needed is needed_llvm and find_llvm() is not None
+
+    def side_by_side(self, function: ca.Function, called: ca.Function, work: int) -> bool:
+        return self.has_lanes
 
     def _columns(
         self,
@@ -160,8 +177,15 @@ class _WhereMany(Columns):
 class Automatic(Backend):
     """Machine code where it is in the cache, or where the work repays compiling."""
 
+    @property
+    def has_lanes(self) -> bool:
+        return find_llvm() is not None
+
     def side_by_side(self, function: ca.Function, called: ca.Function, work: int) -> bool:
-        return find_llvm() is not None and repays(function, called, work)
+        return self.repays_lanes(work * instructions(function), [called])
+
+    def repays_lanes(self, operations: float, compiled: Sequence[ca.Function]) -> bool:
+        return self.has_lanes and repays(operations, compiled)
 
     def _columns(
         self,

@@ -31,12 +31,12 @@ class LinearStep:
     ----------
     entries : ``(t, h, x, q) → e``
     along : SX function ``(dx, e, dq) → dx⁺``, linear in dx and dq
-    asked : steps, and directions of steps, that were asked for so far
+    asked : operations of the virtual machine that were asked for so far
     """
 
     entries: ca.Function
     along: ca.Function
-    asked: list[int] = field(default_factory=lambda: [0, 0])
+    asked: list[float] = field(default_factory=lambda: [0.0])
 
     @cached_property
     def compiled_entries(self) -> ca.Function:
@@ -62,11 +62,10 @@ class LaneTangents:
 
         Marches of an optimisation are many short ones, so that all of them count.
         """
-        parts = (step.entries, step.compiled_entries), (step.along, step.along)
-        for k, more in enumerate((count, count * width)):
-            step.asked[k] += more
-        work = zip(parts, step.asked, strict=True)
-        return _made(step) if all(backend.side_by_side(*one, n) for one, n in work) else None
+        each = instructions(step.entries) + width * instructions(step.along) / 2
+        step.asked[0] += count * each  # a product and a sum are one operation of a substitution
+        compiled = step.compiled_entries, step.along
+        return _made(step) if backend.repays_lanes(step.asked[0], compiled) else None
 
     def __call__(
         self, changes: np.ndarray, given: Sequence[np.ndarray], q: np.ndarray, rates: np.ndarray

@@ -166,13 +166,15 @@ class SwitchingColumns(Columns):
             self._ended = True
 
 
-def repays(function: ca.Function, called: ca.Function, count: int) -> bool:
-    """Whether so many columns of a function take longer than to compile ``called`` by LLVM."""
-    coming, toolchain = count * VIRTUAL_RATE * instructions(function), find_llvm()
-    if toolchain is None or coming < TEXT_RATE * instructions(called):
+def repays(operations: float, compiled: Sequence[ca.Function]) -> bool:
+    """Whether so many operations take longer than to compile functions by LLVM."""
+    coming = operations * VIRTUAL_RATE
+    if find_llvm() is None or coming < TEXT_RATE * sum(map(instructions, compiled)):
         return False
-    least, whole = _efforts(called)
-    return coming >= WORTH_WAITING * least and coming >= WORTH_WAITING * whole()
+    least, whole = zip(*map(_efforts, compiled), strict=True)
+    if coming < WORTH_WAITING * sum(least):
+        return False
+    return coming >= WORTH_WAITING * sum(effort() for effort in whole)
 
 
 @once
