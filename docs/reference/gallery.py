@@ -35,7 +35,7 @@ CATEGORIES: dict[str, tuple[str, str]] = {
         "path_optimization",
         "catapult four_bar_map four_bar_study identified_arm path_optimization pump_front "
         "gripper lightest_reliable_truss reliable_truss shaper_tolerances smallest_cam "
-        "straight_line_synthesis swing_up twisting_wing",
+        "straight_line_synthesis swing_up synthesis_tasks twisting_wing",
     ),
     "Cases of the book, methods side by side": (
         "spring_pendulum",
