@@ -90,3 +90,26 @@ def test_a_wing_twists_as_the_closed_form(pictures: Path) -> None:  # noqa: F811
     assert found["uniform wall"] == pytest.approx(needed, rel=1e-3)
     assert found["mass"] < 0.9 * found["uniform mass"]
     assert found["tip"] == pytest.approx(made.MOST * made.ATTACK, rel=1e-6)
+
+
+def test_the_shape_of_a_truss_by_the_method_of_joints(pictures: Path) -> None:  # noqa: F811
+    """It is statically determinate: forces by balance alone; lighter than the 4,530 lb printed."""
+    found, made = numbers("truss_shape", pictures), script("truss_shape")
+    assert found["success"] and found["mass [lb]"] < 4530
+    places = {k: np.array(at) for k, at in made.places(found).items()}
+    free = [k for k in places if k not in (10, 11)]
+    area = {k: found[name] for name, members in made.GROUPS.items() for k in members}
+    balance, loads = np.zeros((2 * len(free), len(made.BARS))), np.zeros(2 * len(free))
+    lengths = np.array([np.linalg.norm(places[j] - places[i]) for i, j in made.BARS])
+    for k, ends in enumerate(made.BARS):
+        for here, there in (ends, ends[::-1]):
+            if here in free:
+                row = 2 * free.index(here)
+                balance[row : row + 2, k] = (places[there] - places[here]) / lengths[k]
+    for node in made.LOADED:
+        loads[2 * free.index(node) + 1] = made.FORCE
+    areas = np.array([area[k] for k in range(len(made.BARS))])
+    stress = np.linalg.solve(balance, loads) / areas
+    assert np.all(abs(stress) < (1 + 1e-6) * made.STRONGEST)
+    assert np.all(-stress < (1 + 1e-6) * 4 * made.MODULUS * areas / lengths**2)
+    assert made.DENSITY * areas @ lengths == pytest.approx(found["mass [lb]"] * made.POUND)

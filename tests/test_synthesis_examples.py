@@ -143,3 +143,20 @@ def test_beam_is_as_stiff_as_by_88_lines(pictures: Path) -> None:  # noqa: F811
     assert found["compliance"] == pytest.approx(reference, rel=3e-3)
     assert found["compliance"] < reference * 1.0005
     assert found["volume"] <= 0.5 * (1 + 1e-6)
+
+
+def test_what_synthesis_is_asked_for(pictures: Path) -> None:  # noqa: F811
+    """Dead centres by the law of cosines; what is met exactly, and what as well as can be."""
+    found, made = numbers("synthesis_tasks", pictures), script("synthesis_tasks")
+    d, c, f, g = (found[f"rocker: {n}"] for n in ("crank", "coupler", "follower", "ground"))
+
+    def angle(near: float, other: float, across: float) -> float:
+        return math.acos((near**2 + other**2 - across**2) / (2 * near * other))
+
+    swing = angle(f, g, c + d) - angle(f, g, c - d)
+    advance = angle(c - d, g, f) - angle(c + d, g, f)
+    assert swing == pytest.approx(made.SWING, abs=1e-8)
+    assert abs(advance) == pytest.approx(made.ADVANCE, abs=1e-8)
+    assert found["error of the function"] < 1e-5 and found["error of the motion"] < 2e-3
+    assert found["error of the six-bar"] < 1e-4 and found["error of the geared five-bar"] < 1e-8
+    assert found["four-bars"] > found["of five points"] >= 2

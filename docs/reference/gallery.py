@@ -30,12 +30,12 @@ CATEGORIES: dict[str, tuple[str, str]] = {
         "",
         "cam_lift_off catenary_cable discs_in_a_box slider_crank_with_play woodpecker",
     ),
-    "Structures": ("", "plate truss ten_bar_truss marimba_bar mbb_beam tuned_mass"),
+    "Structures": ("", "plate truss ten_bar_truss truss_shape marimba_bar mbb_beam tuned_mass"),
     "Design": (
         "path_optimization",
         "catapult four_bar_map four_bar_study identified_arm path_optimization pump_front "
         "gripper lightest_reliable_truss reliable_truss shaper_tolerances smallest_cam "
-        "straight_line_synthesis swing_up twisting_wing",
+        "straight_line_synthesis swing_up synthesis_tasks twisting_wing",
     ),
     "Cases of the book, methods side by side": (
         "spring_pendulum",

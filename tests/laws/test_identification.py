@@ -184,6 +184,16 @@ def test_what_the_data_cannot_tell(oscillator):
     assert "not seen at all" in found._repr_html_()
 
 
+def test_residuals_that_are_no_noise_are_told(oscillator):
+    """Noise alone, or what a model with too little damping cannot follow."""
+    analysis = da.Dynamics(4.0, step=0.02)
+    true = {"k1": 50.0, "k2": 50.0, "c": 1.0, "x0": 0.4}
+    data = measured(oscillator, analysis, true, 0.01, **{"mass.x": "mass.x"})
+    for vary, told in ((["k1", "c", "x0"], False), (["k1", "x0"], True)):
+        found = da.identify(oscillator, data, vary=vary, analysis=analysis)
+        assert any("mass.x: neighbouring residuals agree" in n for n in found.notes) is told
+
+
 def test_advice_prefers_what_tells_more(oscillator):
     data = measured(oscillator, DYNAMICS, {"k1": 70.0}, noise=1e-3, x="mass.x")
     found = da.identify(oscillator, data, {"x": "mass.x"}, ["k1"], analysis=DYNAMICS)

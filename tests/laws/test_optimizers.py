@@ -298,3 +298,16 @@ def test_a_start_on_a_limit_that_is_zero():
     for y in (1.0, 1.0 - 1e-13):
         found = solve({"x": (1.0, 0.1, 5), "y": (y, 0.1, 5)}, "x + 2*y", [("x*y - 1", 0.0, None)])
         assert found.success and found.fun == pytest.approx(2 * math.sqrt(2), rel=1e-6)
+
+
+def test_an_objective_without_gradient_is_told():
+    """It does not depend on what varies, or changes in jumps; a start outside of bounds is told."""
+    x = {"x": (0.52, 0.0, 1.0), "y": (0.5, 0.0, 1.0)}
+    for objective, words in (("y + 0*x", "does not change"), ("floor(5*x)", "changes in jumps")):
+        found = solve(x, objective, vary=["x"])
+        assert not found.success and words in found.message
+    assert solve(x, "(x - 0.52)**2", vary=["x"]).success  # it stands at the optimum
+    with pytest.raises(ModelError, match=r"x starts at 2, outside of its bounds \[0, 1\]"):
+        solve(x, "x", start={"x": 2.0})
+    found = solve(x, "x", [("10*y", None, 2.0)], vary=["x"])
+    assert "g1 is 5, above 2" in found.message

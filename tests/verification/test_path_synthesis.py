@@ -46,3 +46,16 @@ def test_better_than_printed():
     steps = np.diff(best.crank_angles)
     assert np.all(steps > 0) or np.all(steps < 0)
     assert abs(steps.sum()) < 2 * np.pi
+
+
+def test_an_ellipse_that_ever_longer_links_draw_better():
+    """Acharyya and Mandal's closed path: the search comes to no end, what it reached is a linkage.
+
+    Printed errors are those of links between 5 and 80, 4.7e-3 and more.
+    """
+    quarter = [(20, 10), (17.66, 15.142), (11.736, 17.878), (5, 16.928), (0.60307, 12.736)]
+    ellipse = quarter + [(x, 20 - y) for x, y in reversed(quarter[1:])]
+    best = da.synthesize(da.Target.path(ellipse, closed=True), starts=10).best
+    off = np.linalg.norm(best.linkage.path(best.crank_angles) - ellipse, axis=1)
+    assert best.linkage.crank_turns and best.error < 1e-3
+    assert off @ off == pytest.approx(best.error)

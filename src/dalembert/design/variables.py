@@ -181,8 +181,18 @@ def make_variables(
     for k, one in enumerate(listed):
         if not isinstance(one, str):
             _add_sizes(made, k, one.sizes(parameters))
+    _refuse_start(made, {n: v for n, v in start.items() if n in names})
     made.start = np.clip(made.start, made.lower, made.upper)
     return made
+
+
+def _refuse_start(made: Variables, start: Mapping[str, float]) -> None:
+    """Refuse a start that is asked for where it may not be."""
+    for name, lower, upper in zip(made.names, made.lower, made.upper, strict=True):
+        if name in start and not lower <= start[name] <= upper:
+            raise ModelError(
+                f"{name} starts at {start[name]:g}, outside of its bounds [{lower:g}, {upper:g}]"
+            )
 
 
 def _add_sizes(made: Variables, k: int, columns: dict[str, np.ndarray]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +17,11 @@ from dalembert.results.result import Result
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+FEW = 20
+"""Samples below which nothing is said of how residuals follow each other."""
+EXACT = 1e-6
+"""Of the range of the data, residuals that are rounding and errors of steps."""
 
 
 @dataclass(eq=False)
@@ -161,9 +166,30 @@ class Identification(Decision):
         """What is doubtful about it."""
         told = [f"{name} ended at a bound; its interval means little" for name in self.at_bounds]
         told += [f"the data hardly tell {c}" for c in self.poorly_known]
+        told += [
+            f"{column}: neighbouring residuals agree (correlation {alike:.2f}), which noise does "
+            "not: the model lacks something, or another start fits better; intervals mean little"
+            for column, alike in self._not_noise()
+        ]
         if not self.success:
             told.insert(0, self.message)
         return told
+
+    def _not_noise(self) -> Iterator[tuple[str, float]]:
+        """Columns whose residuals follow each other, with the correlation of neighbours."""
+        pairs = zip(self.misfit.observations, self.residuals, strict=True)
+        for number, (o, residuals) in enumerate(pairs, start=1):
+            for k, column in enumerate(o.columns):
+                seen, values = residuals[:, k], o.values[:, k]
+                seen = seen[np.isfinite(seen)]
+                if seen.size < FEW or not np.std(seen) > EXACT * np.ptp(
+                    values[np.isfinite(values)]
+                ):
+                    continue
+                alike = float(seen[1:] @ seen[:-1] / (seen @ seen))
+                if alike > 0.5 and alike * np.sqrt(seen.size) > 5:
+                    several = f" of experiment {number}" if len(self.residuals) > 1 else ""
+                    yield f"{column}{several}", alike
 
     def plot(self) -> Any:
         """Data, model and residuals of every column; returns the figure."""

@@ -80,19 +80,51 @@ def _doubts(
     program: Program, z: np.ndarray, point: Point, factors: Multipliers, found: Evaluation
 ) -> list[str]:
     """What speaks against an optimum."""
-    violation = program.violation(found.values)
-    if violation > FEASIBLE:
-        c = found.values[1:] / program.sizes
-        broken = np.maximum(program.c_lower - c, c - program.c_upper) > FEASIBLE
-        labels = [q.label for q, b in zip(program.problem.quantities[1:], broken, strict=True) if b]
+    if program.violation(found.values) > FEASIBLE:
         return [
-            f"limits cannot all be kept from here: {', '.join(labels)} by {violation:.3g} of "
-            "their size; widen limits or bounds, or start elsewhere"
+            f"limits cannot all be kept from here: {told_broken(program, found.values)}; "
+            "widen limits or bounds, or start elsewhere"
         ]
     if factors.stationarity <= OPTIMAL:
-        return []
+        return _flat(program, z, point)
     text = f"no optimum: the gradient is left with {factors.stationarity:.2g} of its size"
     return [text + why_stuck(program, z, point, factors.residual)]
+
+
+def told_broken(program: Program, values: np.ndarray) -> str:
+    """The limits that are broken, what they are and what they should be."""
+    c, told = values[1:] / program.sizes, []
+    for k, limit in enumerate(program.limits):
+        for bound, by, word in (
+            (limit.lower, program.c_lower[k] - c[k], "below"),
+            (limit.upper, c[k] - program.c_upper[k], "above"),
+        ):
+            if bound is not None and by > FEASIBLE:
+                label = program.problem.quantities[k + 1].label
+                told.append(f"{label} is {values[k + 1]:.6g}, {word} {bound:.6g}")
+    return ", ".join(told)
+
+
+def _flat(program: Program, z: np.ndarray, point: Point) -> list[str]:
+    """What holds a search at its start where there is no gradient at all: nothing, or jumps."""
+    if np.any(point.g) or np.any(z) or program.variables.sizes:
+        return []
+    tiny, near, far = (_change_within(program, z, point.f, share) for share in (1e-6, 1e-4, 0.3))
+    if not far:
+        return ["the objective does not change with what varies; vary what it depends on"]
+    if near and tiny < 0.1 * near:  # it is flat here, but bends
+        return []
+    return [
+        "the objective changes in jumps, of which its gradient knows nothing; smooth it, or take "
+        "method='differential-evolution'"
+    ]
+
+
+def _change_within(program: Program, z: np.ndarray, f: float, share: float) -> float:
+    """Of the objective, by steps of all variables at once, this share of their ranges."""
+    ends = [np.clip(z + step, program.z_lower, program.z_upper) for step in (share, -share)]
+    found = [program.value(end) for end in ends]
+    return max((abs(one[0] - f) for one in found if one is not None), default=0.0)
 
 
 def _variables(program: Program, x: np.ndarray, factors: Multipliers) -> list[Bounded]:

@@ -11,6 +11,7 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer, Stop
 from dalembert.design.optimize.optimality import OPTIMAL, multipliers
+from dalembert.design.optimize.outcome import told_broken
 from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.design.optimize.settling import settled
 from dalembert.design.pareto.front import Front, best_of
@@ -53,7 +54,10 @@ class FrontSearch:
         violation = program.violation(found.values)
         left = multipliers(program, z, point).stationarity
         if violation > FEASIBLE or left > OPTIMAL:
-            self.failed.append(f"{ended.message} (violation {violation:.2g}, residual {left:.2g})")
+            why = f"the gradient is left with {left:.2g} of its size ({ended.message})"
+            if violation > FEASIBLE:
+                why = f"limits are not kept, {told_broken(program, found.values)}"
+            self.failed.append(why)
             return None
         self.found.append(x)
         return x

@@ -24,6 +24,8 @@ from dalembert.design.synthesis.target import Target
 QUIET: dict[str, Any] = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes"}
 APART = 1e-3
 """Least turn of the crank between entries [rad]."""
+HELD = 1e-8
+"""Violation of equations and limits, in the size of the target, that counts as none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +111,14 @@ class Polish:
             total += ca.sumsqr(output - start - target.outputs)
         return total
 
+    def _holds(self, g: ca.DM) -> bool:
+        """Whether equations and limits hold where a search has come to no end.
+
+        A target may be met better and better by ever longer links; what was reached is a linkage.
+        """
+        left, count = g.full().ravel(), self._parts["equations"]
+        return bool(np.all(abs(left[:count]) < HELD) and np.all(left[count:] > -HELD))
+
     def __call__(self, start: Start) -> tuple[Linkage, np.ndarray] | None:
         """The linkage that the programme leads to, and its crank angles; None where it fails."""
         guess, target = start.linkage, self.target
@@ -136,7 +146,7 @@ class Polish:
             ),
         )
         x = np.array(found["x"]).ravel()
-        if not solver.stats()["success"] or not np.all(np.isfinite(x)):
+        if not np.all(np.isfinite(x)) or not (solver.stats()["success"] or self._holds(found["g"])):
             return None
         made = dict(zip(names, x[: len(names)].tolist(), strict=True))
         crank = x[len(names) :][: n if self.free_timing else 1]
