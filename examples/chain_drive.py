@@ -8,6 +8,7 @@ with ``ω R cos θ``, ``|θ| ≤ π/z``, so the speed of the chain falls and ris
 
 import math
 import sys
+from functools import cache
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -47,10 +48,10 @@ def path(apart: float) -> tuple[np.ndarray, float]:
         return np.array([apart, 0]) + hangs * down + (s - ends[2]) * along
 
     def next_after(s: float) -> float:
-        low, high = s, s + 1.2 * PITCH
+        here, low, high = place(s % ends[4]), s, s + 1.2 * PITCH
         for _ in range(60):
             middle = (low + high) / 2
-            short = np.linalg.norm(place(middle % ends[4]) - place(s % ends[4])) < PITCH
+            short = math.dist(place(middle % ends[4]), here) < PITCH
             low, high = (middle, high) if short else (low, middle)
         return low
 
@@ -60,6 +61,7 @@ def path(apart: float) -> tuple[np.ndarray, float]:
     return np.array([place(s % ends[4]) for s in stations[:-1]]), stations[-1] - ends[4]
 
 
+@cache
 def distance() -> float:
     """Of the axes, so that the chain closes."""
     low, high = 0.6 * LINKS / 2 * PITCH * 0.5, LINKS / 2 * PITCH

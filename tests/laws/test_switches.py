@@ -67,9 +67,20 @@ def model(name: str):
 def reference(name: str, p: float = 1.0) -> np.ndarray:
     """Place and speed at the end, by steps so short that it does not matter where they end."""
     symbols = [ca.SX.sym(s) for s in "txvp"]
-    force = ca.Function("force", symbols, [FORCES[name](*map(Expression, symbols)).sx])
+    formula = FORCES[name](*map(Expression, symbols)).sx
+    function = ca.Function("force", [ca.vertcat(*symbols)], [ca.densify(formula)])
+    buffer, evaluate = function.buffer()
+    given, force = np.zeros(4), np.zeros(1)
+    buffer.set_arg(0, memoryview(given))
+    buffer.set_res(0, memoryview(force))
+
+    def rate(time: float, z: np.ndarray) -> tuple[float, float]:
+        given[:] = time, *z, p
+        evaluate()
+        return z[1], force[0]
+
     return solve_ivp(
-        lambda time, z: [z[1], float(force(time, *z, p))],
+        rate,
         (0, END),
         [0.0, 1.0],
         "DOP853",

@@ -15,7 +15,6 @@ from dalembert.analysis.dynamics.passage import NOW, Passage
 from dalembert.analysis.dynamics.switch_owners import owner_of
 from dalembert.analysis.events import locate
 from dalembert.formulations.base import state_symbols
-from dalembert.integrators.marching.adaptive import ATTEMPTS
 from dalembert.integrators.marching.steps import Crossing
 from dalembert.symbolic.evaluation.kernel import Kernel
 
@@ -96,7 +95,8 @@ class SwitchSearch:
         count, size = times.size - 1, self.size
         if not count:
             return None
-        whole = np.minimum(np.arange(ATTEMPTS + 1), count)  # always as many, for one function
+        most = 1 << (count - 1).bit_length()  # of few sizes, for few functions
+        whole = np.minimum(np.arange(most + 1), count)
         t, x = times[whole], states[:size, whole]
         p, rate = self.p[:, None], self.kernel.variants[mode].rate.function
         (slope,) = self.kernel.over(rate, t.size)(t, x, np.tile(p, t.size))
