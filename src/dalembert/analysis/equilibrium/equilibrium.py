@@ -146,10 +146,11 @@ class _Search:
     def result(self, balance: StaticBalance, found: Solution[np.ndarray]) -> Motion:
         n, here = self.model.equations.speed_count, balance.residual(found.x)
         residual = float(np.abs(here.value).max(initial=0.0)) / self.model.scales.length
-        stable = bool(np.all(here.resistance > 0))
-        text = f"residual {residual:.3g} N after {found.iterations} iterations, " + (
-            "stable" if stable else "not a stable position"
-        )
+        stable = bool(np.all(here.resistance > 0)) if here.conservative else here.stable
+        verdict = "stable" if stable else "not a stable position"
+        if stable and not here.conservative:
+            verdict = "statically stable (loads without potential: linearize tells of flutter)"
+        text = f"residual {residual:.3g} N after {found.iterations} iterations, {verdict}"
         outcome = Outcome.COMPLETED if found.accepted else Outcome.NOT_CONVERGED
         status = Status(outcome, text, self.analysis.time, found.residual)
         column = (-1, 1)
