@@ -1,7 +1,8 @@
 """Equilibria of many designs at an instant, all by Newton's method at once.
 
 What ``StaticBalance`` and ``newton.solve`` do for one. A design of which some directions are much
-stiffer than others, or that does not arrive, is left to a run of its own.
+stiffer than others, whose forces have no potential, or that does not arrive, is left to a run of
+its own.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from dalembert.analysis.equilibrium.static_balance import (
     CLOSED,
     CURVED,
     LONGEST,
+    SKEW,
     STIFF,
     StaticsKernel,
 )
@@ -59,6 +61,13 @@ class ManyForces:
         """(designs,) whether every direction resists."""
         largest = np.abs(self.resistance).max(axis=1, initial=0.0)[:, None]
         return np.asarray(np.all(self.resistance > CURVED * largest, axis=1))
+
+    @property
+    def conservative(self) -> np.ndarray:
+        """(designs,) whether the stiffness is symmetric."""
+        skew = np.abs(self.stiffness - self.stiffness.transpose(0, 2, 1))
+        sizes = (a.max(axis=(1, 2), initial=0.0) for a in (skew, SKEW * np.abs(self.stiffness)))
+        return ~np.greater(*sizes)
 
     @property
     def stiff(self) -> np.ndarray:
@@ -109,7 +118,7 @@ class ManyBalances:
             here = self._look(y, p)
             count, lost = np.zeros(len(y), dtype=int), ~np.isfinite(here.size)
             for _ in range(self.max_iterations):
-                lost |= (here.size > 1) & here.uneven
+                lost |= (here.size > 1) & here.uneven | ~here.conservative
                 if not (going := np.flatnonzero((here.size > 1) & ~lost)).size:
                     break
                 arrived = self._advance(here, going, p)

@@ -149,8 +149,8 @@ class _Search:
     def result(self, balance: StaticBalance, found: Solution[np.ndarray]) -> Motion:
         n, here = self.model.equations.speed_count, balance.residual(found.x)
         residual = float(np.abs(here.value).max(initial=0.0)) / self.model.scales.length
-        stable = bool(np.all(here.resistance > 0))
-        text = rest_text(residual, found.iterations, stable)
+        stable = bool(np.all(here.resistance > 0)) if here.conservative else here.stable
+        text = rest_text(residual, found.iterations, stable, here.conservative)
         outcome = Outcome.COMPLETED if found.accepted else Outcome.NOT_CONVERGED
         status = Status(outcome, text, self.analysis.time, found.residual)
         column = (-1, 1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -20,6 +21,8 @@ LONGEST = 0.5
 """Longest step, in characteristic lengths and radians."""
 CURVED = 1e-12
 """Stiffness, relative to the largest, from which on a direction counts as stable."""
+SKEW = 1e-9
+"""Asymmetry of a stiffness, relative to it, that is rounding."""
 BENT = 1e-3
 """Deflection, in natural sizes, whose elastic force is a force that counts."""
 STIFF = 1e4
@@ -104,11 +107,21 @@ class Forces(Residual):
     resistance: np.ndarray = field(kw_only=True)
     stiffness: np.ndarray = field(kw_only=True)
 
-    @property
+    @cached_property
+    def conservative(self) -> bool:
+        """The stiffness is symmetric: the forces have a potential, as far as is seen here."""
+        skew = np.abs(self.stiffness - self.stiffness.T).max(initial=0.0)
+        return not skew > SKEW * np.abs(self.stiffness).max(initial=0.0)
+
+    @cached_property
     def stable(self) -> bool:
-        """Every free direction resists."""
+        """Every free direction resists; without a potential, no displacement runs away by itself
+        (no divergence; flutter is a matter of masses)."""
+        resisting = self.resistance
+        if not self.conservative and np.all(np.isfinite(self.stiffness)):
+            resisting = np.linalg.eigvals(self.stiffness).real
         largest = np.abs(self.resistance).max(initial=0.0)
-        return bool(np.all(self.resistance > CURVED * largest))
+        return bool(np.all(resisting > CURVED * largest))
 
     @property
     def stiff(self) -> np.ndarray:
@@ -244,9 +257,11 @@ class _Nearest(Equations[np.ndarray]):
         return -unit * np.linalg.lstsq(alike, residual.value / row, rcond=None)[0]
 
 
-def rest_text(residual: float, iterations: int, stable: bool) -> str:
+def rest_text(residual: float, iterations: int, stable: bool, conservative: bool = True) -> str:
     """What is said of an equilibrium."""
     kind = "stable" if stable else "not a stable position"
+    if stable and not conservative:
+        kind = "statically stable (loads without potential: linearize tells of flutter)"
     return f"residual {residual:.3g} N after {iterations} iterations, {kind}"
 
 
