@@ -118,13 +118,13 @@ class ManyBalances:
             here = self._look(y, p)
             count, lost = np.zeros(len(y), dtype=int), ~np.isfinite(here.size)
             for _ in range(self.max_iterations):
-                lost |= (here.size > 1) & here.uneven | ~here.conservative
+                lost |= (here.size > 1) & here.uneven
                 if not (going := np.flatnonzero((here.size > 1) & ~lost)).size:
                     break
                 arrived = self._advance(here, going, p)
                 count[going[arrived]] += 1
                 lost[going[~arrived]] = True
-        return here, count, ~lost & (here.size <= 1)
+        return here, count, ~lost & here.conservative & (here.size <= 1)
 
     def _advance(self, here: ManyForces, going: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Take a step of some designs, halved until it leads nearer; which have taken one."""
