@@ -328,3 +328,4 @@ def test_other_analyses_take_designs(build, verb, options, measure, tmp_path):
             np.testing.assert_allclose(gradients[k], expected, rtol=1e-12)
     assert batch.succeeded[0]
     assert not batch.succeeded.all() or name == "k"
+    assert batch.statistics.get("designs run on their own", 0) <= 1  # structures do not tell

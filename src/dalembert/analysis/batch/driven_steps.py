@@ -113,11 +113,11 @@ class DrivenSteps:
 
             self.longest = max(self.longest, h.size)
             threads = self.workers if march.threaded else 1
-            begun = np.count_nonzero(done) / known.size
+            begun = np.count_nonzero(done) / max(1, known.size)
 
             def told(fraction: float) -> None:
                 if take is keep:
-                    report(begun + fraction * sets.size / known.size)
+                    report(begun + fraction * sets.size / max(1, known.size))
 
             return in_groups(work, sets, march.width, threads, told)
 
