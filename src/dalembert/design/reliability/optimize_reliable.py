@@ -174,11 +174,14 @@ class _Rounds:
 
     def ended(self) -> ReliableOptimum:
         """What there is by now."""
-        assert self.best is not None
+        best = self.best
+        assert best is not None
+        if self.stopped:
+            best = replace(best, success=False, interrupted=True, message="interrupted")
         limits = self.found or self.task.unknown()
-        runs = self.task.states.problem.runs + self.best.runs
+        runs = self.task.states.problem.runs + best.runs
         return ReliableOptimum(
-            self.best, self.task.beta, limits, self.told, self.settled, runs, self.stopped
+            best, self.task.beta, limits, self.told, self.settled, runs, self.stopped
         )
 
 

@@ -126,7 +126,7 @@ class ReliableOptimum(Decision):
 
     @property
     def sentence(self) -> str:
-        state = "" if self.settled else f", {self.message}"
+        state = "" if self.settled else f" not reached, {self.message}"
         return f"{self.optimum.sentence}, limits at β = {self.beta:g}{state}"
 
     def findings(self) -> dict[str, Any]:
