@@ -228,3 +228,23 @@ def test_beside_a_kink_shorter_steps_tell():
     assert certificate.data["verdict"].values.ravel().tolist() == ["no influence"] * 2
     certificate = certify(motion, [from_kink], [0])
     assert certificate.data["verdict"].item() == "confirmed"
+
+
+def test_integrals_over_moving_kinks_are_not_contradicted():
+    """A tow rope grows taut and slack again; what it hands on is known by the elastic impact."""
+    system = da.System("tow")
+    speed = system.parameter("speed", 2.0, "m/s")
+    rail = {"direction": (0.0, 1.0)}
+    towed = system.add(planar.Particle("towed", mass=1.0, position=(0.0, 0.0)))
+    start = {"position": (0.5, 0.0), "velocity": (speed, 0.0)}
+    towing = system.add(planar.Particle("towing", mass=3.0, **start))
+    for body in (towed, towing):
+        system.add(planar.CoordinateDriver(f"on_{body.name}", body.center, 0.0, **rail))
+    rope = (towed.center, towing.center)
+    system.add(planar.Cable("rope", rope, length=1.0, stiffness=1000.0))
+    motion = da.solve_dynamics(system.build(), 0.4, integrator=da.DormandPrince(1e-9, 1e-9))
+    gradient = da.sensitivity(motion, da.integral("rope.force"), certificate=True)
+    assert abs(gradient.item() - 1.5) < 1e-6  # 2 m1 m2/(m1 + m2)
+    certificate = gradient.attrs["certificate"]
+    assert certificate.data["verdict"].item() == "unconfirmed"
+    assert certificate.data["taylor_verdict"].item() == "unconfirmed"
