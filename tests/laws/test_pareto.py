@@ -35,6 +35,23 @@ def test_fronts_by_gradients(method):
     assert 2.5 < front.hypervolume((2.0, 2.0)) < 10 / 3
 
 
+@pytest.mark.parametrize(
+    ("second", "exact"),
+    [
+        ("{g}*(1 - sqrt(x1/{g}))", lambda f: 1 - f**0.5),
+        ("{g}*(1 - (x1/{g})**2)", lambda f: 1 - f**2),
+    ],
+)
+def test_corners_that_leave_variables_to_other_aims(second, exact):
+    """ZDT1 and ZDT2 (Zitzler, Deb, Thiele 2000): the first aim sees one variable of three."""
+    model = parametric({f"x{k}": (0.5, 1e-6 if k == 1 else 0.0, 1.0) for k in (1, 2, 3)})
+    text = second.format(g="(1 + 4.5*(x2 + x3))")
+    aims = [da.final("x1", name="first"), da.final(text, name="second")]
+    front = da.pareto(model, aims, analysis=da.Statics(), points=5)
+    assert len(front) == 5
+    np.testing.assert_allclose(front.values[:, 1], exact(front.values[:, 0]), atol=1e-8)
+
+
 def test_three_aims_within_a_limit():
     """Distances to three corners: best designs lie in their triangle, cut off by a limit."""
     third = da.final("(x - 1)**2 + y**2", name="third")

@@ -19,6 +19,11 @@ from dalembert.design.quantity import Quantity
 from dalembert.design.weighted import Weighted
 from dalembert.errors import AnalysisError
 
+STEEP = 1e-3
+"""Slope over the range of a variable, of the range of an aim, from which on it counts."""
+UNSEEN = 1e-6
+"""Slope over the range of a variable, of the largest one, that is none."""
+
 
 class FrontSearch:
     """Scalar problems, one for each point, each from the point before it."""
@@ -104,6 +109,14 @@ class FrontSearch:
         span = high - low
         if np.any(span <= 1e-9 * np.maximum(abs(high), 1e-12)):
             return "the aims do not contradict each other"
+        anchors = [
+            self.efficient(x, span) if self.is_loose(row, x, span) else x
+            for row, x in enumerate(anchors)
+        ]
+        corners = np.array([self.values(x) for x in anchors])
+        low, span = corners.min(axis=0), np.ptp(corners, axis=0)
+        if np.any(span <= 1e-9 * np.maximum(abs(corners).max(axis=0), 1e-12)):
+            return "the aims do not contradict each other"
         last = anchors[-1]
         for k, share in enumerate(shares):
             make = self.normal if method == "normal-constraint" else self.epsilon
@@ -115,6 +128,19 @@ class FrontSearch:
                     break
             report((len(self.aims) + k + 1) / whole)
         return ""
+
+    def is_loose(self, row: int, x: np.ndarray, span: np.ndarray) -> bool:
+        """Whether a corner, at a bound as a rule, leaves variables that only other aims notice."""
+        lower, upper = self.functions.bounds.T
+        width = self.functions.problem.variables.width
+        slopes = self.senses[:, None] * self.functions.jacobian(x) * width
+        sizes = np.abs(slopes).max(axis=1, keepdims=True)
+        if not np.all(sizes > STEEP * span[:, None]):  # an aim at rest within its bounds
+            return False
+        slopes /= sizes
+        others = np.delete(slopes, row, axis=0)
+        falls = ((others > UNSEEN) & (x > lower)) | ((others < -UNSEEN) & (x < upper))
+        return bool(np.any((np.abs(slopes[row]) < UNSEEN) & falls.any(axis=0)))
 
     def efficient(self, x: np.ndarray, span: np.ndarray) -> np.ndarray:
         """A design that is no worse in any aim and cannot be bettered in one alone."""
