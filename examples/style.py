@@ -47,8 +47,8 @@ def save(figure, folder, name: str) -> None:
 def draw(ax, motion, time: float = 0.0, alpha: float = 1.0, colours=COLOURS) -> None:
     """The mechanism at the output nearest to a time."""
     k = int(np.argmin(abs(motion.time - time)))
-    scene = motion_scene(motion, np.arange(motion.time.size))
-    poses = {b["name"]: [part[k] for part in pose_of(b)] for b in scene["bodies"]}
+    scene = motion_scene(motion, np.array([k]))
+    poses = {b["name"]: [part[0] for part in pose_of(b)] for b in scene["bodies"]}
     poses["ground"] = [np.eye(2), np.zeros(2)]
 
     def placed(body: str, *points) -> np.ndarray:

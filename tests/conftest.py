@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from pathlib import Path
 
@@ -31,6 +32,7 @@ class NeverCompiled:
 
 
 switching.Compilation = NeverCompiled  # type: ignore[assignment,misc]
+gc.set_threshold(10_000, 20, 20)  # models are many objects that stay
 
 settings.register_profile(
     "dalembert", deadline=None, derandomize=True, max_examples=25, database=None

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from joint_views import accelerations, assert_same
 from registry import (
     CASES,
     FORMULATIONS,
@@ -89,23 +90,6 @@ def at_state(view: JointView, outputs: list, seed: int | None = 0) -> list[np.nd
         q, u = e.manifold.go(q, dq), u + du
     function = ca.Function("f", [e.t, e.y, e.v, e.a, e.p], [ca.densify(out) for out in outputs])
     return [out.full() for out in function.call([0.13, q, u, a, p])]
-
-
-def accelerations(view, formulation=None) -> list[np.ndarray]:
-    """``y, v, v̇, λ`` of the bodies at the start."""
-    model, e, f = view.model, view.equations, formulation or da.Kkt()
-    start, p = model.start, model.nominal
-    q, u = (x.full().ravel() for x in view.reduce.function(0.0, start.y, start.v, p))
-    f = f.choose(e, 0.0, q, p)
-    seen = [e.without_dropped(column) for column in view.everything]
-    function = f.acceleration(e, e.constraint_acceleration, seen).function
-    return [x.full().ravel() for x in function(0.0, np.concatenate([q, u, [0, 0]]), p)]
-
-
-def assert_same(found, expected, tolerance=1e-9) -> None:
-    for one, other in zip(found, expected, strict=True):
-        limit = tolerance * (1 + np.abs(other).max(initial=0))
-        np.testing.assert_allclose(one, other, atol=limit, rtol=0)
 
 
 # one joint ----------------------------------------------------------------------------------

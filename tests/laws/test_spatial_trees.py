@@ -5,8 +5,8 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
+from joint_views import accelerations, assert_same
 from spatial_trees import KINDS, SpatialTree
-from test_joint_coordinates import accelerations, assert_same
 
 import dalembert as da
 from dalembert import spatial

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from joint_views import accelerations
 from scipy.spatial.transform import Rotation
 from spatial_trees import SpatialTree
-from test_joint_coordinates import accelerations
 
 import dalembert as da
 from dalembert import spatial
