@@ -16,7 +16,7 @@ from dalembert.results.status import Outcome
 THETA = np.arctan(2.0)
 
 
-def slides(friction: float, speed: float, theta: float = THETA):
+def sliding(friction: float, speed: float, theta: float = THETA) -> da.Model:
     system = da.System("rod", gravity=(0, -9.81))
     place = (np.cos(theta) / 2, np.sin(theta) / 2)
     rod = system.add(
@@ -29,7 +29,12 @@ def slides(friction: float, speed: float, theta: float = THETA):
     system.add(
         planar.UnilateralConstraint("tip", tip.y, tip.velocity[0], restitution=0, friction=mu)
     )
-    return da.solve_dynamics(system.build(), 1e-3, integrator=da.DormandPrince())
+    return system.build()
+
+
+def slides(friction: float, speed: float, theta: float = THETA) -> da.Motion:
+    model = sliding(friction, speed, theta)
+    return da.solve_dynamics(model, 1e-3, integrator=da.DormandPrince())
 
 
 @pytest.mark.parametrize("theta", [THETA, 0.9])
@@ -40,3 +45,13 @@ def test_limit(theta):
     assert jammed.outcome is Outcome.UNDECIDED and "tip" in jammed.message
     assert slides(1.001 * limit, 1.0, theta).status.success  # the other way it never jams
     assert limit >= 4 / 3 - 1e-12
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean(projection=False)])
+def test_steps_with_impulses_jam(scheme):
+    """An impact without a collision: the tip stops, ``ω = v l/2 sin θ/(l²/3)`` about it."""
+    motion = da.solve_nonsmooth(sliding(3.0, -3.0), 1e-3, step=1e-3, integrator=scheme)
+    assert motion.status.success
+    turning = 3.0 * np.sin(THETA) / 2 * 3
+    assert motion.values("rod.angular_velocity")[-1] == pytest.approx(turning, rel=5e-3)
+    assert abs(motion.values("tip.slip")[-1]) < 5e-3

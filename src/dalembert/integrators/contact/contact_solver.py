@@ -84,6 +84,10 @@ class ContactSolver:
         allowed = self.tolerance * problem.size(found)
         if left <= allowed:
             return Impulses(found, left, True)
+        stuck = semismooth_newton(problem, sticking(problem), allowed)
+        left = problem.residual(stuck)
+        if left <= self.tolerance * problem.size(stuck):
+            return Impulses(stuck, left, True)
         return self._proximal(problem, begun, self.tolerance * problem.size(begun))
 
     def _proximal(self, problem: FrictionProblem, found: np.ndarray, allowed: float) -> Impulses:
@@ -100,6 +104,15 @@ class ContactSolver:
                 found, left = tried, problem.residual(tried)
                 best = min(best, (found, left), key=lambda pair: pair[1])
         return Impulses(*best, bool(best[1] <= allowed), rounds)
+
+
+def sticking(problem: FrictionProblem) -> np.ndarray:
+    """Impulses that stop all contacts: where friction jams sliding (Painlevé) no others may do."""
+    wanted = -problem.velocity.ravel()
+    if not (np.isfinite(problem.matrix).all() and np.isfinite(wanted).all()):
+        return np.zeros(problem.shape)
+    found = np.linalg.lstsq(problem.matrix, wanted, rcond=None)[0]
+    return found.reshape(problem.shape)
 
 
 def nearer(problem: FrictionProblem, impulses: np.ndarray, weight: float) -> FrictionProblem:
