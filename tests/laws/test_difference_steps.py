@@ -190,3 +190,15 @@ def test_study_draws(tmp_path):
     ]
     assert all(np.isfinite(line.get_ydata()).all() for line in ax.lines)
     assert study.plot(ax) is ax
+
+
+def test_a_value_that_is_none_beside_the_design_is_told():
+    """The run succeeds there, and is not said to fail: the response is a root of less than zero."""
+    system = da.System("stone")
+    speed = system.parameter("speed", 1.0, "m/s")
+    stone = system.add(planar.Particle("stone", mass=1.0, velocity=(speed, 0)))
+    motion = da.solve_dynamics(system.build(), 1.0, step=0.5)
+    root = da.final(da.sqrt(1.0 - stone.velocity[0]), name="root")
+    with pytest.raises(da.AnalysisError, match=r"speed = .*no finite value of root") as told:
+        da.sensitivity(motion, root, method="finite-difference")
+    assert "succeed" not in str(told.value)

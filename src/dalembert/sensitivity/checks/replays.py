@@ -53,10 +53,15 @@ class Replays:
             values = np.array([evaluate(repeated, r) for r in self.responses])
         except AnalysisError as error:
             raise AnalysisError(f"{self._where(p)}: {error}; give a shorter step") from error
-        if not (repeated.status.success and np.all(np.isfinite(values))):
+        if not repeated.status.success:
             raise AnalysisError(
                 f"{self._where(p)}: the run does not succeed ({repeated.status}); "
                 "give a shorter step"
+            )
+        wrong = [r.label for r, v in zip(self.responses, values, strict=True) if not np.isfinite(v)]
+        if wrong:
+            raise AnalysisError(
+                f"{self._where(p)}: no finite value of {', '.join(wrong)}; give a shorter step"
             )
         return values
 
