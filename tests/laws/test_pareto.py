@@ -64,6 +64,18 @@ def test_three_aims_within_a_limit():
     assert np.all(x <= 0.8 + 1e-6) and np.all((y <= x + 2e-3) | (x > 0.799)) and np.all(y >= -2e-3)
 
 
+def test_fronts_in_pieces():
+    """ZDT3 (Zitzler, Deb, Thiele 2000) along its front: five pieces from five valleys."""
+    aims = da.final("x", name="first"), da.final("1 - sqrt(x) - x*sin(10*pi*x)", name="second")
+    find = {"model": parametric({"x": (0.5, 1e-6, 1.0)}), "minimize": aims, "points": 2}
+    front = da.pareto(**find, starts=9, analysis=da.Statics())
+    np.testing.assert_allclose(front.values[-1], [0.8518328, -0.7733690], atol=2e-6)
+    near = da.pareto(**find, analysis=da.Statics())
+    np.testing.assert_allclose(near.values[-1, 0], 0.4538821, atol=1e-6)  # the third piece
+    with pytest.raises(AnalysisError, match="starts is 0"):
+        da.pareto(**find, starts=0, analysis=da.Statics())
+
+
 @pytest.mark.parametrize("method", ["nsga2", "nsga3"])
 def test_evolution_comes_near_the_front(method):
     pytest.importorskip("pymoo")

@@ -6,6 +6,7 @@ import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
 from dalembert.design.methods.slsqp import Slsqp
+from dalembert.design.methods.spread import spread
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
 
@@ -62,13 +63,7 @@ class Multistart(Optimizer):
         return Ended(optima[0], True, message, optima=optima)
 
     def _spread(self, program: Program) -> np.ndarray:
-        from scipy.stats import qmc
-
-        if self.starts < 2:
-            return np.empty((0, program.n))
-        power = int(np.ceil(np.log2(self.starts - 1)))
-        unit = qmc.Sobol(program.n, rng=self.rng).random_base2(power)[: self.starts - 1]
-        return program.z_lower + unit * (program.z_upper - program.z_lower)
+        return spread(self.starts - 1, program.z_lower, program.z_upper, self.rng)
 
     def _add(
         self,

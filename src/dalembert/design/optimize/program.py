@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.design.limit import Limit
+from dalembert.design.methods.spread import refuse_open
 from dalembert.design.optimize.optimum import Iterate
 from dalembert.design.optimize.problem import DesignProblem, Evaluation
 from dalembert.errors import AnalysisError
@@ -143,9 +144,7 @@ class Program:
         AnalysisError
             Names the first of them.
         """
-        for name, lower, upper in zip(self.variables.names, self.lower, self.upper, strict=True):
-            if not (np.isfinite(lower) and np.isfinite(upper)):
-                raise AnalysisError(f"{method} needs two finite bounds of {name!r}; give them")
+        refuse_open(method, self.variables.names, self.lower, self.upper)
 
     # functions --------------------------------------------------------------------------
     def value(self, z: np.ndarray) -> tuple[float, np.ndarray] | None:

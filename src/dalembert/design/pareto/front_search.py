@@ -21,6 +21,8 @@ from dalembert.errors import AnalysisError
 
 STEEP = 1e-3
 """Slope over the range of a variable, of the range of an aim, from which on it counts."""
+ROUGH = Stop(30, 1e-6)
+"""For a start of many; the best of what they come to is searched from again."""
 UNSEEN = 1e-6
 """Slope over the range of a variable, of the largest one, that is none."""
 
@@ -35,7 +37,10 @@ class FrontSearch:
         local: Optimizer,
         max_iterations: int,
         tolerance: float,
+        others: Sequence[np.ndarray] = (),
     ):
+        """``others`` are designs from which each problem is searched too."""
+        self.begins = list(others)
         self.functions, self.senses, self.local = functions, np.array(senses), local
         self.stop = Stop(max_iterations, tolerance)
         self.aims = functions.problem.quantities[: functions.count]
@@ -43,29 +48,62 @@ class FrontSearch:
         self.found: list[np.ndarray] = []
         self.failed: list[str] = []
 
-    def solved(self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray) -> np.ndarray | None:
-        """The best design within further limits on aims; None where there is none."""
+    def solved(
+        self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray, *others: np.ndarray
+    ) -> np.ndarray | None:
+        """The best design within further limits on aims, from some starts; None without one."""
+        end = self._ended(goal, limits, x)
+        nearby = [one for one in (self._rough(goal, limits, o) for o in others) if one is not None]
+        if nearby:
+            value, begin = min(nearby, key=lambda one: one[0])
+            if isinstance(end, str) or value < end[0]:
+                further = self._ended(goal, limits, begin)
+                end = end if isinstance(further, str) else further
+        if isinstance(end, str):
+            self.failed.append(end)
+            return None
+        self.found.append(end[1])
+        return end[1]
+
+    def _program(self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray) -> Program:
         quantities = [goal, *self.others, *(limit.response for limit in limits)]
         problem = self.functions.problem.judged_by(quantities)
-        program = Program(problem, [*self.functions.limits, *limits], 1.0, x)
+        return Program(problem, [*self.functions.limits, *limits], 1.0, x)
+
+    def _rough(
+        self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray
+    ) -> tuple[float, np.ndarray] | None:
+        """Where a short search from one start of many comes to; None where limits are not kept."""
+        try:
+            program = self._program(goal, limits, x)
+        except AnalysisError:  # it cannot be run there
+            return None
+        x = program.unscale(self.local.solve(program, program.scaled(x), ROUGH).z)
+        found = program.problem.evaluate(x, gradient=False)
+        if found is None or program.violation(found.values) > FEASIBLE:
+            return None
+        return float(found.values[0]), x
+
+    def _ended(
+        self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray
+    ) -> tuple[float, np.ndarray] | str:
+        """The best goal and design that are found from a start; why there is none."""
+        program = self._program(goal, limits, x)
         ended = settled(program, self.local, self.stop, program.scaled(x))
         x = program.unscale(ended.z)
         z = program.scaled(x)
         program.measure_by_start()
-        point, found = program.point(z, record=False), problem.evaluate(x)
+        point, found = program.point(z, record=False), program.problem.evaluate(x)
         if point is None or found is None:
-            self.failed.append("ended at a design that fails")
-            return None
+            return "ended at a design that fails"
         violation = program.violation(found.values)
         left = multipliers(program, z, point).stationarity
         if violation > FEASIBLE or left > OPTIMAL:
             why = f"the gradient is left with {left:.2g} of its size ({ended.message})"
             if violation > FEASIBLE:
                 why = f"limits are not kept, {told_broken(program, found.values)}"
-            self.failed.append(why)
-            return None
-        self.found.append(x)
-        return x
+            return why
+        return float(found.values[0]), x
 
     def aim(self, row: int) -> Quantity:
         """One aim, to be small."""
@@ -97,7 +135,7 @@ class FrontSearch:
         shares, anchors = _shares(len(self.aims), points), []
         whole = len(self.aims) + len(shares)
         for row in range(len(self.aims)):
-            x = self.solved(self.aim(row), [], self.functions.x0)
+            x = self.solved(self.aim(row), [], self.functions.x0, *self.begins)
             if x is None:
                 raise AnalysisError(
                     f"no best design in {self.aims[row].label} alone: {self.failed[-1]}"
@@ -121,8 +159,9 @@ class FrontSearch:
         for k, share in enumerate(shares):
             make = self.normal if method == "normal-constraint" else self.epsilon
             nearest = min(self.found, key=lambda x: self.distance(x, share @ corners, span))
-            for begin in (last, nearest):
-                x = self.solved(self.aim(0), make(share, corners, low, span), begin)
+            starts = [(last, nearest, *self.begins)] if self.begins else [(last,), (nearest,)]
+            for begins in starts:
+                x = self.solved(self.aim(0), make(share, corners, low, span), *begins)
                 if x is not None:
                     last = x if len(self.aims) == 2 else self.efficient(x, span)
                     break
@@ -188,6 +227,10 @@ class FrontSearch:
         values = np.array([self.values(x) for x in self.found])
         designs = np.array(self.found)
         lost = f"; {len(self.failed)} searches without result" if self.failed else ""
+        beaten = len(values) - len(best_of(values))
+        if beaten:
+            lost += f"; {beaten} of {len(values)} designs were beaten by others and left out"
+            lost += "" if self.begins else ": the best nearby only, starts= looks further"
         text = f"{method}{lost}{'; ' + note if note else ''}"
         return make_front(self.functions, self.senses, values, designs, text, self.failed)
 

@@ -12,6 +12,7 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer
 from dalembert.design.methods.registry import make_optimizer
+from dalembert.design.methods.spread import counted, refuse_open, spread
 from dalembert.design.pareto.front import Front
 from dalembert.design.pareto.front_search import FrontSearch, make_front
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -38,6 +39,7 @@ def pareto(
     method: str = "normal-constraint",
     points: int = 15,
     local: str | Optimizer = "slsqp",
+    starts: int = 1,
     gradient: Method = "auto",
     max_iterations: int = 100,
     tolerance: float = 1e-8,
@@ -57,7 +59,10 @@ def pareto(
         ``"nsga3"`` of pymoo
     points : along each side of the front; population of an evolution
     local : gradient method of each point
-    generations, rng : of an evolution
+    starts : of each point's search, the first from points found before; with more the front may
+        lie in pieces or on several branches, of which one start finds that nearest to it
+    generations : of an evolution
+    rng : seed of an evolution or of the starts
     progress : True for a bar, or a function of the fraction done
 
     Raises
@@ -101,9 +106,20 @@ def pareto(
             return _evolved(functions, senses, method, points, generations, rng, report)
     if functions.problem.variables.sizes:
         raise UnsupportedError(f"{method} knows no sizes of catalogues; use method='nsga2'")
-    search = FrontSearch(functions, senses, make_optimizer(local, False), max_iterations, tolerance)
+    others = _other_starts(functions, counted(starts), rng)
+    optimizer = make_optimizer(local, False)
+    search = FrontSearch(functions, senses, optimizer, max_iterations, tolerance, others)
     with progress_reporter(progress, "front") as report:
         return search.front(method, points, report)
+
+
+def _other_starts(functions: DesignFunctions, starts: int, rng: int) -> list[np.ndarray]:
+    """Designs between the bounds, beside the one from which each point is searched."""
+    if starts == 1:
+        return []
+    variables = functions.problem.variables
+    refuse_open("starts", variables.names, variables.lower, variables.upper)
+    return list(spread(starts - 1, variables.lower, variables.upper, rng))
 
 
 def _evolved(

@@ -84,10 +84,12 @@ def make_front(file: ModelFile, model: Any) -> dict[str, Any]:
     }
     if asked.points < 2:
         raise file.located.error(f"is {asked.points}; give two or more", "pareto", "points")
+    if asked.starts < 1:
+        raise file.located.error(f"is {asked.starts}; give one or more", "pareto", "starts")
     design |= _limits_and_variables(file, model, made, "pareto")
     for sense in ("minimize", "maximize"):
         design[sense] = [made.finished(one) for one in design[sense]]
-    keys = (*SEARCH, "points", "local", "generations", "rng")
+    keys = (*SEARCH, "points", "local", "starts", "generations", "rng")
     return design | {key: getattr(asked, key) for key in keys}
 
 

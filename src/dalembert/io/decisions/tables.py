@@ -84,11 +84,12 @@ class ParetoTable(Record):
     local: one_name("dalembert.design.methods.registry:OPTIMIZERS") = Field(  # type: ignore[valid-type]
         default="slsqp", description="gradient method of each point"
     )
+    starts: Integer = Field(default=1, description="of each point, for fronts in pieces")
     gradient: Method = "auto"  # type: ignore[valid-type]
     max_iterations: Integer = 100
     tolerance: Number = 1e-8
     generations: Integer = Field(default=100, description="of an evolution")
-    rng: Integer = Field(default=0, description="seed of an evolution")
+    rng: Integer = Field(default=0, description="seed of an evolution or of starts")
 
 
 _PARAMETER: tuple[Any, Any] = (Text, Field(description="that is random"))
