@@ -47,3 +47,9 @@ def schema():
     made = json_schema()
     jsonschema.Draft202012Validator.check_schema(made)
     return jsonschema.Draft202012Validator(made)
+
+
+@pytest.fixture(scope="session")
+def pictures(tmp_path_factory) -> Path:
+    """Where the examples draw."""
+    return tmp_path_factory.mktemp("gallery")

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_examples import numbers, pictures, script  # noqa: F401
+from example_runs import numbers, script
 
 
-def test_arm_is_identified(pictures: Path) -> None:  # noqa: F811
+def test_arm_is_identified(pictures: Path) -> None:
     """The true values are known, for the data were made with them."""
     found, made = numbers("identified_arm", pictures), script("identified_arm")
     for name, value in made.TRUE.items():
@@ -18,7 +18,7 @@ def test_arm_is_identified(pictures: Path) -> None:  # noqa: F811
     assert found["noise"] == pytest.approx(made.NOISE, rel=0.15)
 
 
-def test_truss_is_as_reliable_as_the_closed_form(pictures: Path) -> None:  # noqa: F811
+def test_truss_is_as_reliable_as_the_closed_form(pictures: Path) -> None:
     """Sums of normal logarithms: ``u = P L³/(2 E a² h²)`` and ``P L/(2 h) = π² E a⁴/(12 L²)``."""
     found, made = numbers("reliable_truss", pictures), script("reliable_truss")
     length = math.hypot(made.WIDTH, made.HEIGHT)
@@ -39,7 +39,7 @@ def test_truss_is_as_reliable_as_the_closed_form(pictures: Path) -> None:  # noq
     assert found["low"] < share < found["high"]
 
 
-def test_lightest_trusses_are_as_reliable_as_asked_for(pictures: Path) -> None:  # noqa: F811
+def test_lightest_trusses_are_as_reliable_as_asked_for(pictures: Path) -> None:
     """Indices in closed form are those asked for, and so is the mass without scatter."""
     found, made = numbers("lightest_reliable_truss", pictures), script("lightest_reliable_truss")
     for beta in made.INDICES:
@@ -51,7 +51,7 @@ def test_lightest_trusses_are_as_reliable_as_asked_for(pictures: Path) -> None: 
     assert found["mass"] == pytest.approx(2 * made.DENSITY * area * length, rel=1e-6)
 
 
-def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:  # noqa: F811
+def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:
     """``S = 2 L r/d``, taken as an integral over 360 intervals."""
     found, made = numbers("shaper_tolerances", pictures), script("shaper_tolerances")
     r, d, lever = 0.1, 0.3, 0.55
@@ -70,7 +70,7 @@ def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:  # noqa: F8
     assert found["±link_length"] == 0.5e-3
 
 
-def test_torques_of_a_leg(pictures: Path) -> None:  # noqa: F811
+def test_torques_of_a_leg(pictures: Path) -> None:
     """Against Lagrange's equations in closed form; differences of the noise give half of it."""
     found = numbers("gait_torques", pictures)
     for joint in ("hip", "knee"):
@@ -78,7 +78,7 @@ def test_torques_of_a_leg(pictures: Path) -> None:  # noqa: F811
     assert found["misfit"] == pytest.approx(1, abs=0.2)
 
 
-def test_a_wing_twists_as_the_closed_form(pictures: Path) -> None:  # noqa: F811
+def test_a_wing_twists_as_the_closed_form(pictures: Path) -> None:
     """``α (1/cos λl − 1)``, to which a second-order mesh comes near; the wall it takes at most."""
     pytest.importorskip("openmdao.api")
     found, made = numbers("twisting_wing", pictures), script("twisting_wing")
@@ -92,7 +92,7 @@ def test_a_wing_twists_as_the_closed_form(pictures: Path) -> None:  # noqa: F811
     assert found["tip"] == pytest.approx(made.MOST * made.ATTACK, rel=1e-6)
 
 
-def test_the_shape_of_a_truss_by_the_method_of_joints(pictures: Path) -> None:  # noqa: F811
+def test_the_shape_of_a_truss_by_the_method_of_joints(pictures: Path) -> None:
     """It is statically determinate: forces by balance alone; lighter than the 4,530 lb printed."""
     found, made = numbers("truss_shape", pictures), script("truss_shape")
     assert found["success"] and found["mass [lb]"] < 4530

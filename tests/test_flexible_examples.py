@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from example_runs import numbers
 from scipy.optimize import brentq
-from test_examples import numbers, pictures  # noqa: F401
 
 import dalembert as da
 from dalembert import structures
@@ -21,7 +21,7 @@ def catenary(span: float) -> tuple[float, float]:
     return c * (np.cosh(span / (2 * c)) - 1), 0.8 * 9.81 * c
 
 
-def test_cable_hangs_as_a_catenary(pictures: Path) -> None:  # noqa: F811
+def test_cable_hangs_as_a_catenary(pictures: Path) -> None:
     found = numbers("catenary_cable", pictures)
     sag, pull = catenary(10.0)
     assert found["sag"] == pytest.approx(sag, rel=5e-4)
@@ -30,7 +30,7 @@ def test_cable_hangs_as_a_catenary(pictures: Path) -> None:  # noqa: F811
     assert found["slope"] == pytest.approx(slope, rel=2e-3)
 
 
-def test_gripper_beside_its_pseudo_rigid_bodies(pictures: Path) -> None:  # noqa: F811
+def test_gripper_beside_its_pseudo_rigid_bodies(pictures: Path) -> None:
     """Small strokes are ``F l³/(24 E I)``; of Howell's model ``3 γ/K_Θ`` of that."""
     found = numbers("compliant_gripper", pictures)
     textbook = 20.0 * 0.06**3 / (24 * 200e9 * 0.01 * 0.0005**3 / 12)
@@ -39,7 +39,7 @@ def test_gripper_beside_its_pseudo_rigid_bodies(pictures: Path) -> None:  # noqa
     assert abs(found["tilt"]) < 2e-3
 
 
-def test_leaf_spring_is_the_lightest(pictures: Path) -> None:  # noqa: F811
+def test_leaf_spring_is_the_lightest(pictures: Path) -> None:
     """The least ``Σ h`` at a given ``Σ c/h³``, with ``c = ∫ x² dx`` over each of five steps.
 
     Lagrange's condition is ``h ~ c^¼``, so that ``Σ h/(5 h_even) = (Σ c^¼)^{4/3}/(5 (Σ c)^⅓)``.
@@ -51,7 +51,7 @@ def test_leaf_spring_is_the_lightest(pictures: Path) -> None:  # noqa: F811
     assert found["saved"] == pytest.approx(1 - lightest, abs=1e-3)
 
 
-def test_robot_arm_rings_at_its_first_frequency(pictures: Path) -> None:  # noqa: F811
+def test_robot_arm_rings_at_its_first_frequency(pictures: Path) -> None:
     """That of the arm where it stops, as a bent cantilever of frame elements with the tool."""
     found = numbers("flexible_robot_arm", pictures)
     arm, angles = structures.Structure("arm"), (1.2, 0.4)
@@ -74,7 +74,7 @@ def test_robot_arm_rings_at_its_first_frequency(pictures: Path) -> None:  # noqa
     assert found["swing"] > 1e-3
 
 
-def test_tapered_arm_is_that_of_the_load(pictures: Path) -> None:  # noqa: F811
+def test_tapered_arm_is_that_of_the_load(pictures: Path) -> None:
     """Sag ``∝ Σ ∫ s² ds / h³`` under a load alone; the arm itself, whose
     mass counts as a twentieth of it at the tip, makes up for the rest."""
     found = numbers("tapered_arm", pictures)

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import h5py
 import pytest
+from good_model import GOOD, LAW, K, edited, load_or_refuse
 from hypothesis import HealthCheck, given, settings, strategies as st
-from test_bad_input import GOOD, LAW, K, edited, load_or_refuse
 
 import dalembert as da
 from dalembert.cli import main

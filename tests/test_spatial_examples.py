@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from example_runs import motion, numbers, script, value
 from scipy.optimize import brentq
-from test_examples import motion, numbers, pictures, script, value  # noqa: F401
 
 import dalembert as da
 
 G = 9.81
 
 
-def test_heavy_top_is_the_published_one(pictures: Path) -> None:  # noqa: F811
+def test_heavy_top_is_the_published_one(pictures: Path) -> None:
     """Height at 1 s of the benchmark; the axis stays between the two roots of its cubic."""
     assert value("heavy_top", "height") == pytest.approx(-0.74849079, abs=1e-7)
     found = numbers("heavy_top", pictures)
@@ -31,7 +31,7 @@ def test_heavy_top_is_the_published_one(pictures: Path) -> None:  # noqa: F811
     assert found["energy drift [J]"] < 1e-5
 
 
-def test_spatial_slider_crank_is_the_exact_one(pictures: Path) -> None:  # noqa: F811
+def test_spatial_slider_crank_is_the_exact_one(pictures: Path) -> None:
     """Slider at 1 s and 5 s by the one equation of the motion."""
     assert value("spatial_slider_crank", "x") == pytest.approx(0.211721661394, abs=1e-7)
     found = numbers("spatial_slider_crank", pictures)
@@ -39,7 +39,7 @@ def test_spatial_slider_crank_is_the_exact_one(pictures: Path) -> None:  # noqa:
     assert found["largest error of the energy [J]"] < 1e-7
 
 
-def test_driveline_has_the_speeds_of_cardan_joints(pictures: Path) -> None:  # noqa: F811
+def test_driveline_has_the_speeds_of_cardan_joints(pictures: Path) -> None:
     found = numbers("universal_driveline", pictures)
     assert found["fastest / input"] == pytest.approx(1 / np.cos(0.5), rel=1e-9)
     assert found["slowest / input"] == pytest.approx(np.cos(0.5), rel=1e-5)
@@ -55,7 +55,7 @@ def test_driveline_has_the_speeds_of_cardan_joints(pictures: Path) -> None:  # n
     np.testing.assert_allclose(run["motor.effort"], torque, atol=1e-9)
 
 
-def test_disc_rolls_in_its_steady_circle(pictures: Path) -> None:  # noqa: F811
+def test_disc_rolls_in_its_steady_circle(pictures: Path) -> None:
     """``(Ia + m r²) ω Ω sin θ = (It Ω² sin θ − m g r) cos θ``."""
     tilt, turn, r = 1.2, 1.5, 0.3
     up, level = np.sin(tilt), np.cos(tilt)
@@ -72,7 +72,7 @@ def test_disc_rolls_in_its_steady_circle(pictures: Path) -> None:  # noqa: F811
     assert found["slip [m/s], reeling"] < 1e-12
 
 
-def test_bricard_moves_as_published(pictures: Path) -> None:  # noqa: F811
+def test_bricard_moves_as_published(pictures: Path) -> None:
     found = numbers("bricard", pictures)
     assert found["degrees of freedom"] == 1
     assert found["degrees of freedom by Gruebler"] == 0
@@ -80,7 +80,7 @@ def test_bricard_moves_as_published(pictures: Path) -> None:  # noqa: F811
     assert found["largest error of the energy [J]"] < 1e-6
 
 
-def test_gyroscope_precesses(pictures: Path) -> None:  # noqa: F811
+def test_gyroscope_precesses(pictures: Path) -> None:
     """``Ω = m g l / (J ω)``; let go at rest, the weight drops by about ``2 Ω² I / (m g)``."""
     found, rate = numbers("gyroscope", pictures), 0.2 * G * 0.1 / (4e-3 * 400.0)
     assert found["precession, steady [rad/s]"] == pytest.approx(rate, rel=1e-9)
@@ -91,7 +91,7 @@ def test_gyroscope_precesses(pictures: Path) -> None:  # noqa: F811
     assert found["axis drops by [m], let go at rest"] == pytest.approx(drop, rel=1e-2)
 
 
-def test_stewart_platform_carries_what_newton_and_euler_ask(pictures: Path) -> None:  # noqa: F811
+def test_stewart_platform_carries_what_newton_and_euler_ask(pictures: Path) -> None:
     """Forces of the legs by the motion wanted, differentiated by central differences."""
     from scipy.spatial.transform import Rotation
 
@@ -132,7 +132,7 @@ def test_stewart_platform_carries_what_newton_and_euler_ask(pictures: Path) -> N
     assert abs(found["work of a period [J]"]) < 1e-9
 
 
-def test_robot_arm_holds_and_moves(pictures: Path) -> None:  # noqa: F811
+def test_robot_arm_holds_and_moves(pictures: Path) -> None:
     """At rest as printed in Corke's book (``p560.gravload(qn)``); in motion by Newton and Euler,
     link by link (recursive, in inertial axes, with differences of the wanted motion).
     """
@@ -182,7 +182,7 @@ def torques_of(made, t: float, h: float = 2e-3) -> np.ndarray:
     return np.einsum("ki,ki->k", before[:, :3, 2], total)
 
 
-def test_double_wishbone_steers_as_its_points_say(pictures: Path) -> None:  # noqa: F811
+def test_double_wishbone_steers_as_its_points_say(pictures: Path) -> None:
     """The twist of the upright is perpendicular to what each arm and the tie rod forbid."""
 
     def twist(rod_z: float) -> np.ndarray:
@@ -212,7 +212,7 @@ def test_double_wishbone_steers_as_its_points_say(pictures: Path) -> None:  # no
     assert abs(found["bump steer there [deg/m]"]) < 1e-4
 
 
-def test_rssr_four_bar_solves_its_closure(pictures: Path) -> None:  # noqa: F811
+def test_rssr_four_bar_solves_its_closure(pictures: Path) -> None:
     """``P cos ψ + Q sin ψ = R`` with the vector from the crank pin to the axis of the rocker."""
 
     def angle(crank, a=0.1, b=0.25, l=0.45, off=-0.1):
@@ -229,7 +229,7 @@ def test_rssr_four_bar_solves_its_closure(pictures: Path) -> None:  # noqa: F811
     assert found["swing of the rocker [deg]"] == pytest.approx(swing, abs=1e-9)
 
 
-def test_governor_settles_where_moments_balance(pictures: Path) -> None:  # noqa: F811
+def test_governor_settles_where_moments_balance(pictures: Path) -> None:
     """``dU/dβ = 0`` of weight, spring and centrifugal force at each speed; its slope by speed."""
     found, made = numbers("governor", pictures), script("governor")
 
@@ -253,7 +253,7 @@ def test_governor_settles_where_moments_balance(pictures: Path) -> None:  # noqa
     assert found["rise per speed [m s/rad]"] == pytest.approx(slope, rel=1e-4)
 
 
-def test_bicycle_is_stable_between_the_published_speeds(pictures: Path) -> None:  # noqa: F811
+def test_bicycle_is_stable_between_the_published_speeds(pictures: Path) -> None:
     """By the matrices of Meijaard et al.; printed there as 4.292 m/s and 6.024 m/s."""
     mass = np.array([[80.81722, 2.31941332208709], [2.31941332208709, 0.29784188199686]])
     damping = np.array([[0, 33.86641391492494], [-0.85035641456978, 1.68540397397560]])

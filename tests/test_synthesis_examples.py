@@ -7,14 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from example_runs import numbers, script
+from one_freedom import FourBar, slope
 from scipy.optimize import fsolve
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 from scipy.spatial.transform import Rotation
-from test_examples import FourBar, numbers, pictures, script, slope  # noqa: F401
 
 
-def test_torque_of_the_four_bar_is_that_of_its_one_equation(pictures: Path) -> None:  # noqa: F811
+def test_torque_of_the_four_bar_is_that_of_its_one_equation(pictures: Path) -> None:
     """``τ = J q̈ + J' q̇²/2 + V'``, by virtual work, along the motion that was planned."""
     found = numbers("swing_up", pictures)
     assert found["distance of plan and run"] < 0.01
@@ -31,7 +32,7 @@ def test_torque_of_the_four_bar_is_that_of_its_one_equation(pictures: Path) -> N
         assert torque[k] == pytest.approx(needed, abs=1e-6)
 
 
-def test_counterweights_are_those_of_berkof_and_lowen(pictures: Path) -> None:  # noqa: F811
+def test_counterweights_are_those_of_berkof_and_lowen(pictures: Path) -> None:
     found = numbers("four_bar_balancing", pictures)
     for name, mass in script("four_bar_balancing").balanced_masses().items():
         assert found[f"mass on the {name} [kg]"] == pytest.approx(mass, rel=1e-6)
@@ -42,7 +43,7 @@ def test_counterweights_are_those_of_berkof_and_lowen(pictures: Path) -> None:  
     assert found["moment half the force [N m]"] <= found["moment before [N m]"]
 
 
-def test_toe_of_the_wheel_by_its_eight_equations(pictures: Path) -> None:  # noqa: F811
+def test_toe_of_the_wheel_by_its_eight_equations(pictures: Path) -> None:
     """Both balls, the tie rod and the height of the wheel, solved by SciPy for full bump."""
     found = numbers("bump_steer", pictures)
     rod = np.array([0.2, found["rod_y [m]"], found["rod_z [m]"]])
@@ -76,7 +77,7 @@ def test_toe_of_the_wheel_by_its_eight_equations(pictures: Path) -> None:  # noq
     assert found["toe after [deg rms]"] < 0.1 * found["toe before [deg rms]"]
 
 
-def test_gripper_by_two_circles(pictures: Path) -> None:  # noqa: F811
+def test_gripper_by_two_circles(pictures: Path) -> None:
     """The pin is where its arm and its link meet; the tip turns with the arm."""
     found = numbers("gripper", pictures)
     v = {n: found[f"{n} [mm]"] for n in (*script("gripper").START, "tip_x")}
@@ -136,7 +137,7 @@ def by_optimality_criteria(columns: int, cone: np.ndarray) -> float:
     return float(moduli @ energy)
 
 
-def test_beam_is_as_stiff_as_by_88_lines(pictures: Path) -> None:  # noqa: F811
+def test_beam_is_as_stiff_as_by_88_lines(pictures: Path) -> None:
     """Those lines, written again here; of 60 by 20 elements they give the published 233.71."""
     found, made = numbers("mbb_beam", pictures), script("mbb_beam")
     reference = by_optimality_criteria(30, made.weights(30, 10))
@@ -145,7 +146,7 @@ def test_beam_is_as_stiff_as_by_88_lines(pictures: Path) -> None:  # noqa: F811
     assert found["volume"] <= 0.5 * (1 + 1e-6)
 
 
-def test_what_synthesis_is_asked_for(pictures: Path) -> None:  # noqa: F811
+def test_what_synthesis_is_asked_for(pictures: Path) -> None:
     """Dead centres by the law of cosines; what is met exactly, and what as well as can be."""
     found, made = numbers("synthesis_tasks", pictures), script("synthesis_tasks")
     d, c, f, g = (found[f"rocker: {n}"] for n in ("crank", "coupler", "follower", "ground"))

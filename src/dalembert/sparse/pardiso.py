@@ -7,7 +7,9 @@ it would have to change to go on is refused here, and left to who pivots freely.
 from __future__ import annotations
 
 import os
+import sys
 from functools import cache
+from pathlib import Path
 from threading import Lock
 from typing import Any
 from weakref import finalize
@@ -28,6 +30,9 @@ ALIKE = 1e-13
 @cache
 def available() -> bool:
     """Whether PARDISO can be used."""
+    beside = sorted(Path(sys.prefix).glob("[Ll]ib*/*mkl_rt*"), key=lambda p: len(p.name))
+    if beside:  # where pip puts it; else every folder of the installation is searched
+        os.environ.setdefault("PYPARDISO_MKL_RT", str(beside[0]))
     try:
         import pypardiso
 
