@@ -7,7 +7,6 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csr_array
 
 from dalembert.elements.driver import Driver
 from dalembert.integrators.marching.steps import Steps
@@ -72,6 +71,7 @@ class SingularPosition:
         Assur: the block of ``C`` that is singular, in block triangular form (Dulmage and
         Mendelsohn) by whole bodies.
         """
+        from scipy.sparse import csr_array
         from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
         pattern = self.model.equations.jacobian.sparsity()
