@@ -48,6 +48,12 @@ def test_dataset_and_measures_are_the_same(motion):
         np.testing.assert_allclose(measure.values, variable.values, rtol=1e-13, atol=1e-15)
 
 
+def test_tables_take_names_and_formulas(motion):
+    name = motion.model.measure_names[0]
+    table = motion.table([name, f"2*{name}"])
+    np.testing.assert_array_equal(table, [motion.values(name), 2 * motion.values(name)])
+
+
 def test_netcdf_round_trip(motion, tmp_path):
     path = motion.save(tmp_path / "run.nc")
     loaded = da.load_results(path)

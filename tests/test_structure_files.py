@@ -18,6 +18,7 @@ from dalembert.io import load_model_file
 from dalembert.io.analyses import make_analysis
 from dalembert.io.decisions.tasks import check_tasks, make_responses
 from dalembert.io.strategies import RESPONSES, STRUCTURAL_ANALYSES
+from dalembert.results.files.store import report_of
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -523,6 +524,32 @@ def test_deck_has_a_report_too(tmp_path: Path, capsys) -> None:
     assert main(["run", str(deck), "--output", str(tmp_path), "--json"]) == 0
     files = [Path(f).suffix for f in json.loads(capsys.readouterr().out)["files"]]
     assert files == [".nc", ".html"]
+
+
+def test_units_of_the_page_are_chosen(tmp_path: Path, capsys) -> None:
+    path = written(tmp_path, HEAD + '[report]\nunits = ["cm", "kN"]\n')
+    assert main(["run", str(path), "--output", str(tmp_path), "--csv", "--json"]) == 0
+    page = report_of(da.load_results(tmp_path / "model.nc"))
+    assert page["units"] == {"N": [1000.0, "kN"], "m": [0.01, "cm"]}
+    assert "cm" in (tmp_path / "model.csv").read_text("utf-8")
+    capsys.readouterr()
+    wrong = written(tmp_path, HEAD + '[report]\nunits = ["cmm"]\n', "wrong.toml")
+    assert main(["check", str(wrong)]) == 2
+    assert "report.units: units: unknown unit 'cmm'" in capsys.readouterr().err
+
+
+def test_reserved_names_are_those_of_formulas(tmp_path: Path) -> None:
+    """A node may be called e, whose measures are e.ux; a parameter may not."""
+    for declare in (lambda s: s.parameter("t", 1.0), lambda s: s.table("pi", [0, 1], [0, 1])):
+        with pytest.raises(da.ModelError, match="reserved"):
+            declare(da.Structure("bar"))
+    file, model = loaded(
+        tmp_path, HEAD.replace("b = [1", "e = [1").replace('"b"', '"e"').replace("b.uy", "e.uy")
+    )
+    result = make_analysis(file, model).run(model)
+    assert result.values("e.uy")[0] < 0
+    with pytest.raises(da.ModelError, match="reserved"):
+        loaded(tmp_path, HEAD.replace("k = 2.0", "k = 2.0\ne = 1.0"))
 
 
 def test_tasks_are_checked(tmp_path: Path) -> None:

@@ -252,6 +252,12 @@ def test_two_structures_are_on_one_page(show) -> None:
         compared(runs[0], runs[1] | {"cases": ["snow"]}, "x")
 
 
+def test_chosen_units_are_shown(show) -> None:
+    page = show(da.solve_statics(truss(1e-4).build()).page(units=["inch", "lbf"]))
+    assert "[inch]" in page.js("document.querySelector('#displacements thead').textContent")
+    assert "[lbf]" in page.js("document.querySelector('#reactions thead').textContent")
+
+
 def truss(area: float):
     structure = da.Structure("mast")
     a, b, c = structure.node("a", 0, 0), structure.node("b", 1, 0), structure.node("c", 0, 1)

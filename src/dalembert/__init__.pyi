@@ -257,6 +257,7 @@ from dalembert.sensitivity.second_order import hessian_product as hessian_produc
 from dalembert.sensitivity.structural.eigenvalue_slopes import (
     eigenvalue_slopes as eigenvalue_slopes,
 )
+from dalembert.structures.model import StructuralModel as StructuralModel
 from dalembert.structures.structure import Structure as Structure
 from dalembert.symbolic.formulas.expression import Expression as Expression, t as t
 from dalembert.symbolic.formulas.functions import (

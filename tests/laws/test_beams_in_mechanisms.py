@@ -313,3 +313,13 @@ def test_a_pinned_bar_turns_by_its_momentum_exactly():
     np.testing.assert_allclose(motion["arm.end.angle"].values, [0.25, 0.5], atol=1e-9)
     place = np.arctan2(motion["arm.end.y"].values, motion["arm.end.x"].values)
     np.testing.assert_allclose(place, [0.25, 0.5], atol=1e-9)
+
+
+def test_modes_of_a_beam_that_turns_name_what_has_them():
+    """Its nodes go round in any coordinates; the shapes of a flexible body do not."""
+    system = da.System("rotor")
+    arm = system.add(planar.Beam("arm", **PLANE | {"curvature": 0.0}, angular_velocity=3.0))
+    system.add(planar.Revolute("hub", system.ground.center, arm.start.center))
+    system.add(planar.RotationalDriver("motor", system.ground, arm.start, 3.0 * da.t))
+    modes = da.linearize(system.build(), equilibrium=False)
+    assert any("nodes of arm go round" in w and "FlexibleBody" in w for w in modes.warnings)

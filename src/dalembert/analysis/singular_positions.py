@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 
 import casadi as ca
@@ -38,22 +39,59 @@ class SingularPosition:
         self.model, self.time, self.y, self.p = model, time, y, p
 
     @cached_property
+    def _alike(self) -> np.ndarray:
+        """``C``, coordinates and equations measured by their natural sizes."""
+        e = self.model.equations
+        jacobian = ca.Function("C", [e.t, e.y, e.p], [e.jacobian])(self.time, self.y, self.p)
+        return np.asarray(jacobian.full() * e.scales.displacements / e.scales.rows[:, None])
+
+    @cached_property
     def _owners(self) -> list:
         """Constraints that have a part in it."""
-        e, rows = self.model.equations, self.model.closure.rows
-        jacobian = ca.Function("C", [e.t, e.y, e.p], [e.jacobian])(self.time, self.y, self.p)
-        alike = jacobian.full() * e.scales.displacements / e.scales.rows[:, None]
-        if not alike.size or not np.all(np.isfinite(alike)):
+        if not self._alike.size or not np.all(np.isfinite(self._alike)):
             return []
-        part = np.abs(np.linalg.svd(alike)[0][:, -1])
-        concerned = np.flatnonzero(part > SHARE * part.max())
-        return list(dict.fromkeys(self.model.closure.owners[rows[k]][0] for k in concerned))
+        part = np.abs(np.linalg.svd(self._alike)[0][:, -1])
+        return self._named(np.flatnonzero(part > SHARE * part.max()))
+
+    def _named(self, numbers: Iterable[int]) -> list:
+        owners, rows = self.model.closure.owners, self.model.closure.rows
+        return list(dict.fromkeys(owners[rows[k]][0] for k in numbers))
 
     @property
     def joints(self) -> str:
         """Names of the joints whose equations lose their independence."""
         names = [c.name for c in self._owners if not isinstance(c, Driver)]
         return ", ".join(names) or "the constraints"
+
+    @property
+    def stretched(self) -> str:
+        """Names of the joints of the group that is stretched, where drivers move everything.
+
+        All joints up to the driver carry the vanishing combination. What locks is one group of
+        Assur: the block of ``C`` that is singular, in block triangular form (Dulmage and
+        Mendelsohn) by whole bodies.
+        """
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
+
+        pattern = self.model.equations.jacobian.sparsity()
+        rows, columns = pattern.size()
+        if rows != columns or not self._owners:
+            return self.joints
+        filled = csr_array((np.ones(pattern.nnz()), pattern.get_triplet()), (rows, columns))
+        matched = maximum_bipartite_matching(filled, perm_type="column")
+        if np.any(matched < 0):
+            return self.joints
+        owners = np.array(self.model.guesses.owners)[matched]
+        of_one_body = csr_array(owners[:, None] == owners)
+        tied = filled[:, matched] + of_one_body
+        count, block = connected_components(tied, connection="strong")
+        groups = [np.flatnonzero(block == k) for k in range(count)]
+        smallest = [
+            np.linalg.svd(self._alike[np.ix_(group, matched[group])])[1][-1] for group in groups
+        ]
+        locked = self._named(groups[int(np.argmin(smallest))])
+        return ", ".join(c.name for c in locked if not isinstance(c, Driver)) or self.joints
 
     @property
     def drivers(self) -> str:

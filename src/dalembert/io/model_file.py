@@ -20,9 +20,10 @@ from dalembert.io.structures.builder import StructureBuilder
 from dalembert.io.structures.schema import StructureDocument
 from dalembert.io.values import in_own_unit, shown
 from dalembert.model.model import Model
-from dalembert.model.system import RESERVED, System
+from dalembert.model.system import System
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.structure import Structure
+from dalembert.symbolic.formulas.declared import RESERVED
 from dalembert.text.wording import nearest, visible
 
 BUILDERS: dict[str, Any] = {"mechanism": Builder, "structure": StructureBuilder}
@@ -197,10 +198,13 @@ def load_model(path: str | Path) -> System | Structure:
 def _check_names(document: Document | StructureDocument, path: Path) -> None:
     """Parameters and elements share one set of names, because formulas use them all."""
     seen: dict[str, str] = {}
+    of_structure = isinstance(document, StructureDocument)
     for section in document.sections:
         for name in getattr(document, section):
             here = place(section, name)
-            if name in RESERVED:
+            if name in RESERVED and not (
+                of_structure and section in ("nodes", "elements", "meshes")
+            ):
                 raise ModelError(
                     f"the name {name!r} is reserved; choose another", f"{path}: {here}"
                 )

@@ -14,13 +14,12 @@ from dalembert.model.model import Model
 from dalembert.structures.elastic_structure import ElasticStructure
 from dalembert.structures.meshes.mesh import Classes
 from dalembert.structures.structure import Structure
-from dalembert.symbolic.formulas.declared import Declared
+from dalembert.symbolic.formulas.declared import RESERVED, Declared
 from dalembert.symbolic.formulas.expression import Expression, as_expression
 from dalembert.symbolic.formulas.parameter import coherent
 from dalembert.text.spelling import Spelled
 
 E = TypeVar("E", bound=Element)
-RESERVED = {"t", "u", "pi", "e", "ground", "system", "extension", "rate"}
 
 
 class System(Spelled, Declared, Description):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -61,6 +61,52 @@ class Motion(LabelledRecording):
         if self.impacts:
             told["impacts"] = [impact.row for impact in self.impacts]
         return told
+
+    def continued(
+        self,
+        duration: float | str,
+        *,
+        step: float | str | None = None,
+        outputs: int | Sequence[float] | None = None,
+        events: Mapping[str, Any] | None = None,
+        progress: bool | Callable[[float], None] = False,
+    ) -> Motion:
+        """The motion gone on with from its end; of dynamics.
+
+        Positions, speeds, sides of switches, phases of contacts and the memory of the integrator
+        are those at its end. The result is the whole motion, so energies, integrals, responses and
+        their gradients count from the first start; ``at`` takes a part of it.
+
+        Parameters
+        ----------
+        duration : of what follows [s]
+        step : of what follows [s], by default as before
+        outputs : number or times of what follows; by default as far apart as before
+        events : of the whole, by default as before; ``{}`` for none, such as after one that ended
+            the run
+        progress : True for a bar, or a function of the fraction done
+
+        Raises
+        ------
+        AnalysisError
+            The run broke down, was ended by an event that is still asked for, or its times follow
+            parameters.
+        UnsupportedError
+            Of another analysis.
+
+        Examples
+        --------
+        >>> import dalembert as da
+        >>> from dalembert import planar
+        >>> system = da.System("throw", gravity=(0, -10))
+        >>> stone = system.add(planar.Particle("stone", mass=0.5, velocity=(3, 10)))
+        >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1).continued("1 s")
+        >>> motion.time.size, motion["stone.x"].values[[0, -1]].round(9).tolist()
+        (21, [0.0, 6.0])
+        """
+        given = {"step": step, "outputs": outputs, "events": events}
+        options = {name: value for name, value in given.items() if value is not None}
+        return self.analysis.continued(self, duration, options, progress)  # type: ignore[no-any-return]
 
     def structure(self, body: str) -> RecoveredStates:
         """The structure of a flexible body over the motion: displacements, stresses, pictures.

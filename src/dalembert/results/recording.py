@@ -135,9 +135,10 @@ class Recording(Result):
         parts = np.split(self.table(asked), np.cumsum([len(m) for m in asked])[:-1])
         return [part[0] if part.shape[0] == 1 else part.T for part in parts]
 
-    def table(self, measures: Sequence[Expression]) -> np.ndarray:
+    def table(self, measures: Sequence[str | Expression]) -> np.ndarray:
         """(rows, K) all components of measures, one above the other."""
-        function, s = self.model.function(*measures), self.trajectory
+        asked = [self.expression(measure) for measure in measures]
+        function, s = self.model.function(*asked), self.trajectory
         if not s.t.size:
             return np.zeros((function.size1_out(0), 0))
         p = np.tile(self.parameters[:, None], s.t.size)

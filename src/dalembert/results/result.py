@@ -242,6 +242,13 @@ class Analysis(ABC, Generic[M, R]):
         """The same at other instants."""
         raise UnsupportedError(f"a result of {type(self).__name__} has no other instants")
 
+    def continued(
+        self, result: R, duration: Any, options: Mapping[str, Any], progress: Any = False
+    ) -> R:
+        """The result, gone on with from its end."""
+        kind = type(self).__name__
+        raise UnsupportedError(f"a result of {kind} cannot be continued; ask for a longer run")
+
     def at_event(self, result: R, occurrence: Any) -> R:
         """The result at the instant of an event."""
         kind = type(self).__name__

@@ -36,6 +36,11 @@ from dalembert.text.cards import card, table
 class StructuralModel(ParametricModel):
     """A structure, checked and frozen; made by ``Structure.build``.
 
+    Parameters
+    ----------
+    structure : StructureDescription
+    linear : for small displacements
+
     Attributes
     ----------
     linear : for small displacements
@@ -48,6 +53,20 @@ class StructuralModel(ParametricModel):
     loads : case → LoadCase
     initial : where a motion begins
     build_time : seconds it took to make it
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> structure = da.Structure("bar")
+    >>> area = structure.parameter("area", 1e-4, "m^2")
+    >>> a, b = structure.node("a", 0.0), structure.node("b", 1.0)
+    >>> bar = structures.Truss("bar", a, b, area=area, modulus=2e11, density=7850)
+    >>> added = structure.add(bar)
+    >>> structure.support(a)
+    >>> model = structure.build()
+    >>> isinstance(model, da.StructuralModel), list(model.parameters), len(model.degrees)
+    (True, ['area'], 2)
     """
 
     def __init__(self, structure: StructureDescription, linear: bool = False):

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import field, replace
+from typing import Any
 
 import numpy as np
 
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.contact.start import refuse_overlap
+from dalembert.analysis.dynamics.continued_run import ContinuedRun, refuse_ended
 from dalembert.analysis.dynamics.energy_balance import check_balance
+from dalembert.analysis.dynamics.extension import extended
 from dalembert.analysis.dynamics.instants import end_by_event, ended_again, instant_of
 from dalembert.analysis.dynamics.kernel import DynamicsKernel, DynamicsRecord
 from dalembert.analysis.dynamics.merits import merits_of
@@ -134,6 +137,25 @@ class Dynamics(OverTime[Motion]):
             "integrator": lambda: self.integrator.check(definite().problem),
             "": lambda: refuse_overlap(model, checked_span(self.duration, self.t_span)[0]),
         }
+
+    def continued(
+        self, motion: Motion, duration: Any, options: Mapping[str, Any], progress: Any = False
+    ) -> Motion:
+        """The motion, gone on with for so long.
+
+        Parameters
+        ----------
+        options : step, outputs of what follows and events, where they are others than before
+
+        Raises
+        ------
+        AnalysisError
+            The run broke down, or its times follow parameters.
+        """
+        if "events" not in options:
+            refuse_ended(motion, before=np.inf)
+        analysis, step = extended(self, motion, duration, options)
+        return ContinuedRun(motion, analysis, step).execute(progress)
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
         """The motion at other times within the run.

@@ -63,6 +63,7 @@ class DynamicsRun:
     def __init__(self, analysis: Any, model: Model, parameters):
         self.analysis, self.model = analysis, model
         self.start, self.end = checked_span(analysis.duration, analysis.t_span)
+        self.begin = self.start
         self.step = checked_step(analysis.step, self.start, self.end)
         self.requested = output_times(analysis.outputs, self.start, self.end)
         self._afford()
@@ -154,7 +155,7 @@ class DynamicsRun:
         jumps = self.kernel.jumps(steps)
         wanted = self.requested
         if wanted is None and self.contacts is None and self.halved(steps):
-            wanted = self.grid
+            wanted = self.instants
         times, branches = outputs_of(steps, wanted, ends is not None, jumps)
         trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         timing.lap("outputs")
@@ -189,7 +190,12 @@ class DynamicsRun:
     @property
     def grid(self) -> np.ndarray:
         """Times of fixed steps."""
-        return uniform_grid(self.start, self.end, self.step)
+        return uniform_grid(self.begin, self.end, self.step)
+
+    @property
+    def instants(self) -> np.ndarray:
+        """Ends of the fixed steps of the whole run."""
+        return self.grid
 
     def halved(self, steps: Steps) -> int:
         """How often a fixed step was taken in halves; without other wishes the grid is told."""
@@ -199,14 +205,19 @@ class DynamicsRun:
     def march(self, x0: np.ndarray, mode: int, watch: Watch) -> Steps:
         kernel = self.kernel
         if self.contacts and self.contacts.trouble:  # nothing goes on from the start
-            return standstill(self.start, x0, self.contacts.trouble)
+            return standstill(self.begin, x0, self.contacts.trouble)
         if kernel.adaptive is None and self.contacts:
             return ChangingMarch(kernel.fixed).run(self.grid, x0, self.p, mode, watch)
         if kernel.adaptive is None:
             return kernel.fixed.run(self.grid, x0, self.p, mode, watch)
         longest = kernel.integrator.longest_step or (self.end - self.start) / 4
-        first = min(self.step, longest) if self.analysis.step else 1e-4 * (self.end - self.start)
-        return kernel.adaptive.run(self.start, self.end, x0, self.p, first, longest, mode, watch)
+        first = min(self.first_step, longest)
+        return kernel.adaptive.run(self.begin, self.end, x0, self.p, first, longest, mode, watch)
+
+    @property
+    def first_step(self) -> float:
+        """That an adaptive integrator tries."""
+        return self.step if self.analysis.step else 1e-4 * (self.end - self.start)
 
     def watch(self, report: Callable[[float], None]) -> Watch:
         """What follows the march: states of every step are kept where all are outputs anyway."""

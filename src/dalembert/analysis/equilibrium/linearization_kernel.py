@@ -14,12 +14,14 @@ import numpy as np
 
 from dalembert.analysis.contact.unseen import unseen_contacts
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
+from dalembert.elements.flexible.nodes import Noded
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import Kkt
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.sparse.eigenvalues import coinciding, error_sizes, leading, residual
+from dalembert.structures.elastic_structure import ElasticStructure
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
@@ -31,8 +33,15 @@ STEADY = 1e-3
 """Change of the matrix within a natural time that a steady motion may show."""
 OF_AN_INSTANT = (
     "the motion is not steady in these coordinates: eigenvalues are those of an instant and say "
-    "little about stability; coordinates=JointCoordinates() helps where only cyclic angles change, "
+    "little about stability; "
+)
+BY_JOINTS = (
+    "coordinates=JointCoordinates() helps where only cyclic angles change, "
     "with the bodies that do not spin carrying the others"
+)
+BY_SHAPES = (
+    "the nodes of {} go round, which no coordinates make steady; make it a FlexibleBody with "
+    "stiffening=True, whose shapes stand still in a frame that turns"
 )
 
 
@@ -163,8 +172,15 @@ class Linearized:
         y, model = self.kernel.bodies(self.time, self.x, self.p)[:, None], self.model
         still, none = np.zeros((model.equations.speed_count, 1)), np.zeros((0, 1))
         instant = Trajectory(np.array([self.time]), y, still, still, none, np.zeros((2, 1)))
-        unsteady = (OF_AN_INSTANT,) if self.unsteadiness > STEADY else ()
+        unsteady = (OF_AN_INSTANT + self._cure,) if self.unsteadiness > STEADY else ()
         return (*unsteady, *unseen_contacts(model, instant, self.p, forces=True))
+
+    @property
+    def _cure(self) -> str:
+        noded = [
+            one.name for one in self.model.forces if isinstance(one, (Noded, ElasticStructure))
+        ]
+        return BY_SHAPES.format(", ".join(noded[:3])) if noded else BY_JOINTS
 
     @property
     def statistics(self) -> dict[str, int]:

@@ -252,7 +252,7 @@ class KinematicsRun:
             there = SingularPosition(self.model, self.fold.time, self.fold.y, self.p)
             self.message = (
                 f"dead centre at t = {self.fold.time:.9g} s{there.drivers}: beyond it no position "
-                f"satisfies the drivers; joints at their limit: {there.joints}"
+                f"satisfies the drivers; joints at their limit: {there.stretched}"
             )
         else:
             there = SingularPosition(self.model, now, y, self.p)

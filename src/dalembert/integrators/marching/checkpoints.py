@@ -92,6 +92,21 @@ def ended_states(x: States, count: int, last: np.ndarray) -> States:
     return np.column_stack([x[:, :count], last])
 
 
+def joined_states(x: States, more: States, repeat: Repeat) -> States:
+    """The states of two marches, of which the second begins where the first ends."""
+    if isinstance(x, np.ndarray) and isinstance(more, np.ndarray):
+        return np.hstack([x, more[:, 1:]])
+    (number, kept), (further, then) = _kept(x), _kept(more)
+    number = np.append(number, number[-1] + further[1:])
+    return Checkpoints(number, np.hstack([kept, then[:, 1:]]), repeat)
+
+
+def _kept(x: States) -> tuple[np.ndarray, np.ndarray]:
+    if isinstance(x, Checkpoints):
+        return x.number, x.kept
+    return np.arange(x.shape[1]), x
+
+
 class Recorder:
     """Takes the states of a march as they come; keeps all, or few when they grow too many.
 

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError, SolverFailure
-from dalembert.integrators.marching.checkpoints import Recorder, Repeat, recorder_like
+from dalembert.integrators.marching.checkpoints import (
+    Recorder,
+    Repeat,
+    joined_states,
+    recorder_like,
+)
 from dalembert.integrators.marching.steps import Steps, Watch, even_length, run_length
 from dalembert.integrators.schedule import Schedule
 from dalembert.integrators.step import Marching, Step
@@ -93,6 +99,17 @@ class FixedMarch:
             return made.x[:, 1:]
 
         return repeat
+
+    def joined(self, steps: Steps, more: Steps, p: np.ndarray) -> Steps:
+        """The steps of a march and of one that goes on from its end."""
+        if not more.count:
+            return replace(steps, message=more.message, interrupted=more.interrupted)
+        columns = zip(*((s.t, s.h, s.corrected, s.mode) for s in (steps, more)), strict=True)
+        t, h, corrected, mode = (np.concatenate(pair) for pair in columns)
+        rejected = steps.rejected + more.rejected
+        made = replace(more, t=t, h=h, corrected=corrected, mode=mode, rejected=rejected)
+        made.x = joined_states(steps.x, more.x, self.again(made, p))
+        return made
 
     def _march(
         self, times, h, corrected, mode, x0, p, recorder: Recorder, watch: Watch | None = None

@@ -142,6 +142,15 @@ class CompareTable(Record):
     repeat: Integer = Field(default=1, description="how often each run is timed")
 
 
+class StructureReportTable(Record):
+    """In which units the report of a structure shows its numbers."""
+
+    units: Names = Field(
+        default_factory=list,
+        description='of the page and of CSV files, as `["mm", "MPa"]`; each serves its dimension',
+    )
+
+
 class ReportTable(Record):
     """What the report shows first."""
 

@@ -18,6 +18,7 @@ from dalembert.io.decisions.inversion import make_inversion
 from dalembert.io.decisions.reliability import make_reliability, make_tolerance
 from dalembert.io.decisions.responses import chosen_parameters, chosen_response, make_responses
 from dalembert.io.decisions.synthesis import make_synthesis
+from dalembert.io.decisions.task_tables import ReportTable
 from dalembert.io.decisions.trajectories import make_trajectory
 from dalembert.io.model_file import ModelFile
 from dalembert.io.schema import Document
@@ -139,10 +140,12 @@ def _times(file: ModelFile, model: Any) -> dict[str, Any]:
 
 
 def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
-    """What the report of a mechanism shows first: ``plots`` and ``trace``, each name checked."""
-    if not isinstance(file.document, Document):
-        return {}
+    """What the report shows first: ``plots``, ``trace`` and ``units``, each name checked."""
     report = file.document.report
+    with file.located("report", "units"):
+        units = checked_units(report.units)
+    if not isinstance(report, ReportTable):
+        return {"units": units}
     for i, group in enumerate(report.plots):
         for k, measure in enumerate(group):
             with file.located("report", "plots", i, k):
@@ -152,8 +155,6 @@ def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
     for k, point in enumerate(report.trace):
         if point not in points:
             raise file.located.error(unknown("point", point, points), "report", "trace", k)
-    with file.located("report", "units"):
-        units = checked_units(report.units)
     return {"plots": report.plots or None, "trace": report.trace or None, "units": units}
 
 

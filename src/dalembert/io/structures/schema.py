@@ -8,6 +8,7 @@ from typing import Literal
 from pydantic import Field
 
 from dalembert.io.choices import one_of
+from dalembert.io.decisions.task_tables import StructureReportTable
 from dalembert.io.schema import CASE, CaseTable, ModelDocument, any_of
 from dalembert.io.strategies import RESPONSES, STRUCTURAL_ANALYSES
 from dalembert.io.structures.tables import (
@@ -66,3 +67,4 @@ class StructureDocument(ModelDocument):
     analysis: _ANALYSIS = None  # type: ignore[valid-type]
     cases: dict[str, StructuralCaseTable] = Field(default_factory=dict)
     responses: dict[str, _RESPONSE] = Field(default_factory=dict)  # type: ignore[valid-type]
+    report: StructureReportTable = Field(default_factory=StructureReportTable)

@@ -17,6 +17,7 @@ class Structure {
     [this.lines, this.faces, this.points] = ["lines", "faces", "points"].map(this.shapes);
     this.outline = list(drawing.outline);
     this.ghost = payload.ghost ? this.otherDesign(payload.ghost) : null;
+    Object.entries(payload.units || {}).forEach(([si, told]) => chosenUnits.set(si, list(told)));
     this.nodes = list(payload.nodes);
     this.elements = list(payload.elements);
     const table = list(payload.table), names = list(payload.directions);
@@ -158,19 +159,23 @@ class Ramp {
   }
 }
 
-// Power of ten and unit for a size: kN, MPa, mm, where the unit takes prefixes.
+// SI unit → [factor, name] of the unit chosen for it.
+const chosenUnits = new Map();
+
+// Factor and unit for a size: as chosen, else kN, MPa, mm, where the unit takes prefixes.
 function prefixed(size, unit) {
-  if (unit === "strain") return { power: -6, unit: "µm/m", most: size };
+  if (chosenUnits.has(unit)) return { factor: chosenUnits.get(unit)[0], unit: chosenUnits.get(unit)[1], most: size };
+  if (unit === "strain") return { factor: 1e-6, unit: "µm/m", most: size };
   const takes = ["N", "Pa", "J", "m", "N m"].includes(unit) && size > 0;
   const power = takes ? clamp(3 * Math.floor(Math.log10(size * (1 + 1e-9)) / 3), -9, 9) : 0;
   const prefix = { "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G" }[power];
-  return { power, unit: prefix + unit, most: size };
+  return { factor: 10 ** power, unit: prefix + unit, most: size };
 }
 
 // 12.3 kN, 4.5 MPa.
 function quantity(value, unit, digits = 4) {
   if (!isNum(value)) return "–";
-  if (value === 0) return withUnit("0", unit);
-  const { power, unit: shown } = prefixed(Math.abs(value), unit);
-  return withUnit(number(value / 10 ** power, digits), shown);
+  if (value === 0) return withUnit("0", chosenUnits.has(unit) ? chosenUnits.get(unit)[1] : unit);
+  const { factor, unit: shown } = prefixed(Math.abs(value), unit);
+  return withUnit(number(value / factor, digits), shown);
 }

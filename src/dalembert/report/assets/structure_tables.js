@@ -58,8 +58,8 @@ class SortedTable {
   // A cell in the unit of its column; what only round-off makes is zero.
   cell(value, k) {
     if (!isNum(value)) return "";
-    const { power, most } = this.units.get(this.columns[k].unit) || { power: 0, most: 0 };
-    return number(Math.abs(value) < 1e-10 * most ? 0 : value / 10 ** power, 5);
+    const { factor, most } = this.units.get(this.columns[k].unit) || { factor: 1, most: 0 };
+    return number(Math.abs(value) < 1e-10 * most ? 0 : value / factor, 5);
   }
 
   fill(rows) {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from dalembert.results.structural.states import StructuralStates
@@ -76,7 +77,7 @@ class StructuralOutputs(StructuralStates):
 
         return structural_summary(self)
 
-    def page(self) -> dict[str, Any]:
+    def page(self, units: Sequence[str] = ()) -> dict[str, Any]:
         from dalembert.results.structural.payload import structural_payload
 
-        return structural_payload(self)
+        return structural_payload(self, units)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.results.files.headings import checked_units
 from dalembert.results.files.page_parts import diagnosis, parameter_rows, statistics
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.fields import element_field, field_names
@@ -14,13 +15,20 @@ from dalembert.results.structural.plot import automatic_scale
 from dalembert.results.structural.shapes import Shapes
 from dalembert.results.structural.states import StructuralStates
 from dalembert.results.structural.symbols import arrows, moments, support_symbols
+from dalembert.units.unit import shown_in
 
 MOST_NUMBERS = 3_000_000
 """Numbers in a page; of more cases than fit some are left out, evenly."""
 
 
-def structural_payload(result: StructuralStates) -> dict[str, Any]:
-    """Everything the page of a structural result needs."""
+def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> dict[str, Any]:
+    """Everything the page of a structural result needs.
+
+    Parameters
+    ----------
+    result : StructuralStates
+    units : that the page shows, each for what has its dimension
+    """
     drawing = StructuralDrawing(result.model, result.parameters)
     model, degrees = result.model, result.model.degrees
     quantities = field_names(model)[1:]
@@ -33,6 +41,7 @@ def structural_payload(result: StructuralStates) -> dict[str, Any]:
     if moved and not result.of_any_size:
         largest = max(moved, key=lambda m: float(np.abs(m).max(initial=0.0)))
         scales = [automatic_scale(drawing, largest)] * len(moved)
+    fields = _fields(result, drawing, quantities, keep)
     return {
         "format": 1,
         "kind": "structure",
@@ -51,7 +60,8 @@ def structural_payload(result: StructuralStates) -> dict[str, Any]:
         "table": degrees.table.ravel(),
         "displacements": [result.displacements[:, k] for k in keep],
         "elements": drawing.element_names,
-        "fields": _fields(result, drawing, quantities, keep),
+        "fields": fields,
+        "units": _chosen({"m", "rad", "N", "N m", *(one["unit"] for one in fields)}, units),
         "supports": _supports(drawing),
         "loads": [_loads(drawing, result.applied(int(k))) for k in keep],
         "reactions": _reactions(result, keep),
@@ -89,6 +99,12 @@ def _fields(
             values = [one.values for one in fields]
             found.append({"name": name, "unit": fields[0].unit, "values": values})
     return found
+
+
+def _chosen(known: set[str], wanted: Sequence[str]) -> dict[str, tuple[float, str]]:
+    """SI unit → factor and name of the unit wanted for it, where one is."""
+    found = {si: shown_in(si, checked_units(wanted)) for si in sorted(known)}
+    return {si: told for si, told in found.items() if told[1] != si}
 
 
 def _supports(drawing: StructuralDrawing) -> list[dict[str, Any]]:

@@ -9,10 +9,14 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Bounds, Parameter
 
+RESERVED = {"t", "u", "pi", "e", "ground", "system", "extension", "rate"}
+"""Names that mean something else in formulas."""
+
 
 class Declared:
     """A builder of something that depends on parameters; no name is given twice."""
 
+    name: str
     parameters: dict[str, Parameter]
     tables: dict[str, Interpolation]
 
@@ -28,7 +32,7 @@ class Declared:
 
         See ``Parameter``; value and bounds are in ``unit``, or texts such as ``"45 mm"``.
         """
-        self._claim(name)
+        self._declare(name)
         made = Parameter(name, value, unit, bounds, description)
         self.parameters[name] = made
         return made
@@ -46,7 +50,7 @@ class Declared:
 
         Texts of formulas name it: ``interp(piston.x, gas)``.
         """
-        self._claim(name)
+        self._declare(name)
         made = Interpolation(x, y, kind, outside, units, name)
         self.tables[name] = made
         return made
@@ -55,6 +59,12 @@ class Declared:
     def _named(self) -> tuple[Mapping[str, Any], ...]:
         """All that has a name."""
         raise NotImplementedError
+
+    def _declare(self, name: str) -> None:
+        """Claim a name that stands in formulas by itself."""
+        if name in RESERVED:
+            raise ModelError(f"the name {name!r} is reserved; choose another", self.name)
+        self._claim(name)
 
     def _claim(self, name: str) -> None:
         if any(name in section for section in self._named):
