@@ -33,6 +33,22 @@ def driver_of_nothing(kind, joint, **more):
     return make
 
 
+def driver_of_a_frame():
+    _, i, j = two()
+    spatial.RotationalDriver("D", i, j, 0.0)
+
+
+def driver_of_a_body():
+    system, *_ = two()
+    spatial.TranslationalDriver("D", body(system, "c"), 0.0)
+
+
+def slide_of_a_ball():
+    system, i, j = two()
+    ball = system.add(spatial.Spherical("S", i.body.center, j.body.center))
+    spatial.TranslationalDriver("D", ball, 0.0)
+
+
 def gears_apart():
     system, i, j = two()
     far = body(system, "c"), body(system, "d")
@@ -61,6 +77,9 @@ WRONG = {
     r"a direction needs a length": lambda: two((0, 0, 0)),
     r"axis and x are parallel": lambda: two()[1].body.frame(axis=(0, 0, 1), x=(0, 0, 2)),
     r"^U: the arms of its cross are parallel; give": cross_of_parallel_arms,
+    "^D: joint must be a joint, .* got Frame": driver_of_a_frame,
+    "^D: joint must be a joint, .* got Body": driver_of_a_body,
+    "^D: joint must leave a displacement free; got Spherical S": slide_of_a_ball,
     r"^D: joint must leave a turn free; got Prismatic J": driver_of_nothing(
         spatial.RotationalDriver, spatial.Prismatic
     ),

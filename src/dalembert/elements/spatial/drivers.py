@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Look, Vector, option, quantity
+from dalembert.elements.base import Constraint, Look, Vector, option, quantity
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.driver import AlongDirection, Driver
 from dalembert.elements.laws.base import GivenLaw
@@ -15,6 +15,7 @@ from dalembert.elements.pair import Pair
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.joint import SpatialJoint, slide_of, turn_of
 from dalembert.elements.spatial.turn import Turn
+from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import t
 
 
@@ -24,6 +25,15 @@ class JointDriver(Driver, Pair):
     joint: SpatialJoint
     motion: str | None
     relative = True
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.joint, Constraint):
+            raise ModelError(
+                "joint must be a joint, such as a spatial.Revolute between two frames; got "
+                f"{type(self.joint).__name__}",
+                self.name,
+            )
+        super().__post_init__()
 
     def ends(self):
         return self.joint.ends()
@@ -118,7 +128,8 @@ class TranslationalDriver(JointDriver):
         return slide_of(self.joint, self.motion, self.name)
 
     def coordinate(self) -> ca.SX:
-        return self.joint.travel[self.along]
+        along = self.along  # which first asks whether there is such a motion
+        return self.joint.travel[along]
 
     def look(self) -> list[Look]:
         frame = self.joint.frame_i
