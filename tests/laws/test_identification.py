@@ -11,6 +11,7 @@ import pytest
 import dalembert as da
 from dalembert import planar
 from dalembert.cli import main
+from dalembert.errors import AnalysisError
 from dalembert.sensitivity.histories import history_gradients, history_rates
 
 TRUE = {"r": 0.11, "l": 0.33, "off": 0.02}
@@ -147,6 +148,25 @@ def test_robust_losses_forgive_outliers(crank):
         found = da.identify(crank, data, {"x": "slider.x"}, ["r"], analysis=KINEMATICS, loss=loss)
         off[loss] = abs(found.x["r"] - 0.11)
     assert all(off[loss] < 2e-3 and off[loss] < off["linear"] / 3 for loss in list(off)[1:])
+
+
+def test_far_starts_end_in_other_minima():
+    """A sine of an unknown frequency: of several starts the best counts, and each is told."""
+    system = da.System("swing")
+    w = system.parameter("w", 9.0, "rad/s", bounds=(1, 20))
+    cart = system.add(planar.Particle("cart", mass=1.0))
+    driven = planar.CoordinateDriver("x", cart.center, da.sin(w * da.t), direction=(1, 0))
+    system.add(driven)
+    system.add(planar.CoordinateDriver("y", cart.center, 0.0, direction=(0, 1)))
+    model, analysis = system.build(), da.Kinematics(2.0, outputs=21)
+    data = measured(model, analysis, {"w": 5.0}, x="cart.x")
+    asked = {"measures": {"x": "cart.x"}, "vary": ["w"], "analysis": analysis}
+    assert abs(da.identify(model, data, **asked).x["w"] - 5) > 1
+    best = da.identify(model, data, **asked, starts=6)
+    assert best.x["w"] == pytest.approx(5, rel=1e-6)
+    assert len(best.minima) > 1 and any("minima from several starts" in n for n in best.notes)
+    with pytest.raises(AnalysisError, match="starts is 0"):
+        da.identify(model, data, **asked, starts=0)
 
 
 def test_a_delay_is_found(crank):

@@ -39,6 +39,8 @@ class Identification(Decision):
     predicted : (K, columns) of each experiment, NaN where no sample is used
     at_bounds : unknowns that ended at a bound; their intervals mean little
     interrupted : by Ctrl-C; the unknowns are the best reached
+    minima : of several starts, cost and unknowns of each minimum that was found, the best first;
+        columns whose noise is not given are weighed by their scatter
 
     Examples
     --------
@@ -73,6 +75,7 @@ class Identification(Decision):
     runs: int = 0
     failed_runs: int = 0
     interrupted: bool = False
+    minima: list[tuple[float, dict[str, float]]] = field(default_factory=list)
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -171,6 +174,11 @@ class Identification(Decision):
             "not: the model lacks something, or another start fits better; intervals mean little"
             for column, alike in self._not_noise()
         ]
+        if len(self.minima) > 1:
+            cost, other = self.minima[1]
+            at = ", ".join(f"{name} = {value:.4g}" for name, value in other.items())
+            more = f"{len(self.minima)} minima from several starts; the next is at {at}"
+            told.append(f"{more}, cost {cost:.4g} against {self.minima[0][0]:.4g}")
         if not self.success:
             told.insert(0, self.message)
         return told
@@ -213,6 +221,7 @@ class Identification(Decision):
             "samples": self.samples,
             "correlation": self.correlation.values.tolist(),
             "notes": self.notes,
+            "minima": [{"cost": cost, "x": x} for cost, x in self.minima],
             "runs": self.runs,
             "failed_runs": self.failed_runs,
         }

@@ -13,6 +13,7 @@ from dalembert.design.identification.information import Information, inflation
 from dalembert.design.identification.least_squares import Fit, LeastSquares
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.identification.unknowns import Delays, Unknowns, unknowns_of
+from dalembert.design.methods.spread import counted, refuse_open, spread
 from dalembert.errors import AnalysisError
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -32,6 +33,8 @@ def identify(
     delays: Delays | None = None,
     loss: str = "linear",
     start: Mapping[str, float] | None = None,
+    starts: int = 1,
+    rng: int = 0,
     max_iterations: int = 100,
     tolerance: float = 1e-10,
     progress: bool | Callable[[int, float], None] = False,
@@ -55,6 +58,9 @@ def identify(
     delays : column → bounds of an unknown time by which it lags behind [s]
     loss : ``"linear"``, or against outliers ``"soft_l1"``, ``"huber"``, ``"cauchy"``, ``"arctan"``
     start : initial values; default the nominal ones
+    starts : searches, the first from ``start`` and others from values between the bounds, where
+        residuals may have several valleys; the best counts and ``minima`` tells each that was found
+    rng : seed of the starts
     progress : True prints each iteration, or a function of its number and cost
     max_iterations, tolerance : at which the search ends
 
@@ -82,8 +88,28 @@ def identify(
     solver = LeastSquares(misfit, loss, tolerance, max_iterations, progress=progress)
     first = misfit.unknowns.start
     refuse_bad_start(misfit, first)
-    fit, levels, estimated = solver.with_noise(first)
-    return _identified(misfit, solver, fit, levels, estimated)
+    begins = other_starts(misfit.unknowns, starts, rng)
+    minima = solver.minima([first, *begins]) if begins else []
+    fit, levels, estimated = solver.with_noise(minima[0][1] if minima else first)
+    found = _identified(misfit, solver, fit, levels, estimated)
+    labels = misfit.unknowns.labels
+    for cost, x in minima:
+        found.minima.append((cost, dict(zip(labels, map(float, x), strict=True))))
+    return found
+
+
+def other_starts(unknowns: Unknowns, starts: int, rng: int) -> list[np.ndarray]:
+    """Values of the unknowns between their bounds, beside the first start.
+
+    Raises
+    ------
+    AnalysisError
+        An unknown without two finite bounds, or starts that are no number.
+    """
+    if counted(starts) == 1:
+        return []
+    refuse_open("starts", unknowns.labels, unknowns.lower, unknowns.upper)
+    return list(spread(starts - 1, unknowns.lower, unknowns.upper, rng))
 
 
 def prepared(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +15,8 @@ LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
 NORMAL = 1.4826
 """Standard deviation of a normal variable over the median of its absolute value."""
 ROUNDS = 12
+APART = 1e-3
+"""Of the range of an unknown, from which on minima are different."""
 LEAST = 1e-10
 """Least noise, relative to the size of a column: rounding."""
 
@@ -88,6 +90,27 @@ class LeastSquares:
         found = outcome.x * size
         return Fit(found, bool(outcome.status > 0), str(outcome.message), float(outcome.cost))
 
+    def minima(self, begins: Sequence[np.ndarray]) -> list[tuple[float, np.ndarray]]:
+        """Cost and unknowns of the distinct minima from some starts, the best first.
+
+        Noise that is not given counts as the scatter of its column, so that costs compare.
+        """
+        self.use_given_noise()
+        found: list[tuple[float, np.ndarray]] = []
+        width = self.misfit.unknowns.upper - self.misfit.unknowns.lower
+        for begin in begins:
+            if self.misfit.motions(begin) is None:  # it cannot be run there
+                continue
+            fit = self.solve(begin)
+            near = [bool(np.all(abs(x - fit.x) <= APART * width)) for _, x in found]
+            if True not in near:
+                found.append((fit.cost, fit.x))
+            elif fit.cost < found[near.index(True)][0]:
+                found[near.index(True)] = fit.cost, fit.x
+            if self.interrupted:
+                break
+        return sorted(found, key=lambda one: one[0])
+
     def residual(self, x: np.ndarray) -> np.ndarray:
         """(N,) residuals, those of the penalty last."""
         r = self.misfit.residual(x)
@@ -114,7 +137,11 @@ class LeastSquares:
         own residuals, which is the likeliest estimate for normal noise.
         """
         given = self.use_given_noise()
-        fit = self.solve(x)
+        if self.interrupted:
+            cost = 0.5 * float(np.sum(self.residual(x) ** 2))
+            fit = Fit(x, False, f"interrupted after {self._count} iteration(s)", cost)
+        else:
+            fit = self.solve(x)
         if given or self.interrupted:
             return fit, self._told(), not given
         for _ in range(ROUNDS):

@@ -31,6 +31,8 @@ def make_identification(file: ModelFile, model: Any, data: list[Path] | None = N
         raise file.located.error("is missing; add [identify] with data and vary", "identify")
     if asked.loss not in LOSSES:
         raise file.located.error(unknown("loss", asked.loss, LOSSES), "identify", "loss")
+    if asked.starts < 1:
+        raise file.located.error(f"is {asked.starts}; give one or more", "identify", "starts")
     read, measures = measure_reader(file.document), {}
     for column, text in asked.measures.items():
         with file.located("identify", "measures", column):
@@ -48,7 +50,9 @@ def make_identification(file: ModelFile, model: Any, data: list[Path] | None = N
         "noise": dict(asked.noise),
         "delays": {column: tuple(pair) for column, pair in asked.delays.items()},
     }
-    return made | {key: getattr(asked, key) for key in ("time", "loss", "max_iterations")}
+    return made | {
+        key: getattr(asked, key) for key in ("time", "loss", "starts", "rng", "max_iterations")
+    }
 
 
 def _own(file: ModelFile, model: Any) -> list[Experiment]:

@@ -60,6 +60,8 @@ class IdentifyTable(Record):
         default_factory=dict, description="column → `[least, most]` of an unknown lag [s]"
     )
     loss: Text = "linear"
+    starts: Integer = Field(default=1, description="searches, from further values between bounds")
+    rng: Integer = Field(default=0, description="seed of the starts")
     max_iterations: Integer = 100
 
 
