@@ -1,0 +1,92 @@
+"""Commands on files of structures."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from structure_file import EXAMPLES, HEAD, MESH, written
+
+import dalembert as da
+from dalembert.cli import main
+from dalembert.io import load_model_file
+from dalembert.results.files.store import report_of
+
+
+@pytest.mark.parametrize("name", ["truss", "plate"])
+def test_commands(name: str, tmp_path: Path, capsys) -> None:
+    path, folder = EXAMPLES / f"{name}.toml", ["--output", str(tmp_path)]
+    assert main(["check", str(path), "--json"]) == 0
+    made = json.loads(capsys.readouterr().out)
+    assert made["nodes"] > 6
+    assert main(["run", str(path), *folder, "--csv", "--json"]) == 0
+    made = json.loads(capsys.readouterr().out)
+    assert made["ok"]
+    assert [Path(f).name for f in made["files"]] == [
+        f"{name}.nc",
+        f"{name}.csv",
+        f"{name}.report.html",
+    ]
+    model = load_model_file(path).model()
+    for row in made["states"]:
+        case = row["load case"] if len(made["states"]) > 1 else ""
+        applied = model.loads[case].values(model.nominal)
+        sums = [applied[model.degrees.table[:, axis]].sum() for axis in range(2)]
+        reactions = [row["sum of reactions"][f] for f in ("fx", "fy")]
+        assert reactions == pytest.approx([-s for s in sums], abs=1e-6)
+        assert row["largest displacement"]["value"] > 0
+    assert main(["run", str(path), *folder]) == 0
+    assert "largest displacement" in capsys.readouterr().out
+    assert main(["report", str(tmp_path / f"{name}.nc")]) == 0
+    assert main(["sensitivity", str(path), "--json"]) == 0
+    capsys.readouterr()
+
+
+def test_settings_reach_the_structure(tmp_path: Path, capsys) -> None:
+    path = written(tmp_path, MESH)
+    found = []
+    for setting in ([], ["--set", "thickness=0.02"]):
+        assert main(["run", str(path), "--output", str(tmp_path), "--json", *setting]) == 0
+        states = json.loads(capsys.readouterr().out)["states"]
+        found.append(states[0]["largest displacement"]["value"])
+    assert found[1] == pytest.approx(found[0] / 2)
+    assert main(["run", str(path), "--set", "thickness=-1"]) == 2
+    assert "parameters.thickness: value -1.0 lies outside its bounds" in capsys.readouterr().err
+
+
+def test_a_mechanism_fails_with_its_nodes(tmp_path: Path, capsys) -> None:
+    path = written(tmp_path, HEAD.replace('nodes = ["a", "c"]', 'nodes = ["a"]\nux = 0'))
+    assert main(["run", str(path), "--output", str(tmp_path)]) == 1
+    assert "is a mechanism" in capsys.readouterr().err
+
+
+def test_a_path_that_is_lost_is_a_failure(tmp_path: Path, capsys) -> None:
+    text = HEAD + '[[loads]]\nnodes = "b"\nfx = 1e8\n'
+    text += '[analysis]\ntype = "NonlinearStatics"\nmax_iterations = 1\n'
+    assert main(["run", str(written(tmp_path, text)), "--output", str(tmp_path), "-q"]) == 1
+    assert "no equilibrium beyond" in capsys.readouterr().err
+
+
+def test_comparing_formulations_is_for_mechanisms(tmp_path: Path, capsys) -> None:
+    assert main(["compare", str(written(tmp_path, HEAD))]) == 2
+    assert "is for mechanisms" in capsys.readouterr().err
+
+
+def test_deck_has_a_report_too(tmp_path: Path, capsys) -> None:
+    deck = EXAMPLES / "springs.dat"
+    assert main(["run", str(deck), "--output", str(tmp_path), "--json"]) == 0
+    files = [Path(f).suffix for f in json.loads(capsys.readouterr().out)["files"]]
+    assert files == [".nc", ".html"]
+
+
+def test_units_of_the_page_are_chosen(tmp_path: Path, capsys) -> None:
+    path = written(tmp_path, HEAD + '[report]\nunits = ["cm", "kN"]\n')
+    assert main(["run", str(path), "--output", str(tmp_path), "--csv", "--json"]) == 0
+    page = report_of(da.load_results(tmp_path / "model.nc"))
+    assert page["units"] == {"N": [1000.0, "kN"], "m": [0.01, "cm"]}
+    assert "cm" in (tmp_path / "model.csv").read_text("utf-8")
+    capsys.readouterr()
+    wrong = written(tmp_path, HEAD + '[report]\nunits = ["cmm"]\n', "wrong.toml")
+    assert main(["check", str(wrong)]) == 2
+    assert "report.units: units: unknown unit 'cmm'" in capsys.readouterr().err
