@@ -86,6 +86,14 @@ def test_wrong_tables(model, old, new, words, capsys):
     assert words in told(capsys)["error"]["message"]
 
 
+@pytest.mark.parametrize(("option", "number"), [("--workers", "-3"), ("--chunk", "-5")])
+def test_numbers_that_count_nothing(model, option, number, capsys):
+    """Nothing is run, and no folder begun."""
+    assert main(["sweep", str(model), option, number]) == 2
+    assert f"at least 1, got {number}" in capsys.readouterr().err
+    assert not model.with_name(f"{model.stem}.study").exists()
+
+
 def test_structures(tmp_path, capsys):
     """A study of a truss knows its loads."""
     text = (Path(__file__).parents[1] / "examples" / "truss.toml").read_text(encoding="utf-8")

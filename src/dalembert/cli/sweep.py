@@ -66,10 +66,11 @@ def sweep(
     make = FileTask(model.resolve(), tuple(options.settings or ()))
 
     def read(file: ModelFile, built: Any) -> Run:
-        from dalembert.design.studies.sweep import run_study
+        from dalembert.design.studies.sweep import check_counts, run_study
         from dalembert.io.decisions.tasks import make_sweep
 
         design, _ = make_sweep(file, built)
+        check_counts(workers or None, chunk)
         output_folder(folder)
         how = {"workers": workers or None, "scheduler": scheduler, "chunk": chunk}
         return lambda show: run_study(make, design, folder, progress=show, **how)  # type: ignore[arg-type]

@@ -90,6 +90,7 @@ def run_study(
     progress: Reported = False,
 ) -> Study:
     """``sweep`` of a task that is made here and, on a cluster, by every worker."""
+    check_counts(workers, chunk)
     task = make()
     task.check(design)
     identity = task.identity(design)
@@ -149,6 +150,22 @@ def _size(task: StudyTask, designs: int, count: int) -> int:
     return max(even, min(LEAST_BATCH, -(-designs // count))) if task.batched else even
 
 
+def check_counts(workers: int | None, chunk: int | None) -> None:
+    """Refuse numbers of processes or designs that are none.
+
+    Raises
+    ------
+    AnalysisError
+        With the name of the argument.
+    """
+    counts = ("workers", "processes", workers), ("chunk", "designs given out at once", chunk)
+    for name, what, count in counts:
+        if count is None:
+            continue
+        if not isinstance(count, int) or isinstance(count, bool) or count < 1:
+            raise AnalysisError(f"{name} is a number of {what}, at least 1, got {count!r:.30}")
+
+
 def _workers(count: int | None) -> int:
     if count is None:
         return (
@@ -156,8 +173,6 @@ def _workers(count: int | None) -> int:
             if hasattr(os, "sched_getaffinity")
             else os.cpu_count() or 1
         )
-    if not isinstance(count, int) or isinstance(count, bool) or count < 1:
-        raise AnalysisError(f"workers is a number of processes, at least 1, got {count!r:.30}")
     return count
 
 
