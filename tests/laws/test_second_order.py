@@ -218,6 +218,28 @@ def test_statics(name, nonlinear):
     checked(da.solve_statics(model, nonlinear=nonlinear), seen(model), h=3e-3)
 
 
+@pytest.mark.parametrize("nonlinear", [False, True])
+def test_statics_under_weight_and_line_loads(nonlinear):
+    """Masses follow densities, areas and places; the fields are formulas too."""
+    structure = da.Structure("arch")
+    height, area = structure.parameter("height", 0.4), structure.parameter("area", 0.02)
+    g, q = structure.parameter("g", 5.0), structure.parameter("q", 3.0)
+    places = (0.0, 0.0), (1.0, height), (2.2, height**2)
+    nodes = [structure.node(f"n{k}", *place) for k, place in enumerate(places)]
+    section = {"second_moment": area**2 / 12, "modulus": 2e5, "density": 20.0 * (1 + height)}
+    for k in range(2):
+        ends = nodes[k], nodes[k + 1]
+        part = structure.add(structures.Frame(f"e{k}", *ends, area=area, **section))
+        structure.line_load(part, qy=-q * height, qx=q**2 / 10)
+    structure.gravity(0.1 * g**2, -g * height)
+    structure.support(nodes[0])
+    structure.support(nodes[2], uy=0.0)
+    result = da.solve_statics(structure.build(), nonlinear=nonlinear)
+    model = result.model
+    seen = [da.final(model[name]) for name in ("n1.uy", "n2.ux", "n0.fy", "e1.force")]
+    checked(result, seen, h=3e-3)
+
+
 def springs() -> StructuralModel:
     """Example 8.9: two springs in a row, k = (1, 2), P = (1, 2), so that U = (3, 4)."""
     structure = da.Structure("example 8.9")

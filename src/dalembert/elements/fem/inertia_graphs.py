@@ -127,6 +127,12 @@ class InertiaGraphs:
         w = ca.SX.sym("w", self.u.numel())
         return [*given, w], [ca.jtimes(force, given[3], w, True)]
 
+    def _turn_inertia(self, kind: str):
+        """Change of ``pull_inertia`` with the numbers."""
+        given, (pulled,) = self._pull_inertia(kind)
+        change = ca.SX.sym("change", given[3].numel())
+        return [*given, change], [ca.jtimes(pulled, given[3], change)]
+
     def _kinetic_energy(self, kind: str):
         """The energy, and its slopes by displacements, velocities and numbers."""
         energy, numbers = self.moving[kind]

@@ -146,6 +146,15 @@ class Assembly:
             ),
         )
 
+    def turn_inertia(
+        self, motion: Moved, p: np.ndarray, weights: np.ndarray, dp: np.ndarray
+    ) -> np.ndarray:
+        """(np,) change of what ``pull_inertia`` gives with the parameters."""
+        turned = (
+            b.turn_inertia(b.gather_motion(motion), p, b.gather(weights), dp) for b in self.blocks
+        )
+        return sum(turned, np.zeros(p.size))
+
     def geometric(self, u: np.ndarray, p: np.ndarray) -> scipy.sparse.csc_matrix:
         """Geometric stiffness ``∂³W/∂u³ (0) · u`` of the exact energies ``W``."""
         return self.matrix(b.kind.geometric(b.gather(u), b.data(p)) for b in self.blocks)

@@ -75,6 +75,15 @@ class ElementBlock:
         bar = self.kind.pull(u, data, weights)
         return own, self.pull_data(p, turned) + self.turn_data(p, bar, dp)
 
+    def turn_inertia(
+        self, motion: Moved, p: np.ndarray, weights: np.ndarray, dp: np.ndarray
+    ) -> np.ndarray:
+        """Change of the weights of the parameters in ``wᵀ`` inertia forces."""
+        data, change = self.data(p), self.push_data(p, dp)
+        turned = self.kind.turn_inertia(motion, data, weights, change)
+        bar = self.kind.pull_inertia(motion, data, weights, lumped=False)
+        return self.pull_data(p, turned) + self.turn_data(p, bar, dp)
+
     def gather(self, u: np.ndarray) -> np.ndarray:
         """(k, ne) displacements of the elements."""
         return u[self.degrees]

@@ -69,6 +69,12 @@ class KindInertia(Evaluation):
         found = self._moved("pull_inertia", lumped, *given)[0]
         return self._pull_lumped(data, found) if lumped else found
 
+    def turn_inertia(
+        self, motion: Moved, data: np.ndarray, weights: np.ndarray, change: np.ndarray
+    ) -> np.ndarray:
+        """(m, ne) change of what ``pull_inertia`` of consistent masses gives with the data."""
+        return self._moved("turn_inertia", False, *motion, data, weights, change)[0]
+
     def kinetic_energy(
         self, u: np.ndarray, v: np.ndarray, data: np.ndarray, lumped: bool
     ) -> tuple[np.ndarray, ...]:

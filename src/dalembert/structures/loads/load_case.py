@@ -37,6 +37,17 @@ class MassForce:
         own = self.assembly.pull_inertia(from_rest(self.field.values(p, time)), p, weights)
         return own + self.field.pull(p, self.assembly.mass(p) @ weights, time)
 
+    def turn(self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray) -> np.ndarray:
+        """(m,) change of what ``pull`` gives with the parameters."""
+        field, change = self.field.values(p, 0.0), self.field.push(p, dp, 0.0)
+        heavier = self.assembly.push_inertia(from_rest(weights), p, dp)
+        return (
+            self.assembly.turn_inertia(from_rest(field), p, weights, dp)
+            + self.assembly.pull_inertia(from_rest(change), p, weights)
+            + self.field.turn(p, self.assembly.mass(p) @ weights, dp)
+            + self.field.pull(p, heavier, 0.0)
+        )
+
 
 class LoadCase:
     """Forces on all displacements, ``P(p, t)``.
@@ -107,22 +118,11 @@ class LoadCase:
         return found + sum(w.pull(p, weights, time) for w in self.weights)
 
     def turn(self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        """(m,) change of what ``pull`` gives with the parameters.
-
-        Raises
-        ------
-        UnsupportedError
-            Forces on masses act.
-        """
-        if self.weights:
-            raise UnsupportedError(
-                "second derivatives under gravity and line loads are not available; take "
-                "differences of gradients"
-            )
+        """(m,) change of what ``pull`` gives with the parameters."""
         found = self.nodal.turn(p, weights, dp)
         for block, rest in self._at_rest():
             found -= block.turn(rest, p, block.gather(weights), rest, dp)[1]
-        return found
+        return found + sum(w.turn(p, weights, dp) for w in self.weights)
 
     def _at_rest(self):
         return ((b, np.zeros(b.degrees.shape)) for b in self.spread)
