@@ -46,6 +46,7 @@ NEEDS = {
     "da.gaussian_process": "sklearn",
     "da.morris_indices": "SALib",
     "da.openmdao_component": "openmdao",
+    "da.openmdao_implicit_component": "openmdao",
     "da.pymoo_problem": "pymoo",
     "da.sobol_indices": "SALib",
     "spatial.Mesh": "trimesh",
