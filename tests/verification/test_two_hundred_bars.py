@@ -1,9 +1,9 @@
 """The lightest plane truss of 200 bars and 29 areas under three load cases; inch and kip.
 
 Data as in S. O. Degertekin and M. S. Hayalioglu, *Sizing truss structures using
-teaching-learning-based optimization* (2013), where 25 445.63 lb of L. Lamberti (2008) is the least
-weight. Against that rounded design, and closely against our own least weight of the same data by
-SciPy's SLSQP with stiffness and gradients in NumPy.
+teaching-learning-based optimization* (2013). The judge is our own least weight of the same data by
+SciPy's SLSQP, with stiffness and gradients in NumPy. The 25 445.63 lb that the literature ascribes
+to L. Lamberti (2008), a rounded design, are quoted at second hand and compared loosely.
 """
 
 from __future__ import annotations
