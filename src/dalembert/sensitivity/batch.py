@@ -15,10 +15,14 @@ from dalembert.responses.batch import batch_response, representative
 from dalembert.results.batch.batch import Batch
 from dalembert.sensitivity.marching.batch_adjoint import BatchAdjoint
 from dalembert.sensitivity.marching.batch_direct import BatchDirect
+from dalembert.sensitivity.marching.batch_gradients import BatchGradients
 from dalembert.sensitivity.methods import Adjoint, Direct
 
 if TYPE_CHECKING:
     import xarray as xr
+
+SIDE_BY_SIDE: dict[type, type[BatchGradients]] = {Adjoint: BatchAdjoint, Direct: BatchDirect}
+"""What takes the gradients of all designs of a march at once."""
 
 
 def labelled_gradients(
@@ -57,19 +61,11 @@ def batch_gradients(
         return found
     together = np.setdiff1d(good, list(batch.results))
     if isinstance(batch.samples, MarchedStates) and together.size:
+        kind = SIDE_BY_SIDE.get(type(strategy))
         like = batch.design(int(together[0]))
-        if isinstance(strategy, Adjoint):
-            adjoint = BatchAdjoint(batch, responses, like)
-            if adjoint.serves:
-                model, p = batch.model, batch.samples.p
-                for k, rows in zip(together, adjoint.gradients(together), strict=True):
-                    found[k] = model.gathered(p[k], rows)[:, columns]
-                good = np.setdiff1d(good, together)
-        elif isinstance(strategy, Direct):
-            direct = BatchDirect(batch, responses, like, columns)
-            if direct.serves:
-                found[together] = direct.gradients(together)
-                good = np.setdiff1d(good, together)
+        if kind is not None and (many := kind(batch, responses, like, columns)).serves:
+            found[together] = many.gradients(together)
+            good = np.setdiff1d(good, together)
     for k, rows in _one_by_one(batch, responses, columns, strategy, good):
         found[k] = rows
     return np.where(np.isfinite(found), found, np.nan)

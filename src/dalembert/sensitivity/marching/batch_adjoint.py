@@ -13,11 +13,14 @@ from dalembert.sensitivity.samples import Sample
 
 
 class BatchAdjoint(BatchGradients):
-    """By all of the parameter vector."""
+    """A march for each response."""
 
     def _over(self, path: MarchedStates, known: np.ndarray) -> np.ndarray:
-        found = [self._of_one(path, known, sample) for sample in self.samples]
-        return np.stack(found, axis=1)
+        every = [self._of_one(path, known, sample) for sample in self.samples]
+        pairs = zip(path.p[known], np.stack(every, axis=1), strict=True)
+        model: Any = self.model
+        found = [model.gathered(p, rows)[:, self.columns] for p, rows in pairs]
+        return np.array(found).reshape(known.size, len(every), len(self.columns))
 
     def _of_one(self, path: MarchedStates, known: np.ndarray, sample: Sample[Any]) -> np.ndarray:
         """(known, n) gradient of one response."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
@@ -10,8 +9,6 @@ import numpy as np
 
 from dalembert.analysis.batch.states import MarchedStates
 from dalembert.integrators.step import Step
-from dalembert.responses.base import Response
-from dalembert.results.batch.batch import Batch
 from dalembert.sensitivity.marching.batch_gradients import BatchGradients
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.symbolic.evaluation.columns import LONG, instructions
@@ -19,19 +16,7 @@ from dalembert.symbolic.once import once
 
 
 class BatchDirect(BatchGradients):
-    """By some of the parameters.
-
-    Parameters
-    ----------
-    batch, responses, like : as of all
-    columns : numbers of the parameters
-    """
-
-    def __init__(
-        self, batch: Batch, responses: Sequence[Response], like: Any, columns: Sequence[int]
-    ):
-        super().__init__(batch, responses, like)
-        self.columns = list(columns)
+    """A direction for each parameter."""
 
     @property
     def serves(self) -> bool:

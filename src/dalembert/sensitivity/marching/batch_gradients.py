@@ -32,10 +32,13 @@ class BatchGradients(ABC):
     batch : Batch
     responses : of which ``serves`` is true
     like : a run of one of the designs
+    columns : numbers of the parameters
     """
 
-    def __init__(self, batch: Batch, responses: Sequence[Response], like: Any):
-        self.batch, self.model = batch, batch.model
+    def __init__(
+        self, batch: Batch, responses: Sequence[Response], like: Any, columns: Sequence[int]
+    ):
+        self.batch, self.model, self.columns = batch, batch.model, list(columns)
         self.states: MarchedStates = batch.samples  # type: ignore[assignment]
         self.kernel, self.variant = self.states.kernel, self.states.variant
         self.samples = [take_sample(like, response) for response in responses]
@@ -54,14 +57,14 @@ class BatchGradients(ABC):
 
     @abstractmethod
     def _over(self, path: MarchedStates, known: np.ndarray) -> np.ndarray:
-        """(known, responses, n) derivatives, over paths of all states."""
+        """(known, responses, c) derivatives, over paths of all states."""
 
     def _kept(self, states: int) -> int:
         """States and what is as long that are kept of a design with so many."""
         return 4 * states
 
     def gradients(self, designs: np.ndarray) -> np.ndarray:
-        """(designs, responses, n) derivatives; NaN where a design cannot be run again."""
+        """(designs, responses, c) derivatives; NaN where a design cannot be run again."""
         steps = MarchedSample(self.samples[0]).steps
         kept = self.variant.step.size * self._kept(steps.count + 1)
         width = max(1, int(MEMORY / (8.0 * kept)))
