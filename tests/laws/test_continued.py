@@ -140,3 +140,11 @@ def test_what_cannot_go_on_says_so() -> None:
     length = model.parameters["length"]
     with pytest.raises(da.AnalysisError, match="follow parameters"):
         da.solve_dynamics(model, length * da.Expression(1.0), step=STEP).continued(1.0)
+
+
+def test_wrong_arguments_are_told():
+    motion = da.solve_dynamics(pendulum(), 0.1, step=STEP)
+    with pytest.raises(da.errors.KeywordError, match=r"did you mean 'outputs'.*known: duration, s"):
+        motion.continued(0.1, outputz=3)
+    with pytest.raises(da.errors.KeywordError, match=r"missing duration; needed: duration$"):
+        motion.continued()

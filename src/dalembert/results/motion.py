@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.cards import card, folded, messages, table
+from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,6 +63,7 @@ class Motion(LabelledRecording):
             told["impacts"] = [impact.row for impact in self.impacts]
         return told
 
+    @spelled
     def continued(
         self,
         duration: float | str,

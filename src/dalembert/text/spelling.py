@@ -87,8 +87,10 @@ class Spelled:
 
 
 def spelled(function: Callable[P, T]) -> Callable[P, T]:
-    """The function, which tells what is missing, and the nearest keyword of a wrong one."""
-    wanted = list(inspect.signature(function).parameters.values())
+    """The function or method, which tells what is missing, and the nearest of a wrong keyword."""
+    every = list(inspect.signature(function).parameters.values())
+    own = int(bool(every) and every[0].name == "self")
+    wanted = every[own:]
     known = [one.name for one in wanted]
     closed = not any(one.kind is one.VAR_KEYWORD for one in wanted)
 
@@ -96,7 +98,7 @@ def spelled(function: Callable[P, T]) -> Callable[P, T]:
     def checked(*given: P.args, **named: P.kwargs) -> T:
         if closed:
             check_keywords(function.__name__, named, known)
-        check_complete(function.__name__, wanted, len(given), named)
+        check_complete(function.__name__, wanted, len(given) - own, named)
         return function(*given, **named)
 
     return checked
