@@ -13,6 +13,7 @@ from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.contact.headings import first_headings
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.quantities import check_contacts
+from dalembert.analysis.dynamics.moving_sides import MovingSide
 from dalembert.analysis.dynamics.step_outputs import StepOutputs
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
 from dalembert.analysis.dynamics.transition import Transition, crossed, distances
@@ -41,7 +42,8 @@ class DynamicsRecord:
     """What a gradient needs of a run: the steps taken and the branches to the outputs.
 
     ``origin`` is the run that this one repeats, if it does; ``quadrature`` holds the weights that
-    make integrals of the outputs, where these are points inside steps.
+    make integrals of the outputs, where these are points inside steps; ``dense`` outputs show the
+    motion between the ends of its steps.
     """
 
     kernel: DynamicsKernel
@@ -49,6 +51,7 @@ class DynamicsRecord:
     branches: Branches
     origin: Recording | None = None
     quadrature: StepQuadrature | None = None
+    dense: bool = False
 
 
 STAGES = 4
@@ -107,6 +110,7 @@ class DynamicsKernel(StepOutputs):
             check_contacts(self.equations, formulation)
             self.contacts = ContactModes(self.view, self.variants, self._mode)
         self._transitions: dict[tuple[int, int, bool], int] = {}
+        self._sides: dict[tuple[int, bool], int] = {}
         self.fixed = FixedMarch(
             lambda mode: self.variants[mode].step, stabilization.period, self.backend
         )
@@ -151,6 +155,11 @@ class DynamicsKernel(StepOutputs):
         self.variants.append(made)
         return len(self.variants) - 1
 
+    @property
+    def latest(self) -> int:
+        """The mode of a run without steps: the newest that is no transition."""
+        return max(k for k, variant in enumerate(self.variants) if type(variant) is Variant)
+
     def _rows(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
         """The rows of the start where the others follow well from them, else the best ones."""
         rows, whole = self.view.rows, self.view.whole
@@ -176,6 +185,15 @@ class DynamicsKernel(StepOutputs):
             self.variants.append(Transition(self.variants[mode], number, moving))
             self._transitions[key] = len(self.variants) - 1
         return self._transitions[key]
+
+    def side(self, mode: int, after: bool) -> int:
+        """The mode of outputs just before or just after a change, at its own instant."""
+        if (mode, after) not in self._sides:
+            change = self.variants[mode]
+            assert isinstance(change, Transition | ContactChange)
+            self.variants.append(MovingSide(change, after))
+            self._sides[mode, after] = len(self.variants) - 1
+        return self._sides[mode, after]
 
     def crossings(self, steps: Steps) -> list[tuple[int, Transition | ContactChange]]:
         """Steps that are transitions at which forces change."""

@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.analysis.choices import doubts
 from dalembert.analysis.contact.search import ContactSearch
 from dalembert.analysis.contact.unseen import refuse_collisions
+from dalembert.analysis.dynamics.dense_outputs import DenseOutputs
 from dalembert.analysis.dynamics.event_search import EventSearch
 from dalembert.analysis.dynamics.kernel import DynamicsRecord
 from dalembert.analysis.dynamics.status import Ending, statistics
@@ -152,12 +153,17 @@ class DynamicsRun:
         happened, ends = self.events.find(steps)
         if ends is not None:
             steps = self.events.cut(steps, *ends)
-        jumps = self.kernel.jumps(steps)
+        jumps = self._jumps(steps)
         wanted = self.requested
         if wanted is None and self.contacts is None and self.halved(steps):
             wanted = self.instants
         times, branches = outputs_of(steps, wanted, ends is not None, jumps)
-        trajectory = self.kernel.trajectory(times, steps, branches, self.p)
+        dense = wanted is None and self.kernel.adaptive is not None
+        if dense:
+            outputs = DenseOutputs(self.kernel, steps, times, branches, self.p)
+            branches, trajectory = outputs.branches, outputs.trajectory
+        else:
+            trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         timing.lap("outputs")
         truth = DynamicsTruth(self.kernel, steps, trajectory, self.p, self.analysis.balance)
         motion = Motion(
@@ -168,7 +174,7 @@ class DynamicsRun:
             status=self.status(steps, truth, happened if ends is not None else []),
             statistics=statistics(self.kernel, steps, trajectory, self.p, timing),
             events=happened,
-            record=DynamicsRecord(self.kernel, steps, branches),
+            record=DynamicsRecord(self.kernel, steps, branches, dense=dense),
         )
         if self.contacts:
             motion.statistics |= self.contacts.statistics(steps.end)
@@ -177,6 +183,13 @@ class DynamicsRun:
         timing.lap("checks")
         motion.statistics |= timing.statistics
         return motion
+
+    def _jumps(self, steps: Steps) -> np.ndarray:
+        """Steps of no length with an output before them; where steps are located there, all at
+        which forces change."""
+        if self.kernel.adaptive is None:
+            return self.kernel.jumps(steps)
+        return np.array([k for k, _ in self.kernel.crossings(steps)], dtype=int)
 
     def prepare(self, mode: int) -> None:
         """Compile the march, so that its time is its own."""
