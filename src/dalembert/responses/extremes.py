@@ -10,7 +10,7 @@ from dalembert.analysis.dynamics.instants import end_by_event
 from dalembert.analysis.events import Occurrence
 from dalembert.errors import AnalysisError
 from dalembert.options import options
-from dalembert.responses.base import Response
+from dalembert.responses.base import Response, scalar_measure
 from dalembert.responses.integrals import Weighted
 from dalembert.responses.quadrature import rule_over
 from dalembert.results.result import Result
@@ -93,6 +93,7 @@ class Maximum(Response):
             raise AnalysisError(f"{self.label}: smooth is {self.smooth}; it must be positive")
 
     def sampled(self, motion: Result) -> Result:
+        scalar_measure(motion, self)  # which names the response where there is no such measure
         if self.smooth is None:
             return motion.analysis.peaks(motion, self.measure, self.sign)
         return motion.analysis.over_peaks(motion, self.measure, self.smooth, self.sign)
