@@ -16,7 +16,10 @@ from dataclasses import fields
 
 import numpy as np
 
+from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.step_quadrature import INSIDE
+from dalembert.analysis.dynamics.transition import Transition
 from dalembert.analysis.kinematics.branches import Branches
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.recording import Trajectory
@@ -64,10 +67,22 @@ class DenseOutputs:
         self.branches = branches
         self.trajectory = kernel.trajectory(times, steps, branches, p)
         self.span = (float(times[0]), float(times[-1]))
+        self._add_ends()
         self.left = min(MOST, max(MORE, PER_STEP * steps.count))
         self.parts = np.ones(steps.count, dtype=int)
         if steps.count and np.all(np.isfinite(self.trajectory.y)):
             self._divide()
+
+    def _add_ends(self) -> None:
+        """Outputs just before switches, where forces jump and formulas cannot tell the sides."""
+        steps = self.steps
+        found = [k - 1 for k, change in self.kernel.crossings(steps) if isinstance(change, Transition)]
+        index = np.array([k for k in found if k >= 0 and steps.h[k] > 0], dtype=int)
+        times = steps.t[index] + (1 - INSIDE) * steps.h[index]
+        inside = (times > self.span[0]) & (times < self.span[1])
+        if inside.any():
+            index, times = index[inside], times[inside]
+            self._add(times, Branches(index, times - steps.t[index]))
 
     def _divide(self) -> None:
         parts = self._at_first()
@@ -119,7 +134,7 @@ class DenseOutputs:
         """Steps with an interval in which some quantity leaves its straight line."""
         s, found = self.trajectory, np.zeros(self.steps.count, dtype=bool)
         apart = np.diff(s.t)
-        jump = apart <= 10 * self.steps.instant
+        jump = jumps_between(self.steps, s.t, self.branches.index)
         apart = np.where(jump, 1.0, apart)
         through = ~(jump[1:] | jump[:-1])  # outputs inside a smooth stretch
         bent = np.zeros(apart.size, dtype=bool)
@@ -136,3 +151,15 @@ class DenseOutputs:
             bent |= ~(most * apart**2 / 8 <= FLAT)
         found[self.branches.index[:-1][bent & ~jump]] = True
         return found
+
+
+def jumps_between(steps: Steps, times: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """Intervals between outputs, by the steps these lie in, that are the two sides of a change."""
+    apart = np.diff(times)
+    return apart <= np.maximum(10 * steps.instant, 2 * INSIDE * steps.h[index[:-1]])
+
+
+def contact_changes(kernel: DynamicsKernel, steps: Steps) -> np.ndarray:
+    """Steps of no length with an output before them: at rigid contacts speeds or forces jump."""
+    changes = [k for k, change in kernel.crossings(steps) if isinstance(change, ContactChange)]
+    return np.array(changes, dtype=int)

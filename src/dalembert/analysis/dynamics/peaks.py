@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.dynamics.dense_outputs import DenseOutputs
+from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes, jumps_between
 from dalembert.analysis.dynamics.flow import Flow
 from dalembert.analysis.dynamics.instants import end_by_event
-from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
+from dalembert.analysis.dynamics.step_quadrature import INSIDE, StepQuadrature
 from dalembert.analysis.events import locate
 from dalembert.analysis.kinematics.branches import Branches, outputs_of, place_outputs
 from dalembert.results.motion import Motion
@@ -39,14 +39,10 @@ STEP_PARTS, PARTS = 512, 50_000
 """Upper limits of the parts of a step, and of all steps."""
 NEARLY = 1e-6
 """Share of a part of a step at its beginning in which no root is looked for."""
+TOGETHER = 1e-8
+"""Distance of two samples, relative to the run, that are one instant."""
 SAME = 1e-10
 """Difference of maxima, relative to the largest, that counts as none."""
-
-
-def with_jumps(motion: Motion) -> np.ndarray:
-    """Steps of a run before which the motion is an output of its own."""
-    record = motion.record
-    return np.array([k for k, _ in record.kernel.crossings(record.steps)], dtype=int)
 
 
 @once
@@ -56,7 +52,8 @@ def dense(motion: Motion) -> Motion:
     if record.dense or not record.steps.count or time.size < 2:
         return motion
     kernel, steps, p = record.kernel, record.steps, motion.parameters
-    times, branches = outputs_of(steps, None, end_by_event(motion) is not None, with_jumps(motion))
+    jumps = contact_changes(kernel, steps)
+    times, branches = outputs_of(steps, None, end_by_event(motion) is not None, jumps)
     inside = (times > time[0] + steps.instant) & (times < time[-1] - steps.instant)
     ends = place_outputs(steps, time[[0, -1]])
     index, length = (
@@ -95,8 +92,8 @@ def peak_quadrature(
     m = sign * sharpness * finely.values(measure)
     if not np.all(np.isfinite(m)):
         return None
-    apart, index = np.diff(finely.time), finely.record.branches.index[:-1]
-    lasting = apart > 10 * steps.instant
+    apart, index = np.diff(finely.time), finely.record.branches.index
+    lasting, index = ~jumps_between(steps, finely.time, index), index[:-1]
     slope = np.abs(np.diff(m)) / np.where(lasting, apart, 1.0)
     bend = np.sqrt(np.abs(np.diff(slope, append=slope[-1:])) / np.where(lasting, apart, 1.0))
     steep = np.where(lasting, np.maximum(slope, bend), 0.0)
@@ -135,10 +132,13 @@ class PeakSearch:
         if np.all(np.isfinite(self.m)):
             self._look_closer()
             self._locate()
-        best = np.flatnonzero(~(self.m < self.m.max() - SAME * np.abs(self.m).max()))
         if np.isnan(self.m).any():
-            best = np.flatnonzero(np.isnan(self.m))
-        return self._at(best)
+            return self._at(np.flatnonzero(np.isnan(self.m)))
+        best = np.flatnonzero(self.m >= self.m.max() - SAME * np.abs(self.m).max())
+        # of samples at one instant that one which moves with it
+        new = np.diff(self.time[best], prepend=-np.inf) > TOGETHER * np.ptp(self.motion.time)
+        groups = np.split(best, np.flatnonzero(new)[1:])
+        return self._at(np.array([max(g, key=lambda k: (self.modes[k], self.m[k])) for g in groups]))
 
     # samples ---------------------------------------------------------------------------
     def _at(self, some: np.ndarray) -> Motion:
@@ -172,7 +172,7 @@ class PeakSearch:
             if (k and steps.h[k - 1] == 0) or not steps.h[following : following + 1].any():
                 continue  # one of several at one instant
             mode, size = int(steps.mode[k]), change.step.state_size
-            before = np.flatnonzero((self.index == k) & (self.length == 0))
+            before = self._before(k)
             after = np.flatnonzero((self.index == following) & (self.length == 0))
             place = self.kernel.variants[self.kernel.side(mode, False)].place
             instant = steps.t[k] + float(place(steps.t[k], steps.x[:size, k], self.p)[0])
@@ -186,12 +186,19 @@ class PeakSearch:
         for name in ("index", "length", "time", "modes"):
             setattr(self, name, getattr(self, name)[kept])
 
+    def _before(self, k: int) -> np.ndarray:
+        """The sample before a change."""
+        found = np.flatnonzero((self.index == k) & (self.length == 0))
+        if found.size or not k:
+            return found
+        last = self.length > (1 - 2 * INSIDE) * self.steps.h[k - 1]
+        return np.flatnonzero((self.index == k - 1) & last)
+
     # looking closer --------------------------------------------------------------------
     @property
     def _apart(self) -> tuple[np.ndarray, np.ndarray]:
         """Lengths of the intervals, and which of them are jumps."""
-        apart = np.diff(self.time)
-        return apart, apart <= 10 * self.steps.instant
+        return np.diff(self.time), jumps_between(self.steps, self.time, self.index)
 
     def _rooms(self) -> np.ndarray:
         """How far the measure may reach above the ends of each interval."""

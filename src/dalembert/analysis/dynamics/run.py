@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.choices import doubts
 from dalembert.analysis.contact.search import ContactSearch
 from dalembert.analysis.contact.unseen import refuse_collisions
-from dalembert.analysis.dynamics.dense_outputs import DenseOutputs
+from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes
 from dalembert.analysis.dynamics.event_search import EventSearch
 from dalembert.analysis.dynamics.kernel import DynamicsRecord
 from dalembert.analysis.dynamics.status import Ending, statistics
@@ -153,12 +153,13 @@ class DynamicsRun:
         happened, ends = self.events.find(steps)
         if ends is not None:
             steps = self.events.cut(steps, *ends)
-        jumps = self._jumps(steps)
+        adaptive = self.kernel.adaptive is not None
+        jumps = contact_changes(self.kernel, steps) if adaptive else self.kernel.jumps(steps)
         wanted = self.requested
         if wanted is None and self.contacts is None and self.halved(steps):
             wanted = self.instants
         times, branches = outputs_of(steps, wanted, ends is not None, jumps)
-        dense = wanted is None and self.kernel.adaptive is not None
+        dense = wanted is None and adaptive
         if dense:
             outputs = DenseOutputs(self.kernel, steps, times, branches, self.p)
             branches, trajectory = outputs.branches, outputs.trajectory
@@ -183,13 +184,6 @@ class DynamicsRun:
         timing.lap("checks")
         motion.statistics |= timing.statistics
         return motion
-
-    def _jumps(self, steps: Steps) -> np.ndarray:
-        """Steps of no length with an output before them; where steps are located there, all at
-        which forces change."""
-        if self.kernel.adaptive is None:
-            return self.kernel.jumps(steps)
-        return np.array([k for k, _ in self.kernel.crossings(steps)], dtype=int)
 
     def prepare(self, mode: int) -> None:
         """Compile the march, so that its time is its own."""
