@@ -179,7 +179,7 @@ def test_events_there_and_back_within_a_step_are_located(name):
     run = INTEGRATORS[name]
     motion = da.solve_dynamics(ball(), 1.1, events={"high": event}, **run)
     found = [(e.time, e.direction) for e in motion.events]
-    assert np.array(found) == pytest.approx(np.array([*zip(times, (-1, 1, -1))]), rel=1e-8)
+    assert np.array(found) == pytest.approx(np.column_stack([times, (-1, 1, -1)]), rel=1e-8)
     number = da.event_time(da.Event("ball.y - 0.6", direction=-1), 2)
     assert da.evaluate(motion, number) == pytest.approx(times[2], rel=1e-8)
     rising = {"up": da.Event("ball.y - 0.6", direction=1, terminal=True)}
