@@ -1,4 +1,4 @@
-"""A motion at dense outputs between its first and its last one, and quadratures of powers over it."""
+"""A motion at dense outputs from its first to its last one, and quadratures of powers over it."""
 
 from __future__ import annotations
 
