@@ -247,7 +247,12 @@ class DynamicsRun:
             def implicit(mode: int) -> bool:
                 return kernel.variants[mode].integrator.implicit
 
-            choice = MethodChoice(self.end, implicit, kernel.by_other_method)
+            def cost(mode: int) -> float:
+                attempt = kernel.variants[mode].attempt
+                assert attempt is not None
+                return attempt.cost
+
+            choice = MethodChoice(self.end, implicit, cost, kernel.by_other_method)
         hooks = report, self.ends, self.switch, self.cross
         return Watch(*hooks, choice, memory, self.requested)
 
