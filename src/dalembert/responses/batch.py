@@ -108,6 +108,8 @@ def _of_designs(
     batch: Batch, response: Response, like: Result, measure: Expression, good: np.ndarray
 ) -> np.ndarray:
     """Values of the designs that succeeded; ``like`` is the run of one of them."""
+    if response.searches(like):
+        return np.array([_of_one(batch, int(k), response) for k in good])
     sampled = response.sampled(like)
     reducer, columns = response.over(like), places(batch.time, sampled.time)
     if np.any(columns < 0):

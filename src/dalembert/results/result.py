@@ -262,6 +262,17 @@ class Analysis(ABC, Generic[M, R]):
         """The result where integrals look at it."""
         return result
 
+    def peaks(self, result: R, measure: str | Expression, sign: float) -> R:
+        """The result where ``sign`` times a measure is largest, where it is known between its
+        instants; else the result."""
+        return result
+
+    def over_peaks(
+        self, result: R, measure: str | Expression, sharpness: float, sign: float
+    ) -> R:
+        """The result where integrals of ``exp(± sharpness m)`` look at it, where that is known."""
+        return result
+
     @classmethod
     def of(cls, verb: str, **options: Any) -> Self:
         """The analysis with the options that a verb was given.

@@ -17,6 +17,7 @@ from dalembert.analysis.dynamics.extension import extended
 from dalembert.analysis.dynamics.instants import end_by_event, ended_again, instant_of
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.merits import merits_of
+from dalembert.analysis.dynamics.peaks import peak_quadrature, peaks
 from dalembert.analysis.dynamics.record import DynamicsRecord
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
@@ -38,6 +39,7 @@ from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 from dalembert.symbolic.evaluation.backends import BACKENDS
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
 UNCHOSEN = AutomaticIntegrator()
@@ -206,6 +208,20 @@ class Dynamics(OverTime[Motion]):
             return motion
         return self._sampled(motion, *outputs_of(steps, None, end_by_event(motion) is not None))
 
+    def peaks(self, motion: Motion, measure: str | Expression, sign: float) -> Motion:
+        """The motion at the instant of the largest value, under error control."""
+        return peaks(motion, measure, sign) if motion.record.kernel.adaptive else motion
+
+    def over_peaks(
+        self, motion: Motion, measure: str | Expression, sharpness: float, sign: float
+    ) -> Motion:
+        """The motion at points that resolve ``exp(± sharpness m)``, under error control."""
+        points = peak_quadrature(motion, measure, sharpness, sign, self.integrator.order)
+        if points is None:
+            return motion
+        made = self._sampled(motion, points.times, points.branches)
+        return replace(made, record=replace(made.record, quadrature=points))
+
     def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
         """The motion at the instant of an event.
 
@@ -222,7 +238,9 @@ class Dynamics(OverTime[Motion]):
         kernel, steps = motion.record.kernel, motion.record.steps
         trajectory = kernel.trajectory(times, steps, branches, motion.parameters)
         return replace(
-            motion, trajectory=trajectory, record=replace(motion.record, branches=branches)
+            motion,
+            trajectory=trajectory,
+            record=replace(motion.record, branches=branches, dense=False),
         )
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
@@ -258,7 +276,7 @@ class Dynamics(OverTime[Motion]):
             motion,
             parameters=p,
             trajectory=kernel.trajectory(times, steps, branches, p),
-            record=DynamicsRecord(kernel, steps, branches, origin=motion),
+            record=DynamicsRecord(kernel, steps, branches, origin=motion, dense=record.dense),
         )
 
 
