@@ -56,6 +56,7 @@ class Closure:
     generic : those that are independent nearly everywhere, more of them where the start is a
         singular position
     recipe : Recipe of the start
+    assembler : Assembler, equations of positions
     jacobian : ``C`` of all rows at the assembled position, sparse, in natural units
     anchor : nominal parameters and the position assembled for them, from which others are followed
 
@@ -108,17 +109,17 @@ class Closure:
             conditions[np.flatnonzero(chosen).tolist(), :] for chosen in (~of_speed, of_speed)
         )
         searches, facing = self._curve_searches(), self._fixed(stack(self._loosely_facing()))
-        self._assembler = Assembler(
+        self.assembler = Assembler(
             e, self.guesses, placed_guesses(d), self.scales, positions, searches, facing
         )
         y = self._projected()
         Definedness(d, e, y, p).refuse_undefined()
-        self.jacobian = self._assembler.scaled_jacobian(0.0, y, p)[: len(self.owners)]
+        self.jacobian = self.assembler.scaled_jacobian(0.0, y, p)[: len(self.owners)]
         self.independence = rows_of(self.jacobian)
         self.rows = self.independence.pivots
         self.generic = self.rows
         if len(self.rows) < len(self.owners):
-            self.generic = generic_rows(self._assembler, self.owners, self.rows, y, p)
+            self.generic = generic_rows(self.assembler, self.owners, self.rows, y, p)
         refuse_over_driving(self.owners, self.generic)
         self.recipe = Recipe(e, self.guesses, self.scales, self.rows, positions, speeds)
         self.anchor = p.copy(), self._hold_positions(y, p)
@@ -149,7 +150,7 @@ class Closure:
 
     def _projected(self) -> np.ndarray:
         """The guesses, moved onto all constraints."""
-        found = self._assembler.project(0.0, self.nominal)
+        found = self.assembler.project(0.0, self.nominal)
         if not found.accepted:  # too many drivers is the better explanation, if it is one
             drivers = [k for k, (c, _) in enumerate(self.owners) if isinstance(c, Driver)]
             freedom = self.all_equations.speed_count - (len(self.owners) - len(drivers))
@@ -160,12 +161,12 @@ class Closure:
         return found.x
 
     def _failure(self, t: float, y: np.ndarray, p: np.ndarray) -> AssemblyError:
-        return failure(self._assembler, self.description, t, y, p)
+        return failure(self.assembler, self.description, t, y, p)
 
     def _hold_positions(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Hold as many given coordinates as can be had, the first ones first."""
         lost: set[int] = set()  # given ones that cannot be had count as missing
-        jacobian = self._assembler.scaled_jacobian(0.0, y, p)
+        jacobian = self.assembler.scaled_jacobian(0.0, y, p)
         conditions = range(len(self.owners), jacobian.shape[0])
         while True:
             given = [g and k not in lost for k, g in enumerate(self.guesses.given)]
@@ -173,7 +174,7 @@ class Closure:
             chosen = free_columns(jacobian[[*self.recipe.position_rows, *conditions]], priority)
             held = HeldPlaces(tuple(chosen), tuple(given[k] for k in chosen), y)
             self.recipe = replace(self.recipe, positions=held)
-            self.pinned = Pinned(self._assembler, self.recipe)
+            self.pinned = Pinned(self.assembler, self.recipe)
             wanted = [k for k in chosen if given[k]]
             found, reached = continued(self.pinned, y, p, p, 0.0)
             if reached == 1.0:
@@ -196,7 +197,7 @@ class Closure:
         away = self.all_equations.manifold.lead(before, y) / self.scales.displacements
         if np.max(np.abs(away), initial=0.0) < NEARBY:
             return set()  # where they were chosen they are not
-        jacobian = self._assembler.scaled_jacobian(0.0, y, p)
+        jacobian = self.assembler.scaled_jacobian(0.0, y, p)
         conditions = range(len(self.owners), jacobian.shape[0])
         matrix = jacobian[[*self.recipe.position_rows, *conditions]]
         held = set(self.recipe.positions.indices)
@@ -261,7 +262,7 @@ class Closure:
         anchor_p, anchor_y = self.anchor
         y = self._follow(anchor_p, anchor_y, p, time)
         if self.lost:  # equations left out at the start need not hold with other parameters
-            left = self._assembler.closeness(time, y, p)
+            left = self.assembler.closeness(time, y, p)
             if np.max(np.abs(left.value) / left.scale, initial=0.0) > STAYS_CLOSED:
                 raise self._failure(time, y, p)
         return self.state(y, p, time)
