@@ -25,7 +25,7 @@ SAME, SAME_SINGULAR = 1e-6, 1e-3
 """Distance, by natural sizes, of two assemblies that are one; where the equations are singular."""
 SINGULAR = 1e-6
 """Smallest singular value relative to the largest at which equations count as singular."""
-LEAST, EACH, RAREST = 1000, 200, 10
+LEAST, EACH, RAREST = 800, 200, 10
 """Successful starts before the search ends: at least, per assembly, for the rarest one."""
 MOST, WORK = 60_000, 3e9
 """Starts at most, and the same times the cube of the number of displacements."""
@@ -172,6 +172,8 @@ class Assemblies:
         there = self.roots.moved(y[None], step[None])
         for _ in range(20):
             value, _, jacobians = self.roots.evaluate(there)
+            if not np.all(np.isfinite(value)):
+                return False
             back = -np.linalg.lstsq(jacobians[0], value[0], rcond=SINGULAR)[0]
             there = self.roots.moved(there, back[None])
         if not np.max(np.abs(self.roots.evaluate(there)[0]), initial=0.0) <= CLOSED:

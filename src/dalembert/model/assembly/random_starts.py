@@ -1,7 +1,7 @@
 """Random positions of a mechanism, from which searches start.
 
-Half of them are drawn in joint coordinates of a spanning tree: the joints of the tree close, and
-their axes point the right way. In the other half every body is placed anywhere.
+Three quarters of them are drawn in joint coordinates of a spanning tree: the joints of the tree
+close, and their axes point the right way. In the others every body is placed anywhere.
 """
 
 from __future__ import annotations
@@ -68,12 +68,12 @@ class RandomStarts:
 
     def draw(self, count: int, rng: np.random.Generator, share: float = 1.0) -> np.ndarray:
         """(count, n_y) positions; ``share`` of the largest displacements."""
-        half = count // 2
-        q = self.joints.thrown(self.q, half, rng, share)
+        carried_count = count - count // 4
+        q = self.joints.thrown(self.q, carried_count, rng, share)
         for k, (low, high) in self.intervals:
-            q[:, k] = rng.uniform(low, high, half)
-        (carried,) = in_blocks(self._pose, 1, q, np.tile(self.p, (half, 1)))
-        thrown = self.bodies.thrown(self.y, count - half, rng, share)
+            q[:, k] = rng.uniform(low, high, carried_count)
+        (carried,) = in_blocks(self._pose, 1, q, np.tile(self.p, (carried_count, 1)))
+        thrown = self.bodies.thrown(self.y, count - carried_count, rng, share)
         return np.concatenate([carried, thrown])
 
 
