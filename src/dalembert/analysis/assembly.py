@@ -9,8 +9,8 @@ from typing import Any, Literal, overload
 import numpy as np
 
 from dalembert.analysis.served import need_mechanism
-from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.errors import AssemblyError
+from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.assembly.assemblies import Assemblies
 from dalembert.model.assembly.completeness import Completeness
 from dalembert.model.model import Model
@@ -194,7 +194,7 @@ def solve_assembly(
     except AssemblyError as error:
         if not error.others:
             raise
-        note = f"none of them is on the branch of the nominal start: {error}"
+        note = f"none is on the branch of the nominal assembly: {str(error).partition(';')[0]}"
     search = Assemblies(model.closure, time, p)
     seed = np.random.default_rng(0 if rng is None else rng)
     completeness = search.search(None if first is None else first.y, count, seed)

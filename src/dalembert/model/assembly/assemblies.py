@@ -51,9 +51,7 @@ class Assemblies:
         self.closure, self.t, self.p = closure, t, p
         self.roots = ManyRoots(closure.assembler, t, p, closure.pinned)
         self.joints = ManyRoots(closure.assembler, t, p)
-        self.manifold, guesses = closure.all_equations.manifold, closure.guesses
         self.sizes = closure.scales.displacements
-        self.angles = np.array(guesses.angles, dtype=bool)
         self.known: list[np.ndarray] = []
         self.hits: list[int] = []
         self.singular: list[bool] = []
@@ -107,23 +105,19 @@ class Assemblies:
         if not self.known:
             return
         near = self.closure.anchor[1] if first is None else first
-        far = np.linalg.norm(self.apart(near, np.array(self.known)), axis=1)
+        far = np.linalg.norm(self.roots.apart(near, np.array(self.known)), axis=1)
         order = np.argsort(far, kind="stable")[:count]
         for name in ("known", "hits", "singular"):
             values = getattr(self, name)
             setattr(self, name, [values[k] for k in order])
+        begin = 0 if first is None else 1
+        self.known[begin:] = [self.roots.unwound(near, y) for y in self.known[begin:]]
 
     # which ends are assemblies, and which of them are the same ----------------------------------
     def _face(self, y: np.ndarray) -> np.ndarray:
         columns = VirtualMachine().columns(self._facing)
         t, p = np.full((len(y), 1), self.t), np.tile(self.p, (len(y), 1))
         return in_blocks(columns, 1, t, y, p)[0]
-
-    def apart(self, y: np.ndarray, others: np.ndarray) -> np.ndarray:
-        """(k, n) displacements from a position to others, by natural sizes, without whole turns."""
-        columns = np.tile(y[:, None], len(others))
-        way = self.manifold.lead(columns, others.T).T / self.sizes
-        return np.where(self.angles, np.remainder(way + np.pi, 2 * np.pi) - np.pi, way)
 
     def _take(self, y: np.ndarray) -> None:
         """Count the ends that are assemblies, and keep those that are new."""
@@ -144,7 +138,7 @@ class Assemblies:
         """(k,) which positions are one of those known; counts them."""
         if not len(y):
             return np.zeros(0, dtype=bool)
-        far = np.max(np.abs(self.apart(self.known[k], y)), axis=1, initial=0.0)
+        far = np.max(np.abs(self.roots.apart(self.known[k], y)), axis=1, initial=0.0)
         same = far <= (SAME_SINGULAR if self.singular[k] else SAME)
         self.hits[k] += int(np.sum(same))
         return same
@@ -178,4 +172,4 @@ class Assemblies:
             there = self.roots.moved(there, back[None])
         if not np.max(np.abs(self.roots.evaluate(there)[0]), initial=0.0) <= CLOSED:
             return False
-        return bool(np.max(np.abs(self.apart(y, there))) > ALONG / 2)
+        return bool(np.max(np.abs(self.roots.apart(y, there))) > ALONG / 2)

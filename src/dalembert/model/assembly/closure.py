@@ -17,10 +17,11 @@ from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.assembly.assembly import Assembler
 from dalembert.model.assembly.continuation import continued
-from dalembert.model.assembly.failure import failure
+from dalembert.model.assembly.failure import branch_end, failure, unreachable_guess
 from dalembert.model.assembly.guesses import Guesses
 from dalembert.model.assembly.independence import determine_the_others, free_columns, rows_of
 from dalembert.model.assembly.placement import placed_guesses
+from dalembert.model.assembly.position_search import PositionSearch, Searched
 from dalembert.model.assembly.recipe import INCONSISTENT, HeldPlaces, HeldSpeeds, Pinned, Recipe
 from dalembert.model.assembly.regularity import (
     Definedness,
@@ -58,6 +59,7 @@ class Closure:
     recipe : Recipe of the start
     assembler : Assembler, equations of positions
     jacobian : ``C`` of all rows at the assembled position, sparse, in natural units
+    searched : Searched, where only a search from random starts assembled it; else None
     anchor : nominal parameters and the position assembled for them, from which others are followed
 
     Raises
@@ -77,6 +79,7 @@ class Closure:
         self.description, self.all_equations, self.nominal = description, equations, nominal
         self.guesses, self.scales = guesses, equations.scales
         self.owners: Owners = description.rows
+        self.searched: Searched | None = None
         self._close(strict)
 
     def _fixed(self, expression: ca.SX) -> ca.SX:
@@ -157,11 +160,50 @@ class Closure:
             if 1 <= freedom < len(drivers):
                 others = sorted(set(range(len(self.owners))) - {drivers[-1]})
                 refuse_over_driving(self.owners, others)
-            raise self._failure(0.0, found.x, self.nominal)
+            return self._searched(found.x)
         return found.x
 
-    def _failure(self, t: float, y: np.ndarray, p: np.ndarray) -> AssemblyError:
-        return failure(self.assembler, self.description, t, y, p)
+    def _searched(self, y: np.ndarray) -> np.ndarray:
+        """The assembled position nearest to the guesses, from random starts."""
+        p = self.nominal
+        guess = self.assembler.start(0.0, p).full().ravel()
+        searched = PositionSearch(self.assembler, self.description, 0.0, p).near(guess)
+        for position in searched.positions:
+            found = self.assembler.close(0.0, position, p)
+            if found.accepted:
+                self.searched = searched
+                return found.x
+        raise failure(self.assembler, self.description, 0.0, y, p, searched)
+
+    def _lost_branch(self, reached: float, y: np.ndarray, p: np.ndarray, t: float) -> AssemblyError:
+        """Why the nominal assembly does not lead to parameter values at an instant."""
+        (p0, y0), search = self.anchor, PositionSearch(self.assembler, self.description, t, p)
+        open_by = self.assembler.closeness(reached * t, y, p0 + reached * (p - p0)).value
+        residual = float(np.abs(open_by).max(initial=0.0))
+        wanted = self._described(p, p0, t)
+        end = self._described(p0 + reached * (p - p0), p0, reached * t)
+        held = search.held(y0, self.pinned)
+        if len(held.positions):
+            return branch_end(end, wanted, residual, held)
+        anywhere, places = search.near(y0), self.recipe.positions.indices
+        if len(anywhere.positions) and not places:
+            return branch_end(end, wanted, residual, anywhere)
+        if len(anywhere.positions):
+            names = ", ".join(self.guesses.speed_names[k] for k in places)
+            return unreachable_guess(names, wanted, residual, held.starts)
+        return failure(self.assembler, self.description, t, y, p, anywhere)
+
+    def _described(self, p: np.ndarray, p0: np.ndarray, t: float) -> str:
+        """Values of the parameters that differ from others, and the time."""
+        listed = list(self.description.parameters.items())
+        pairs = [
+            f"{name} = {value:.6g} {parameter.unit}".rstrip()
+            for (name, parameter), value, old in zip(listed, p, p0, strict=False)
+            if value != old
+        ]
+        if t or not pairs:
+            pairs.append(f"t = {t:.6g} s")
+        return ", ".join(pairs)
 
     def _hold_positions(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Hold as many given coordinates as can be had, the first ones first."""
@@ -184,7 +226,7 @@ class Closure:
                 lost |= at_their_ends
                 continue
             if not wanted:
-                raise self._failure(0.0, found, p)
+                raise failure(self.assembler, self.description, 0.0, found, p)
             lost.add(wanted[0])
 
     def _at_their_ends(
@@ -264,7 +306,7 @@ class Closure:
         if self.lost:  # equations left out at the start need not hold with other parameters
             left = self.assembler.closeness(time, y, p)
             if np.max(np.abs(left.value) / left.scale, initial=0.0) > STAYS_CLOSED:
-                raise self._failure(time, y, p)
+                raise failure(self.assembler, self.description, time, y, p)
         return self.state(y, p, time)
 
     @property
@@ -307,5 +349,5 @@ class Closure:
         """The assembled position on the branch of another one."""
         y, reached = continued(self.pinned, y0, p0, p1, time)
         if reached < 1.0:
-            raise self._failure(reached * time, y, p0 + reached * (p1 - p0))
+            raise self._lost_branch(reached, y, p1, time)
         return y

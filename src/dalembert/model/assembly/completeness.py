@@ -51,8 +51,9 @@ class Completeness:
         seen = sum(self.hits)
         text = (
             f"{seen} of {self.starts} random starts closed, the rarest assembly "
-            f"{min(self.hits, default=0)} times; estimated number missing {self.missing:.2g}; another "
-            f"assembly would attract less than {100 * self.undetected_share:.2g} % of them (95 %)"
+            f"{min(self.hits, default=0)} times; estimated number missing {self.missing:.2g}; "
+            f"another assembly would attract less than {100 * self.undetected_share:.2g} % of them "
+            "(95 %)"
         )
         if self.not_isolated:
             text += (
@@ -74,5 +75,5 @@ class Completeness:
 
 
 def covered(hits: Sequence[int], least: int, each: int, rarest: int) -> bool:
-    """Whether starts suffice: ``least`` in all, ``each`` on the average, ``rarest`` for every one."""
+    """Whether starts suffice: ``least`` in all, ``each`` on average, ``rarest`` for every one."""
     return sum(hits) >= max(least, each * len(hits)) and min(hits) >= rarest

@@ -14,7 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.model.assembly.assembly import LEAST_DAMPING, MISSING_WEIGHT, ROUNDING, Assembler
+from dalembert.model.assembly.assembly import (
+    LEAST_DAMPING,
+    MISSING_WEIGHT,
+    PATIENCE,
+    PROGRESS,
+    ROUNDING,
+    Assembler,
+)
 from dalembert.model.assembly.recipe import Pinned
 from dalembert.symbolic.evaluation.backends import VirtualMachine
 from dalembert.symbolic.evaluation.shared_columns import in_blocks
@@ -69,6 +76,7 @@ class ManyRoots:
         self.displacements = assembler.scales.displacements
         self.longest = assembler.longest / self.displacements
         self.metres = assembler.guesses.metres
+        self.angles = np.array(assembler.guesses.angles, dtype=bool)
         machine = VirtualMachine()
         self._position = machine.columns(assembler.position)
         self._going = machine.columns(assembler.manifold.going)
@@ -121,6 +129,22 @@ class ManyRoots:
         jacobian[:, self.pinned.held_rows, self.pinned.held_columns] = entries
         return away, ROUNDING * far, jacobian * self.displacements
 
+    def apart(self, y: np.ndarray, others: np.ndarray) -> np.ndarray:
+        """(k, n) displacements from a position to others, by natural sizes, without whole turns."""
+        columns = np.tile(y[:, None], len(others))
+        way = self.assembler.manifold.lead(columns, others.T).T / self.displacements
+        return np.where(self.angles, np.remainder(way + np.pi, 2 * np.pi) - np.pi, way)
+
+    def unwound(self, y: np.ndarray, root: np.ndarray) -> np.ndarray:
+        """The same root with its angles near those of a position, if it remains a root."""
+        manifold = self.assembler.manifold
+        turns = np.where(self.angles, np.round(manifold.lead(y, root) / (2 * np.pi)), 0.0)
+        if not turns.any():
+            return root
+        near = manifold.go(root, -2 * np.pi * turns)
+        value, zero, _ = self.evaluate(near[None])
+        return near if _largest(value / zero)[0] <= SLACK else root
+
     # searches --------------------------------------------------------------------------------
     def newton(self, y: np.ndarray) -> Ends:
         """Roots of the square system by plain steps of limited turns."""
@@ -133,7 +157,9 @@ class ManyRoots:
     def _grouped(self, y: np.ndarray, search: Callable[[np.ndarray], Ends]) -> Ends:
         with np.errstate(all="ignore"):
             found = [search(y[k : k + self.group]) for k in range(0, len(y), self.group)]
-        return Ends(*(np.concatenate([getattr(e, x) for e in found]) for x in ("y", "size", "open")))
+        return Ends(
+            *(np.concatenate([getattr(e, x) for e in found]) for x in ("y", "size", "open"))
+        )
 
     def _newton(self, y: np.ndarray) -> Ends:
         y, count = y.copy(), len(y)
@@ -163,8 +189,12 @@ class ManyRoots:
         y, count = y.copy(), len(y)
         damping = np.full(count, 5e-3)
         value, zero, jacobian = self.evaluate(y)
-        for _ in range(2 * STEPS):
+        before = np.full(count, np.inf)
+        for step_count in range(2 * STEPS):
             size, norm = _largest(value / zero), np.linalg.norm(value, axis=1)
+            if step_count % PATIENCE == 0:
+                damping[norm > PROGRESS * before] = np.inf
+                before = norm
             going = np.flatnonzero((size > 1) & np.isfinite(size) & (damping < 1e8))
             if not going.size:
                 break

@@ -38,7 +38,9 @@ class RandomStarts:
         self, d: Description, e: Equations, guesses: Guesses, y: np.ndarray, p: np.ndarray
     ):
         self.y, self.p = y, p
-        self.bodies = _Throw(e.manifold, e.scales.displacements, guesses.speed_units, guesses.angles)
+        self.bodies = _Throw(
+            e.manifold, e.scales.displacements, guesses.speed_units, guesses.angles
+        )
         sizes = dict(zip(guesses.speed_names, e.scales.displacements, strict=True))
         links = links_of(d, (), False)
 
@@ -46,7 +48,7 @@ class RandomStarts:
             fixed = at_ground(d.ground, ca.densify(expression))
             return ca.Function("at", [e.t, e.y, e.p], [fixed])(0.0, y, p).full()
 
-        standing = number(ca.horzcat(*(link.standing for link in links))) if links else None
+        standing = number(ca.horzcat(ca.SX(4, 0), *(link.standing for link in links)))
         links = [link.on_branch(standing[:, k]) for k, link in enumerate(links)]
         self.q = number(stack(link.space.reading for link in links)).ravel()
         motion = TreeMotion(links, d.coordinates)
@@ -55,7 +57,9 @@ class RandomStarts:
         units = [unit for space in spaces for unit in space.speed_units]
         angles = [space.flat and u == "rad" for space in spaces for u in space.speed_units]
         natural = {"m": e.scales.length, "rad": 1.0}
-        joints = np.array([sizes.get(n, natural.get(u, 1.0)) for n, u in zip(named, units)])
+        joints = np.array(
+            [sizes.get(n, natural.get(u, 1.0)) for n, u in zip(named, units, strict=True)]
+        )
         self.joints = _Throw(Manifold.of(spaces), joints, units, angles)
         self.intervals = [
             (k, link.group.interval)
