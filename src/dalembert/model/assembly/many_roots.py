@@ -133,7 +133,8 @@ class ManyRoots:
         """(k, n) displacements from a position to others, by natural sizes, without whole turns."""
         columns = np.tile(y[:, None], len(others))
         way = self.assembler.manifold.lead(columns, others.T).T / self.displacements
-        return np.where(self.angles, np.remainder(way + np.pi, 2 * np.pi) - np.pi, way)
+        with np.errstate(invalid="ignore"):  # half a turn of a body in space is infinitely far
+            return np.where(self.angles, np.remainder(way + np.pi, 2 * np.pi) - np.pi, way)
 
     def unwound(self, y: np.ndarray, root: np.ndarray) -> np.ndarray:
         """The same root with its angles near those of a position, if it remains a root."""

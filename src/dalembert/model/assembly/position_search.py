@@ -23,6 +23,8 @@ SHARES = (0.1, 0.3, 1.0)
 """Largest displacements of the starts, as shares of turns and of twice the natural length."""
 STARTS, WORK = 100, 1e8
 """Starts of each share at most, and the same times the cube of the number of displacements."""
+ENOUGH = 10
+"""Starts that lead to assembled positions before those farther away are left out."""
 SAME = 1e-6
 """Distance, by natural sizes, of two positions that are one."""
 
@@ -78,9 +80,13 @@ class PositionSearch:
         starts = RandomStarts(self.d, a.equations, a.guesses, y, self.p)
         size = max(a.longest.size, 1)
         each = int(np.clip(WORK / size**3, 8, STARTS))
-        ends = [search(starts.draw(each, rng, share)) for share in SHARES]
+        ends, closed = [], np.zeros(0, dtype=bool)
+        for share in SHARES:
+            ends.append(search(starts.draw(each, rng, share)))
+            closed = np.concatenate([closed, self._closed(ends[-1])])
+            if roots.pinned is None and np.sum(closed) >= ENOUGH:
+                break  # starts farther away lead farther away
         y_end, residual = (np.concatenate([getattr(e, x) for e in ends]) for x in ("y", "open"))
-        closed = np.concatenate([self._closed(e) for e in ends])
         positions = self._distinct(y, y_end[closed], roots)
         best = int(np.argmin(np.nan_to_num(residual, nan=np.inf)))
         return Searched(len(y_end), positions, y_end[best], float(residual[best]))
