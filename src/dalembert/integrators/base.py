@@ -61,7 +61,8 @@ class Attempt:
     """An attempted step of an adaptive integrator, as one function.
 
     ``function`` maps ``([t; h; memory; x], [end; longest; p])``, before the end, to the next such
-    column and to ``[t; h; error; accepted]``; a refused attempt leaves t and x as they are.
+    column and to ``[t; h; error; accepted; stiffness]``; a rejected attempt leaves t and x as they
+    are. The stiffness is an estimate of ``h ρ(∂F/∂x)``, 0 where the method makes none.
 
     Attributes
     ----------
@@ -87,6 +88,11 @@ class Integrator:
         return type(self).__name__
 
     @property
+    def methods(self) -> tuple[Integrator, ...]:
+        """Methods between which a run changes; it begins with the first that suits the problem."""
+        return (self,)
+
+    @property
     def implicit(self) -> bool:
         """Solves equations in every step, so takes differential-algebraic systems."""
         return False
@@ -104,6 +110,11 @@ class Integrator:
     def gradient_error(self) -> float:
         """Relative error of its gradients; none where they are derivatives of the steps taken."""
         return 0.0
+
+    @property
+    def convergence_order(self) -> int:
+        """Order of the states in the length of the steps."""
+        return self.order
 
     @property
     def order(self) -> int:

@@ -150,6 +150,10 @@ class ImplicitRungeKutta(ImplicitIntegrator, ABC):
         """Coefficients of the method."""
 
     @property
+    def convergence_order(self) -> int:
+        return self.matrix.order
+
+    @property
     def stability(self) -> Callable[[np.ndarray], np.ndarray]:
         return self.matrix.stability
 

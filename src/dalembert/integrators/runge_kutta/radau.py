@@ -17,7 +17,7 @@ from dalembert.integrators.runge_kutta.implicit_step import (
     stages,
 )
 from dalembert.integrators.step import Step
-from dalembert.integrators.tolerances import SHARE, absolute, check_tolerances
+from dalembert.integrators.tolerances import absolute, check_tolerances, share
 from dalembert.options import options
 
 _R = sqrt(6)
@@ -50,7 +50,8 @@ class Radau(ImplicitRungeKutta):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default a hundredth of rtol, at
+        least 1e-10, times the natural sizes
     max_step : longest step [s]; a quarter of the run if None
     fixed : take steps of the given length without error control
 
@@ -109,7 +110,7 @@ class Radau(ImplicitRungeKutta):
         new, rates, _ = step.solve(t, h, x, p)
         corrected = step.finished(t + h, new, p)
         error = _estimate(step, t, h, x, p, rates)
-        least = ca.DM(absolute(self.atol, SHARE, problem, step.size))
+        least = ca.DM(absolute(self.atol, share(self.rtol), problem, step.size))
         allowed = least + self.rtol * ca.fmax(ca.fabs(x), ca.fabs(corrected))
         if problem.tangential is None and problem.system.index == 3:
             allowed = impulsive(problem, h, allowed)
