@@ -17,10 +17,11 @@ from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.assembly.assembly import Assembler
 from dalembert.model.assembly.continuation import continued
-from dalembert.model.assembly.failure import branch_end, failure, unreachable_guess
+from dalembert.model.assembly.failure import failure
 from dalembert.model.assembly.guesses import Guesses
 from dalembert.model.assembly.independence import determine_the_others, free_columns, rows_of
-from dalembert.model.assembly.placement import placed_guesses
+from dalembert.model.assembly.lost_branch import BranchEnd, lost_branch
+from dalembert.model.assembly.placement import curve_searches, loosely_facing, placed_guesses
 from dalembert.model.assembly.position_search import PositionSearch, Searched
 from dalembert.model.assembly.recipe import INCONSISTENT, HeldPlaces, HeldSpeeds, Pinned, Recipe
 from dalembert.model.assembly.regularity import (
@@ -37,6 +38,8 @@ from dalembert.symbolic.formulas.expression import stack
 
 STAYS_CLOSED = 1e-9
 """Violation, by natural sizes, of an equation that others imply."""
+SEARCHED = 140
+"""Coordinates up to which held guesses are searched for in other assemblies."""
 NEARBY = 1e-3
 """Displacement, by natural sizes, along which coordinates that were clearly free remain so."""
 
@@ -85,25 +88,6 @@ class Closure:
     def _fixed(self, expression: ca.SX) -> ca.SX:
         return at_ground(self.description.ground, expression)
 
-    def _curve_searches(self) -> list[tuple[int, list[int], tuple[float, float]]]:
-        """Curve parameters without a guess: coordinate, equations, range."""
-        found = []
-        for constraint in self.description.constraints:
-            for part in constraint.own_coordinates():
-                if part.guesses()[0][0] is None:
-                    index = self.guesses.pose_owners.index(part.name)
-                    rows = [k for k, (c, _) in enumerate(self.owners) if c is constraint]
-                    found.append((index, rows, part.interval))
-        return found
-
-    def _loosely_facing(self) -> list[ca.SX]:
-        """Ways round of joints that the given poses do not settle."""
-        return [
-            constraint.facing()
-            for constraint in self.description.constraints
-            if not all(all(p.guessed()) for p in constraint.parts() if p.name != "ground")
-        ]
-
     def _close(self, strict: bool) -> None:
         d, e, p = self.description, self.all_equations, self.nominal
         conditions = self._fixed(stack(m.sx - v.sx for m, v in d.conditions))
@@ -111,7 +95,8 @@ class Closure:
         positions, speeds = (
             conditions[np.flatnonzero(chosen).tolist(), :] for chosen in (~of_speed, of_speed)
         )
-        searches, facing = self._curve_searches(), self._fixed(stack(self._loosely_facing()))
+        searches = curve_searches(d, self.guesses)
+        facing = self._fixed(stack(loosely_facing(d)))
         self.assembler = Assembler(
             e, self.guesses, placed_guesses(d), self.scales, positions, searches, facing
         )
@@ -175,39 +160,10 @@ class Closure:
                 return found.x
         raise failure(self.assembler, self.description, 0.0, y, p, searched)
 
-    def _lost_branch(self, reached: float, y: np.ndarray, p: np.ndarray, t: float) -> AssemblyError:
-        """Why the nominal assembly does not lead to parameter values at an instant."""
-        (p0, y0), search = self.anchor, PositionSearch(self.assembler, self.description, t, p)
-        open_by = self.assembler.closeness(reached * t, y, p0 + reached * (p - p0)).value
-        residual = float(np.abs(open_by).max(initial=0.0))
-        wanted = self._described(p, p0, t)
-        end = self._described(p0 + reached * (p - p0), p0, reached * t)
-        held = search.held(y0, self.pinned)
-        if len(held.positions):
-            return branch_end(end, wanted, residual, held)
-        anywhere, places = search.near(y0), self.recipe.positions.indices
-        if len(anywhere.positions) and not places:
-            return branch_end(end, wanted, residual, anywhere)
-        if len(anywhere.positions):
-            names = ", ".join(self.guesses.speed_names[k] for k in places)
-            return unreachable_guess(names, wanted, residual, held.starts)
-        return failure(self.assembler, self.description, t, y, p, anywhere)
-
-    def _described(self, p: np.ndarray, p0: np.ndarray, t: float) -> str:
-        """Values of the parameters that differ from others, and the time."""
-        listed = list(self.description.parameters.items())
-        pairs = [
-            f"{name} = {value:.6g} {parameter.unit}".rstrip()
-            for (name, parameter), value, old in zip(listed, p, p0, strict=False)
-            if value != old
-        ]
-        if t or not pairs:
-            pairs.append(f"t = {t:.6g} s")
-        return ", ".join(pairs)
-
     def _hold_positions(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Hold as many given coordinates as can be had, the first ones first."""
         lost: set[int] = set()  # given ones that cannot be had count as missing
+        d = self.description
         jacobian = self.assembler.scaled_jacobian(0.0, y, p)
         conditions = range(len(self.owners), jacobian.shape[0])
         while True:
@@ -219,6 +175,10 @@ class Closure:
             self.pinned = Pinned(self.assembler, self.recipe)
             wanted = [k for k in chosen if given[k]]
             found, reached = continued(self.pinned, y, p, p, 0.0)
+            if reached < 1.0 and not lost and y.size <= SEARCHED:  # perhaps in another assembly
+                search = PositionSearch(self.assembler, d, 0.0, p).held(y, self.pinned)
+                if len(search.positions):
+                    found, reached = search.positions[0], 1.0
             if reached == 1.0:
                 at_their_ends = self._at_their_ends(y, found, p, priority).intersection(wanted)
                 if not at_their_ends:
@@ -349,5 +309,6 @@ class Closure:
         """The assembled position on the branch of another one."""
         y, reached = continued(self.pinned, y0, p0, p1, time)
         if reached < 1.0:
-            raise self._lost_branch(reached, y, p1, time)
+            end = BranchEnd(reached * time, p0 + reached * (p1 - p0), y)
+            raise lost_branch(self.pinned, self.description, self.anchor, end, time, p1)
         return y

@@ -95,35 +95,6 @@ def _open(assembler: Assembler, t: float, y: np.ndarray, p: np.ndarray) -> float
     return float(np.max(np.nan_to_num(np.abs(found.value / found.scale), nan=np.inf), initial=0.0))
 
 
-def branch_end(reached: str, wanted: str, residual: float, searched: Searched) -> AssemblyError:
-    """The error of a branch that ends before the wanted values, where other assemblies exist.
-
-    Parameters
-    ----------
-    reached, wanted : parameters and time where the branch ends, and where it should lead
-    residual : of the first position that was not found
-    searched : Searched, with assembled positions at the wanted values
-    """
-    count, one = len(searched.positions), len(searched.positions) == 1
-    return AssemblyError(
-        f"the branch of the nominal assembly ends at {reached}, before {wanted}: a dead centre; "
-        f"{count} other {'assembly exists' if one else 'assemblies exist'} there "
-        f"({searched.starts} random starts); list them by solve_assembly(model, parameters, "
-        "all=True), and build the model with these values and with guesses near one of them",
-        residual,
-        others=count,
-    )
-
-
-def unreachable_guess(held: str, wanted: str, residual: float, starts: int) -> AssemblyError:
-    """The error of given coordinates at which the mechanism closes nowhere, though elsewhere."""
-    return AssemblyError(
-        f"the mechanism closes at {wanted}, but not with {held} as given ({starts} random starts); "
-        "build the model with these values, so that assembly moves the guess, or give another one",
-        residual,
-    )
-
-
 @dataclass(frozen=True, eq=False)
 class _Demand:
     """A joint, a driver or an initial condition: what it ties, measures and asks for."""
