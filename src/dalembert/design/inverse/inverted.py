@@ -71,11 +71,9 @@ class Inversion(Decision):
         return str(self.misfit.model.name)
 
     def at(self, name: str, times: Any) -> np.ndarray:
-        """A history at times: the natural spline through its values."""
-        from scipy.interpolate import CubicSpline
-
-        knots = next(h.knots for h in self.histories if h.name == name)
-        return CubicSpline(knots, self.values[name], bc_type="natural")(times)
+        """A history at times: the spline through its values."""
+        history = next(h for h in self.histories if h.name == name)
+        return history.at(self.values[name], times)
 
     @property
     def sentence(self) -> str:

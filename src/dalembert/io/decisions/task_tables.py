@@ -83,6 +83,7 @@ class HistoryTable(Record):
     unit: Text = Field(
         default="", description='of the value, as `"kN"`, and shown in results; SI by default'
     )
+    ends: Text = Field(default="not-a-knot", description="of the spline, as of `Table`")
 
 
 class InvertTable(Record):
