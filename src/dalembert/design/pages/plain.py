@@ -5,8 +5,6 @@ from __future__ import annotations
 import html
 from typing import Any
 
-from dalembert.report import views
-
 
 def plain_page(decision: Any) -> dict[str, Any]:
     """The page of a decision without a mechanism or structure beside it."""
@@ -27,7 +25,7 @@ def all_views(decision: Any) -> list[dict[str, Any]]:
     """The views of a decision, its warnings before them."""
     if not decision.warnings:
         return list(decision.views())
-    told = views.facts("Warnings", enumerate(decision.warnings, 1))
+    told = {"kind": "notes", "title": "Warnings", "texts": list(decision.warnings)}
     return [{**told, "place": "board"}, *decision.views()]
 
 
