@@ -89,7 +89,7 @@ class ParameterWeights:
         self._linear = e.model.linearized.assembly
         self._exact, self._small = Pulls(e.assembly, e.p, rows), Pulls(self._linear, e.p, rows)
         self._steady, self._turning = Pulls(e.steady, e.p, rows), Pulls(e.turning, e.p, rows)
-        self._inertia, self._springs = Products(e.steady, rows, e.p), Products(self._linear, rows, e.p)
+        self._inertia, self._springs = Products(e.steady, rows), Products(self._linear, rows)
         self._at_rest = np.zeros((e.assembly.size, rows))
         self._loads = TimedPull(e.load_case, e.p)
         self._expansion = TimedPull(e.expansion, e.p)

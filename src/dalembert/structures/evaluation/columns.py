@@ -52,15 +52,20 @@ class Pulls:
             found += pulled.reshape(*data.shape, -1, self.rows).sum(axis=2)
 
     def products(self, products: Products, pull: Callable) -> None:
-        """Add ``Σ_s ηᵀ ∂A/∂p x_s`` with ``pull(kind, x, data, η)`` of what ``A x`` gives."""
-        parts = zip(self.blocks, self._data, self._found, products.sums, products.axes, strict=True)
-        for b, data, found, sums, axes in parts:
+        """Add ``Σ_s ηᵀ ∂A/∂p x_s`` with ``pull(kind, x, data, η)`` of what ``A x`` gives.
+
+        States are unit vectors, and weights the sums: a state as small as a displacement would be
+        lost in the rounding of forces at rest.
+        """
+        for b, data, found, sums in zip(
+            self.blocks, self._data, self._found, products.sums, strict=True
+        ):
             several = _repeated(data, self.rows)
             for j in range(sums.shape[2]):
-                unit = np.repeat(axes[:, :, j], self.rows, axis=0).T
-                state = (axes @ sums[..., j, None].transpose(0, 2, 1, 3)[..., 0]).transpose(0, 2, 1)
-                columns = state.reshape(several.shape[1], -1).T
-                found += pull(b.kind, columns, several, unit).reshape(found.shape)
+                unit = np.zeros((sums.shape[2], several.shape[1]))
+                unit[j] = 1.0
+                eta = sums[:, :, :, j].reshape(several.shape[1], -1).T
+                found += pull(b.kind, unit, several, eta).reshape(found.shape)
 
     @property
     def total(self) -> np.ndarray:
@@ -73,27 +78,20 @@ class Pulls:
 
 
 class Products:
-    """``Σ_s η_s x_sᵀ`` of every element, along the eigenvectors of its stiffness.
-
-    Weights and states strain a slender element little beside its rigid motion. Sums along global
-    axes round each other to the size of the rigid motions, and the axial stiffness magnifies that;
-    along eigenvectors, strains and rigid motions have sums of their own.
+    """``Σ_s η_s x_sᵀ`` of every element.
 
     Parameters
     ----------
     assembly : of the structure
     rows : number of separate sums
-    p : (np,) values of the parameters
 
     Attributes
     ----------
     sums : (ne, rows, k, k) of each block
-    axes : (ne, k, k) eigenvectors, by columns
     """
 
-    def __init__(self, assembly: Assembly, rows: int, p: np.ndarray):
+    def __init__(self, assembly: Assembly, rows: int):
         self.blocks, self.rows = assembly.blocks, rows
-        self.axes = [_eigenvectors(b, p) for b in self.blocks]
         sizes = [b.kind.displacement_count for b in self.blocks]
         self.sums = [
             np.zeros((b.count, rows, k, k)) for b, k in zip(self.blocks, sizes, strict=True)
@@ -101,9 +99,9 @@ class Products:
 
     def add(self, x: np.ndarray, weights: np.ndarray) -> None:
         """Add states (n, S) with weights (n, S, rows)."""
-        for b, sums, axes in zip(self.blocks, self.sums, self.axes, strict=True):
-            state = b.gather(x).transpose(1, 2, 0) @ axes
-            eta = axes.transpose(0, 2, 1)[:, None] @ b.gather(weights).transpose(1, 3, 0, 2)
+        for b, sums in zip(self.blocks, self.sums, strict=True):
+            state = b.gather(x).transpose(1, 2, 0)
+            eta = b.gather(weights).transpose(1, 3, 0, 2)
             sums += eta @ state[:, None]
 
 
@@ -172,13 +170,6 @@ def _matrices(push: Callable, kind: ElementKind, data, change) -> np.ndarray:
             unit[j] = 1.0
             found[:, j] = push(kind, unit, data, change)
     return found
-
-
-def _eigenvectors(block: ElementBlock, p: np.ndarray) -> np.ndarray:
-    """(ne, k, k) of the stiffness of each element at rest."""
-    rest = np.zeros((block.kind.displacement_count, block.count))
-    stiffness = block.kind.tangents(rest, block.data(p)).transpose(2, 0, 1)
-    return np.linalg.eigh((stiffness + stiffness.transpose(0, 2, 1)) / 2)[1]
 
 
 def _repeated(data: np.ndarray, count: int) -> np.ndarray:
