@@ -84,7 +84,9 @@ def _elsewhere(
 ) -> np.ndarray:
     """Values where the response looks at other instants than the outputs: the designs run again."""
     analysis: Any = batch.analysis
-    together = analysis.batched is not None and analysis.batched.serves(analysis, batch.model)
+    engine = analysis.batched
+    together = engine is not None and getattr(engine, "same_instants", True)
+    together = together and engine.serves(analysis, batch.model)
     if not together or np.any(np.diff(times) <= 0):
         return np.array([_of_one(batch, k, response) for k in good])
     again, values = replace(analysis, outputs=times), np.full(len(batch), np.nan)

@@ -227,6 +227,10 @@ class Analysis(ABC, Generic[M, R]):
     def run(self, model: M, parameters: Given = None) -> R:
         """The result for a model, with some parameters replaced or all given."""
 
+    def for_designs(self) -> Self:
+        """The same as many designs run it."""
+        return self
+
     def checks(self, model: M) -> Mapping[str, Callable[[], object]]:
         """Option → what tells, before a run and without compiling it, that it cannot work.
 

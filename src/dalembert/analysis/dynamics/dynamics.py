@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.batch.adaptive_steps import AdaptiveSteps
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.contact.start import refuse_overlap
 from dalembert.analysis.dynamics.continued_run import ContinuedRun, refuse_ended
@@ -53,6 +54,8 @@ STRATEGIES = {
 """What each choice of a run must be, and what it usually is."""
 OF_OUTPUTS = 4
 """Order of the quadrature through the ends of equal steps."""
+OF_BATCH = 201
+"""Outputs of each design of a batch under error control, where none are chosen."""
 INTERVALS = 1000
 """Where the integrator's own steps are not seen, integrals look at so many intervals at least."""
 
@@ -100,7 +103,6 @@ class Dynamics(OverTime[Motion]):
     spoken = "dynamics"
     integrates = True
     execution = DynamicsRun
-    batched = FixedSteps
 
     coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
     formulation: Formulation = field(default_factory=RangeSpace)
@@ -129,6 +131,17 @@ class Dynamics(OverTime[Motion]):
         """Compiled functions, made once per model and choice of strategies."""
         choices = (self.coordinates, self.formulation, self.stabilization, self.integrator)
         return _kernel(model, *choices, self.backend)
+
+    @property
+    def batched(self) -> type:  # type: ignore[override]
+        """What runs many designs side by side."""
+        return AdaptiveSteps if self.integrator.adaptive else FixedSteps
+
+    def for_designs(self) -> Dynamics:
+        """The same with outputs at common times: steps under error control differ by design."""
+        if self.outputs is None and self.integrator.adaptive:
+            return replace(self, outputs=OF_BATCH)
+        return self
 
     @property
     def gradient_error(self) -> float:

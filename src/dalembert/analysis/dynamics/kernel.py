@@ -144,10 +144,15 @@ class DynamicsKernel(StepOutputs):
         return max(k for k, variant in enumerate(self.variants) if type(variant) is Variant)
 
     def by_other_method(self, mode: int) -> int:
-        """The mode of the same equations with the other of two methods."""
+        """The mode of the same equations with the other of two methods, if it suits them."""
         now = self.variants[mode]
         (other,) = (method for method in self.methods if method != now.integrator)
-        return self._mode(now.rows, now.formulation, now.phases, other)
+        following = self._mode(now.rows, now.formulation, now.phases, other)
+        try:
+            other.check(self.variants[following].problem)
+        except UnsupportedError:
+            return mode
+        return following
 
     def _rows(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
         """The rows of the start where the others follow well from them, else the best ones."""

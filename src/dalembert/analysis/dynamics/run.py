@@ -18,6 +18,7 @@ from dalembert.analysis.dynamics.step_accuracy import StepAccuracy
 from dalembert.analysis.dynamics.stiffness import too_long_for
 from dalembert.analysis.dynamics.switch_search import SwitchSearch
 from dalembert.analysis.dynamics.truth import DynamicsTruth
+from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.events import as_events
 from dalembert.analysis.kinematics.branch_jumps import BranchJumps
 from dalembert.analysis.kinematics.branches import outputs_of
@@ -137,6 +138,7 @@ class DynamicsRun:
         found += told_halves(self.halved(motion.record.steps))
         if motion.status.success:
             found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
+        found += elastic_doubts(self.model, motion.trajectory, self.p)
         return found
 
     def of_accuracy(self, motion: Motion) -> list[str]:
@@ -256,7 +258,12 @@ class DynamicsRun:
             def implicit(mode: int) -> bool:
                 return kernel.variants[mode].integrator.implicit
 
-            choice = MethodChoice(self.end, implicit, kernel.by_other_method)
+            def cost(mode: int) -> float:
+                attempt = kernel.variants[mode].attempt
+                assert attempt is not None
+                return attempt.cost
+
+            choice = MethodChoice(self.end, implicit, cost, kernel.by_other_method)
         hooks = report, self.ends, self.switch, self.cross
         return Watch(*hooks, choice, memory, self.requested)
 
