@@ -3,7 +3,7 @@
 A rod between two ball joints turns freely about the line through them, and so does a telescopic leg
 of several bodies. In an open chain such a rotation is a degree of freedom like any other; in a loop
 it is idle, for the loop moves as if it were not there. The test is instantaneous: everything else
-is at rest, the bodies turn about the line, and no equation of joints or drivers changes, ``C δ = 0``.
+is at rest, the bodies turn about the line, and no joint or driver equation changes, ``C δ = 0``.
 """
 
 from __future__ import annotations
