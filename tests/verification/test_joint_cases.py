@@ -18,8 +18,8 @@ from dalembert import spatial
 
 G = np.array([0.0, 0.0, -9.81])
 MASS, INERTIA = 1.0, np.diag([0.1, 0.04, 0.1])
-PLATE = dict(mass=MASS, inertia=tuple(np.diag(INERTIA)))
-TIGHT = dict(method="DOP853", rtol=1e-11, atol=1e-12)
+PLATE = {"mass": MASS, "inertia": tuple(np.diag(INERTIA))}
+TIGHT = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-12}
 END = 5.0
 
 
@@ -147,13 +147,13 @@ def _minimal(times: np.ndarray, pose: Pose, count: int) -> Twin:
 
 
 TILTED = np.array([0.6, 0.0, 0.8])
-LEVER = np.array([0.3, 0.2, -0.1])
+LEVER, LONG = np.array([0.3, 0.2, -0.1]), np.array([0.7, 0.2, -0.1])
 PITCH, RADIUS, RACK = 0.4, 0.25, 1.3
 
 
 def _universal(q):
     turn = _about((1, 0, 0), q[0]) @ _about((0, 1, 0), q[1])
-    return [(MASS, INERTIA, turn @ (LEVER + (0.4, 0, 0)), turn)]
+    return [(MASS, INERTIA, turn @ LONG, turn)]
 
 
 def _cylindrical(q):
@@ -197,11 +197,10 @@ def _distance(system: da.System) -> None:
 
 
 def _cross(system: da.System) -> None:
-    lever = LEVER + (0.4, 0, 0)
-    plate = _plate(system, tuple(lever))
+    plate = _plate(system, tuple(LONG))
     ends = (
         system.ground.frame((0, 0, 0), axis=(1, 0, 0)),
-        plate.frame(tuple(-lever), axis=(0, 1, 0)),
+        plate.frame(tuple(-LONG), axis=(0, 1, 0)),
     )
     system.add(spatial.Universal("joint", *ends))
 
@@ -209,7 +208,7 @@ def _cross(system: da.System) -> None:
 def _meshed(system: da.System) -> None:
     hinge = _on_axis(system, spatial.Revolute, (0, 1, 0))
     rack = system.add(spatial.Body("rack", mass=RACK, inertia=tuple(np.diag(INERTIA))))
-    along = dict(axis=(0.8, 0, 0.6))
+    along = {"axis": (0.8, 0, 0.6)}
     rail = spatial.Prismatic("rail", system.ground.frame(**along), rack.frame(**along))
     system.add(rail)
     system.add(spatial.RackAndPinion("mesh", hinge, rail, radius=RADIUS))

@@ -69,11 +69,18 @@ class Attempt:
     function : ca.Function
     memory : initial values of what the controller remembers
     called : the function in the form that is fastest compiled, if there is another
+    work : operations of an attempt, about; those of the function where it is one of scalars
     """
 
     function: ca.Function
     memory: tuple[float, ...]
     called: ca.Function | None = None
+    work: float | None = None
+
+    @property
+    def cost(self) -> float:
+        """Operations of an attempt, about."""
+        return float(self.function.n_instructions()) if self.work is None else self.work
 
 
 @dataclass(frozen=True)

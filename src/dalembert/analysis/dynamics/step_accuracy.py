@@ -174,7 +174,7 @@ class StepAccuracy:
         error = np.abs(once - twice) * factor
         error = (error * share).sum(axis=1, keepdims=True)
         end = np.array([self.steps.end])
-        return self._largest(error, np.column_stack([x[: self.size], once]), end)
+        return self._largest(error, np.column_stack([x, once]), end)
 
     @property
     def _chosen(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -183,10 +183,10 @@ class StepAccuracy:
         kept = steps.x.number[:-1] if isinstance(steps.x, Checkpoints) else lasting
         kept = np.intersect1d(kept, lasting)
         kept = kept[:: max(1, kept.size // CANDIDATES)]
-        x = steps.x[:, kept]
+        x = steps.x[:, kept][: self.size]
         change = np.zeros(kept.size)
         if kept.size > 2:
-            speeds = x[self.positions : self.size]
+            speeds = x[self.positions :]
             apart = np.abs(np.diff(speeds, axis=1)) / np.maximum(
                 self._sizes(x)[self.positions :, None], 1e-300
             )

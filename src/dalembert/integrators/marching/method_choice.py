@@ -9,8 +9,6 @@ import numpy as np
 
 STIFF, MOST = 1.0, 0.75
 """Value of ``h ρ`` that indicates a limit by stability, and the share of steps that have it."""
-COST = 6.0
-"""Cost of an implicit attempt in explicit ones: 3 to 9, measured for 1 to 30 bodies."""
 WORTH = 500
 """Explicit steps left to the end from which on the implicit method is prepared."""
 EXPLICIT, IMPLICIT = 64, 16
@@ -32,14 +30,19 @@ class MethodChoice:
     ----------
     end : of the run [s]
     implicit : mode → whether its method is implicit
-    other : mode → the same equations in a mode of the other method
+    cost : mode → operations of an attempt
+    other : mode → the same equations in a mode of the other method; the mode itself if it does not
+        suit them
     """
 
     end: float
     implicit: Callable[[int], bool]
+    cost: Callable[[int], float]
     other: Callable[[int], int]
-    paces: dict[bool, float] = field(default_factory=dict)
+    advances: dict[bool, float] = field(default_factory=dict)
     """Mean advance of an attempt [s], of either method where it was last used."""
+    paces: dict[bool, float] = field(default_factory=dict)
+    """The same for an operation."""
     waits: dict[bool, int] = field(default_factory=lambda: {True: SHORTEST, False: SHORTEST})
     """Periods of the other method before this one is tried."""
     periods: int = 0
@@ -50,9 +53,7 @@ class MethodChoice:
         """Attempts of the next period."""
         return IMPLICIT if self.implicit(mode) else EXPLICIT
 
-    def after(
-        self, record: np.ndarray, mode: int, failure: str
-    ) -> tuple[int, float | None, str]:
+    def after(self, record: np.ndarray, mode: int, failure: str) -> tuple[int, float | None, str]:
         """The mode after a period, the length of its first step if known, and why it ends there.
 
         Parameters
@@ -69,9 +70,9 @@ class MethodChoice:
         if not record.shape[1] and not self.trial:
             return mode, None
         implicit, taken = self.implicit(mode), record[3] > 0.5
-        late = np.arange(taken.size) >= taken.size // 2  # the attempts before it adapt the step
-        pace = float(np.sum(record[1, late & taken]) / max(1, np.sum(late)))
-        self.paces[implicit] = pace
+        late = np.arange(taken.size) >= 3 * taken.size // 4  # those before it adapt the step
+        advance = float(np.sum(record[1, late & taken]) / max(1, np.sum(late)))
+        self.advances[implicit], self.paces[implicit] = advance, advance / self.cost(mode)
         if implicit or (taken.any() and np.mean(record[4, taken] > STIFF) >= MOST):
             self.periods += 1
         else:
@@ -86,16 +87,18 @@ class MethodChoice:
             return self._change(mode)
         if self.periods < self.waits[not implicit]:
             return mode, None
-        if not implicit and self.end - record[0, -1] < WORTH * pace:
+        if not implicit and self.end - record[0, -1] < WORTH * advance:
             return mode, None
-        self.trial = True
-        return self._change(mode)
+        following, length = self._change(mode)
+        self.trial = following != mode
+        return following, length
 
     def _slower(self, implicit: bool) -> bool:
         """This method advances less for its cost than the other one did."""
-        explicit = self.paces.get(False, 0.0) * COST
-        return self.paces[True] < explicit if implicit else explicit < self.paces[True]
+        return self.paces[implicit] < self.paces.get(not implicit, 0.0)
 
     def _change(self, mode: int) -> tuple[int, float | None]:
-        self.periods = 0
-        return self.other(mode), self.paces.get(not self.implicit(mode))
+        self.periods, following = 0, self.other(mode)
+        if following == mode:
+            return mode, None
+        return following, self.advances.get(self.implicit(following))
