@@ -88,7 +88,11 @@ class StepQuadrature:
         return np.eye(1, self.weights.size, self.weights.size - 1).ravel()
 
     def time_weights(self, samples: np.ndarray) -> np.ndarray:
-        """By the last time, with which the length of the last step grows."""
+        """By the ends of the steps, with which the lengths of the steps beside them change."""
         b, found = self._rule[1], np.zeros(samples.size)
-        found[-1] = b @ samples[-b.size :]
+        ends = np.arange(self.steps.count + 1) * (b.size - 1)
+        inside = ends[:-1, None] + np.arange(b.size)
+        means = np.where(self.steps.h > 0, samples[inside] @ b, 0.0)
+        found[ends[1:]] += means
+        found[ends[:-1]] -= means
         return found

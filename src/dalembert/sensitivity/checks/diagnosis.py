@@ -17,6 +17,7 @@ from dalembert.sensitivity.checks.contacts import through_contacts
 from dalembert.sensitivity.checks.kinks import ties
 from dalembert.sensitivity.checks.scales import parameter_scales
 from dalembert.sensitivity.checks.switches import over_switches
+from dalembert.sensitivity.marching.stable_steps import described, growth_of
 from dalembert.symbolic.once import once
 
 NEGLIGIBLE = 1e-10
@@ -156,6 +157,17 @@ def switches_of_forces(f: Findings) -> list[str]:
     return over_switches(f.motion, f.responses)
 
 
+def divided_steps(f: Findings) -> list[str]:
+    """Growth of step tangents at the limit of stability, which shorter steps avoid."""
+    growth = growth_of(f.motion) if isinstance(f.motion, Recording) else None
+    if growth is None or growth.harmless:
+        return []
+    return [
+        f"{described(growth)}: the gradient is that of the same run with these steps in up to "
+        f"{growth.parts.max()} parts; Radau() or Bdf() take fewer steps"
+    ]
+
+
 def rigid_contacts(f: Findings) -> list[str]:
     """Impacts beside which the motion is another one."""
     return through_contacts(f.motion)
@@ -163,6 +175,7 @@ def rigid_contacts(f: Findings) -> list[str]:
 
 NOTES: tuple[Callable[[Findings], list[str]], ...] = (
     one_sided,
+    divided_steps,
     without_influence,
     at_bounds,
     changes_of_variant,

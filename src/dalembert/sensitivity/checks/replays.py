@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate
 from dalembert.results.result import Result
+from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 
 
 @dataclass
@@ -25,6 +26,9 @@ class Replays:
     motion: Result
     responses: Sequence[Response]
     _known: dict[bytes, np.ndarray] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        self.motion = with_stable_steps(self.motion)
 
     @property
     def parameters(self) -> np.ndarray:
