@@ -62,6 +62,11 @@ class StepQuadrature:
         index += np.isin(index, switched)
         return Branches(np.append(0, index), np.append(0.0, length))
 
+    def beside(self, first: int, last: int) -> tuple[int, int]:
+        """Numbers of the points right before and right after transitions."""
+        width = self._rule[0].size - 1
+        return first * width, (last + 1) * width
+
     @property
     def times(self) -> np.ndarray:
         branches = self.branches

@@ -153,8 +153,8 @@ def one_sided(f: Findings) -> list[str]:
 
 
 def switches_of_forces(f: Findings) -> list[str]:
-    """What moving instants of switches add, and where that is not known."""
-    return over_switches(f.motion, f.responses)
+    """Switches that fixed steps went over, or that were only grazed."""
+    return over_switches(f.motion)
 
 
 def divided_steps(f: Findings) -> list[str]:

@@ -42,6 +42,10 @@ class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
         parameters is added to theirs.
         """
         injected = np.zeros((self.size, last - first + 1))
+        for instant in self.instants:
+            if first <= instant.number <= last:
+                injected[:, instant.number - first] += instant.x
+                self.p_bar += instant.p
         chosen = self.seen(first, last)
         if not chosen.size:
             return injected

@@ -15,6 +15,7 @@ from dalembert.analysis.kinematics.branches import Branches
 from dalembert.integrators.marching.march import CHUNK
 from dalembert.integrators.marching.steps import even_length, run_length
 from dalembert.integrators.step import Step
+from dalembert.sensitivity.marching.moving_instants import MovingInstant, moving_instants
 from dalembert.sensitivity.marching.moving_steps import MovingSteps, by_times, step_slopes
 from dalembert.sensitivity.marching.sightings import Sightings
 from dalembert.sensitivity.samples import Sample
@@ -84,6 +85,11 @@ class MarchedSample(Sightings):
         if slopes is None:
             return None
         return MovingSteps(self.kernel, self.steps, self.p, slopes)
+
+    @cached_property
+    def instants(self) -> list[MovingInstant]:
+        """Impacts and switches that move with the parameters."""
+        return moving_instants(self.sample)
 
     def held(self, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What outputs lack at fixed times: rates of states (n, …) and slopes (…, np) of times.
