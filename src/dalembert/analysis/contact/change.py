@@ -89,6 +89,7 @@ class ContactChange(Variant):
     @cached_property
     def instant(self) -> ca.Function:
         """``(t, x, p) → δ`` to first order, whose derivative is that of the instant."""
+        assert self.guard is not None
         t, x, p = self.rate.inputs
         values, rates = self._guards(t, x, p)
         value, rate = values[self.guard], rates[self.guard]

@@ -1,8 +1,8 @@
 """Responses of a run at other parameter values.
 
-Runs of fixed steps whose times are formulas of parameters, or that stop at impacts, are run anew, as
-a user does. All others are repeated: same steps, same branch, which is the same thing where steps
-are fixed, and free of the noise of step control where they are not.
+Runs of fixed steps whose times are formulas of parameters, or that stop at impacts, are run anew,
+as a user does. All others are repeated: same steps, same branch, which is the same thing where
+steps are fixed, and free of the noise of step control where they are not.
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ class Replays:
         again = motion.analysis.run(motion.model, motion.parameters)
         if not again.status.success:
             return False
-        pairs = [[evaluate(m, r) for r in self.responses] for m in (motion, again)]
-        return bool(np.allclose(*pairs, rtol=SAME, atol=0))
+        first, other = ([evaluate(m, r) for r in self.responses] for m in (motion, again))
+        return bool(np.allclose(other, first, rtol=SAME, atol=0))
 
     @property
     def parameters(self) -> np.ndarray:
@@ -104,8 +104,8 @@ class Replays:
         return values
 
     def _at(self, p: np.ndarray) -> Result:
-        analysis = self.motion.analysis
-        return analysis.run(self.motion.model, p) if self.reruns else analysis.replay(self.motion, p)
+        motion, analysis = self.motion, self.motion.analysis
+        return analysis.run(motion.model, p) if self.reruns else analysis.replay(motion, p)
 
     def _where(self, p: np.ndarray) -> str:
         listed = zip(self.motion.model.parameters, p, self.parameters, strict=False)

@@ -1,7 +1,7 @@
 """Instants of impacts and switches, which move with the parameters while ends of steps are held.
 
-At such an instant ``t*`` a measure may jump from ``m⁻`` to ``m⁺``, and outputs at the ends of all steps
-include it. So responses change, beside what they see at fixed times, by
+At such an instant ``t*`` a measure may jump from ``m⁻`` to ``m⁺``, and outputs at the ends of all
+steps include it. So responses change, beside what they see at fixed times, by
 
     dR = Σ (m⁻ − m⁺) dt*          of an integral,
     dR = Σ (w_k ṁ_k + ∂R/∂t_k) dt*  of samples at the instant,

@@ -1,10 +1,10 @@
 """Growth of step tangents that the motion does not explain.
 
-An explicit step multiplies a mode ``λ`` of ``∂ẋ/∂x`` by ``R(hλ)``. Under error control a stiff run stays at
-the limit ``|R| ≈ 1``: its states are accurate, because the controller counteracts every growth of
-an error, but products of ``|R(hλ)| > 1`` act on tangents unchecked. A vector that follows the
-dominant mode along the run gives ``ρ = |λ|`` and, by the angle between ``w`` and ``J² w``, the
-argument of ``λ``. The amplification is bounded by
+An explicit step multiplies a mode ``λ`` of ``∂ẋ/∂x`` by ``R(hλ)``. Under error control a stiff run
+stays at the limit ``|R| ≈ 1``: its states are accurate, because the controller counteracts every
+growth of an error, but products of ``|R(hλ)| > 1`` act on tangents unchecked. A vector ``w`` that
+follows the dominant mode along the run gives ``ρ = |λ|`` and, by the angle between ``w`` and
+``J² w``, the argument of ``λ``. The amplification is bounded by
 
     a(hρ) = max |R(z)|,   |z| ≤ hρ,  Re z ≤ 0.
 
@@ -28,7 +28,7 @@ from dalembert.integrators.marching.steps import Steps, run_length
 from dalembert.symbolic.once import once
 
 TOLERATED = 10.0
-"""Growth of a mode that cannot harm a gradient: under error control it starts near the tolerance."""
+"""Growth of a mode that cannot harm a gradient: it starts near the tolerance of the run."""
 LARGEST = 64.0
 """Largest ``hρ`` in the table of amplifications."""
 VANISHING = 1e-8
