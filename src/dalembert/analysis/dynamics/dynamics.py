@@ -14,8 +14,9 @@ from dalembert.analysis.dynamics.continued_run import ContinuedRun, refuse_ended
 from dalembert.analysis.dynamics.energy_balance import check_balance
 from dalembert.analysis.dynamics.extension import extended
 from dalembert.analysis.dynamics.instants import end_by_event, ended_again, instant_of
-from dalembert.analysis.dynamics.kernel import DynamicsKernel, DynamicsRecord
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.merits import merits_of
+from dalembert.analysis.dynamics.record import DynamicsRecord
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
 from dalembert.analysis.dynamics.variant import Variant
@@ -27,6 +28,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation, Merits
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
+from dalembert.integrators.automatic import AutomaticIntegrator
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.runge_kutta.explicit import RK4
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
@@ -37,6 +39,8 @@ from dalembert.results.status import Outcome
 from dalembert.symbolic.evaluation.backends import BACKENDS
 from dalembert.symbolic.once import once
 
+UNCHOSEN = AutomaticIntegrator()
+"""The integrator where none is chosen; with a step it gives way to RK4."""
 STRATEGIES = {
     "coordinates": (Coordinates, AbsoluteCoordinates),
     "formulation": (Formulation, RangeSpace),
@@ -63,7 +67,9 @@ class Dynamics(OverTime[Motion]):
     formulation : how accelerations and multipliers are found; ``AutomaticFormulation()`` takes
         the one that needs fewest operations of those that are accurate
     stabilization : how violations of the constraints are kept small
-    integrator : how time advances
+    integrator : how time advances; by default ``AutomaticIntegrator()``, which controls the error
+        and takes explicit or implicit steps as the problem is stiff or not, and ``RK4()`` where a
+        ``step`` is given
     events : name → Event, or a formula that is recorded when it crosses zero
     strict : refuse inconsistent initial speeds instead of projecting them
     backend : ``"auto"``, CasADi's virtual machine at first and machine code where the work repays
@@ -96,7 +102,7 @@ class Dynamics(OverTime[Motion]):
     coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
     formulation: Formulation = field(default_factory=RangeSpace)
     stabilization: Stabilization = field(default_factory=Projection)
-    integrator: Integrator = field(default_factory=RK4)
+    integrator: Integrator = UNCHOSEN
     events: Events | None = None
     strict: bool = False
     backend: str = "auto"
@@ -104,6 +110,8 @@ class Dynamics(OverTime[Motion]):
     memory: float = 2.0**27
 
     def __post_init__(self) -> None:
+        if self.integrator is UNCHOSEN and self.step is not None:
+            object.__setattr__(self, "integrator", RK4())
         for name, (kind, usual) in STRATEGIES.items():
             given = getattr(self, name)
             if not isinstance(given, kind):
@@ -134,7 +142,7 @@ class Dynamics(OverTime[Motion]):
             "stabilization": lambda: self.stabilization.check(self.formulation),
             "coordinates": lambda: self.coordinates.check(model, self.formulation.every_equation),
             "formulation": definite,
-            "integrator": lambda: self.integrator.check(definite().problem),
+            "integrator": lambda: definite().integrator.check(definite().problem),
             "": lambda: refuse_overlap(model, checked_span(self.duration, self.t_span)[0]),
         }
 

@@ -179,6 +179,9 @@ def statistics(
     modes, h = steps.mode[steps.lasting], steps.h[steps.lasting]
     if np.unique(modes).size > 1:
         made["changes of variant"] = int(np.sum(np.diff(modes) != 0))
+    if len(kernel.methods) > 1:
+        implicit = [v.integrator.implicit for v in kernel.variants]
+        made["implicit steps"] = int(np.sum(np.array(implicit, dtype=bool)[modes]))
     if crossings := kernel.crossings(steps):
         made["changes of contacts" if kernel.contacts else "switches"] = len(crossings)
     if h.size:
