@@ -15,6 +15,7 @@ from dalembert.results.recording import Recording
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.contacts import through_contacts
 from dalembert.sensitivity.checks.kinks import ties
+from dalembert.sensitivity.checks.roughness import over_rough_steps
 from dalembert.sensitivity.checks.scales import parameter_scales
 from dalembert.sensitivity.checks.switches import over_switches
 from dalembert.sensitivity.marching.stable_steps import described, growth_of
@@ -99,6 +100,11 @@ def changes_of_variant(f: Findings) -> list[str]:
     lasting = steps.lasting
     changes = lasting[np.flatnonzero(np.diff(steps.mode[lasting]))]
     changes = changes[~np.isin(changes + 1, np.flatnonzero(steps.h == 0))]  # those are contacts
+    variants = f.motion.record.kernel.variants  # type: ignore[attr-defined]
+    after = lasting[np.searchsorted(lasting, changes) + 1]
+    pairs = zip(steps.mode[changes], steps.mode[after], strict=True)
+    same = [variants[a].integrator == variants[b].integrator for a, b in pairs]
+    changes = changes[np.array(same, dtype=bool)]  # others are changes of the method
     if not changes.size:
         return []
     return [
@@ -168,6 +174,11 @@ def divided_steps(f: Findings) -> list[str]:
     ]
 
 
+def roughness(f: Findings) -> list[str]:
+    """Gradients over switches that depend on the lengths of the steps."""
+    return over_rough_steps(f.motion, f.responses, f.columns, f.values)
+
+
 def rigid_contacts(f: Findings) -> list[str]:
     """Impacts beside which the motion is another one."""
     return through_contacts(f.motion)
@@ -176,6 +187,7 @@ def rigid_contacts(f: Findings) -> list[str]:
 NOTES: tuple[Callable[[Findings], list[str]], ...] = (
     one_sided,
     divided_steps,
+    roughness,
     without_influence,
     at_bounds,
     changes_of_variant,

@@ -13,7 +13,7 @@ import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.kinematics.branches import Branches
-from dalembert.errors import SingularityError
+from dalembert.errors import AnalysisError, SingularityError
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
@@ -46,22 +46,51 @@ def with_stable_steps(motion: Result) -> Result:
     growth = growth_of(motion) if isinstance(motion, Recording) else None
     if growth is None or growth.harmless:
         return motion
-    parts, record = growth.parts, motion.record  # type: ignore[attr-defined]
+    parts = growth.parts
     if parts.max() > MOST:
         raise SingularityError(f"no gradient: {described(growth)}; {STIFF}")
-    kernel, p = record.kernel, motion.parameters
+    assert isinstance(motion, Recording)
+    try:
+        return in_parts(motion, parts)
+    except AnalysisError as error:
+        raise SingularityError(f"no gradient: {described(growth)}; {error}; {STIFF}") from error
+
+
+def in_halves(motion: Recording) -> Recording | None:
+    """The run in steps half as long; None where the steps of its method remember earlier ones.
+
+    Raises
+    ------
+    AnalysisError
+        A shorter step fails.
+    """
+    steps, variants = motion.record.steps, motion.record.kernel.variants
+    if any(variants[mode].step.begin is not None for mode in np.unique(steps.mode)):
+        return None
+    return in_parts(motion, np.where(steps.h > 0, 2, 1))
+
+
+def in_parts(motion: Recording, parts: np.ndarray) -> Recording:
+    """The run with each of its steps in so many equal parts.
+
+    Raises
+    ------
+    AnalysisError
+        A shorter step fails.
+    """
+    record, p = motion.record, motion.parameters
+    kernel = record.kernel
     steps = kernel.fixed.repeat(divided(record.steps, parts), record.steps.x[:, 0], p)
     if steps.interrupted:
         raise KeyboardInterrupt
     if steps.message:
-        raise SingularityError(
-            f"no gradient: {described(growth)}, and the run in shorter steps ends with "
-            f"{steps.message!r} at t = {steps.end:.6g} s; {STIFF}"
+        raise AnalysisError(
+            f"the run in shorter steps ends with {steps.message!r} at t = {steps.end:.6g} s"
         )
     branches = moved_branches(record.branches, record.steps, parts)
     trajectory = kernel.trajectory(motion.time, steps, branches, p)
     made = replace(record, steps=steps, branches=branches)
-    return replace(motion, trajectory=trajectory, record=made)  # type: ignore[type-var]
+    return replace(motion, trajectory=trajectory, record=made)
 
 
 def described(growth: StepGrowth) -> str:
