@@ -2,6 +2,8 @@
 
 Error control looks at states. The derivatives of its steps are less accurate where forces are stiff
 or change suddenly: an error that is small beside the state may vary quickly with the parameters.
+Fixed steps are cut at impacts. There the gradient follows the motion and not the cut step, which
+differs by the error of the step.
 """
 
 from __future__ import annotations
@@ -30,9 +32,9 @@ def over_rough_steps(
 ) -> list[str]:
     """What to say where steps half as long change the gradient of a run over switches."""
     kernel = getattr(getattr(motion, "record", None), "kernel", None)
-    if not isinstance(kernel, DynamicsKernel) or kernel.adaptive is None:
-        return []
-    if not kernel.crossings(motion.record.steps):  # type: ignore[attr-defined]
+    if not isinstance(kernel, DynamicsKernel) or not kernel.crossings(
+        motion.record.steps  # type: ignore[attr-defined]
+    ):
         return []
     stable = with_stable_steps(motion)
     assert isinstance(stable, Recording)
@@ -44,13 +46,14 @@ def over_rough_steps(
         finer = strategy.gradient(halves, responses, columns).reshape(values.shape)
     except AnalysisError:
         return []
+    cure = "shorter steps" if kernel.adaptive is None else "tighter tolerances"
     scales = parameter_scales(motion, columns)
     largest = np.abs(finer * scales).max(axis=1)
     change = np.abs((values - finer) * scales).max(axis=1)
     share = np.divide(change, largest, out=np.zeros_like(change), where=largest > 0)
     return [
         f"{response.label}: steps half as long change the gradient by up to {part:.1%} of its "
-        "largest influence; tighter tolerances make it more accurate"
+        f"largest influence; {cure} make it more accurate"
         for response, part in zip(responses, share, strict=True)
         if part > ROUGH
     ]
