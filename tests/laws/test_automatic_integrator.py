@@ -161,3 +161,18 @@ def test_a_run_goes_on_with_the_method_it_ended_with():
     rate = np.roots([1.0, 1e6, 1e6 + 100.0])[1]
     ratio = whole["mass.x"].values[-1] / np.interp(0.5, whole.time, whole["mass.x"].values)
     assert ratio == pytest.approx(np.exp(0.5 * rate), rel=1e-4)
+
+
+def test_batches_of_default_runs_are_the_single_runs():
+    """Side by side where the problem is not stiff; stiff designs run on their own."""
+    model = buffered(1e3, 10.0, push=100.0)
+    stiffness = [1e2, 1e3, 1e6]
+    damped = da.solve_dynamics(model, 1.0, parameters={"k": stiffness})
+    alone = [da.solve_dynamics(model, 1.0, parameters={"k": k}, outputs=201) for k in stiffness]
+    assert damped.succeeded.all()
+    for k, single in enumerate(alone):
+        error = np.abs(damped["mass.x"][k].values - single["mass.x"].values).max()
+        assert error < 1e-12 * np.abs(single["mass.x"].values).max()
+    stiff = buffered(1e6, 1e6, push=100.0)
+    batch = da.solve_dynamics(stiff, 1.0, parameters={"k": [1e6, 2e6]})
+    assert batch.succeeded.all() and batch.statistics["designs run on their own"] == 2

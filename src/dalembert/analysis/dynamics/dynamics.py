@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.batch.adaptive_steps import AdaptiveSteps
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.contact.start import refuse_overlap
 from dalembert.analysis.dynamics.continued_run import ContinuedRun, refuse_ended
@@ -16,6 +17,7 @@ from dalembert.analysis.dynamics.extension import extended
 from dalembert.analysis.dynamics.instants import end_by_event, ended_again, instant_of
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.merits import merits_of
+from dalembert.analysis.dynamics.peaks import peak_quadrature, peaks
 from dalembert.analysis.dynamics.record import DynamicsRecord
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
@@ -37,6 +39,7 @@ from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 from dalembert.symbolic.evaluation.backends import BACKENDS
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
 UNCHOSEN = AutomaticIntegrator()
@@ -50,6 +53,8 @@ STRATEGIES = {
 """What each choice of a run must be, and what it usually is."""
 OF_OUTPUTS = 4
 """Order of the quadrature through the ends of equal steps."""
+OF_BATCH = 201
+"""Outputs of each design of a batch under error control, where none are chosen."""
 INTERVALS = 1000
 """Where the integrator's own steps are not seen, integrals look at so many intervals at least."""
 
@@ -97,7 +102,6 @@ class Dynamics(OverTime[Motion]):
     spoken = "dynamics"
     integrates = True
     execution = DynamicsRun
-    batched = FixedSteps
 
     coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
     formulation: Formulation = field(default_factory=RangeSpace)
@@ -126,6 +130,17 @@ class Dynamics(OverTime[Motion]):
         """Compiled functions, made once per model and choice of strategies."""
         choices = (self.coordinates, self.formulation, self.stabilization, self.integrator)
         return _kernel(model, *choices, self.backend)
+
+    @property
+    def batched(self) -> type:  # type: ignore[override]
+        """What runs many designs side by side."""
+        return AdaptiveSteps if self.integrator.adaptive else FixedSteps
+
+    def for_designs(self) -> Dynamics:
+        """The same with outputs at common times: steps under error control differ by design."""
+        if self.outputs is None and self.integrator.adaptive:
+            return replace(self, outputs=OF_BATCH)
+        return self
 
     @property
     def gradient_error(self) -> float:
@@ -193,6 +208,20 @@ class Dynamics(OverTime[Motion]):
             return motion
         return self._sampled(motion, *outputs_of(steps, None, end_by_event(motion) is not None))
 
+    def peaks(self, motion: Motion, measure: str | Expression, sign: float) -> Motion:
+        """The motion at the instant of the largest value, under error control."""
+        return peaks(motion, measure, sign) if motion.record.kernel.adaptive else motion
+
+    def over_peaks(
+        self, motion: Motion, measure: str | Expression, sharpness: float, sign: float
+    ) -> Motion:
+        """The motion at points that resolve ``exp(± sharpness m)``, under error control."""
+        points = peak_quadrature(motion, measure, sharpness, sign, self.integrator.order)
+        if points is None:
+            return motion
+        made = self._sampled(motion, points.times, points.branches)
+        return replace(made, record=replace(made.record, quadrature=points))
+
     def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
         """The motion at the instant of an event.
 
@@ -209,7 +238,9 @@ class Dynamics(OverTime[Motion]):
         kernel, steps = motion.record.kernel, motion.record.steps
         trajectory = kernel.trajectory(times, steps, branches, motion.parameters)
         return replace(
-            motion, trajectory=trajectory, record=replace(motion.record, branches=branches)
+            motion,
+            trajectory=trajectory,
+            record=replace(motion.record, branches=branches, dense=False),
         )
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
@@ -245,7 +276,7 @@ class Dynamics(OverTime[Motion]):
             motion,
             parameters=p,
             trajectory=kernel.trajectory(times, steps, branches, p),
-            record=DynamicsRecord(kernel, steps, branches, origin=motion),
+            record=DynamicsRecord(kernel, steps, branches, origin=motion, dense=record.dense),
         )
 
 

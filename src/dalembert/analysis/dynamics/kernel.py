@@ -12,6 +12,7 @@ from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.contact.headings import first_headings
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.quantities import check_contacts
+from dalembert.analysis.dynamics.moving_sides import MovingSide
 from dalembert.analysis.dynamics.step_outputs import StepOutputs
 from dalembert.analysis.dynamics.transition import Transition, crossed, distances
 from dalembert.analysis.dynamics.variant import Variant
@@ -89,6 +90,7 @@ class DynamicsKernel(StepOutputs):
             check_contacts(self.equations, formulation)
             self.contacts = ContactModes(self.view, self.variants, self._mode)
         self._transitions: dict[tuple[int, int, bool], int] = {}
+        self._sides: dict[tuple[int, bool], int] = {}
         self.fixed = FixedMarch(
             lambda mode: self.variants[mode].step, stabilization.period, self.backend
         )
@@ -136,6 +138,11 @@ class DynamicsKernel(StepOutputs):
         self.variants.append(Variant(self.view, rows, chosen, self.stabilization, method, phases))
         return len(self.variants) - 1
 
+    @property
+    def latest(self) -> int:
+        """The mode of a run without steps: the newest that is no transition."""
+        return max(k for k, variant in enumerate(self.variants) if type(variant) is Variant)
+
     def by_other_method(self, mode: int) -> int:
         """The mode of the same equations with the other of two methods, if it suits them."""
         now = self.variants[mode]
@@ -172,6 +179,15 @@ class DynamicsKernel(StepOutputs):
             self.variants.append(Transition(self.variants[mode], number, moving))
             self._transitions[key] = len(self.variants) - 1
         return self._transitions[key]
+
+    def side(self, mode: int, after: bool) -> int:
+        """The mode of outputs just before or just after a change, at its own instant."""
+        if (mode, after) not in self._sides:
+            change = self.variants[mode]
+            assert isinstance(change, Transition | ContactChange)
+            self.variants.append(MovingSide(change, after))
+            self._sides[mode, after] = len(self.variants) - 1
+        return self._sides[mode, after]
 
     def crossings(self, steps: Steps) -> list[tuple[int, Transition | ContactChange]]:
         """Steps that are transitions at which forces change."""

@@ -18,7 +18,8 @@ class DynamicsRecord:
 
     ``origin`` is the run that this one repeats, if it does; ``quadrature`` holds the weights that
     make integrals of the outputs, where these are points inside steps. ``accuracy`` estimates the
-    error of the run, where its steps can be repeated in halves.
+    error of the run, where its steps can be repeated in halves. ``dense`` outputs show the motion
+    between the ends of its steps.
     """
 
     kernel: DynamicsKernel
@@ -27,3 +28,4 @@ class DynamicsRecord:
     origin: Recording | None = None
     quadrature: StepQuadrature | None = None
     accuracy: StepAccuracy | None = None
+    dense: bool = False

@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.analysis.choices import doubts
 from dalembert.analysis.contact.search import ContactSearch
 from dalembert.analysis.contact.unseen import refuse_collisions
+from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes
 from dalembert.analysis.dynamics.event_search import EventSearch
 from dalembert.analysis.dynamics.record import DynamicsRecord
 from dalembert.analysis.dynamics.status import Ending, statistics
@@ -17,6 +18,7 @@ from dalembert.analysis.dynamics.step_accuracy import StepAccuracy
 from dalembert.analysis.dynamics.stiffness import too_long_for
 from dalembert.analysis.dynamics.switch_search import SwitchSearch
 from dalembert.analysis.dynamics.truth import DynamicsTruth
+from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.events import as_events
 from dalembert.analysis.kinematics.branch_jumps import BranchJumps
 from dalembert.analysis.kinematics.branches import outputs_of
@@ -136,6 +138,7 @@ class DynamicsRun:
         found += told_halves(self.halved(motion.record.steps))
         if motion.status.success:
             found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
+        found += elastic_doubts(self.model, motion.trajectory, self.p)
         return found
 
     def of_accuracy(self, motion: Motion) -> list[str]:
@@ -161,12 +164,18 @@ class DynamicsRun:
         happened, ends = self.events.find(steps)
         if ends is not None:
             steps = self.events.cut(steps, *ends)
-        jumps = self.kernel.jumps(steps)
+        adaptive = self.kernel.adaptive is not None
+        jumps = contact_changes(self.kernel, steps) if adaptive else self.kernel.jumps(steps)
         wanted = self.requested
         if wanted is None and self.contacts is None and self.halved(steps):
             wanted = self.instants
         times, branches = outputs_of(steps, wanted, ends is not None, jumps)
-        trajectory = self.kernel.trajectory(times, steps, branches, self.p)
+        dense = wanted is None and adaptive
+        if dense:
+            outputs = DenseOutputs(self.kernel, steps, times, branches, self.p)
+            branches, trajectory = outputs.branches, outputs.trajectory
+        else:
+            trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         timing.lap("outputs")
         truth = DynamicsTruth(self.kernel, steps, trajectory, self.p, self.analysis.balance)
         motion = Motion(
@@ -177,7 +186,9 @@ class DynamicsRun:
             status=self.status(steps, truth, happened if ends is not None else []),
             statistics=statistics(self.kernel, steps, trajectory, self.p, timing),
             events=happened,
-            record=DynamicsRecord(self.kernel, steps, branches, accuracy=self.accuracy(steps)),
+            record=DynamicsRecord(
+                self.kernel, steps, branches, dense=dense, accuracy=self.accuracy(steps)
+            ),
         )
         if self.contacts:
             motion.statistics |= self.contacts.statistics(steps.end)

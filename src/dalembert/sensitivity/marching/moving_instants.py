@@ -97,6 +97,8 @@ def _weighing(sample: Sample) -> Callable[[int, int], float]:
         return lambda first, last: 0.0
     branches = motion.record.branches
     active = (sample.weights != 0) | (sample.time_weights != 0)
+    if branches.modes is not None:
+        active &= branches.modes < 0  # others are functions of the instant themselves
     begins = np.flatnonzero((branches.length == 0) & active)
 
     def moved(first: int, last: int) -> float:

@@ -121,4 +121,4 @@ def moved_branches(branches: Branches, steps: Steps, parts: np.ndarray) -> Branc
     number = np.floor(np.divide(branches.length, part, out=np.zeros(k.size), where=part > 0))
     number = np.where(ends, parts[k] - 1, np.minimum(number, parts[k] - 1)).astype(int)
     length = np.where(ends, part, np.maximum(branches.length - number * part, 0.0))
-    return Branches(first[k] + number, length)
+    return Branches(first[k] + number, length, branches.modes)
