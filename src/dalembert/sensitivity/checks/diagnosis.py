@@ -9,8 +9,10 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
+from dalembert.responses.integrals import Total
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.contacts import through_contacts
@@ -174,6 +176,20 @@ def divided_steps(f: Findings) -> list[str]:
     ]
 
 
+def sums_over_steps(f: Findings) -> list[str]:
+    """Sums over the ends of adaptive steps, which have no derivative."""
+    kernel = getattr(getattr(f.motion, "record", None), "kernel", None)
+    adaptive = isinstance(kernel, DynamicsKernel) and kernel.adaptive is not None
+    if not adaptive or getattr(f.motion.analysis, "outputs", None) is not None:
+        return []
+    return [
+        f"{response.label} sums over the ends of adaptive steps, whose number and times change with "
+        "the parameters; give outputs="
+        for response in f.responses
+        if isinstance(response, Total)
+    ]
+
+
 def roughness(f: Findings) -> list[str]:
     """Gradients over switches that depend on the lengths of the steps."""
     return over_rough_steps(f.motion, f.responses, f.columns, f.values)
@@ -187,6 +203,7 @@ def rigid_contacts(f: Findings) -> list[str]:
 NOTES: tuple[Callable[[Findings], list[str]], ...] = (
     one_sided,
     divided_steps,
+    sums_over_steps,
     roughness,
     without_influence,
     at_bounds,
