@@ -183,8 +183,8 @@ def sums_over_steps(f: Findings) -> list[str]:
     if not adaptive or getattr(f.motion.analysis, "outputs", None) is not None:
         return []
     return [
-        f"{response.label} sums over the ends of adaptive steps, whose number and times change with "
-        "the parameters; give outputs="
+        f"{response.label} sums over the ends of adaptive steps, whose number and times change "
+        "with the parameters; give outputs="
         for response in f.responses
         if isinstance(response, Total)
     ]
