@@ -96,13 +96,14 @@ def at_bounds(f: Findings) -> list[str]:
 
 def changes_of_variant(f: Findings) -> list[str]:
     """Switches between sets of independent speeds, which the gradient takes as given."""
-    steps = getattr(f.motion.record, "steps", None)
-    if steps is None:
+    kernel = getattr(getattr(f.motion, "record", None), "kernel", None)
+    if not isinstance(kernel, DynamicsKernel):
         return []
+    steps = f.motion.record.steps  # type: ignore[attr-defined]
     lasting = steps.lasting
     changes = lasting[np.flatnonzero(np.diff(steps.mode[lasting]))]
     changes = changes[~np.isin(changes + 1, np.flatnonzero(steps.h == 0))]  # those are contacts
-    variants = f.motion.record.kernel.variants  # type: ignore[attr-defined]
+    variants = kernel.variants
     after = lasting[np.searchsorted(lasting, changes) + 1]
     pairs = zip(steps.mode[changes], steps.mode[after], strict=True)
     same = [variants[a].integrator == variants[b].integrator for a, b in pairs]
