@@ -11,6 +11,7 @@ import scipy
 
 from dalembert.analysis.batch.states import States
 from dalembert.analysis.structural.linear_range import (
+    QUIET,
     RELATIVE,
     SHORT,
     LinearRange,
@@ -154,7 +155,7 @@ class ShapesInFrame:
         if self.body.stiffening:
             if near.turned[0] < MODERATE:
                 return 0.0, ""
-        elif (near.narrow or near.estimate < RELATIVE) and self._compression < 1.0:
+        elif self._in_range:
             return 0.0, ""
         error = near.measured(self.forces)
         turn, where = near.turned
@@ -195,14 +196,22 @@ class ShapesInFrame:
         return SPLIT
 
     @property
-    def _compression(self) -> float:
-        """How often the forces are those that buckle a shape, by its Rayleigh quotient."""
+    def _in_range(self) -> bool:
+        """Whether linear shapes suffice, by their error of second order and by buckling."""
+        stressed = self._stressed
+        if self.range.turned[0] < QUIET and np.abs(stressed).max(initial=0.0) < QUIET:
+            return True
+        return bool(self.range.estimate < RELATIVE and stressed.min(initial=0.0) > -1.0)
+
+    @property
+    def _stressed(self) -> np.ndarray:
+        """(m,) change of the stiffness of each shape by the stresses, −1 where it buckles."""
         share = SHORT / max(self.range.turned[0], 1e-300)
         u, stiffness = share * self.range.u, self.range.model.assembly.stiffness
         shapes = self.shapes.displacements[:, : self.shapes.count]
         changed = (stiffness(u, self.shapes.p) - stiffness(-u, self.shapes.p)) / (2 * share)
         geometric = np.einsum("ik,ik->k", shapes, changed @ shapes)
-        return float(np.max(-geometric / np.diag(self.shapes.stiffness), initial=0.0))
+        return geometric / np.diag(self.shapes.stiffness)
 
     def _solve(self, forces: np.ndarray) -> np.ndarray:
         found, free = np.zeros_like(forces), self.assembly.free

@@ -52,9 +52,10 @@ def solve_batch(
     with progress_reporter(progress, f"{len(designs)} designs of {model.name}") as report:
         if analysis.batched is not None and analysis.batched.serves(analysis, model):
             found: Batch = analysis.batched(analysis, model, designs, workers).execute(report)
-            if isinstance(found.samples, States):
-                found.warnings += elastic_doubts_of_many(found.samples)
-            found.warnings += warnings_of(found.results)
+            own = found.samples if isinstance(found.samples, States) else None
+            more = elastic_doubts_of_many(own) if own is not None else []
+            listed = [*found.warnings, *more, *warnings_of(found.results)]
+            found.warnings = list(dict.fromkeys(listed))
             return found
         runs = OneByOne(analysis, model, designs)
         runs.run(range(len(designs)), workers, report)

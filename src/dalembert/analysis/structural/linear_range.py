@@ -34,7 +34,7 @@ RELATIVE = 0.05
 SHORT = 1e-3
 """Rotation at which second differences of internal forces are taken [rad]."""
 QUIET = 0.02
-"""Rotation [rad], and share of the forces that is of second order, that need no closer look."""
+"""Rotation [rad], and change of a shape's stiffness by stress, that need no closer look."""
 MEASURED = NonlinearStatics(steps=4, tolerance=1e-6)
 
 
@@ -123,18 +123,6 @@ class LinearRange:
         forces = self.model.assembly.internal_forces
         ahead, behind = forces(share * self.u, self.p), forces(-share * self.u, self.p)
         return (ahead + behind - 2 * forces(0 * self.u, self.p)) / (2 * share**2)
-
-    @cached_property
-    def coupling(self) -> float:
-        """Work of the forces of second order on the displacements, by that of the linear ones."""
-        share = SHORT / max(self.turned[0], 1e-300)
-        linear = self.model.assembly.internal_forces(share * self.u, self.p) @ self.u / share
-        return float(2 * abs(self.second_order @ self.u) / linear) if linear > 0 else 0.0
-
-    @property
-    def narrow(self) -> bool:
-        """Whether rotations and axial forces are too small to need a closer look."""
-        return self.turned[0] < QUIET and self.coupling < QUIET
 
     @cached_property
     def estimate(self) -> float:
