@@ -7,7 +7,6 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-import scipy
 
 from dalembert.analysis.batch.states import States
 from dalembert.analysis.structural.linear_range import (

@@ -37,7 +37,8 @@ def fields_of(element: Any) -> list[str]:
     found = []
     for field in dataclasses.fields(element):
         value = getattr(element, field.name, None)
-        if field.name == "name" or not field.init or value is None or _is_default(value, field.default):
+        hidden = field.name == "name" or not field.init or value is None
+        if hidden or _is_default(value, field.default):
             continue
         text = short(value, f"{element.name}.")
         if text:

@@ -21,6 +21,7 @@ class PointMass(BodyElement):
     """A body that does not rotate, whose only point is itself."""
 
     rotates = False
+
     def frame(self, *place: Any, **axes: Any) -> Any:
         """Refused: what does not turn has no axes.
 

@@ -180,7 +180,7 @@ class LoadPath:
         return self.equations.forces(self.u, self.reached)
 
     def unstable(self, record: StaticsRecord) -> str:
-        """Warning about an equilibrium whose tangent stiffness is not positive definite, or none."""
+        """Warning about an equilibrium whose stiffness is not positive definite; empty if it is."""
         negative = record.factor.negative if record.factor is not None else 0
         if not negative:
             return ""

@@ -12,7 +12,6 @@ from dalembert.elements.fem.energies import Energies, Named
 from dalembert.elements.fem.inertia_graphs import InertiaGraphs
 from dalembert.elements.fem.nodal import ROTATIONS
 
-
 STRESSLESS = 1e-9
 """Energy of first order in random displacements, by that of second order, that is rounding."""
 
