@@ -8,7 +8,6 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.batch.states import States
 from dalembert.analysis.structural.linear_range import (
     QUIET,
     RELATIVE,
@@ -48,45 +47,14 @@ def elastic_doubts(model: Model, s: Trajectory, p: np.ndarray) -> list[str]:
     times, y = s.t[finite], s.y[:, finite]
     found = []
     bodies = [b for b in model.bodies if isinstance(b, Flexible) and b.shapes.count]
-    for body, function in zip(bodies, _coordinates(model), strict=True):
+    for body, function in zip(bodies, coordinates_of(model), strict=True):
         q = function.map(times.size)(y).full()
         found += FlexibleRange(model, body, p).doubts(times, q)
     return found + _strained(model, times, y, p)
 
 
-def elastic_doubts_of_many(states: States) -> list[str]:
-    """The same of the designs of a batch with the largest displacements and strains.
-
-    Parameters
-    ----------
-    states : of all designs at the outputs; NaN where there is none
-    """
-    model, known = states.model, np.flatnonzero(np.isfinite(states.x[:, :1, 0]).all(axis=1))
-    if not (known.size and states.time.size and (_coordinates(model) or _strains(model))):
-        return []
-    sizes, y = states.evaluate(_sizes(model, states.bodies), known, np.arange(states.time.size))
-    largest = np.nanmax(sizes, axis=1, initial=0.0)  # (designs, bodies and beams)
-    found = []
-    for k in sorted({int(k) for k in np.argmax(largest, axis=0)}):
-        none = np.zeros((0, states.time.size))
-        of_one = Trajectory(states.time, y[k].T, none, none, none, none)
-        told = elastic_doubts(model, of_one, states.p[known[k]])
-        found += [f"design {known[k]}: {text}" for text in told]
-    return found
-
-
 @once
-def _sizes(model: Model, bodies: ca.Function) -> ca.Function:
-    """``(t, x, p) → sizes, y``: of the coordinates of flexible bodies and the strains of beams."""
-    t, x, p = bodies.sx_in()
-    y = bodies.call([t, x, p])[0]
-    bent = [ca.norm_inf(function(y)) for function in _coordinates(model)]
-    strained = [ca.mmax(function(t, y, p)) for _, function in _strains(model)]
-    return ca.Function("sizes", [t, x, p], [ca.vertcat(*bent, *strained), y], {"cse": True})
-
-
-@once
-def _coordinates(model: Model) -> tuple[ca.Function, ...]:
+def coordinates_of(model: Model) -> tuple[ca.Function, ...]:
     """``y → q`` of each flexible body."""
     y = model.all_equations.y
     bodies = [b for b in model.bodies if isinstance(b, Flexible) and b.shapes.count]
@@ -246,7 +214,7 @@ def _held(shapes: FloatingShapes, body: Flexible) -> Assembly:
 def _strained(model: Model, times: np.ndarray, y: np.ndarray, p: np.ndarray) -> list[str]:
     """Beams whose strains are beyond those of a linear elastic law."""
     found = []
-    for beam, function in _strains(model):
+    for beam, function in strains_of(model):
         parameters = np.tile(p[:, None], times.size)
         values = function.map(times.size)(times, y, parameters).full().max(axis=0)
         k = int(np.argmax(values))
@@ -261,7 +229,7 @@ def _strained(model: Model, times: np.ndarray, y: np.ndarray, p: np.ndarray) -> 
 
 
 @once
-def _strains(model: Model) -> list[tuple[Beam, ca.Function]]:
+def strains_of(model: Model) -> list[tuple[Beam, ca.Function]]:
     """``(t, y, p) → (points,)`` sizes of strains at the outer fibre of each beam."""
     e, found = model.all_equations, []
     for beam in (part for part in model.parts.elements.values() if isinstance(part, Beam)):

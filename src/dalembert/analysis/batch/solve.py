@@ -6,10 +6,10 @@ import time as clock
 from collections.abc import Mapping
 from typing import Any
 
+from dalembert.analysis.batch.elastic_states import elastic_doubts_of_many
 from dalembert.analysis.batch.one_by_one import OneByOne
 from dalembert.analysis.batch.states import States
 from dalembert.analysis.batch.workers import checked_workers
-from dalembert.analysis.elastic_range import elastic_doubts_of_many
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs, are_designs
