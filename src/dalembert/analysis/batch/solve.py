@@ -46,6 +46,7 @@ def solve_batch(
     DalembertError
         No design could begin, and all for one reason, which then is none of theirs.
     """
+    analysis = analysis.for_designs()
     if times := analysis.checks(model).get("duration"):
         times()
     begin = clock.perf_counter()
