@@ -269,7 +269,9 @@ class Analysis(ABC, Generic[M, R]):
         instants; else the result."""
         return result
 
-    def over_peaks(self, result: R, measure: str | Expression, sharpness: float, sign: float) -> R:
+    def over_peaks(
+        self, result: R, measure: str | Expression, sharpness: float, sign: float
+    ) -> R:
         """The result where integrals of ``exp(± sharpness m)`` look at it, where that is known."""
         return result
 

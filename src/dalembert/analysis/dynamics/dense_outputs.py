@@ -76,9 +76,7 @@ class DenseOutputs:
     def _add_ends(self) -> None:
         """Outputs just before switches, where forces jump and formulas cannot tell the sides."""
         steps = self.steps
-        found = [
-            k - 1 for k, change in self.kernel.crossings(steps) if isinstance(change, Transition)
-        ]
+        found = [k - 1 for k, change in self.kernel.crossings(steps) if isinstance(change, Transition)]
         index = np.array([k for k in found if k >= 0 and steps.h[k] > 0], dtype=int)
         times = steps.t[index] + (1 - INSIDE) * steps.h[index]
         inside = (times > self.span[0]) & (times < self.span[1])

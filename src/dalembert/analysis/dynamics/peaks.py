@@ -138,9 +138,7 @@ class PeakSearch:
         # of samples at one instant that one which moves with it
         new = np.diff(self.time[best], prepend=-np.inf) > TOGETHER * np.ptp(self.motion.time)
         groups = np.split(best, np.flatnonzero(new)[1:])
-        return self._at(
-            np.array([max(g, key=lambda k: (self.modes[k], self.m[k])) for g in groups])
-        )
+        return self._at(np.array([max(g, key=lambda k: (self.modes[k], self.m[k])) for g in groups]))
 
     # samples ---------------------------------------------------------------------------
     def _at(self, some: np.ndarray) -> Motion:
