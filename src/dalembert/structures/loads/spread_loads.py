@@ -93,7 +93,6 @@ def heating(part: Part, changes: dict[str, Any]) -> dict[str, Any]:
             f"feels no {', '.join(wrong) or 'change'}; it feels {', '.join(felt) or 'none'}",
             part.name,
         )
-    _refuse_no_expansion(part)
     found: dict[str, Any] = {}
     for name, value in changes.items():
         entity, unit = f"heat {part.name}.{name}", fields[name]["unit"]
@@ -102,6 +101,7 @@ def heating(part: Part, changes: dict[str, Any]) -> dict[str, Any]:
             found[name] = np.fromiter(each, dtype=object, count=len(each))
         else:
             found[name] = as_expression(value, entity, unit)
+    _refuse_no_expansion(part)
     return found
 
 
