@@ -14,6 +14,9 @@ from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import spelled
 
+ALIKE = 1e-12
+"""Relative difference of values that count as one."""
+
 
 @dataclass(frozen=True)
 class Final(Response):
@@ -22,7 +25,7 @@ class Final(Response):
     Raises
     ------
     AnalysisError
-        A result has several load cases or modes, of which none is the last one.
+        A result has several load cases or modes with different values: none is the last one.
 
     Examples
     --------
@@ -38,6 +41,9 @@ class Final(Response):
 
     def over(self, motion: Result) -> Response:
         if motion.in_sequence or motion.time.size <= 1:
+            return self
+        values = motion.values(self.measure)
+        if np.ptp(values) <= ALIKE * np.abs(values).max(initial=0.0):  # as a mass is
             return self
         known = getattr(motion, "cases", None)
         kind = "modes" if isinstance(motion, Numbered) else "load cases"

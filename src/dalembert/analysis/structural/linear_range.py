@@ -26,6 +26,7 @@ from dalembert.errors import AnalysisError, SingularityError
 from dalembert.sparse.solver import Factors
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.factors import factors_of
+from dalembert.structures.loads.configuration_load import ConfigurationLoad
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.reduction.rigid import node_places, rigid_motions
 
@@ -54,7 +55,8 @@ class HeldStructure(StaticEquations):
         self.model, self.p, self.case = model, p, ""
         self.assembly = Assembly(whole.blocks, whole.size, held, whole.pattern)
         self.free, self.held = self.assembly.free, self.assembly.prescribed
-        self.applied, self.moving = forces, None
+        self.applied = forces
+        self.moving = ConfigurationLoad([], [], whole.size, held, model.linear)
         self.given, self.balance = np.zeros(self.held.size), Balance(model, p)
 
     def factor(self, stiffness) -> Factors | None:
@@ -147,7 +149,7 @@ class LinearRange:
             factor = path.record().factor
         except (SingularityError, AnalysisError):
             return np.inf
-        stable = factor is None or factor.negative == 0
+        stable = not isinstance(factor, Factors) or factor.negative == 0
         return self._error(path.u) if stable and not path.lost else np.inf
 
     def _moved(self, u: np.ndarray) -> np.ndarray:
