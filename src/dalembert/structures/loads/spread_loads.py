@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -101,11 +102,10 @@ def heating(part: Part, changes: dict[str, Any]) -> dict[str, Any]:
             found[name] = np.fromiter(each, dtype=object, count=len(each))
         else:
             found[name] = as_expression(value, entity, unit)
-    _refuse_no_expansion(part)
     return found
 
 
-def _refuse_no_expansion(part: Part) -> None:
+def check_expansion(parts: Sequence[Part]) -> None:
     """A change of temperature that cannot strain anything is an input that lacks a number.
 
     Raises
@@ -113,11 +113,11 @@ def _refuse_no_expansion(part: Part) -> None:
     ModelError
         No element has a coefficient of thermal expansion.
     """
-    if _is_zero(part, "expansion"):
+    if parts and all(_is_zero(part, "expansion") for part in parts):
         raise ModelError(
             "has no thermal expansion, so that a change of temperature does nothing; give "
             "expansion= [1/K], e.g. 1.2e-5 for steel",
-            part.name,
+            ", ".join(part.name for part in parts[:5]),
         )
 
 
@@ -131,7 +131,7 @@ def check_temperature(part: Part) -> None:
     """
     own = [name for name in CHANGES if name in _fields(part)]
     if not all(_is_zero(part, name) for name in own):
-        _refuse_no_expansion(part)
+        check_expansion([part])
 
 
 def _is_zero(part: Part, quantity: str) -> bool:
