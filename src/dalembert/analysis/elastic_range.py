@@ -153,7 +153,7 @@ class ShapesInFrame:
             along[:, l] += self.shapes.displacements[:, column] * self.q[k]
         strained = self._stiffness @ linear
         work = along.T @ strained
-        return strained @ np.linalg.solve(work, self.shapes.stiffness @ self.q)
+        return strained @ np.linalg.lstsq(work, self.shapes.stiffness @ self.q, rcond=None)[0]
 
     @property
     def _cure(self) -> str:
@@ -178,7 +178,8 @@ class ShapesInFrame:
         shapes = self.shapes.displacements[:, : self.shapes.count]
         changed = (stiffness(u, self.shapes.p) - stiffness(-u, self.shapes.p)) / (2 * share)
         geometric = np.einsum("ik,ik->k", shapes, changed @ shapes)
-        return geometric / np.diag(self.shapes.stiffness)
+        own = np.diag(self.shapes.stiffness)
+        return np.divide(geometric, own, out=np.zeros_like(own), where=own > 0)
 
     def _solve(self, forces: np.ndarray) -> np.ndarray:
         found, free = np.zeros_like(forces), self.assembly.free
