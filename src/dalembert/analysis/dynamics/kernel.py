@@ -105,7 +105,7 @@ class DynamicsKernel(StepOutputs):
         self.contacts: ContactModes | None = None
         if self.equations.contacts:
             check_contacts(self.equations, formulation)
-            self.contacts = ContactModes(self.view, self.variants, self._mode)
+            self.contacts = ContactModes(self.view, self.variants, self.choose)
         self._transitions: dict[tuple[int, int, bool], int] = {}
         self.fixed = FixedMarch(
             lambda mode: self.variants[mode].step, stabilization.period, self.backend
@@ -140,14 +140,20 @@ class DynamicsKernel(StepOutputs):
         rows = self._rows(t, y, p) if rows is None else rows
         if phases is None:
             phases = (Phase.APART,) * len(self.equations.contacts)
-        chosen = self.formulation.choose(touching(self.view.with_rows(rows), phases), t, y, p)
-        return self._mode(rows, chosen, phases)
+        e = self.view.with_rows(rows)
+        bare = chosen = self.formulation.choose(e, t, y, p)
+        if any(phase is not Phase.APART for phase in phases):
+            chosen = self.formulation.choose(touching(e, phases), t, y, p)
+        return self._mode(rows, chosen, phases, bare)
 
-    def _mode(self, rows: tuple[int, ...], chosen: Formulation, phases: Phases) -> int:
+    def _mode(
+        self, rows: tuple[int, ...], chosen: Formulation, phases: Phases, bare: Formulation
+    ) -> int:
         for mode, variant in enumerate(self.variants):
             if (variant.rows, variant.formulation, variant.phases) == (rows, chosen, phases):
                 return mode
-        made = Variant(self.view, rows, chosen, self.stabilization, self.integrator, phases)
+        strategies = chosen, self.stabilization, self.integrator
+        made = Variant(self.view, rows, *strategies, phases, bare)
         self.variants.append(made)
         return len(self.variants) - 1
 
