@@ -345,7 +345,7 @@ def test_a_broken_file_is_made_again(backend, cache, compilations, damage):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs the files of Unix")
-@pytest.mark.parametrize("kind", ["pipe", "pipe instead of the checksum", "folder", "link to itself"])
+@pytest.mark.parametrize("kind", ["pipe", "pipe for the checksum", "folder", "link to itself"])
 def test_what_stands_in_place_of_machine_code_is_replaced(kind, cache):
     text = source.c_source(ca.Function("f", [X], [X + 3]))
     code_cache.build(text, Llvm())

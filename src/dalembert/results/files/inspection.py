@@ -1,7 +1,7 @@
 """Inspection of result files before they are read: whole, their own data only, and not too much.
 
-A result file ends with a seal: a mark and the SHA-256 digest of all bytes before it. HDF5 ignores what
-follows its data, so other programs read the file as before; what they write has no seal.
+A result file ends with a seal: a mark and the SHA-256 digest of all bytes before it. HDF5 ignores
+what follows its data, so other programs read the file as before; what they write has no seal.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def _items(path: str | Path, file: Any) -> Iterator[tuple[str, Any]]:
             yield whole, item
             if isinstance(item, h5py.Group):
                 if (address := _address(item)) in seen:
-                    raise FileError(f"{path}: the group {whole[:80]!r} contains itself or is a copy")
+                    raise FileError(f"{path}: the group {whole[:80]!r} is reached twice")
                 seen.add(address)
                 groups.append((f"{whole}/", item))
 

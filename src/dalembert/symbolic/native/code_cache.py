@@ -3,9 +3,9 @@
 A file is named by the hash of the C text it was made of and of all else that it depends on, so that
 a file found is the right one and a changed model makes a new one. Values of parameters are
 arguments of the function and no part of the text. The folder is ``$DALEMBERT_CACHE``, else
-``$XDG_CACHE_HOME/dalembert``, else ``~/.cache/dalembert``, else, without a home folder, one of the user
-among temporary files; ``clear_cache`` empties it. Machine code is loaded only from a folder in which
-nobody else may write.
+``$XDG_CACHE_HOME/dalembert``, else ``~/.cache/dalembert``, else, without a home folder, one of the
+user among temporary files; ``clear_cache`` empties it. Machine code is loaded only from a folder in
+which nobody else may write.
 """
 
 from __future__ import annotations
