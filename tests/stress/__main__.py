@@ -27,7 +27,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--first", type=int, default=100_000, help="first seed")
     made.add_argument("--only", nargs="*", default=[], metavar="FAMILY:SEED", help="these cases")
     made.add_argument("--workers", type=int, default=1, help="processes; 0: in this process")
-    made.add_argument("--limit", type=float, default=120.0, help="seconds for a case")
+    made.add_argument("--limit", type=float, default=300.0, help="seconds for a case")
     made.add_argument("--journal", type=Path, help="JSON lines; an existing one is resumed")
     return made
 

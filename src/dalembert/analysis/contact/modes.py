@@ -14,10 +14,11 @@ from dalembert.analysis.contact.pattern import Pattern
 from dalembert.analysis.contact.quantities import ContactDynamics
 from dalembert.analysis.contact.ruling import Ruling
 from dalembert.analysis.dynamics.variant import Variant
+from dalembert.integrators.base import Integrator
 from dalembert.model.contacts import Phase, Phases
 from dalembert.model.coordinates import CoordinateView
 
-Choose = Callable[[float, np.ndarray, np.ndarray, tuple[int, ...], Phases], int]
+Choose = Callable[[float, np.ndarray, np.ndarray, tuple[int, ...], Phases, Integrator], int]
 
 
 class ContactModes:
@@ -27,7 +28,7 @@ class ContactModes:
     ----------
     view : the model in the coordinates that are integrated
     variants : of the kernel, by mode; changes are added to it
-    choose : ``(t, x, p, rows, phases)`` → mode
+    choose : ``(t, x, p, rows, phases, integrator)`` → mode
     """
 
     def __init__(self, view: CoordinateView, variants: list[Variant], choose: Choose):
@@ -45,11 +46,12 @@ class ContactModes:
         now = self.variants[mode]
         if phases == now.phases:
             return mode
-        for known, variant in enumerate(self.variants):
-            alike = (variant.rows, variant.phases) == (now.rows, phases)
-            if alike and type(variant) is Variant and variant.is_conditioned(t, x, p):
+        wanted = (now.rows, phases, now.integrator)
+        for known, v in enumerate(self.variants):
+            alike = type(v) is Variant and (v.rows, v.phases, v.integrator) == wanted
+            if alike and v.is_conditioned(t, x, p):
                 return known
-        return self.choose(t, x, p, now.rows, phases)
+        return self.choose(t, x, p, now.rows, phases, now.integrator)
 
     def dynamics(self, mode: int) -> tuple[ContactDynamics, ca.Function]:
         """How gaps move with the constraints of a mode, and the same as a function."""
