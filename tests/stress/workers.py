@@ -15,6 +15,8 @@ from stress.verdict import Judge, Verdict
 
 MEMORY = 8_000_000_000
 """Address space of a worker [bytes]."""
+STARTING = 30.0
+"""Seconds more for the first case of a worker, which imports everything."""
 RENEWED = 200
 """Cases after which a worker is replaced, because models stay in memory for a while."""
 
@@ -106,7 +108,7 @@ def verdicts(
                 worker = idle.pop() if idle else Worker.start(judges, memory)
                 if worker not in workers:
                     workers.append(worker)
-                worker.give(task, limit + (30.0 if worker.cases == 0 else 0.0))
+                worker.give(task, limit + (STARTING if worker.cases == 0 else 0.0))
             busy = [w for w in workers if w.task is not None]
             if not busy:
                 return
