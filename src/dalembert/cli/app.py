@@ -5,6 +5,7 @@ Exit codes: 0 done, 1 the analysis failed, 2 wrong input, 130 interrupted.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from io import TextIOWrapper
@@ -88,6 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             help_on_error=False,
             result_action="return_value",
         )
+        sys.stdout.flush()  # what a pipe refuses is noticed here
         return code if isinstance(code, int) else DONE
     except WrongInput as error:
         return fail(error.cause, WRONG_INPUT, as_json)
@@ -101,7 +103,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return fail(DalembertError("interrupted"), INTERRUPTED, as_json)
     except BrokenPipeError:  # the reader of our output, such as ``head``, has gone
-        sys.stderr.close()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the last flush
         return DONE
 
 

@@ -15,6 +15,7 @@ How to write a new one:
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -103,7 +104,11 @@ class Element(Spelled):
         self.check_name()
         for field, meta in self.quantities():
             value = getattr(self, field)
-            if value is not None:
+            if value is None:
+                if self._defaults().get(field) is not None:
+                    told = "is None; give a number, or leave it out"
+                    raise ModelError(told, f"{self.name}.{field}")
+            else:
                 value = as_expression(value, f"{self.name}.{field}", meta["unit"], meta["size"])
                 setattr(self, field, value)
 
@@ -122,6 +127,13 @@ class Element(Spelled):
                 "a name is made of letters, digits and '_', and starts with a letter; "
                 f"got {self.name!r}"
             )
+
+    @classmethod
+    @functools.cache
+    def _defaults(cls) -> dict[str, Any]:
+        """Numbers that stand where none is given; None where that is missing or optional."""
+        fields, missing = cls.quantity_fields(), dataclasses.MISSING
+        return {f.name: f.default for f in fields if f.default is not missing}
 
     @classmethod
     def quantity_fields(cls) -> list[dataclasses.Field]:

@@ -55,7 +55,7 @@ class ContactChange(Variant):
         together: tuple[int, ...] = (),
     ):
         strategies = before.formulation, before.stabilization, before.integrator
-        super().__init__(before.view, before.rows, *strategies, before.phases)
+        super().__init__(before.view, before.rows, *strategies, before.phases, before.bare)
         self.before, self.after, self.guard = before, after, guard
         self.sudden, self.struck = sudden, struck
         self.closes, self.together = closes, together

@@ -58,7 +58,7 @@ class Programme:
         settings: dict[str, Any] = {
             "iteration_callback": watch,
             "ipopt.max_iter": method.max_iterations,
-            "ipopt.tol": method.tolerance,
+            "ipopt.tol": max(method.tolerance, 1e-14),
             "ipopt.print_level": 0,
             "ipopt.sb": "yes",
             "ipopt.mu_strategy": "adaptive",

@@ -176,7 +176,7 @@ class Body(MovingFrame):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given = dict(self.points or {})
+        given = self.named("points")
         self.initial = (self.position, self.angle, self.velocity, self.angular_velocity)
         if self.rotates and self.mass is not None and self.inertia is None:
             raise ModelError(

@@ -95,7 +95,7 @@ class Body(SpatialFrame):
                 "centre, or use a Particle",
                 self.name,
             )
-        points, frames = dict(self.points or {}), dict(self.frames or {})
+        points, frames = self.named("points"), self.named("frames")
         self.initial = (self.position, self.rotation, self.velocity, self.angular_velocity)
         self.mass = self.mass if self.mass is not None else Expression(0)
         self.inertia = self.inertia if self.inertia is not None else Expression(ca.SX.zeros(6))
