@@ -118,6 +118,8 @@ def optimize_trajectory(
     task = _Task(physics, minimize, span, begin, end or {}, cyclic, subject_to, teller(progress))
     first = guessed(physics, guess, end or {}, span, method.intervals)
     plan = task.plan(method, first, 0.0)
+    if not verify:
+        plan.warnings.append("no run under the controls has verified the plan (verify=False)")
     if not verify or not plan.success:
         return plan
     return _refined(task, method, verified(plan, physics, method, begin is None), accuracy)
