@@ -80,6 +80,10 @@ class Unit:
         own = {base: n for base, n in self.dimension.items() if n}
         return any(own in ({**w}, _without_angle(w)) for w in wanted)
 
+    def without_angle(self) -> Unit:
+        """The coherent unit with angles taken as plain numbers."""
+        return made_unit(_without_angle(self.dimension))
+
 
 @functools.lru_cache(maxsize=1000)
 def unit(text: str) -> Unit:
