@@ -411,7 +411,7 @@ law = "LAW"
 
 @pytest.mark.parametrize(
     "law",
-    ["0.4 rad + 45 rpm*t", "2*3", "where(t < 0.5, 10 deg, t)", "sin(t)", "t", "0.1 m + 45 m/s*t"]
+    ["0.4 rad + 45 rpm*t", "2*3", "where(t < 0.5, 10 deg, 10 deg)", "sin(t)", "t", "0.1 m + 45 m/s*t"]
     + ["3 deg + 1 kg*t", "l1 + t", "sin(t", "2 deg*b.angle"],
 )
 def test_a_text_means_the_same_in_files_and_in_python(law: str, tmp_path) -> None:
