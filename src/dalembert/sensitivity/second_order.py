@@ -82,7 +82,7 @@ def hessian_product(
             "formulas of parameters; give numbers"
         )
     engine = engine_of(result, [response])
-    if engine.samples[0].moves_with:
+    if any(sample.moves_with for sample in engine.samples):
         raise UnsupportedError(
             f"{response.label} looks at the instant of an event; second derivatives are available "
             "at fixed times only"
