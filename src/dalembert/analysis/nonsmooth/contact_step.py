@@ -108,11 +108,11 @@ class ContactStep:
         ahead = AHEAD * h
         for _ in range(WIDENINGS):
             contacts = self.near(t, y, ahead * np.column_stack([v, free]))
-            approach = Approach(contacts, contacts.speeds(v), contacts.speeds(free), h)
+            approach = Approach(contacts, contacts.speeds(v), contacts.speeds(free), h, before is None)
             acting = self.scheme.acting(approach)
             if not acting.all():
                 contacts = contacts.some(acting)
-                approach = Approach(contacts, approach.before[acting], approach.free[acting], h)
+                approach = Approach(contacts, approach.before[acting], approach.free[acting], h, before is None)
             mobility, joints = self._mobility(contacts, solve)
             found = self._impulses(approach, mobility, before)
             push = found.impulses.ravel()
