@@ -186,7 +186,7 @@ def _without_angle(dimension: Mapping[str, float]) -> dict[str, float]:
 
 def shown_in(si: str, wanted: Sequence[str]) -> tuple[float, str]:
     """Factor and name of the first wanted unit of the same dimension; 1 and its own if none is."""
-    if not wanted or " or " in si:  # of a variable that holds forces and moments, say
+    if not wanted or not si or " or " in si:  # of a variable that holds forces and moments, say
         return 1.0, si
     own = unit(si)
     for text in wanted:
