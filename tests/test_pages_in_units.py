@@ -1,4 +1,4 @@
-"""Units of pages: of the drawing, of parameters and of optima; traces by body; round-off; ellipsoids."""
+"""Units of pages: drawing, parameters, optima; traces by body; round-off; ellipsoids."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dalembert import planar, spatial, structures
 
 
 def test_units_reach_the_drawing_and_a_body_is_traced(browser, tmp_path) -> None:
-    """Scale, forces and parameters in the units given; round-off is zero; a body stands for its origin."""
+    """Drawing and parameters in the units given; round-off is zero; a body is its origin."""
     system = da.System("pendulum", gravity=(0.0, -9.81))
     length = system.parameter("length", 0.5, "m", bounds=(0.1, 1.0))
     bar = system.add(planar.Bar("bar", length=length, mass=2.0, angle=-np.pi / 2))

@@ -118,5 +118,5 @@ def test_reserved_names_state_their_meaning() -> None:
         ):
             with pytest.raises(da.ModelError, match=f"'{name}' is reserved.*{meaning}"):
                 declare(name)
-    with pytest.raises(da.ModelError, match="'ground' is reserved.*the body at rest"):
+    with pytest.raises(da.ModelError, match=r"'ground' is reserved.*the body at rest"):
         system.add(planar.Bar("ground", length=1.0))

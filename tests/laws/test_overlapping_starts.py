@@ -96,9 +96,7 @@ def test_nonsmooth_contact_takes_a_rounded_start(kind: str) -> None:
 def test_an_impact_at_the_start_bounces_by_its_restitution(restitution: float, gap: float) -> None:
     """Before the first step there is none that could slow down what touches already."""
     system = da.System("start", gravity=(0.0, -9.81))
-    body = system.add(
-        planar.Particle("b", mass=1.0, position=(0.5, R + gap), velocity=(0.0, -1.0))
-    )
+    body = system.add(planar.Particle("b", mass=1.0, position=(0.5, R + gap), velocity=(0.0, -1.0)))
     walls = [(system.ground.center, (0.0, 1.0))]
     system.add(planar.Collisions("floor", [(body, R)], walls, restitution=restitution))
     motion = da.solve_nonsmooth(system.build(), 0.01, step=1e-4)

@@ -85,7 +85,7 @@ def test_what_cannot_be_added() -> None:
         da.evaluate(motion, mixed)
     da.evaluate(motion, da.final("stone.x") + 0.5 * da.final("stone.vx"))
     for wrong in (lambda r: r * r, lambda r: r * True, lambda r: r / r):
-        with pytest.raises(da.AnalysisError, match="da.combined"):
+        with pytest.raises(da.AnalysisError, match=r"da\.combined"):
             wrong(da.final("stone.x"))
     with pytest.raises(TypeError):
         da.final("stone.x") + "stone.y"

@@ -129,7 +129,7 @@ def test_texts_in_python():
         ({"mass": "1 N"}, "bar.mass: 1 N does not fit, expected kg"),
         ({"angular_velocity": "5 Hz"}, "bar.angular_velocity: .* expected rad/s"),
         ({"length": "l1"}, "expected a number or a formula, got 'l1'"),
-        ({"length": "0.2 s + 1 s/m*t*0.1 m/s"}, r"bar.length: 0.2 s .* \[s\] does not fit, expected m"),
+        ({"length": "0.2 s + 1 s/m*t*0.1 m/s"}, r"bar.length: 0.2 s .* \[s\] does not fit"),
         ({"length": "3 mmm"}, "bar.length: .* unknown unit 'mmm'"),
     ],
 )
@@ -411,8 +411,10 @@ law = "LAW"
 
 @pytest.mark.parametrize(
     "law",
-    ["0.4 rad + 45 rpm*t", "2*3", "where(t < 0.5, 10 deg, 10 deg)", "sin(t)", "t", "0.1 m + 45 m/s*t"]
-    + ["3 deg + 1 kg*t", "l1 + t", "sin(t", "2 deg*b.angle"],
+    [
+        *("0.4 rad + 45 rpm*t", "2*3", "where(t < 0.5, 10 deg, 10 deg)", "sin(t)", "t"),
+        *("0.1 m + 45 m/s*t", "3 deg + 1 kg*t", "l1 + t", "sin(t", "2 deg*b.angle"),
+    ],
 )
 def test_a_text_means_the_same_in_files_and_in_python(law: str, tmp_path) -> None:
     """Functions of time by text; what is refused in one is refused in the other."""

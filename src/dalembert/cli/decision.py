@@ -93,6 +93,8 @@ class Asked:
             emit(made)
         else:
             tell(f"{file.name}: {found.sentence}", "green" if found.ok else "red")
+            for text in made["warnings"]:
+                tell(f"  warning: {text}", "yellow")
             show(made)
             written(files)
         if found.interrupted:

@@ -53,8 +53,8 @@ def sweep(
         Model file with [analysis], [responses] and [sweep].
     output
         Folder of the study: answers are written there as they come, and a study that was ended
-        goes on there. The whole is table.parquet (table.csv without pyarrow), its page report.html. By default the name of
-        the file and '.study'.
+        goes on there. The whole is table.parquet (table.csv without pyarrow), its page report.html.
+        By default the name of the file and '.study'.
     workers
         Processes; 0 for all cores.
     scheduler

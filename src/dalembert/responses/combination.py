@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.base import Response
+from dalembert.results.result import Result
 
 
 @options
@@ -57,6 +58,9 @@ class Combination(Response):
     def unit_of(self, source: Any) -> str:
         return self._common([response.unit_of(source) for _, response in self.weighted])
 
+    def searches(self, motion: Result) -> bool:
+        return any(response.searches(motion) for _, response in self.weighted)
+
     def _common(self, units: Sequence[str]) -> str:
         """The unit of the sum, where all terms have the same; terms with a factor may have any.
 
@@ -70,8 +74,8 @@ class Combination(Response):
         if len(different) > 1:
             first, second = different[:2]
             raise AnalysisError(
-                f"response {self.label}: terms in {first} and in {second} cannot be added; multiply "
-                "one of them by a factor that leads from one unit to the other"
+                f"response {self.label}: terms in {first} and in {second} cannot be added; "
+                "multiply one of them by a factor that leads from one unit to the other"
             )
         if different:
             return different[0]

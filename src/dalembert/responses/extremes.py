@@ -6,30 +6,34 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.events import Occurrence
 from dalembert.errors import AnalysisError
 from dalembert.options import options
-from dalembert.responses.base import Response
+from dalembert.responses.base import Response, scalar_measure
+from dalembert.responses.integrals import Weighted
+from dalembert.responses.quadrature import rule_over
+from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import spelled
 from dalembert.units.measured import Measured, check_measured
 
 
-SAME = 1e-10
-"""Spread of samples, relative to the largest, that is round-off."""
-UNIFORM = 12.0
-"""Square of the range of evenly spread samples, in their variances."""
-
-
 @options
 class Maximum(Response):
-    """Largest sample, or its smooth lower bound (Kreisselmeier and Steinhauser 1979).
+    """Largest value, or its smooth lower bound (Kreisselmeier and Steinhauser 1979).
 
-    ``δ ln ( (1/K) Σ exp(m_k/δ) )`` with the width ``δ`` is at most ``δ ln K`` below the largest of
-    the K samples. Without ``smooth`` it is the largest sample itself, whose gradient is that of this
-    sample. A relative width is a share of the spread ``√12 σ`` of the samples, with their standard
-    deviation ``σ``: the range of a measure that grows evenly, and differentiable as the range of
-    the samples is not. Gradients contain the change of the spread.
+    Under error control the largest value of the motion between its first and its last output: its
+    instant is located inside the steps, and both sides of impacts and switches count. With fixed
+    steps, and of other results, the largest sample.
+
+    With ``smooth``, ``δ ln ( (1/T) ∫ exp(m/δ) dt )`` with the width ``δ``; of K samples their mean
+    stands for that over time, and the bound is at most ``δ ln K`` below the largest. A relative
+    width is a share of the spread ``√12 σ`` of the measure, with its standard deviation ``σ``: the
+    range of a measure that grows evenly, and differentiable as the range of samples is not.
+    Gradients contain the change of the spread. Without ``smooth`` the gradient is that of the
+    largest value.
 
     Parameters
     ----------
@@ -61,93 +65,81 @@ class Maximum(Response):
             return
         if not self.smooth > 0:
             raise AnalysisError(f"{self.label}: smooth is {self.smooth}; it must be positive")
-        if self.smooth > 1 and not isinstance(self.smooth, Measured):
+        if self.smooth > 1 and self.relative:
             raise AnalysisError(
-                f"{self.label}: smooth is {self.smooth:g}, but a number is a share of the spread of "
-                f"the measure, at most 1, such as 0.02; give an absolute width with the unit of the "
-                f"measure, such as '{1 / self.smooth:.3g} m'"
+                f"{self.label}: smooth is {self.smooth:g}, but a number is a share of the spread "
+                "of the measure, at most 1, such as 0.02; give an absolute width with the unit of "
+                f"the measure, such as '{1 / self.smooth:.3g} m'"
             )
-
-    def over(self, motion: Result) -> Response:
-        if isinstance(self.smooth, Measured):
-            unit = motion.expression(self.measure).unit
-            check_measured([self.smooth], unit, f"{self.label}.smooth")
-        return self
-
-    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
-        m = self.sign * samples
-        width = self._width(m)
-        top = float(m.max())
-        if width:
-            top += width * float(np.log(np.mean(np.exp((m - top) / width))))
-        return self.sign * top
-
-    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        m = self.sign * samples
-        if self.smooth is None:
-            return np.eye(1, m.size, int(np.argmax(m))).ravel()
-        width = self._width(m)
-        if not width:
-            return np.full(m.size, 1 / m.size)
-        shares = _shares(m, width)
-        return shares + self._by_width(m, width, shares) * self._widening(m, width)
-
-    def weights_change(
-        self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
-    ) -> np.ndarray:
-        m, along = self.sign * samples, self.sign * change
-        width = self._width(m)
-        if not width:
-            return np.zeros_like(samples)
-        shares, widening = _shares(m, width), self._widening(m, width)
-        by_width, wider = self._by_width(m, width, shares), float(widening @ along)
-        exponents = (along - (m - m.max()) * wider / width) / width
-        shares_change = shares * (exponents - shares @ exponents)
-        by_width_change = -float(shares_change @ m) / width
-        widening_change = self._widening(along, width) - widening * wider / width
-        return shares_change + by_width_change * widening + by_width * widening_change
 
     @property
     def relative(self) -> bool:
         """Whether the width is a share of the spread, without which it does not smooth."""
-        return self.smooth is not None and not self._absolute
+        return self.smooth is not None and not isinstance(self.smooth, Measured)
 
-    @property
-    def _absolute(self) -> bool:
-        return isinstance(self.smooth, Measured)
+    def sampled(self, motion: Result) -> Result:
+        measure = scalar_measure(motion, self)  # names the response where there is no such measure
+        if self.smooth is None:
+            return motion.analysis.peaks(motion, self.measure, self.sign)
+        width = self._smooth().width(motion.time, motion.values(measure))
+        if not width:
+            return motion
+        return motion.analysis.over_peaks(motion, self.measure, 1 / width, self.sign)
 
-    @property
-    def _share(self) -> float:
-        return float(self.smooth or 0.0) * float(UNIFORM**0.5)
+    def searches(self, motion: Result) -> bool:
+        return self.sampled(motion) is not motion
 
-    def _width(self, m: np.ndarray) -> float:
-        """``δ``; zero where nothing is smoothed."""
-        if self.smooth is None or self._absolute:
-            return float(self.smooth or 0.0)
-        spread = float(np.std(m))
-        return self._share * spread if spread > SAME * np.abs(m).max() else 0.0
+    def stays(self, motion: Result) -> bool:
+        seen = self.sampled(motion)
+        return seen is not motion and seen.time[-1] != motion.record.steps.end
 
-    def _widening(self, m: np.ndarray, width: float) -> np.ndarray:
-        """(K,) ``∂δ/∂m_k``."""
-        if self._absolute:
-            return np.zeros_like(m)
-        return self._share**2 * (m - m.mean()) / (m.size * width)
+    def moves_with(self, motion: Result) -> Occurrence | None:
+        return end_by_event(self.sampled(motion))
 
-    @staticmethod
-    def _by_width(m: np.ndarray, width: float, shares: np.ndarray) -> float:
-        """``∂R/∂δ`` with the samples held."""
-        top = m.max()
-        return float(np.log(np.mean(np.exp((m - top) / width))) - shares @ (m - top) / width)
+    def over(self, motion: Result) -> Response:
+        if self.smooth is None:
+            return self
+        if isinstance(self.smooth, Measured):
+            unit = motion.expression(self.measure).unit
+            check_measured([self.smooth], unit, f"{self.label}.smooth")
+        seen = self.sampled(motion)
+        if seen is motion:
+            return self._smooth()
+        return self._smooth(
+            Weighted(self.measure, self.label, rule=rule_over(seen), over_span=True)
+        )
 
+    def _smooth(self, mean: Weighted | None = None) -> SmoothExtreme:
+        return SmoothExtreme(
+            self.measure,
+            self.label,
+            smooth=float(self.smooth or 0.0),
+            relative=self.relative,
+            sign=self.sign,
+            mean=mean,
+        )
 
-def _shares(m: np.ndarray, width: float) -> np.ndarray:
-    parts = np.exp((m - m.max()) / width)
-    return parts / parts.sum()
+    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
+        if self.smooth is not None:
+            return self._smooth().reduce(times, samples)
+        return float(self.sign * (self.sign * samples).max())
+
+    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        if self.smooth is not None:
+            return self._smooth().weights(times, samples)
+        return np.eye(1, samples.size, int(np.argmax(self.sign * samples))).ravel()
+
+    def weights_change(
+        self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
+    ) -> np.ndarray:
+        if self.smooth is not None:
+            return self._smooth().weights_change(times, samples, change)
+        return np.zeros_like(samples)
 
 
 @dataclass(frozen=True)
 class Minimum(Maximum):
-    """Smallest sample, or its smooth upper bound.
+    """Smallest value, or its smooth upper bound; see ``Maximum``.
 
     Examples
     --------
@@ -168,14 +160,16 @@ class Minimum(Maximum):
 
 
 @spelled
-def maximum(measure: str | Expression, smooth: float | str | None = None, name: str = "") -> Maximum:
+def maximum(
+    measure: str | Expression, smooth: float | str | None = None, name: str = ""
+) -> Maximum:
     """Largest value of a measure over the run.
 
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    smooth : width as in ``Maximum``: a share of the spread of the measure, such as 0.02, or with the
-        unit of the measure, such as ``"5 N"``; None for the maximum itself
+    smooth : width as in ``Maximum``: a share of the spread of the measure, such as 0.02, or with
+        the unit of the measure, such as ``"5 N"``; None for the maximum itself
     name : label; made from the measure if empty
 
     Examples
@@ -192,14 +186,16 @@ def maximum(measure: str | Expression, smooth: float | str | None = None, name: 
 
 
 @spelled
-def minimum(measure: str | Expression, smooth: float | str | None = None, name: str = "") -> Minimum:
+def minimum(
+    measure: str | Expression, smooth: float | str | None = None, name: str = ""
+) -> Minimum:
     """Smallest value of a measure over the run.
 
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    smooth : width as in ``Maximum``: a share of the spread of the measure, such as 0.02, or with the
-        unit of the measure, such as ``"5 N"``; None for the minimum itself
+    smooth : width as in ``Maximum``: a share of the spread of the measure, such as 0.02, or with
+        the unit of the measure, such as ``"5 N"``; None for the minimum itself
     name : label; made from the measure if empty
 
     Examples

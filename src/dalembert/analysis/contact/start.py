@@ -1,4 +1,4 @@
-"""Gaps at the start of a run: none is negative beyond a tolerance, and those within it are closed."""
+"""Gaps at the start of a run: none is negative beyond a tolerance; those within it are closed."""
 
 from __future__ import annotations
 
@@ -88,6 +88,6 @@ def refuse_negative(gaps: Sequence[RigidGap], distances: np.ndarray, near: float
     """
     for k in map(int, np.flatnonzero(distances < -near)):
         raise AnalysisError(
-            f"{gaps[k].name}: its gap is {distances[k]:.6g} m at the start, and at most {near:.3g} m "
-            "of overlap are taken for rounding; it must not be negative, so move the bodies apart"
+            f"{gaps[k].name}: its gap is {distances[k]:.6g} m at the start, and at most {near:.3g} "
+            "m of overlap are taken for rounding; it must not be negative, so move the bodies apart"
         )

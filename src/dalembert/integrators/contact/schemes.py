@@ -132,10 +132,10 @@ class AnticipatedImpacts(ContactScheme):
     would leave no room for the half step it still goes on, is taken while there is room:
     ``u_N⁺ ≥ max(−e u_N⁻, s)``. What comes no faster than forces can change in two steps rests, and
     is let on to the surface slowly. An impact at the very start, before which there is no step, may
-    close its gap within the first step; the gap is opened after it. The work ``P·(u⁺ + u⁻)/2`` of an impact is not positive. A
-    contact does work where it stops what a force turns back within the step; if all contacts
-    together would, ``u⁺ + u⁻`` takes the place of ``u⁺`` there, against which they do none, so that
-    contacts never create energy.
+    close its gap within the first step; the gap is opened after it. The work ``P·(u⁺ + u⁻)/2`` of
+    an impact is not positive. A contact does work where it stops what a force turns back within the
+    step; if all contacts together would, ``u⁺ + u⁻`` takes the place of ``u⁺`` there, against which
+    they do none, so that contacts never create energy.
 
     Examples
     --------

@@ -74,7 +74,8 @@ def report_payload(
 def _without_rounding(series: list[dict[str, Any]]) -> None:
     """Values that are round-off beside the largest one of their unit are zero; errors are kept."""
     largest: dict[str, float] = {}
-    shown = [one for one in series if not one["name"].endswith(("_violation", "violation", "_error"))]
+    errors = ("violation", "_error")
+    shown = [one for one in series if not one["name"].endswith(errors)]
     for one in shown:
         size = np.abs(one["values"][np.isfinite(one["values"])]).max(initial=0.0)
         largest[one["unit"]] = max(largest.get(one["unit"], 0.0), float(size))
@@ -172,6 +173,8 @@ def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:
     ):
         if data[name].size:
             rows.append((label, f"{float(data[name].max()):.3g}"))
+    if (estimate := motion.error_estimate) is not None:
+        rows.append((f"estimated error, in {estimate.name}", f"{estimate.share:.2g}"))
     error = np.abs(data["balance_error"])
     if error.size and np.isfinite(error).all():
         rows.append(("largest energy balance error [J]", f"{error.max():.3g}"))

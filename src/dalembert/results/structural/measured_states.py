@@ -56,7 +56,8 @@ class MeasuredStates(Result):
 
     def keys(self) -> list[str]:
         energy = ["kinetic_energy"]
-        return [name for name in super().keys() if name not in energy or name in self]
+        names = super().keys()
+        return [name for name in names if name not in energy or name in self]
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """(K,) values of a scalar measure or formula."""

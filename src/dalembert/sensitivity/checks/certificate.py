@@ -186,6 +186,7 @@ def _sizes(motion: Result, responses: Sequence[Response], values: np.ndarray) ->
 
     A crank that lies along the x axis has no height to which influences could be compared.
     """
+
     def largest(response: Response) -> float:
         return float(np.abs(motion.values(scalar_measure(motion, response))).max(initial=0.0))
 

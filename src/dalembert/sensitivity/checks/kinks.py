@@ -9,8 +9,9 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, scalar_measure
-from dalembert.responses.extremes import SAME, Maximum
+from dalembert.responses.extremes import Maximum
 from dalembert.responses.integrals import Rms
+from dalembert.responses.smooth_extreme import SAME
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.scales import parameter_scales
 from dalembert.sensitivity.registry import engine_of
@@ -51,6 +52,7 @@ def ties(motion: Result, response: Response, columns: Sequence[int]) -> str:
     """What to say where several samples are the largest and change differently; else nothing."""
     if not isinstance(response, Maximum) or not (response.smooth is None or response.relative):
         return ""
+    motion = response.sampled(motion)
     m = response.sign * motion.values(scalar_measure(motion, response))
     tied = np.flatnonzero(m >= m.max() - SAME * np.abs(m).max())
     if tied.size < (m.size if response.relative else 2) or m.size < 2:
