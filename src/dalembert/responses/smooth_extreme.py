@@ -37,7 +37,7 @@ class SmoothExtreme(Response):
         if not self.relative:
             return self.smooth
         q, m = self._mean(times, samples), self.sign * samples
-        spread = float(np.sqrt(max(q @ (m - q @ m) ** 2, 0.0)))
+        spread = float(np.sqrt(max(float(q @ (m - q @ m) ** 2), 0.0)))
         return self._share * spread if spread > SAME * np.abs(m).max() else 0.0
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:

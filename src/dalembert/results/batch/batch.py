@@ -128,7 +128,7 @@ class Batch:
     def __contains__(self, wanted: object) -> bool:
         """Whether a measure or formula exists, or a design of this number."""
         if isinstance(wanted, (int, np.integer)):
-            return -len(self) <= wanted < len(self)
+            return -len(self) <= int(wanted) < len(self)
         if not isinstance(wanted, (str, Expression)):
             return False
         try:

@@ -80,7 +80,7 @@ def _grazed(motion: Recording, kernel: DynamicsKernel) -> list[str]:
 def _jumping(motion: Recording, response: Response, kernel: DynamicsKernel) -> list[str]:
     """An integral over a measure that jumps lacks what the moved instants add to it."""
     crossings = [k for k, _ in kernel.crossings(motion.record.steps)]
-    over_run = isinstance(response, OverRun) or isinstance(response.over(motion), SmoothExtreme)
+    over_run = isinstance(response, OverRun) or _integrates(response.over(motion))
     if not crossings or not over_run:
         return []
     steps = motion.record.steps
@@ -95,3 +95,8 @@ def _jumping(motion: Recording, response: Response, kernel: DynamicsKernel) -> l
         f"{response.label}: its measure jumps at {jumps.size} switch(es), first at "
         f"t = {t[jumps[0]]:.6g} s; the derivative lacks what the moving instants add to it"
     ]
+
+
+def _integrates(response: Response) -> bool:
+    """Whether it is a smooth extreme over time, and not of samples."""
+    return isinstance(response, SmoothExtreme) and response.mean is not None
