@@ -11,8 +11,8 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.transition import Transition
 from dalembert.model.model import Model
 from dalembert.responses.base import Response, scalar_measure
-from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.responses.integrals import OverRun
+from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
 from dalembert.symbolic.once import once
