@@ -130,8 +130,10 @@ def _formulas(program: Program) -> ca.Function | None:
     p = stack(s.sx for s in symbols)
     terms = []
     for _, response in problem.terms:
+        if not isinstance(response, Final):
+            return None
         found = model.expression(response.measure).sx
-        if not isinstance(response, Final) or not _is_of(found, p):
+        if not _is_of(found, p):
             return None
         terms.append(found)
     return ca.Function("terms", [p], [stack(terms)])

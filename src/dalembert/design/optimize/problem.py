@@ -217,9 +217,8 @@ class DesignProblem:
         units = []
         for term in self.quantities[row].terms:
             result: Any = results.get(term.case)
-            measure = term.response.measure
-            unit = result.expression(measure).unit if result is not None else ""
-            units.append(term.response.over(result).unit(unit) if result is not None else "")
+            known = result is not None
+            units.append(term.response.over(result).unit_of(result) if known else "")
         return self.quantities[row].unit(units)
 
 
