@@ -19,6 +19,7 @@ from dalembert.design.inverse.history import History
 from dalembert.design.inverse.inverted import Inversion
 from dalembert.design.inverse.smoothing import Curve, chosen, curve
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -28,6 +29,7 @@ ROUNDS = 6
 
 
 @spelled
+@interruptible
 def invert(
     model: ParametricModel,
     data: Any,
@@ -99,6 +101,7 @@ def invert(
     refuse_bad_start(misfit, x)
     rows = _rows(histories, misfit, order)
     fit, mu, seen = _solved(solver, x, rows, smoothing)
+    defer_ctrl_c()
     found = _inversion(misfit, histories, fit, mu, seen, rows, given)
     found.interrupted = solver.interrupted
     return found

@@ -18,6 +18,7 @@ from dalembert.design.pareto.front import Front, best_of
 from dalembert.design.quantity import Quantity
 from dalembert.design.weighted import Weighted
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import check_ctrl_c, defer_ctrl_c
 
 STEEP = 1e-3
 """Slope over the range of a variable, of the range of an aim, from which on it counts."""
@@ -122,10 +123,14 @@ class FrontSearch:
             There is no best design in one of the aims.
         """
         try:
-            return self.result(method, self._along(method, points, report))
+            note = self._along(method, points, report)
+            check_ctrl_c()
+            defer_ctrl_c()
+            return self.result(method, note)
         except KeyboardInterrupt:
             if not self.found:
                 raise
+            defer_ctrl_c()
             front = self.result(method, f"interrupted after {len(self.found)} searches")
             front.interrupted = True
             return front

@@ -28,6 +28,7 @@ from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
 from dalembert.design.telling import Told
 from dalembert.design.variables import varied_names
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import check_ctrl_c, defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -38,6 +39,7 @@ SETTLED = 1e-5
 
 
 @spelled
+@interruptible
 def optimize_reliable(
     model: ParametricModel,
     minimize: Any = None,
@@ -105,6 +107,8 @@ def optimize_reliable(
     walk = _Rounds(task, how, sign, objective, vary, dict(start or {}), history)
     try:
         walk.walk(max(rounds, 1))
+        check_ctrl_c()
+        defer_ctrl_c()
     except KeyboardInterrupt:
         if walk.best is None:
             raise

@@ -14,6 +14,7 @@ from dalembert.design.reliability.limit_state import limit_states
 from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.reliable import SAMPLINGS, Reliability
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -23,6 +24,7 @@ SYSTEMS = ("series", "parallel")
 
 
 @spelled
+@interruptible
 def reliability(
     model: ParametricModel | None,
     limit_state: Any,
@@ -117,4 +119,5 @@ def reliability(
             if not found.points:
                 raise
             found.interrupted = True
+    defer_ctrl_c()
     return found

@@ -20,6 +20,7 @@ import numpy as np
 from dalembert.design.synthesis.atlas import Start
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.target import Target
+from dalembert.interrupts import check_ctrl_c
 
 QUIET: dict[str, Any] = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes"}
 APART = 1e-3
@@ -145,6 +146,7 @@ class Polish:
                 [np.zeros(self._parts["equations"]), np.full(self._parts["limits"], np.inf)]
             ),
         )
+        check_ctrl_c()  # Ipopt ends without an exception
         x = np.array(found["x"]).ravel()
         if not np.all(np.isfinite(x)) or not (solver.stats()["success"] or self._holds(found["g"])):
             return None

@@ -16,11 +16,13 @@ from dalembert.design.synthesis.problem import Polish
 from dalembert.design.synthesis.synthesis import Solution, Synthesis
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.text.spelling import spelled
 from dalembert.text.wording import unknown
 
 
 @spelled
+@interruptible
 def synthesize(
     target: Target,
     linkage: type[Linkage] = FourBar,
@@ -95,6 +97,7 @@ def synthesize(
         except KeyboardInterrupt:
             if not found:
                 raise
+    defer_ctrl_c()
     if not found:
         raise AnalysisError(
             f"none of {len(chosen)} starts leads to a {linkage.__name__} within the limits; "

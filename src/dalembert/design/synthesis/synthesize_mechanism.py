@@ -12,10 +12,12 @@ from dalembert.design.synthesis.mechanism_search import MechanismSearch
 from dalembert.design.synthesis.mechanism_task import MechanismTask, mechanism_task
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 
 
+@interruptible
 def synthesize_mechanism(
     target: Target,
     model: Model,
@@ -83,6 +85,7 @@ def synthesize_mechanism(
         except KeyboardInterrupt:
             if not found:
                 raise
+    defer_ctrl_c()
     if not found:
         raise AnalysisError(
             f"none of {begun} starts leads to a mechanism whose motor turns all the way; give more "

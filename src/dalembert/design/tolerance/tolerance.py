@@ -18,6 +18,7 @@ from dalembert.design.optimize.problem import DesignProblem
 from dalembert.design.tolerance.toleranced import Toleranced
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.responses.base import Response, as_responses
+from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -96,6 +97,7 @@ class Box:
 
 
 @spelled
+@interruptible
 def tolerance(
     model: ParametricModel,
     response: Response,
@@ -190,6 +192,7 @@ def tolerance(
                     report(0.3 + 0.7 * found.sampled.size / samples)
         except KeyboardInterrupt:
             found.interrupted = True
+    defer_ctrl_c()
     if found.sampled is not None and not found.sampled.size:
         found.sampled = None
     return found
