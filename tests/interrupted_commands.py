@@ -39,7 +39,6 @@ METHODS = (
     "mma",
     "multistart",
     "differential-evolution",
-    "cma-es",
 )
 OPTIMIZE = {
     f"optimize {method}": ("optimize", "smooth_torque", "--method", method) for method in METHODS
@@ -51,10 +50,7 @@ def arguments(case: tuple[str, ...], folder: Path) -> list[str]:
     """The command line of a case; results go to ``folder/o``."""
     command, example, *options = case
     path = folder / f"{example}.toml"
-    text = (EXAMPLES / path.name).read_text(encoding="utf-8")
-    if command in ("identify", "invert"):
-        text = (folder / path.name).read_text(encoding="utf-8")
-    path.write_text(text, encoding="utf-8")
+    path.write_text((EXAMPLES / path.name).read_text(encoding="utf-8"), encoding="utf-8")
     return [command, str(path), "--json", "--output", str(folder / "o"), *options]
 
 
@@ -91,7 +87,7 @@ def _judged(code: int, out: str, err: str, in_time: bool) -> Iterator[str]:
     finished = whole is not None and whole.get("interrupted") is False
     if code == 0 and (not in_time or finished):
         return  # the signal came while Python was ending
-    if code != 130:
+    if code not in (130, -signal.SIGINT):  # a shell sees both as 130
         yield f"exit code {code}: {err[-300:]}"
     if "Traceback" in err or "Exception ignored" in err:
         yield f"traceback: {err[-600:]}"
@@ -118,7 +114,7 @@ def _files(folder: Path) -> Iterator[str]:
             da.load_results(path)
         elif path.suffix == ".json":
             json.loads(path.read_text(encoding="utf-8"))
-        elif path.name.startswith(".") or "tmp" in path.name:
+        elif (path.name.startswith(".") and path.name != ".lock") or "tmp" in path.name:
             yield f"left behind: {path.name}"
 
 

@@ -1,9 +1,10 @@
 """Ctrl-C: an exception during a search, a note while the result of the search is completed.
 
-Compiled solvers may swallow the ``KeyboardInterrupt`` that Python raises inside them, and an
-interrupt after the last iteration would discard a finished result. Tasks therefore count the
-interrupt signals they receive: ``check_ctrl_c`` raises an exception that was swallowed again,
-``defer_ctrl_c`` lets the task complete its result. A second Ctrl-C always ends at once.
+Compiled code may swallow the ``KeyboardInterrupt`` that Python raises inside it, or raise another
+exception instead, and an interrupt after the last iteration would discard a finished result. Tasks
+therefore count the interrupt signals they receive: inside ``searching`` each of them ends as a
+``KeyboardInterrupt``, after ``defer_ctrl_c`` the task completes its result. A second Ctrl-C always
+ends at once.
 """
 
 from __future__ import annotations
@@ -89,6 +90,28 @@ def defer_ctrl_c() -> None:
     """Let the innermost task complete its result: the first signal is counted only."""
     if _active:
         _active[-1].deferring = True
+
+
+@contextmanager
+def raising_ctrl_c() -> Iterator[None]:
+    """Ctrl-C ends as ``KeyboardInterrupt``, whatever compiled code makes of it."""
+    try:
+        yield
+        check_ctrl_c()
+    except Exception as error:
+        if _active and _active[-1].pressed:
+            raise KeyboardInterrupt from error
+        raise
+
+
+@contextmanager
+def searching() -> Iterator[None]:
+    """The search of the innermost task; once it is over, the first signal is deferred."""
+    try:
+        with raising_ctrl_c():
+            yield
+    finally:
+        defer_ctrl_c()
 
 
 def interruptible(task: Callable[P, R]) -> Callable[P, R]:

@@ -59,7 +59,7 @@ def test_freudenstein():
     found = da.synthesize(da.Target.function(given, outputs), starts=12)
     assert found.best.error < 1e-14
     bar, theta = found.best.linkage, found.best.crank_angles
-    psi = bar.output(theta)
+    psi = np.unwrap(bar.output(theta))
     np.testing.assert_allclose(psi - psi[0], outputs, atol=1e-7)
     rows = np.stack([np.cos(psi), -np.cos(theta), np.ones(3)], axis=1)
     k1, k2, k3 = np.linalg.solve(rows, np.cos(theta - psi))

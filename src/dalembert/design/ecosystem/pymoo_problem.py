@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.interrupts import check_ctrl_c, defer_ctrl_c
+from dalembert.interrupts import searching
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -156,15 +156,14 @@ def evolved(
     algorithm.setup(problem, termination=("n_gen", generations), seed=rng, verbose=False)
     made = 0
     try:
-        while algorithm.has_next():
-            algorithm.next()
-            made += 1
-            report(made / generations)
-        check_ctrl_c()
+        with searching():
+            while algorithm.has_next():
+                algorithm.next()
+                made += 1
+                report(made / generations)
     except KeyboardInterrupt:
         if not made:
             raise
-    defer_ctrl_c()
     found = algorithm.result().X
     if found is None:
         raise AnalysisError(f"{method}: no design keeps the limits after {made} generations")

@@ -24,10 +24,12 @@ class Stop:
     ----------
     max_iterations : of the optimiser
     tolerance : on the relative change of the scaled objective
+    used : iterations of the search before this call
     """
 
     max_iterations: int = 100
     tolerance: float = 1e-8
+    used: int = 0
 
 
 @dataclass

@@ -23,7 +23,7 @@ from dalembert.design.quantity import Quantity, bound
 from dalembert.design.telling import Told, teller
 from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.interrupts import check_ctrl_c, defer_ctrl_c, interruptible
+from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -198,11 +198,9 @@ def solve(program: Program, method: Optimizer, stop: Stop) -> Optimum:
     """The optimum of a program; the best design so far where it is interrupted."""
     z, interrupted = program.scaled(program.origin), False
     try:
-        ended = settled(program, method, stop, z)
-        check_ctrl_c()
-        defer_ctrl_c()
+        with searching():
+            ended = settled(program, method, stop, z)
     except KeyboardInterrupt:
-        defer_ctrl_c()
         interrupted, number = True, len(program.history) - 1
         best = program.scaled(program.best[0])
         ended = Ended(best, False, f"interrupted after {number} iteration(s)")

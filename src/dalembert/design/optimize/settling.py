@@ -30,7 +30,8 @@ def settled(program: Program, method: Optimizer, stop: Stop, z: np.ndarray) -> E
         if left <= 0 or _is_settled(program, ended.z) or not program.begin(ended.z):
             break
         before = program.last
-        sharper = Stop(left, max(stop.tolerance * 0.01**number, 1e-15))
+        spent = stop.used + stop.max_iterations - left
+        sharper = Stop(left, max(stop.tolerance * 0.01**number, 1e-15), spent)
         found = method.solve(program, ended.z, sharper)
         after = program.objective(found.z)
         if after < before or found.success:
@@ -41,7 +42,7 @@ def settled(program: Program, method: Optimizer, stop: Stop, z: np.ndarray) -> E
     if rescue is None or not _is_stuck(program, ended.z):
         return ended
     left = stop.max_iterations - (len(program.history) - used)
-    return _rescued(program, rescue, Stop(max(left, 1), stop.tolerance), ended)
+    return _rescued(program, rescue, Stop(max(left, 1), stop.tolerance, stop.max_iterations - left), ended)
 
 
 def _rescued(program: Program, method: Optimizer, stop: Stop, ended: Ended) -> Ended:

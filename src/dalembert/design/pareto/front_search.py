@@ -18,7 +18,7 @@ from dalembert.design.pareto.front import Front, best_of
 from dalembert.design.quantity import Quantity
 from dalembert.design.weighted import Weighted
 from dalembert.errors import AnalysisError
-from dalembert.interrupts import check_ctrl_c, defer_ctrl_c
+from dalembert.interrupts import searching
 
 STEEP = 1e-3
 """Slope over the range of a variable, of the range of an aim, from which on it counts."""
@@ -123,14 +123,12 @@ class FrontSearch:
             There is no best design in one of the aims.
         """
         try:
-            note = self._along(method, points, report)
-            check_ctrl_c()
-            defer_ctrl_c()
+            with searching():
+                note = self._along(method, points, report)
             return self.result(method, note)
         except KeyboardInterrupt:
             if not self.found:
                 raise
-            defer_ctrl_c()
             front = self.result(method, f"interrupted after {len(self.found)} searches")
             front.interrupted = True
             return front

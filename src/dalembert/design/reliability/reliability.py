@@ -14,7 +14,7 @@ from dalembert.design.reliability.limit_state import limit_states
 from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.reliable import SAMPLINGS, Reliability
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.interrupts import defer_ctrl_c, interruptible
+from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -110,14 +110,14 @@ def reliability(
     found = Reliability([], system, searches, nataf)
     with progress_reporter(progress, "reliability") as report:
         try:
-            for k, search in enumerate(searches):
-                found.points += design_points(search, starts, generator)
-                report((k + 1) / (len(searches) + bool(samples)))
-            if samples:
-                found.sampled = found.sample(sampling, samples, generator)
+            with searching():
+                for k, search in enumerate(searches):
+                    found.points += design_points(search, starts, generator)
+                    report((k + 1) / (len(searches) + bool(samples)))
+                if samples:
+                    found.sampled = found.sample(sampling, samples, generator)
         except KeyboardInterrupt:
             if not found.points:
                 raise
             found.interrupted = True
-    defer_ctrl_c()
     return found

@@ -12,7 +12,7 @@ from dalembert.design.synthesis.mechanism_search import MechanismSearch
 from dalembert.design.synthesis.mechanism_task import MechanismTask, mechanism_task
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
-from dalembert.interrupts import defer_ctrl_c, interruptible
+from dalembert.interrupts import interruptible, searching
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 
@@ -75,17 +75,17 @@ def synthesize_mechanism(
     generator = np.random.default_rng(rng)
     with progress_reporter(progress, "mechanisms") as report:
         try:
-            for k in range(starts):
-                drawn = _start(task, generator, k)
-                made = None if drawn is None else search.solved(*drawn)
-                begun += drawn is not None
-                found += [] if made is None else [made]
-                done += 1
-                report(done / starts)
+            with searching():
+                for k in range(starts):
+                    drawn = _start(task, generator, k)
+                    made = None if drawn is None else search.solved(*drawn)
+                    begun += drawn is not None
+                    found += [] if made is None else [made]
+                    done += 1
+                    report(done / starts)
         except KeyboardInterrupt:
             if not found:
                 raise
-    defer_ctrl_c()
     if not found:
         raise AnalysisError(
             f"none of {begun} starts leads to a mechanism whose motor turns all the way; give more "

@@ -18,7 +18,7 @@ from dalembert.design.optimize.problem import DesignProblem
 from dalembert.design.tolerance.toleranced import Toleranced
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.responses.base import Response, as_responses
-from dalembert.interrupts import defer_ctrl_c, interruptible
+from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -178,21 +178,21 @@ def tolerance(
     )
     with progress_reporter(progress, "tolerances") as report:
         try:
-            if second_order:
-                found.hessian = box.hessian()
-            report(0.2)
-            if worst_case:
-                found.worst = box.extreme(-1), box.extreme(1)
-            report(0.3)
-            if samples:
-                generator = np.random.default_rng(rng)
-                found.sampled = np.zeros(0)
-                for values in _sampled(box, sigmas, samples, generator):
-                    found.sampled = np.append(found.sampled, values)
-                    report(0.3 + 0.7 * found.sampled.size / samples)
+            with searching():
+                if second_order:
+                    found.hessian = box.hessian()
+                report(0.2)
+                if worst_case:
+                    found.worst = box.extreme(-1), box.extreme(1)
+                report(0.3)
+                if samples:
+                    generator = np.random.default_rng(rng)
+                    found.sampled = np.zeros(0)
+                    for values in _sampled(box, sigmas, samples, generator):
+                        found.sampled = np.append(found.sampled, values)
+                        report(0.3 + 0.7 * found.sampled.size / samples)
         except KeyboardInterrupt:
             found.interrupted = True
-    defer_ctrl_c()
     if found.sampled is not None and not found.sampled.size:
         found.sampled = None
     return found
