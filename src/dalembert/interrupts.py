@@ -47,6 +47,11 @@ class CtrlC:
         """Whether a signal was received."""
         return self.count > 0
 
+    @property
+    def must_end(self) -> bool:
+        """Whether the task may not go on: one signal during the search, two afterwards."""
+        return self.count > int(self.deferring)
+
 
 _active: list[CtrlC] = []
 
@@ -54,7 +59,7 @@ _active: list[CtrlC] = []
 def _received(number: int, frame: FrameType | None) -> None:
     for one in _active:
         one.count += 1
-    if not (_active and _active[-1].deferring and _active[-1].count == 1):
+    if not _active or _active[-1].must_end:
         raise KeyboardInterrupt
 
 
@@ -81,8 +86,8 @@ def ctrl_c(is_command: bool = False) -> Iterator[CtrlC]:
 
 
 def check_ctrl_c() -> None:
-    """Raise ``KeyboardInterrupt`` where the innermost task has received a signal."""
-    if _active and _active[-1].pressed:
+    """Raise ``KeyboardInterrupt`` where the innermost task has received a signal to end by."""
+    if _active and _active[-1].must_end:
         raise KeyboardInterrupt
 
 

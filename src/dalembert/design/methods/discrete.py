@@ -14,7 +14,6 @@ from dalembert.design.methods.slsqp import Slsqp
 from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.options import options
 
-
 PAIRS = 8
 """Pairs of designs between which convexity is tested."""
 DIFFERENT = 1e-5

@@ -42,7 +42,9 @@ def settled(program: Program, method: Optimizer, stop: Stop, z: np.ndarray) -> E
     if rescue is None or not _is_stuck(program, ended.z):
         return ended
     left = stop.max_iterations - (len(program.history) - used)
-    return _rescued(program, rescue, Stop(max(left, 1), stop.tolerance, stop.max_iterations - left), ended)
+    return _rescued(
+        program, rescue, Stop(max(left, 1), stop.tolerance, stop.max_iterations - left), ended
+    )
 
 
 def _rescued(program: Program, method: Optimizer, stop: Stop, ended: Ended) -> Ended:

@@ -134,7 +134,10 @@ class FourBar(Linkage):
         phi = self.coupler_angle(theta)
         pivot = complex(self.x, self.y)
         pin = pivot + self.crank * np.exp(1j * theta)
-        far, end = pivot + self.ground * np.exp(1j * self.angle), pin + self.coupler * np.exp(1j * phi)
+        far, end = (
+            pivot + self.ground * np.exp(1j * self.angle),
+            pin + self.coupler * np.exp(1j * phi),
+        )
         return np.array([pivot, pin, far, end, pin + complex(self.u, self.v) * np.exp(1j * phi)])
 
     @property

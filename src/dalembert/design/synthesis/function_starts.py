@@ -1,7 +1,7 @@
-"""Starts for function generation: linkages in closed form from a grid of unknown starting positions.
+"""Starts for function generation: closed forms on a grid of unknown starting positions.
 
-For given starting positions of crank and output, three coefficients of the linkage follow from linear
-least squares (Freudenstein 1955). The best linkages of the grid are improved together by the
+For given starting positions of crank and output, three coefficients of the linkage follow from
+linear least squares (Freudenstein 1955). The best linkages of the grid are improved together by the
 Levenberg–Marquardt method.
 """
 
@@ -138,4 +138,3 @@ def _turn(kind: type[Linkage], q: dict[str, np.ndarray]) -> np.ndarray:
     """(k,) whether the crank turns."""
     with np.errstate(all="ignore"):
         return np.asarray(np.all([np.asarray(row) >= 0 for row in kind.turns(q, 0.0)], axis=0))
-

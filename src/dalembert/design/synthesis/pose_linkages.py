@@ -21,7 +21,7 @@ SCAN = 720
 
 @dataclass(frozen=True, eq=False)
 class PoseLinkage:
-    """A linkage whose coupler takes all poses, and what prevents it from passing them in one motion.
+    """A linkage whose coupler takes all poses, and its defects as the crank drives it.
 
     Attributes
     ----------
@@ -109,7 +109,8 @@ def pose_linkages(points: Any, angles: Any, samples: int = 24) -> PoseLinkages:
 
 
 def _preference(one: PoseLinkage) -> tuple[int, bool, float]:
-    return len(one.defects), not one.linkage.crank_turns, -one.linkage.transmission(one.crank_angles)
+    least = one.linkage.transmission(one.crank_angles)
+    return len(one.defects), not one.linkage.crank_turns, -least
 
 
 def _linkage(drive: Dyad, follow: Dyad, z: np.ndarray, alpha: np.ndarray) -> PoseLinkage | None:

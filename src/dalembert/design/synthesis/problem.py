@@ -1,9 +1,9 @@
 """The nonlinear programme that polishes a linkage, its derivatives exact.
 
-The loop is closed explicitly, so that only dimensions and crank angles are unknown; where it is open,
-the nearest closed one stands for it. Coupler and output angles count from their means, which solves
-for their starts. The branch is that of the start. Where the crank turns all the way, the branch keeps
-the circuit; crank angles that increase keep the order.
+The loop is closed explicitly, so that only dimensions and crank angles are unknown; where it is
+open, the nearest closed one stands for it. Coupler and output angles count from their means, which
+solves for their starts. The branch is that of the start. Where the crank turns all the way, the
+branch keeps the circuit; crank angles that increase keep the order.
 """
 
 from __future__ import annotations

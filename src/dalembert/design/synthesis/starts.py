@@ -37,9 +37,7 @@ def starts_of(
     return exact + atlas_of(kind).nearest(target, count - len(exact))
 
 
-def _pose_starts(
-    kind: type[Linkage], target: Target, crank_turns: bool, count: int
-) -> list[Start]:
+def _pose_starts(kind: type[Linkage], target: Target, crank_turns: bool, count: int) -> list[Start]:
     """Linkages through a few poses with free timing."""
     timed = target.crank_angles is not None
     if timed or target.coupler_angles is None or target.points is None or len(target) > POSES:
