@@ -249,7 +249,7 @@ def test_saved_and_read_again(task, tmp_path, capsys):
     [
         ("pareto", DesignProblem, "_run", 6),
         ("tolerance", DesignProblem, "_run", 9),
-        ("reliability", DesignProblem, "_run", 140),
+        ("reliability", DesignProblem, "_run", 40),
         ("synthesize", Polish, "__call__", 2),
     ],
 )

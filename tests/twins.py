@@ -74,8 +74,8 @@ def cubic(x, knots, values, end: str, derivative: bool = False):
     return np.polyval(np.polyder(polynomial) if derivative else polynomial, x - knots[k])
 
 
-def natural_cubic(x, knots, values):
-    """Natural cubic spline by its second derivatives at the knots; all may be complex."""
+def not_a_knot_cubic(x, knots, values):
+    """Cubic spline by its second derivatives at the knots; all may be complex."""
     knots, values = np.asarray(knots), np.asarray(values)
     h, last = np.diff(knots), len(knots) - 1
     slopes = np.diff(values) / h
@@ -83,6 +83,8 @@ def natural_cubic(x, knots, values):
     for k in range(1, last):
         matrix[k, k - 1 : k + 2] = h[k - 1], 2 * (h[k - 1] + h[k]), h[k]
         rhs[k] = 6 * (slopes[k] - slopes[k - 1])
+    matrix[0, :3] = h[1], -h[0] - h[1], h[0]  # one third derivative in the first two pieces
+    matrix[last, -3:] = h[-1], -h[-1] - h[-2], h[-2]
     curved = np.linalg.solve(matrix, rhs)
     k = int(np.clip(np.searchsorted(np.real(knots), np.real(x), side="right") - 1, 0, last - 1))
     a, b = (knots[k + 1] - x) / h[k], (x - knots[k]) / h[k]

@@ -147,7 +147,7 @@ FIXED = {
     "reliability": (
         decision_tables.ReliabilityTable,
         {
-            "method": '`"improved-hlrf"` or `"hlrf"`',
+            "method": '`"sqp"`, `"improved-hlrf"` or `"hlrf"`',
             "tolerance": "on residual and distance of the design point",
             "max_iterations": "of each search",
         },

@@ -188,6 +188,7 @@ from dalembert.formulations.stabilization import (
 from dalembert.formulations.velocity_partitioning import (
     VelocityPartitioning as VelocityPartitioning,
 )
+from dalembert.integrators.automatic import AutomaticIntegrator as AutomaticIntegrator
 from dalembert.integrators.backward_euler import (
     BackwardEuler as BackwardEuler,
     Trapezoidal as Trapezoidal,

@@ -139,6 +139,8 @@ class AssemblyError(AnalysisError):
     """The mechanism cannot be assembled from the given guesses and lengths.
 
     ``position`` is the best position found, for ``assembly_report``; None where there is none.
+    ``others`` is the number of other assemblies that exist at these values of the parameters, where
+    the branch of the nominal assembly ends before them; 0 where a search found none.
 
     Examples
     --------
@@ -155,8 +157,14 @@ class AssemblyError(AnalysisError):
     1.0 True
     """
 
-    def __init__(self, message: str, residual: float | None = None, position: Any = None):
-        self.position = position
+    def __init__(
+        self,
+        message: str,
+        residual: float | None = None,
+        position: Any = None,
+        others: int = 0,
+    ):
+        self.position, self.others = position, others
         super().__init__(message, residual)
 
 

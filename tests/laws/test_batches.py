@@ -128,12 +128,14 @@ def test_what_is_wrong_for_all_designs_is_raised(model):
         da.solve_dynamics(model, -1.0, parameters={"l1": LENGTHS})
     with pytest.raises(da.AnalysisError, match="workers is 0"):
         da.solve_dynamics(model, parameters={"l1": LENGTHS}, workers=0, **RUN)
-    with pytest.raises(da.AnalysisError, match="give the batch outputs"):
-        da.solve_dynamics(
-            model, 0.3, parameters={"l1": LENGTHS}, integrator=da.DormandPrince(), workers=1
-        )
     with pytest.raises(da.AnalysisError, match="the drivers leave"):
         da.solve_kinematics(model, 1.0, parameters={"l1": LENGTHS})
+
+
+def test_designs_with_steps_of_their_own_have_common_outputs(model):
+    controlled = {"integrator": da.DormandPrince(), "workers": 1}
+    batch = da.solve_dynamics(model, 0.3, parameters={"l1": LENGTHS}, **controlled)
+    assert batch.succeeded.all() and batch.time == pytest.approx(np.linspace(0, 0.3, 201))
 
 
 def test_a_run_that_blows_up_is_marked_and_disturbs_nobody():

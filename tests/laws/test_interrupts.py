@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 
@@ -34,10 +35,8 @@ def test_a_search_that_swallows_the_exception_is_ended():
     """Compiled code loses ``KeyboardInterrupt``; the signal is counted all the same."""
 
     def pressed(fraction: float) -> None:
-        try:
+        with contextlib.suppress(KeyboardInterrupt):  # as Ipopt does
             signal.raise_signal(signal.SIGINT)
-        except KeyboardInterrupt:
-            pass  # as Ipopt does
 
     found = da.synthesize(da.Target.path(POINTS), starts=4, progress=pressed)
     assert found.interrupted and not found.success and found.starts < 4
@@ -46,11 +45,14 @@ def test_a_search_that_swallows_the_exception_is_ended():
 
 
 def test_another_exception_in_its_place_is_an_interrupt():
-    with ctrl_c(), pytest.raises(KeyboardInterrupt), searching():
+    def converted() -> None:
         try:
             signal.raise_signal(signal.SIGINT)
         except KeyboardInterrupt:
             raise NotImplementedError("Wrong number or type of arguments") from None
+
+    with ctrl_c(), pytest.raises(KeyboardInterrupt), searching():
+        converted()
     with ctrl_c(), pytest.raises(NotImplementedError), searching():
         raise NotImplementedError  # nothing was pressed
 
@@ -79,11 +81,12 @@ def test_in_the_second_iteration_the_design_reached_is_kept(method):
 
 
 def test_a_second_signal_ends_at_once():
-    with pytest.raises(KeyboardInterrupt), ctrl_c() as signals:
+    with ctrl_c() as signals:
         defer_ctrl_c()
         signal.raise_signal(signal.SIGINT)
         assert signals.pressed
-        signal.raise_signal(signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
 
 
 def test_nested_tasks_count_for_themselves():

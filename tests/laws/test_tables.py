@@ -20,17 +20,65 @@ Y = np.sin(5 * X)
 BETWEEN = np.linspace(X[0], X[-1], 41)
 
 
-def test_the_spline_is_the_natural_one_and_the_line_the_straight_one():
-    spline, line = CubicSpline(X, Y, bc_type="natural"), da.table(X, Y, kind="linear")
-    made = da.table(X, Y)
+@pytest.mark.parametrize("ends", [None, "not-a-knot", "clamped", "natural", "periodic"])
+def test_the_spline_is_that_of_scipy_and_the_line_the_straight_one(ends):
+    y = Y if ends != "periodic" else np.r_[Y[:-1], Y[0]]
+    spline, line = CubicSpline(X, y, bc_type=ends or "not-a-knot"), da.table(X, y, kind="linear")
+    made = da.table(X, y, **({"ends": ends} if ends else {}))
     for x in BETWEEN:
-        assert float(made(x)) == pytest.approx(spline(x), abs=1e-14)
-        assert float(line(x)) == pytest.approx(np.interp(x, X, Y), abs=1e-14)
+        assert float(made(x)) == pytest.approx(spline(x), abs=1e-13)
+        assert float(line(x)) == pytest.approx(np.interp(x, X, y), abs=1e-14)
+
+
+def test_the_second_derivative_holds_up_to_the_ends():
+    """A cubic is reproduced by few rows and by many, at both ends themselves, too."""
+    x = ca.SX.sym("x")
+    for rows in (4, 7, 40):
+        knots = np.linspace(0.2, 1.7, rows)
+        for law in (
+            da.table(knots, knots**3)(da.Expression(x)).sx,
+            da.Table(list(knots), list(knots**3)).value(x),
+            da.table(knots, knots**3, outside="clamp")(da.Expression(x)).sx,
+        ):
+            bend = ca.Function("bend", [x], [ca.gradient(ca.gradient(law, x), x)])
+            for place in (0.2, 0.9, 1.7):
+                assert float(bend(place)) == pytest.approx(6 * place, rel=1e-9)
+
+
+def robot_arm(law, duration=2.0):
+    """Torque at the start of an arm whose angle follows a law, by inverse dynamics."""
+    system = da.System("arm", gravity=(0.0, -9.81))
+    arm = system.add(planar.Bar("arm", length=1.0, mass=3.0))
+    system.add(planar.Revolute("O", system.ground.center, arm.start))
+    system.add(planar.RotationalDriver("motor", system.ground, arm, law))
+    model = system.build()
+    run = da.solve_inverse_dynamics(model, duration, outputs=21)
+    return run.values("motor.effort"), [text for _, text in model.diagnosis.messages]
+
+
+def test_inverse_dynamics_of_a_sampled_motion():
+    """Torque ``I q̈ + m g (l/2) cos q`` at both ends and between, or a warning that says why not."""
+    times = np.linspace(0, 2, 41)
+    q, bend = 0.5 * np.cos(2 * times) + times**2, 2 - 2 * np.cos(2 * times)
+    exact = (bend + 3 * 9.81 * 0.5 * np.cos(q))[::2]
+    for law in (da.Table(list(times), list(q)), da.table(times, q)(da.t)):
+        effort, doubts = robot_arm(law)
+        np.testing.assert_allclose(effort, exact, atol=2e-2)
+        assert not doubts
+    rough = [
+        (da.Table(list(times), list(q), ends="natural"), "natural ends"),
+        (2 * da.table(times, q / 2, ends="natural")(da.t), "natural ends"),
+        (da.Table(list(times), list(q - times), ends="clamped"), "clamped ends"),
+        (da.Table(list(times[::5]), list(q[::5])), "uncertain by"),
+    ]
+    for law, tells in rough:
+        effort, doubts = robot_arm(law)
+        assert len(doubts) == 1 and tells in doubts[0], tells
 
 
 @pytest.mark.parametrize("kind", ["spline", "linear"])
 def test_beyond_the_ends(kind):
-    slope = CubicSpline(X, Y, bc_type="natural")(X[-1], 1)
+    slope = CubicSpline(X, Y)(X[-1], 1)
     if kind == "linear":
         slope = (Y[-1] - Y[-2]) / (X[-1] - X[-2])
     beyond = X[-1] + 0.25
@@ -50,6 +98,7 @@ def test_beyond_the_ends(kind):
         ({"x": [0, 1, "b"]}, "row 3: expected a number"),
         ({"x": [0, 1, float("nan")]}, "not a finite number"),
         ({"kind": "cubic"}, "unknown kind 'cubic'"),
+        ({"ends": "natral"}, "unknown ends 'natral' .did you mean 'natural'"),
         ({"outside": "clmp"}, "unknown outside 'clmp' .did you mean 'clamp'"),
         ({"units": ("mmm", "")}, "unknown unit 'mmm'"),
         ({"x": range(2000), "y": range(2000)}, "has 2000 rows; thin it out"),
@@ -87,7 +136,7 @@ def test_rows_that_are_looked_up_are_those_written_out(rows):
     x = np.arange(rows) + RNG.uniform(0.0, 0.5, rows)
     y = np.sin(x)
     at = np.concatenate([RNG.uniform(x[0], x[-1], 500), (x[:-1] + x[1:]) / 2])
-    spline, line = CubicSpline(x, y, bc_type="natural"), da.table(x, y, kind="linear")
+    spline, line = CubicSpline(x, y), da.table(x, y, kind="linear")
     for order in range(3):
         found = evaluated(da.table(x, y), at, order)
         assert found == pytest.approx(spline(at, order), abs=1e-13)
@@ -133,7 +182,7 @@ def test_look_ups_among_many_operations_are_compiled():
 def test_absurd_numbers_are_not_looked_up():
     x = np.arange(30.0)
     absurd = evaluated(da.table(1e-40 * x, 1e80 * x**2), 1e-40 * (x + 0.5))
-    usual = CubicSpline(x, x**2, bc_type="natural")(3.5)
+    usual = CubicSpline(x, x**2)(3.5)
     assert absurd[3] == pytest.approx(1e80 * usual, rel=1e-12)
 
 
@@ -264,7 +313,7 @@ def test_tables_of_a_file(tmp_path):
     model = file.model()
     motion = make_analysis(file, model).run(model)
     x = motion.values("piston.pin.x")[-1]
-    gas = CubicSpline([0, 0.01, 0.02, 0.03], [2000, 1500, 900, 300], bc_type="natural")
+    gas = CubicSpline([0, 0.01, 0.02, 0.03], [2000, 1500, 900, 300])
     assert motion.values("push.force.x")[-1] == pytest.approx(gas(x) * 0.5, rel=1e-12)
     assert motion.values("interp(piston.pin.x, gas)")[-1] == pytest.approx(gas(x), rel=1e-12)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from twins import cubic, natural_cubic
+from twins import cubic, not_a_knot_cubic
 
 from dalembert import sin, t
 from dalembert.elements.laws import (
@@ -99,12 +99,16 @@ LAWS: dict[str, LawCase] = {
     "Table": LawCase(
         Table,
         lambda q: Table(TIMES, VALUES),
-        lambda p, s: cubic(s, TIMES, VALUES, "natural"),
+        lambda p, s: cubic(s, TIMES, VALUES, "not-a-knot"),
         breaks=tuple(TIMES[1:-1]),
     ),
     "Sum": LawCase(
         Sum,
-        lambda q: Table(TIMES, VALUES) + Harmonic(q.number("amp", 0.4), q.number("w", 3.0)) + t,
+        lambda q: (
+            Table(TIMES, VALUES, ends="natural")
+            + Harmonic(q.number("amp", 0.4), q.number("w", 3.0))
+            + t
+        ),
         lambda p, s: cubic(s, TIMES, VALUES, "natural") + p.amp * np.sin(p.w * s) + s,
         breaks=tuple(TIMES[1:-1]),
     ),
@@ -121,7 +125,7 @@ LAWS: dict[str, LawCase] = {
             [x * q.number(f"stretch{k}", 1.0) for k, x in enumerate(TIMES)],
             [y * q.number(f"lift{k}", 1.0) for k, y in enumerate(VALUES)],
         ),
-        lambda p, s: natural_cubic(
+        lambda p, s: not_a_knot_cubic(
             s,
             [x * getattr(p, f"stretch{k}") for k, x in enumerate(TIMES)],
             [y * getattr(p, f"lift{k}") for k, y in enumerate(VALUES)],

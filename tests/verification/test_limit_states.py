@@ -47,7 +47,7 @@ BRANCHES = [
 @pytest.mark.parametrize("name", ["R-S", "RP22", "RP107"])
 def test_first_order(name, method):
     formula, random, exact, printed = CASES[name]
-    found = da.reliability(None, formula, random, method=method)
+    found = da.reliability(None, formula, random, method=method, starts=1)
     assert found.success and found.residual < 1e-8
     assert found.beta == pytest.approx(BETAS[name], abs=1e-6)
     assert found.probability == pytest.approx(printed or exact, rel=2e-6)  # as it is printed

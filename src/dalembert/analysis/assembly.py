@@ -1,16 +1,18 @@
-"""Assembly as an analysis: where the mechanism stands and how far its guesses were moved."""
+"""Assembly as an analysis: assembled positions, corrections of guesses, all configurations."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, overload
+from typing import Any, Literal, overload
 
 import numpy as np
 
 from dalembert.analysis.served import need_mechanism
+from dalembert.errors import AssemblyError
 from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.assembly.assemblies import Assemblies
+from dalembert.model.assembly.completeness import Completeness
 from dalembert.model.model import Model
 from dalembert.text.spelling import spelled
 
@@ -48,6 +50,72 @@ class Assembly:
             raise KeyError(f"no body {body!r}; known: {', '.join(self.model.diagnosis.bodies)}")
         return found
 
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        names = self.model.guesses.names
+        poses = {name: float(value) for name, value in zip(names, self.y, strict=True)}
+        return {"coordinates": poses, "residual": self.residual}
+
+
+@dataclass(frozen=True, eq=False)
+class AllAssemblies(Sequence[Assembly]):
+    """Assembly configurations of a mechanism at one time, with what may be missing.
+
+    A sequence of ``Assembly``: the one on the branch of the given poses, then the nearest to it.
+
+    Attributes
+    ----------
+    found : tuple of Assembly
+    completeness : Completeness, how often random starts reached each, and what may be missing
+    note : remark on the branch of the given poses, where it ends; empty otherwise
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("crank and rod")
+    >>> crank = system.add(planar.Bar("crank", length=1.0, angle=0.5))
+    >>> rod = system.add(planar.Bar("rod", length=2.0))
+    >>> pin = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> joint = system.add(planar.Revolute("A", crank.end, rod.start))
+    >>> slider = system.add(planar.PinInSlot("B", system.ground.center, rod.end))
+    >>> assemblies = da.solve_assembly(system.build(), all=True)
+    >>> len(assemblies), assemblies.completeness.missing
+    (2, 0.0)
+    """
+
+    found: tuple[Assembly, ...]
+    completeness: Completeness
+    note: str = ""
+
+    def __len__(self) -> int:
+        return len(self.found)
+
+    @overload
+    def __getitem__(self, index: int) -> Assembly: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Assembly, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Assembly | tuple[Assembly, ...]:
+        return self.found[index]
+
+    def __str__(self) -> str:
+        count = len(self.found)
+        head = f"{count} {'assembly' if count == 1 else 'assemblies'}: {self.completeness}"
+        return f"{head}; {self.note}" if self.note else head
+
+    __repr__ = __str__
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        return {
+            "count": len(self.found),
+            "completeness": self.completeness.to_dict(),
+            "note": self.note,
+            "assemblies": [one.to_dict() for one in self.found],
+        }
+
 
 @overload
 def solve_assembly(
@@ -68,7 +136,7 @@ def solve_assembly(
     all: Literal[True],
     count: int | None = None,
     rng: np.random.Generator | int | None = None,
-) -> list[Assembly]: ...
+) -> AllAssemblies: ...
 
 
 @spelled
@@ -80,21 +148,21 @@ def solve_assembly(
     all: bool = False,
     count: int | None = None,
     rng: np.random.Generator | int | None = None,
-) -> Assembly | list[Assembly]:
+) -> Assembly | AllAssemblies:
     """Consistent positions and speeds at one time, ``Φ(y, t) = 0`` and ``C v = −Φ_t``.
 
-    What the joints and drivers leave free stays where it was given. With ``all`` every other way
-    in which the mechanism closes is looked for, too, from random starts: the assembly on the branch
-    of the given poses comes first. Each leaves residuals below 1e-10 of their natural sizes.
-    That none is missing cannot be proved by numbers; the search ends when many starts in a row
-    lead to nothing new.
+    What the joints and drivers leave free stays where it was given. With ``all`` every other
+    assembly configuration is searched for, too, by Newton's method from random positions. The one
+    on the branch of the given poses comes first. Each leaves residuals below 1e-10 of their
+    natural sizes. Numbers cannot prove that none is missing; ``completeness`` states how often
+    each was reached and estimates what may be missing (A. Chao 1984).
 
     Parameters
     ----------
     model : Model
     parameters : new values of parameters, without rebuilding
     time : [s]
-    all : find all assemblies
+    all : find all assemblies; returns ``AllAssemblies``, a sequence of ``Assembly``
     count : stop at so many
     rng : of the random starts, or its seed
 
@@ -118,13 +186,24 @@ def solve_assembly(
     """
     need_mechanism(model, "solve_assembly", "it needs no assembly, take solve_statics")
     p = model.values(parameters)
-    first = model.assemble(p, time)
     if not all:
-        return _assembly(model, time, first)
-    found = Assemblies(model.closure, time, p)
-    found.search(first.y, count, np.random.default_rng(0 if rng is None else rng))
-    others = (model.closure.state(y, p, time) for y in found.known[1:])
-    return [_assembly(model, time, state) for state in (first, *others)]
+        return _assembly(model, time, model.assemble(p, time))
+    first, note = None, ""
+    try:
+        first = model.assemble(p, time)
+    except AssemblyError as error:
+        if not error.others:
+            raise
+        note = f"none is on the branch of the nominal assembly: {str(error).partition(';')[0]}"
+    search = Assemblies(model.closure, time, p)
+    seed = np.random.default_rng(0 if rng is None else rng)
+    completeness = search.search(None if first is None else first.y, count, seed)
+    states = [model.closure.state(y, p, time) for y in search.known]
+    if first is not None:
+        states[0] = first
+    return AllAssemblies(
+        tuple(_assembly(model, time, state) for state in states), completeness, note
+    )
 
 
 def _assembly(model: Model, time: float, s: AssembledState) -> Assembly:

@@ -16,7 +16,9 @@ from dalembert.model.model import Model
 OUTPUT = 400
 """Bytes of an output at least, whatever the model."""
 HASTE = 1000.0
-"""Times that the steps of a run may grow, so that its first ones do not condemn it."""
+"""Factor by which the steps of a run may grow beyond their present length."""
+FEW = 2000
+"""Steps of a run below which the rest is not estimated."""
 
 
 def checked_span(duration: float | None, t_span: tuple[float, float] | None) -> tuple[float, float]:
@@ -76,7 +78,10 @@ def step_count(start: float, end: float, step: float) -> int:
 
 
 class Pace:
-    """What a run with error control takes, which shows only as it goes on.
+    """Memory that a run with error control needs, which shows only as it goes on.
+
+    The steps taken count as they are. The rest is estimated from the newer half of them, and only
+    of many: first steps may be short by any factor, at a contact or from a cautious first guess.
 
     Parameters
     ----------
@@ -85,22 +90,26 @@ class Pace:
     """
 
     def __init__(self, start: float, end: float, each: float):
-        self.start, self.end, self.each = start, end, each
+        self.end, self.each = end, each
         self.taken = 0
         self.excess = ""
+        self._marks = [(0, start), (0, start)]
 
     def exceeds(self, ends: np.ndarray) -> bool:
         """Whether the steps, of which these are the last ends, lead to more than can be kept."""
         self.taken += ends.size - 1
-        share = (ends[-1] - self.start) / (self.end - self.start)
-        if not share > 0:  # a switch at the start takes no time
-            return False
-        expected = self.taken / share
+        now = float(ends[-1])
+        if self.taken >= 2 * max(self._marks[1][0], FEW // 2):
+            self._marks = [self._marks[1], (self.taken, now)]
+        before, then = self._marks[0]
         cure = "use looser tolerances or a shorter run"
-        pace = f"at the pace of the first {self.taken} steps the run of {expected:.3g}"
         try:
             afford(f"a run of {self.taken} steps", memory=self.each * self.taken, cure=cure)
-            afford(pace, memory=self.each * expected, cure=cure, doubt=HASTE)
+            if self.taken >= FEW and now > then:
+                recent = self.taken - before
+                expected = self.taken + recent * (self.end - now) / (now - then)
+                pace = f"at the pace of the last {recent} steps the run of {expected:.3g}"
+                afford(pace, memory=self.each * expected, cure=cure, doubt=HASTE)
         except BudgetError as error:
             self.excess = str(error)
         return bool(self.excess)

@@ -3,16 +3,31 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from dalembert.cli.console import DONE, AsJson, Settings, emit, head, wrong_input
+from cyclopts import Parameter
+
+from dalembert.cli.console import DONE, AsJson, Settings, emit, head, tell, wrong_input
 from dalembert.cli.loading import is_deck, loaded, teller_of
 
 if TYPE_CHECKING:
+    from dalembert.analysis.assembly import AllAssemblies
     from dalembert.io.model_file import ModelFile
 
+Assemblies = Annotated[
+    bool,
+    Parameter(negative=(), help="Search for all assembly configurations, too."),
+]
 
-def check(model: Path, /, *, settings: Settings | None = None, as_json: AsJson = False) -> int:
+
+def check(
+    model: Path,
+    /,
+    *,
+    settings: Settings | None = None,
+    assemblies: Assemblies = False,
+    as_json: AsJson = False,
+) -> int:
     """Explain a model: its freedom, parts, parameters, and what is doubtful about it.
 
     Nothing is simulated. A mechanism is assembled, so that wrong lengths show here; where it
@@ -31,11 +46,23 @@ def check(model: Path, /, *, settings: Settings | None = None, as_json: AsJson =
     teller = teller_of(built)
     with wrong_input():
         check_tasks(file, built)
+    found = _all_assemblies(built) if assemblies else None
     if as_json:
-        emit({"ok": True, "name": file.name, **teller.description})
+        extra = {} if found is None else {"assemblies": found.to_dict()}
+        emit({"ok": True, "name": file.name, **teller.description, **extra})
     else:
         teller.explain()
+        if found is not None:
+            tell(f"  {found}")
     return DONE
+
+
+def _all_assemblies(model: Any) -> AllAssemblies:
+    """All assembly configurations of a mechanism at its start."""
+    from dalembert.analysis.assembly import solve_assembly
+
+    with wrong_input():
+        return solve_assembly(model, all=True)
 
 
 def _synthesis_alone(path: Path) -> ModelFile | None:

@@ -98,6 +98,8 @@ class Asked:
                 emit(made)
             else:
                 self._tell(file.name, found, interrupted)
+                for text in made["warnings"]:
+                    tell(f"  warning: {text}", "yellow")
                 show(made)
                 written(files)
             if interrupted or signals.pressed:

@@ -30,7 +30,7 @@ def invert(
     data
         File of measurements, .csv, .parquet or .c3d, instead of the file's.
     smoothing
-        l-curve, cross-validation, discrepancy, or a number, instead of the file's.
+        likelihood, cross-validation, l-curve, discrepancy, or a number, instead of the file's.
     output
         Folder for the histories (.inversion.nc, .inversion.json) and the page
         (.inversion.report.html); none are written by default.

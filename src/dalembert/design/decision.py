@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -24,6 +24,7 @@ class Decision(ABC):
     message : how it ended
     interrupted : by Ctrl-C; what there was by then is kept
     name : of what was decided on
+    warnings : doubts about the result, each with the number that shows it
     """
 
     word: ClassVar[str]
@@ -34,6 +35,7 @@ class Decision(ABC):
     message: str
     name: str
     interrupted: bool = False
+    warnings: Sequence[str] = ()
 
     @property
     def ok(self) -> bool:
@@ -52,7 +54,7 @@ class Decision(ABC):
     def summary(self) -> dict[str, Any]:
         """Everything found, as plain data."""
         ended = {"ok": self.ok, "message": self.message, "interrupted": self.interrupted}
-        return ended | self.findings()
+        return ended | {"warnings": list(self.warnings)} | self.findings()
 
     @abstractmethod
     def findings(self) -> dict[str, Any]:
@@ -134,7 +136,13 @@ class Decision(ABC):
         """A few lines of HTML where pages cannot be shown."""
         from html import escape
 
-        return f"<p>{escape(repr(self))}</p>"
+        return f"<p>{escape(repr(self))}</p>{self.warnings_html()}"
+
+    def warnings_html(self) -> str:
+        """The warnings, one below the other."""
+        from dalembert.text.cards import messages
+
+        return messages(("warning", text) for text in self.warnings)
 
     def _repr_html_(self) -> str:
         from dalembert.design.pages.plain import framed

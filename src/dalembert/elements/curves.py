@@ -50,6 +50,7 @@ class SplineCurve(Curve):
     ----------
     points : sequence of (x, y) or (x, y, z) in the body frame [m]; formulas are allowed
     closed : periodic; the first point need not be repeated
+    ends : of an open curve: ``"not-a-knot"``, ``"clamped"`` or ``"natural"`` (no curvature there)
 
     Examples
     --------
@@ -63,6 +64,9 @@ class SplineCurve(Curve):
 
     points: Rows = option("points (x, y), in space (x, y, z), of the curve")
     closed: bool = option("the curve closes on itself", default=True)
+    ends: str = option(
+        "of an open curve: `not-a-knot`, `clamped` or `natural`", default="not-a-knot"
+    )
 
     def __post_init__(self) -> None:
         if not isinstance(self.points, (Sequence, np.ndarray)):
@@ -89,7 +93,7 @@ class SplineCurve(Curve):
         knots = np.concatenate([[0.0], np.cumsum(chords)])
         self._range = (0.0, float(knots[-1]))
         self._components = [
-            CubicSpline(list(knots), [c[k] for c in columns], self.closed, "SplineCurve")
+            CubicSpline(knots, [c[k] for c in columns], self.closed, "SplineCurve", self.ends)
             for k in range(self.dimension)
         ]
 

@@ -73,6 +73,11 @@ class Driver(Constraint):
             wanted.append((start - LEAST, "its law asks for no distance at the start"))
         return wanted
 
+    def doubts(self) -> list[Condition]:
+        """Accelerations are second derivatives of the law, which a table may not determine."""
+        found = dict.fromkeys(spline.end_doubt() for spline in self.law.splines())
+        return [(ca.SX(-1), text) for text in found if text]
+
     def checked_quantities(self):
         return [*super().checked_quantities(), *self.law.checked_quantities(f"{self.name}.law")]
 

@@ -61,18 +61,26 @@ class Attempt:
     """An attempted step of an adaptive integrator, as one function.
 
     ``function`` maps ``([t; h; memory; x], [end; longest; p])``, before the end, to the next such
-    column and to ``[t; h; error; accepted]``; a refused attempt leaves t and x as they are.
+    column and to ``[t; h; error; accepted; stiffness]``; a rejected attempt leaves t and x as they
+    are. The stiffness is an estimate of ``h ρ(∂F/∂x)``, 0 where the method makes none.
 
     Attributes
     ----------
     function : ca.Function
     memory : initial values of what the controller remembers
     called : the function in the form that is fastest compiled, if there is another
+    work : operations of an attempt, about; those of the function where it is one of scalars
     """
 
     function: ca.Function
     memory: tuple[float, ...]
     called: ca.Function | None = None
+    work: float | None = None
+
+    @property
+    def cost(self) -> float:
+        """Operations of an attempt, about."""
+        return float(self.function.n_instructions()) if self.work is None else self.work
 
 
 @dataclass(frozen=True)
@@ -85,6 +93,11 @@ class Integrator:
     @property
     def name(self) -> str:
         return type(self).__name__
+
+    @property
+    def methods(self) -> tuple[Integrator, ...]:
+        """Methods between which a run changes; it begins with the first that suits the problem."""
+        return (self,)
 
     @property
     def implicit(self) -> bool:
@@ -104,6 +117,11 @@ class Integrator:
     def gradient_error(self) -> float:
         """Relative error of its gradients; none where they are derivatives of the steps taken."""
         return 0.0
+
+    @property
+    def convergence_order(self) -> int:
+        """Order of the states in the length of the steps."""
+        return self.order
 
     @property
     def order(self) -> int:

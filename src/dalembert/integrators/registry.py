@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dalembert.integrators.automatic import AutomaticIntegrator
 from dalembert.integrators.backward_euler import BackwardEuler, Trapezoidal
 from dalembert.integrators.bdf.bdf import Bdf
 from dalembert.integrators.newmark.family import Newmark
@@ -18,6 +19,7 @@ from dalembert.integrators.runge_kutta.radau import Radau
 from dalembert.integrators.sundials.sundials import Cvodes, Ida
 
 INTEGRATORS: dict[str, type] = {
+    "AutomaticIntegrator": AutomaticIntegrator,
     "Euler": Euler,
     "Heun": Heun,
     "RK4": RK4,

@@ -7,8 +7,13 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Problem
 
-SHARE = 1e-10
-"""Absolute tolerance by natural sizes, where none is given."""
+LEAST = 1e-10
+"""Smallest absolute tolerance by natural sizes, where none is given."""
+
+
+def share(rtol: float) -> float:
+    """Absolute tolerance by natural sizes, where none is given: a hundredth of the relative one."""
+    return max(LEAST, 1e-2 * rtol)
 
 
 def absolute(atol: float | None, share: float, problem: Problem, count: int) -> np.ndarray:

@@ -13,7 +13,7 @@ from dalembert.errors import FileError, ModelError
 from dalembert.files.readable import read_text
 from dalembert.io.choices import Record
 from dalembert.io.values import Text, number_or_formula, shown
-from dalembert.symbolic.formulas.interpolation import KINDS, OUTSIDE
+from dalembert.symbolic.formulas.interpolation import KINDS, OUTSIDE, TABLE_ENDS
 from dalembert.text.wording import unknown
 
 
@@ -44,6 +44,10 @@ class CurveTable(Record):
         default=None, description='of x and y, as `["mm", "kN"]`; by default those of the heading'
     )
     kind: Text = Field(default="spline", description=" or ".join(f'`"{k}"`' for k in KINDS))
+    ends: Text = Field(
+        default="not-a-knot",
+        description="of a spline: " + ", ".join(f'`"{k}"`' for k in TABLE_ENDS),
+    )
     outside: Text = Field(default="error", description=", ".join(f'`"{k}"`' for k in OUTSIDE))
 
 
@@ -60,7 +64,7 @@ def read_curve(table: CurveTable, source: Path, read: Any) -> dict[str, Any]:
     ModelError, FileError
         Neither rows nor a file, or a file that has none.
     """
-    made: dict[str, Any] = {"kind": table.kind, "outside": table.outside}
+    made: dict[str, Any] = {key: getattr(table, key) for key in ("kind", "outside", "ends")}
     if table.file is None:
         if not isinstance(table.x, list) or not isinstance(table.y, list):
             raise ModelError("give x and y as lists, or the file that has them")

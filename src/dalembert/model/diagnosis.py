@@ -15,6 +15,7 @@ from dalembert.model.assembly.closure import Closure
 from dalembert.model.assembly.independence import columns_of, least_fill
 from dalembert.model.checks import doubts_of
 from dalembert.model.description import Description
+from dalembert.model.idle_freedom import idle_freedoms
 from dalembert.model.tree.topology import Topology, analyse_topology
 from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.text.cards import card, messages, table
@@ -60,6 +61,8 @@ class Diagnosis:
     free : degrees of freedom that the drivers leave
     lost : joints that lose their independence in a singular position at the start
     doubts : what elements had better be otherwise
+    searched : remark where the given poses are far from closed; empty otherwise
+    idle : idle degrees of freedom, such as a rod that turns freely about its own axis
     corrections : given coordinate → change that assembly made; ``moved`` lists those to be told
     """
 
@@ -81,6 +84,8 @@ class Diagnosis:
     velocity_corrections: dict[str, float]
     lost: str = ""
     doubts: tuple[str, ...] = ()
+    searched: str = ""
+    idle: tuple[str, ...] = ()
 
     def refuse_massless(
         self,
@@ -130,6 +135,9 @@ class Diagnosis:
         for name in self.topology.unconnected:
             found.append(("warning", f"body {name} is not connected to anything"))
         found += [("warning", doubt) for doubt in self.doubts]
+        found += [("info", text) for text in self.idle]
+        if self.searched:
+            found.append(("warning", self.searched))
         if self.moved:
             listed = ", ".join(f"{n} by {self.corrections[n]:+.3g}" for n in self.moved)
             found.append(("info", f"assembly moved given poses: {listed}"))
@@ -201,6 +209,24 @@ def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> 
         velocity_corrections=closure.start.velocity_corrections,
         lost=closure.lost,
         doubts=doubts_of(d, closure.nominal),
+        searched=_searched(closure),
+        idle=idle_freedoms(d, closure),
+    )
+
+
+def _searched(closure: Closure) -> str:
+    """Remark on a start that only a search from random places closed."""
+    if (searched := closure.searched) is None:
+        return ""
+    change = closure.start.corrections
+    sizes = dict(zip(closure.guesses.speed_names, closure.scales.displacements, strict=True))
+    farthest = max(change, key=lambda name: abs(change[name]) / sizes[name], default="")
+    count = len(searched.positions)
+    moved = f"; it moved {farthest} by {change[farthest]:+.3g}, farthest of all" if farthest else ""
+    return (
+        f"the given poses are far from closed: a search from {searched.starts} random starts found "
+        f"{count} assembled {'position' if count == 1 else 'positions'} and took the nearest"
+        f"{moved}; give poses nearer to the assembly that is wanted"
     )
 
 

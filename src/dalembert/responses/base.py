@@ -78,6 +78,10 @@ class Response:
         """Whether it looks at instants of its own, wherever the run begins and ends."""
         return self.sample_times(motion) is not None
 
+    def searches(self, motion: Result) -> bool:
+        """Whether the instants it looks at depend on the run, and are others for each design."""
+        return False
+
     def sampled(self, motion: Result) -> Result:
         """The motion at the instants that the response looks at."""
         times = self.sample_times(motion)

@@ -84,7 +84,9 @@ def _elsewhere(
 ) -> np.ndarray:
     """Values where the response looks at other instants than the outputs: the designs run again."""
     analysis: Any = batch.analysis
-    together = analysis.batched is not None and analysis.batched.serves(analysis, batch.model)
+    engine = analysis.batched
+    together = engine is not None and getattr(engine, "same_instants", True)
+    together = together and engine.serves(analysis, batch.model)
     if not together or np.any(np.diff(times) <= 0):
         return np.array([_of_one(batch, k, response) for k in good])
     again, values = replace(analysis, outputs=times), np.full(len(batch), np.nan)
@@ -106,6 +108,8 @@ def _of_designs(
     batch: Batch, response: Response, like: Result, measure: Expression, good: np.ndarray
 ) -> np.ndarray:
     """Values of the designs that succeeded; ``like`` is the run of one of them."""
+    if response.searches(like):
+        return np.array([_of_one(batch, int(k), response) for k in good])
     sampled = response.sampled(like)
     reducer, columns = response.over(like), places(batch.time, sampled.time)
     if np.any(columns < 0):

@@ -6,19 +6,65 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.events import Occurrence
 from dalembert.errors import AnalysisError
 from dalembert.options import options
-from dalembert.responses.base import Response
+from dalembert.responses.base import Response, scalar_measure
+from dalembert.responses.integrals import Weighted
+from dalembert.responses.quadrature import rule_over
+from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import spelled
 
 
+@dataclass(frozen=True, kw_only=True)
+class SmoothExtreme(Response):
+    """``± (1/ρ) ln(wᵀ exp(± ρ m))`` with the weights of a mean over time."""
+
+    mean: Weighted
+    smooth: float
+    sign: float
+
+    def _powers(self, samples: np.ndarray) -> tuple[float, np.ndarray]:
+        """The largest sample, and the powers relative to that of it."""
+        m = self.sign * samples
+        return float(m.max()), np.exp(self.smooth * (m - m.max()))
+
+    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
+        top, powers = self._powers(samples)
+        return self.sign * (top + float(np.log(self.mean.reduce(times, powers))) / self.smooth)
+
+    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        _, powers = self._powers(samples)
+        return self.mean.weights(times, powers) * powers / self.mean.reduce(times, powers)
+
+    def weights_change(
+        self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
+    ) -> np.ndarray:
+        weights = self.weights(times, samples)
+        return self.sign * self.smooth * weights * (change - weights @ change)
+
+    def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        _, powers = self._powers(samples)
+        size = self.sign * self.smooth * self.mean.reduce(times, powers)
+        return self.mean.time_weights(times, powers) / size
+
+    def shares(self, times: np.ndarray) -> np.ndarray:
+        return self.mean.shares(times)
+
+
 @options
 class Maximum(Response):
-    """Largest sample, or its smooth lower bound (Kreisselmeier and Steinhauser 1979).
+    """Largest value, or its smooth lower bound (Kreisselmeier and Steinhauser 1979).
 
-    ``(1/ρ) ln ( (1/K) Σ exp(ρ m_k) )`` tends to the maximum as ``ρ`` grows; without ``ρ`` the
-    maximum itself, whose gradient is that of the largest sample.
+    Under error control the largest value of the motion between its first and its last output: its
+    instant is located inside the steps, and both sides of impacts and switches count. With fixed
+    steps, and of other results, the largest sample.
+
+    ``(1/ρ) ln ( (1/T) ∫ exp(ρ m) dt )`` tends to the maximum as ``ρ`` grows; of samples their mean
+    stands for that over time. Without ``ρ`` the maximum itself, whose gradient is that of the
+    largest value.
 
     Parameters
     ----------
@@ -46,6 +92,31 @@ class Maximum(Response):
         if self.smooth is not None and not self.smooth > 0:
             raise AnalysisError(f"{self.label}: smooth is {self.smooth}; it must be positive")
 
+    def sampled(self, motion: Result) -> Result:
+        scalar_measure(motion, self)  # which names the response where there is no such measure
+        if self.smooth is None:
+            return motion.analysis.peaks(motion, self.measure, self.sign)
+        return motion.analysis.over_peaks(motion, self.measure, self.smooth, self.sign)
+
+    def searches(self, motion: Result) -> bool:
+        return self.sampled(motion) is not motion
+
+    def stays(self, motion: Result) -> bool:
+        seen = self.sampled(motion)
+        return seen is not motion and seen.time[-1] != motion.record.steps.end
+
+    def moves_with(self, motion: Result) -> Occurrence | None:
+        return end_by_event(self.sampled(motion))
+
+    def over(self, motion: Result) -> Response:
+        if self.smooth is None or not self.searches(motion):
+            return self
+        rule = rule_over(self.sampled(motion))
+        mean = Weighted(self.measure, self.label, rule=rule, over_span=True)
+        return SmoothExtreme(
+            self.measure, self.label, mean=mean, smooth=self.smooth, sign=self.sign
+        )
+
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         m = self.sign * samples
         top = m.max()
@@ -71,7 +142,7 @@ class Maximum(Response):
 
 @dataclass(frozen=True)
 class Minimum(Maximum):
-    """Smallest sample, or its smooth upper bound.
+    """Smallest value, or its smooth upper bound; see ``Maximum``.
 
     Examples
     --------

@@ -227,6 +227,10 @@ class Analysis(ABC, Generic[M, R]):
     def run(self, model: M, parameters: Given = None) -> R:
         """The result for a model, with some parameters replaced or all given."""
 
+    def for_designs(self) -> Self:
+        """The same as many designs run it."""
+        return self
+
     def checks(self, model: M) -> Mapping[str, Callable[[], object]]:
         """Option → what tells, before a run and without compiling it, that it cannot work.
 
@@ -256,6 +260,17 @@ class Analysis(ABC, Generic[M, R]):
 
     def over_steps(self, result: R) -> R:
         """The result where integrals look at it."""
+        return result
+
+    def peaks(self, result: R, measure: str | Expression, sign: float) -> R:
+        """The result where ``sign`` times a measure is largest, where it is known between its
+        instants; else the result."""
+        return result
+
+    def over_peaks(
+        self, result: R, measure: str | Expression, sharpness: float, sign: float
+    ) -> R:
+        """The result where integrals of ``exp(± sharpness m)`` look at it, where that is known."""
         return result
 
     @classmethod

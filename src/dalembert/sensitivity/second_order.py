@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.analysis.times import follow_parameters
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, as_responses
+from dalembert.responses.extremes import SmoothExtreme
 from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import (
     chosen_columns,
@@ -86,6 +87,11 @@ def hessian_product(
         raise UnsupportedError(
             f"{response.label} looks at the instant of an event; second derivatives are available "
             "at fixed times only"
+        )
+    if response.searches(result) and not isinstance(engine.samples[0].response, SmoothExtreme):
+        raise UnsupportedError(
+            f"{response.label} looks at the instant of an extreme, which moves with the parameters; "
+            "second derivatives are available at fixed times only; smooth=ρ has them"
         )
     listed = list(result.model.parameters.values())
     found = engine.hessian_product(along)[0, columns]

@@ -40,6 +40,9 @@ class FixedSteps:
     workers : threads at most
     """
 
+    same_instants = True
+    """All designs are known at the same ends of steps, between which integrals are formed."""
+
     def __init__(self, analysis: Any, model: Model, designs: Designs, workers: int):
         self.analysis, self.model, self.designs = analysis, model, designs
         self.workers, self.count = workers, len(designs)
@@ -86,7 +89,7 @@ class FixedSteps:
         statistics = {
             "workers": self.workers,
             "backend": self.marching.report,
-            "steps of a design": self.grid.size - 1,
+            "steps of a design": self.steps_of_a_design,
             "designs run on their own": len(self.alone),
             "assembly time [s]": round(started, 6),
             "integration time [s]": round(marched, 6),
@@ -102,6 +105,10 @@ class FixedSteps:
             statistics,
             self._warnings(passed),
         )
+
+    @property
+    def steps_of_a_design(self) -> int:
+        return self.grid.size - 1
 
     def march(self, report: Callable[[float], None]) -> tuple[MarchedStates, np.ndarray]:
         """States at the outputs, the start and the end, and the designs that have them."""

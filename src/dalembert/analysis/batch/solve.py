@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Mapping
 from typing import Any
 
 from dalembert.analysis.batch.one_by_one import OneByOne
 from dalembert.analysis.batch.workers import checked_workers
+from dalembert.analysis.batch.states import States
+from dalembert.analysis.elastic_range import elastic_doubts_of_many
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs, are_designs
 from dalembert.results.batch.samples import Gathered
-from dalembert.results.result import Analysis
+from dalembert.results.result import Analysis, Result
 from dalembert.symbolic.parametric_model import ParametricModel
 
 
@@ -43,12 +46,16 @@ def solve_batch(
     DalembertError
         No design could begin, and all for one reason, which then is none of theirs.
     """
+    analysis = analysis.for_designs()
     if times := analysis.checks(model).get("duration"):
         times()
     begin = clock.perf_counter()
     with progress_reporter(progress, f"{len(designs)} designs of {model.name}") as report:
         if analysis.batched is not None and analysis.batched.serves(analysis, model):
             found: Batch = analysis.batched(analysis, model, designs, workers).execute(report)
+            if isinstance(found.samples, States):
+                found.warnings += elastic_doubts_of_many(found.samples)
+            found.warnings += warnings_of(found.results)
             return found
         runs = OneByOne(analysis, model, designs)
         runs.run(range(len(designs)), workers, report)
@@ -65,4 +72,15 @@ def solve_batch(
         Gathered(len(designs), runs.results),
         runs.results,
         {"workers": workers, "computation time [s]": round(elapsed, 6)},
+        warnings_of(runs.results),
     )
+
+
+def warnings_of(results: Mapping[int, Result]) -> list[str]:
+    """Warnings of designs that ran on their own: those of the first, and how many have some."""
+    warned = [k for k in sorted(results) if results[k].warnings]
+    if not warned:
+        return []
+    found = [f"design {warned[0]}: {text}" for text in results[warned[0]].warnings]
+    more = f"{len(warned)} of {len(results)} designs that ran on their own carry warnings"
+    return [*found, more] if len(warned) > 1 else found

@@ -114,15 +114,16 @@ class Starts:
         return x0[defined], known[defined]
 
     def _open(self, row: int, gap: float) -> Status:
-        """Of a design that cannot be assembled; what stays open most stands for all."""
+        """Of a design that cannot be assembled; the joint that is open most stands for all."""
         name, unit = "an initial condition", ""
         if row >= 0:
             constraint, k = self.model.closure.owners[row]
             name, unit = constraint.name, constraint.units()[k]
         return Status(
             Outcome.NOT_ASSEMBLED,
-            f"cannot be assembled at t = {self.start:g} s: {name} stays open by {gap:.3g} {unit}; "
-            "the design alone tells more",
+            f"cannot be assembled on the branch of the nominal assembly at t = {self.start:g} s: "
+            f"{name} stays open by {gap:.3g} {unit} where the branch ends; run the design alone to "
+            "search for other assemblies",
             float("nan"),
             gap,
         )

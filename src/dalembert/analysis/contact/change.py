@@ -72,6 +72,13 @@ class ContactChange(Variant):
 
     def _passed(self, t: ca.MX, x: ca.MX, p: ca.MX) -> ca.MX:
         """The state after it, without memory of steps."""
+        delay, _, there = self.meeting(t, x, p)
+        if self.guard is not None:
+            there = flow(self.after, t + delay, there, p, -delay)
+        return there
+
+    def meeting(self, t: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
+        """``δ``, and the states before and after the jump at ``t + δ``."""
         there, delay = x, ca.MX(0)
         if self.guard is not None:
             for _ in range(CORRECTIONS):
@@ -80,11 +87,10 @@ class ContactChange(Variant):
                 grazed = rate == 0
                 delay += ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
                 there = flow(self.before, t, x, p, delay)
+        before = there
         for each in self.sudden:
             there = each.function.call([t + delay, there, p])[0]
-        if self.guard is not None:
-            there = flow(self.after, t + delay, there, p, -delay)
-        return there
+        return delay, before, there
 
     @property
     def _guards(self) -> ca.Function:

@@ -14,10 +14,11 @@ from dalembert.analysis.contact.quantities import ContactDynamics
 from dalembert.analysis.contact.ruling import Ruling
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.formulations.base import Formulation
+from dalembert.integrators.base import Integrator
 from dalembert.model.contacts import Phase, Phases
 from dalembert.model.coordinates import CoordinateView
 
-ModeOf = Callable[[tuple[int, ...], Formulation, Phases], int]
+ModeOf = Callable[[tuple[int, ...], Formulation, Phases, Integrator], int]
 
 
 class ContactModes:
@@ -27,7 +28,7 @@ class ContactModes:
     ----------
     view : the model in the coordinates that are integrated
     variants : of the kernel, by mode; changes are added to it
-    mode_of : ``(rows, formulation, phases)`` → mode
+    mode_of : ``(rows, formulation, phases, integrator)`` → mode
     """
 
     def __init__(self, view: CoordinateView, variants: list[Variant], mode_of: ModeOf):
@@ -40,7 +41,7 @@ class ContactModes:
     def phased(self, mode: int, phases: Phases) -> int:
         """The mode with gaps in these phases."""
         now = self.variants[mode]
-        return self.mode_of(now.rows, now.formulation, phases)
+        return self.mode_of(now.rows, now.formulation, phases, now.integrator)
 
     def dynamics(self, mode: int) -> tuple[ContactDynamics, ca.Function]:
         """How gaps move with the constraints of a mode, and the same as a function."""

@@ -8,14 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.batch.adaptive_steps import AdaptiveSteps
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.contact.start import refuse_overlap
 from dalembert.analysis.dynamics.continued_run import ContinuedRun, refuse_ended
 from dalembert.analysis.dynamics.energy_balance import check_balance
 from dalembert.analysis.dynamics.extension import extended
 from dalembert.analysis.dynamics.instants import end_by_event, ended_again, instant_of
-from dalembert.analysis.dynamics.kernel import DynamicsKernel, DynamicsRecord
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.merits import merits_of
+from dalembert.analysis.dynamics.peaks import peak_quadrature, peaks
+from dalembert.analysis.dynamics.record import DynamicsRecord
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
 from dalembert.analysis.dynamics.variant import Variant
@@ -27,6 +30,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation, Merits
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
+from dalembert.integrators.automatic import AutomaticIntegrator
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.runge_kutta.explicit import RK4
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
@@ -35,8 +39,11 @@ from dalembert.options import options
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 from dalembert.symbolic.evaluation.backends import BACKENDS
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
+UNCHOSEN = AutomaticIntegrator()
+"""The integrator where none is chosen; with a step it gives way to RK4."""
 STRATEGIES = {
     "coordinates": (Coordinates, AbsoluteCoordinates),
     "formulation": (Formulation, RangeSpace),
@@ -46,6 +53,8 @@ STRATEGIES = {
 """What each choice of a run must be, and what it usually is."""
 OF_OUTPUTS = 4
 """Order of the quadrature through the ends of equal steps."""
+OF_BATCH = 201
+"""Outputs of each design of a batch under error control, where none are chosen."""
 INTERVALS = 1000
 """Where the integrator's own steps are not seen, integrals look at so many intervals at least."""
 
@@ -63,7 +72,9 @@ class Dynamics(OverTime[Motion]):
     formulation : how accelerations and multipliers are found; ``AutomaticFormulation()`` takes
         the one that needs fewest operations of those that are accurate
     stabilization : how violations of the constraints are kept small
-    integrator : how time advances
+    integrator : how time advances; by default ``AutomaticIntegrator()``, which controls the error
+        and takes explicit or implicit steps as the problem is stiff or not, and ``RK4()`` where a
+        ``step`` is given
     events : name → Event, or a formula that is recorded when it crosses zero
     strict : refuse inconsistent initial speeds instead of projecting them
     backend : ``"auto"``, CasADi's virtual machine at first and machine code where the work repays
@@ -91,12 +102,11 @@ class Dynamics(OverTime[Motion]):
     spoken = "dynamics"
     integrates = True
     execution = DynamicsRun
-    batched = FixedSteps
 
     coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
     formulation: Formulation = field(default_factory=RangeSpace)
     stabilization: Stabilization = field(default_factory=Projection)
-    integrator: Integrator = field(default_factory=RK4)
+    integrator: Integrator = UNCHOSEN
     events: Events | None = None
     strict: bool = False
     backend: str = "auto"
@@ -104,6 +114,8 @@ class Dynamics(OverTime[Motion]):
     memory: float = 2.0**27
 
     def __post_init__(self) -> None:
+        if self.integrator is UNCHOSEN and self.step is not None:
+            object.__setattr__(self, "integrator", RK4())
         for name, (kind, usual) in STRATEGIES.items():
             given = getattr(self, name)
             if not isinstance(given, kind):
@@ -120,6 +132,17 @@ class Dynamics(OverTime[Motion]):
         return _kernel(model, *choices, self.backend)
 
     @property
+    def batched(self) -> type:  # type: ignore[override]
+        """What runs many designs side by side."""
+        return AdaptiveSteps if self.integrator.adaptive else FixedSteps
+
+    def for_designs(self) -> Dynamics:
+        """The same with outputs at common times: steps under error control differ by design."""
+        if self.outputs is None and self.integrator.adaptive:
+            return replace(self, outputs=OF_BATCH)
+        return self
+
+    @property
     def gradient_error(self) -> float:
         return self.integrator.gradient_error
 
@@ -134,7 +157,7 @@ class Dynamics(OverTime[Motion]):
             "stabilization": lambda: self.stabilization.check(self.formulation),
             "coordinates": lambda: self.coordinates.check(model, self.formulation.every_equation),
             "formulation": definite,
-            "integrator": lambda: self.integrator.check(definite().problem),
+            "integrator": lambda: definite().integrator.check(definite().problem),
             "": lambda: refuse_overlap(model, checked_span(self.duration, self.t_span)[0]),
         }
 
@@ -185,6 +208,20 @@ class Dynamics(OverTime[Motion]):
             return motion
         return self._sampled(motion, *outputs_of(steps, None, end_by_event(motion) is not None))
 
+    def peaks(self, motion: Motion, measure: str | Expression, sign: float) -> Motion:
+        """The motion at the instant of the largest value, under error control."""
+        return peaks(motion, measure, sign) if motion.record.kernel.adaptive else motion
+
+    def over_peaks(
+        self, motion: Motion, measure: str | Expression, sharpness: float, sign: float
+    ) -> Motion:
+        """The motion at points that resolve ``exp(± sharpness m)``, under error control."""
+        points = peak_quadrature(motion, measure, sharpness, sign, self.integrator.order)
+        if points is None:
+            return motion
+        made = self._sampled(motion, points.times, points.branches)
+        return replace(made, record=replace(made.record, quadrature=points))
+
     def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
         """The motion at the instant of an event.
 
@@ -201,7 +238,9 @@ class Dynamics(OverTime[Motion]):
         kernel, steps = motion.record.kernel, motion.record.steps
         trajectory = kernel.trajectory(times, steps, branches, motion.parameters)
         return replace(
-            motion, trajectory=trajectory, record=replace(motion.record, branches=branches)
+            motion,
+            trajectory=trajectory,
+            record=replace(motion.record, branches=branches, dense=False),
         )
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
@@ -237,7 +276,7 @@ class Dynamics(OverTime[Motion]):
             motion,
             parameters=p,
             trajectory=kernel.trajectory(times, steps, branches, p),
-            record=DynamicsRecord(kernel, steps, branches, origin=motion),
+            record=DynamicsRecord(kernel, steps, branches, origin=motion, dense=record.dense),
         )
 
 

@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cached_property
+from collections.abc import Callable, Mapping
+from functools import cached_property, partial
 
+import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.flow import Flow
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.events import Event, locate
 from dalembert.integrators.marching.checkpoints import States
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.recording import EventRecord
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.once import once
 
 SHORTEST = 1e-12
 """Share left of a step that ends where it begins."""
+PARTS = np.arange(1, 16) / 16
+"""Of a step, where the cubic through its ends is evaluated."""
+NEAR = 0.5
+"""Value of the cubic, relative to the smaller one at the ends, below which a step is examined."""
+Crossed = tuple[int, float, float]
+"""Number of a step, and the part of it within which a measure crosses zero once."""
 
 
 class EventSearch:
@@ -51,43 +60,98 @@ class EventSearch:
 
     def terminal_crossing(self, times: np.ndarray, states: np.ndarray, modes: np.ndarray) -> bool:
         """Whether a terminal event happens between these states, by the modes of the steps."""
-        modes = np.append(modes, modes[-1:])
-        return any(
-            event.terminal and event.crossings(self.values(name, times, states, modes)).size
-            for name, event in self.events.items()
-        )
+        corrected = np.ones(modes.size, dtype=bool)
+        steps = Steps(times[:-1], np.diff(times), states, corrected, modes)
+        return any(self.crossings(n, steps) for n, event in self.events.items() if event.terminal)
 
-    def crossings(self, name: str, steps: Steps) -> np.ndarray:
-        """Steps in which an event happens."""
+    def crossings(self, name: str, steps: Steps) -> list[Crossed]:
+        """Parts of steps in which an event happens, in their order."""
         if not steps.count:
-            return np.zeros(0, dtype=int)
+            return []
         times = np.append(steps.t[: steps.count], steps.end)
-        modes = np.append(steps.mode, steps.mode[-1:])
-        return self.events[name].crossings(self.values(name, times, steps.x, modes))
+        values = self.values(name, times, steps.x, np.append(steps.mode, steps.mode[-1:]))
+        found = [(int(k), 0.0, float(steps.h[k])) for k in self.events[name].crossings(values)]
+        if self.kernel.adaptive is not None:
+            found += self._there_and_back(name, steps, times, values)
+        return sorted(found)
 
-    def locate(self, name: str, steps: Steps, k: int) -> float:
-        """Time from the beginning of step ``k`` to the crossing inside it [s]."""
+    def _there_and_back(
+        self, name: str, steps: Steps, times: np.ndarray, values: np.ndarray
+    ) -> list[Crossed]:
+        """Crossings within a step at whose ends the measure has one sign.
+
+        Steps are examined in which the cubic through values and rates at their ends comes near zero.
+        """
+        event, measure, h = self.events[name], self.measures[name], steps.h
+
+        def rates(modes: np.ndarray) -> np.ndarray:
+            function = partial(measured_rate, measure=measure)
+            return self.kernel.mapped(function, modes, times, steps.x, self.p)[0].ravel()
+
+        same = (h > 0) & (values[:-1] * values[1:] > 0)
+        if not same.any():
+            return []
+        sign, modes = np.sign(values[:-1]), steps.mode
+        begin, end = rates(np.append(modes, modes[-1]))[:-1], rates(np.append(modes[0], modes))[1:]
+        c = PARTS[:, None]
+        cubic = (1 + 2 * c) * (1 - c) ** 2 * values[:-1] + c**2 * (3 - 2 * c) * values[1:]
+        cubic += h * (c * (1 - c) ** 2 * begin - c**2 * (1 - c) * end)
+        nearest = (sign * cubic).min(axis=0)
+        near = same & (nearest < NEAR * np.minimum(abs(values[:-1]), abs(values[1:])))
+        flow, found = Flow(self.kernel, steps, self.p), list[Crossed]()
+        for k in map(int, np.flatnonzero(near)):
+            part = lowest(lambda s, k=k: sign[k] * flow.value(measure, k, s), float(h[k]))  # type: ignore[misc]
+            if part is None:
+                continue
+            found += [(k, 0.0, part)] if event.passes(-sign[k]) else []
+            found += [(k, part, float(h[k]))] if event.passes(sign[k]) else []
+        return found
+
+    def locate(self, name: str, steps: Steps, crossed: Crossed) -> float:
+        """Time from the beginning of a step to the crossing inside it [s]."""
         flow, measure = Flow(self.kernel, steps, self.p), self.measures[name]
-        return locate(lambda length: flow.value(measure, k, length), 0.0, float(steps.h[k]))
+        k, begin, end = crossed
+        return locate(lambda length: flow.value(measure, k, length), begin, end)
 
     def find(self, steps: Steps) -> tuple[list[EventRecord], tuple[int, float] | None]:
         """All crossings up to the first terminal one; its step and length, if there is one."""
-        found: list[tuple[float, str, int, float]] = []
+        found: list[tuple[float, str, float, Crossed]] = []
         for name in self.events:
-            for k in self.crossings(name, steps):
-                length = self.locate(name, steps, int(k))
-                found.append((steps.t[k] + length, name, int(k), length))
+            for crossed in self.crossings(name, steps):
+                length = self.locate(name, steps, crossed)
+                found.append((float(steps.t[crossed[0]] + length), name, length, crossed))
         found.sort()
-        for i, (_, name, k, length) in enumerate(found):
+        for i, (_, name, length, crossed) in enumerate(found):
             if self.events[name].terminal:
-                return [self._record(*event[1:], steps) for event in found[: i + 1]], (k, length)
-        return [self._record(*event[1:], steps) for event in found], None
+                happened = [self._record(*event, steps) for event in found[: i + 1]]
+                return happened, (crossed[0], length)
+        return [self._record(*event, steps) for event in found], None
 
-    def _record(self, name: str, k: int, length: float, steps: Steps) -> EventRecord:
-        flow, time = Flow(self.kernel, steps, self.p), float(steps.t[k] + length)
+    def _record(
+        self, time: float, name: str, length: float, crossed: Crossed, steps: Steps
+    ) -> EventRecord:
+        flow, (k, begin, _) = Flow(self.kernel, steps, self.p), crossed
         y, v = flow.bodies(k, length)
-        return EventRecord(name, time, -int(np.sign(flow.value(self.measures[name], k, 0.0))), y, v)
+        before = flow.value(self.measures[name], k, begin)
+        return EventRecord(name, time, -int(np.sign(before)), y, v)
 
     def cut(self, steps: Steps, k: int, length: float) -> Steps:
         """The steps up to the ``k``-th, which is shortened."""
         return Flow(self.kernel, steps, self.p).ended(k, max(length, SHORTEST * float(steps.h[k])))
+
+
+@once
+def measured_rate(variant: Variant, measure: Expression) -> ca.Function:
+    """``(t, x, p) → ṁ`` along the motion."""
+    rate = variant.rate.function
+    t, x, p = (ca.MX.sym(name, rate.numel_in(i)) for i, name in enumerate("txp"))
+    found = variant.measured(measure).tangent(t, x, p, 1, rate(t, x, p), ca.MX(p.numel(), 1))
+    return ca.Function("measured_rate", [t, x, p], [ca.densify(found)])
+
+
+def lowest(value: Callable[[float], float], length: float) -> float | None:
+    """Where in a step a value that is positive at its ends falls below zero; None if nowhere."""
+    from scipy.optimize import minimize_scalar
+
+    found = minimize_scalar(value, bounds=(0.0, length), method="bounded")
+    return float(found.x) if found.fun < 0 else None

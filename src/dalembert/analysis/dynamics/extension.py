@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from copy import copy
+from dataclasses import fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -54,6 +55,8 @@ def extended(
     whole |= {"outputs": outputs, **given}
     if "step" in options or (analysis.step is None and motion.record.kernel.adaptive is None):
         whole["step"] = step
+    if "integrator" in {f.name for f in fields(analysis)}:  # a step selects no other one here
+        whole["integrator"] = copy(analysis.integrator)  # type: ignore[attr-defined]
     return replace(analysis, **whole), step
 
 

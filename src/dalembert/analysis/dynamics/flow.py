@@ -75,7 +75,7 @@ class Flow:
         return float(tangent(t, x, self.p, 1.0, x_rate.ravel()[:size], still)[0].item())
 
     def _variant(self, k: int) -> Variant:
-        return self.kernel.variants[self.steps.mode[k] if self.steps.count else -1]
+        return self.kernel.variants[self.steps.mode[k] if self.steps.count else self.kernel.latest]
 
     def _advanced(self, k: int) -> Kernel:
         return _partial(self._variant(k).step)

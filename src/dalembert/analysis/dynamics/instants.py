@@ -61,8 +61,8 @@ def instant_of(motion: Motion, occurrence: Occurrence) -> Instant:
     name = occurrence.event if isinstance(occurrence.event, str) else _name_of(motion, event)
     if name is None:
         search = EventSearch(motion.record.kernel, {"": event}, motion.parameters)
-        k = occurrence.among(search.crossings("", steps).tolist())
-        return _placed(steps, float(steps.t[k]) + search.locate("", steps, k))
+        crossed = occurrence.among(search.crossings("", steps))
+        return _placed(steps, float(steps.t[crossed[0]]) + search.locate("", steps, crossed))
     time = occurrence.among([record.time for record in motion.events if record.name == name])
     ends = motion.status.outcome is Outcome.TERMINATED and time == motion.events[-1].time
     return _end(steps) if ends and name == motion.events[-1].name else _placed(steps, time)

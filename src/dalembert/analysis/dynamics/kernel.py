@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property, partial
 
 import casadi as ca
@@ -13,11 +12,10 @@ from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.contact.headings import first_headings
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.quantities import check_contacts
+from dalembert.analysis.dynamics.moving_sides import MovingSide
 from dalembert.analysis.dynamics.step_outputs import StepOutputs
-from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
 from dalembert.analysis.dynamics.transition import Transition, crossed, distances
 from dalembert.analysis.dynamics.variant import Variant
-from dalembert.analysis.kinematics.branches import Branches
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.redundancy import TRUSTED, best_rows, largest_share
@@ -30,26 +28,9 @@ from dalembert.model.assembly.closure import AssembledState
 from dalembert.model.contacts import Phase, Phases, touching
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
-from dalembert.results.recording import Recording
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.evaluation.backends import Backend, VirtualMachine
 from dalembert.symbolic.evaluation.columns import Columns
-
-
-@dataclass(frozen=True)
-class DynamicsRecord:
-    """What a gradient needs of a run: the steps taken and the branches to the outputs.
-
-    ``origin`` is the run that this one repeats, if it does; ``quadrature`` holds the weights that
-    make integrals of the outputs, where these are points inside steps.
-    """
-
-    kernel: DynamicsKernel
-    steps: Steps
-    branches: Branches
-    origin: Recording | None = None
-    quadrature: StepQuadrature | None = None
-
 
 STAGES = 4
 """Accelerations of a step, about."""
@@ -95,6 +76,8 @@ class DynamicsKernel(StepOutputs):
     ):
         self.model, self.formulation, self.stabilization = model, formulation, stabilization
         self.coordinates, self.integrator = coordinates, integrator
+        possible = formulation.gives_accelerations
+        self.methods = [m for m in integrator.methods if possible or m.implicit] or [integrator]
         self.backend = backend or VirtualMachine()
         stabilization.check(formulation)
         self.view = coordinates.view(model, formulation.every_equation)
@@ -107,6 +90,7 @@ class DynamicsKernel(StepOutputs):
             check_contacts(self.equations, formulation)
             self.contacts = ContactModes(self.view, self.variants, self._mode)
         self._transitions: dict[tuple[int, int, bool], int] = {}
+        self._sides: dict[tuple[int, bool], int] = {}
         self.fixed = FixedMarch(
             lambda mode: self.variants[mode].step, stabilization.period, self.backend
         )
@@ -131,25 +115,44 @@ class DynamicsKernel(StepOutputs):
         p: np.ndarray,
         rows: tuple[int, ...] | None = None,
         phases: Phases | None = None,
+        method: Integrator | None = None,
     ) -> int:
         """The variant for a state, with some rows of the equations or, by default, good ones.
 
-        Rigid gaps are apart by default.
+        Rigid gaps are apart by default, and the integrator is the one that runs begin with.
         """
         y = x[: self.equations.coordinate_count]
         rows = self._rows(t, y, p) if rows is None else rows
         if phases is None:
             phases = (Phase.APART,) * len(self.equations.contacts)
         chosen = self.formulation.choose(touching(self.view.with_rows(rows), phases), t, y, p)
-        return self._mode(rows, chosen, phases)
+        return self._mode(rows, chosen, phases, method or self.methods[0])
 
-    def _mode(self, rows: tuple[int, ...], chosen: Formulation, phases: Phases) -> int:
-        for mode, variant in enumerate(self.variants):
-            if (variant.rows, variant.formulation, variant.phases) == (rows, chosen, phases):
+    def _mode(
+        self, rows: tuple[int, ...], chosen: Formulation, phases: Phases, method: Integrator
+    ) -> int:
+        wanted = (rows, chosen, phases, method)
+        for mode, v in enumerate(self.variants):
+            if (v.rows, v.formulation, v.phases, v.integrator) == wanted:
                 return mode
-        made = Variant(self.view, rows, chosen, self.stabilization, self.integrator, phases)
-        self.variants.append(made)
+        self.variants.append(Variant(self.view, rows, chosen, self.stabilization, method, phases))
         return len(self.variants) - 1
+
+    @property
+    def latest(self) -> int:
+        """The mode of a run without steps: the newest that is no transition."""
+        return max(k for k, variant in enumerate(self.variants) if type(variant) is Variant)
+
+    def by_other_method(self, mode: int) -> int:
+        """The mode of the same equations with the other of two methods, if it suits them."""
+        now = self.variants[mode]
+        (other,) = (method for method in self.methods if method != now.integrator)
+        following = self._mode(now.rows, now.formulation, now.phases, other)
+        try:
+            other.check(self.variants[following].problem)
+        except UnsupportedError:
+            return mode
+        return following
 
     def _rows(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
         """The rows of the start where the others follow well from them, else the best ones."""
@@ -176,6 +179,15 @@ class DynamicsKernel(StepOutputs):
             self.variants.append(Transition(self.variants[mode], number, moving))
             self._transitions[key] = len(self.variants) - 1
         return self._transitions[key]
+
+    def side(self, mode: int, after: bool) -> int:
+        """The mode of outputs just before or just after a change, at its own instant."""
+        if (mode, after) not in self._sides:
+            change = self.variants[mode]
+            assert isinstance(change, Transition | ContactChange)
+            self.variants.append(MovingSide(change, after))
+            self._sides[mode, after] = len(self.variants) - 1
+        return self._sides[mode, after]
 
     def crossings(self, steps: Steps) -> list[tuple[int, Transition | ContactChange]]:
         """Steps that are transitions at which forces change."""
@@ -205,7 +217,7 @@ class DynamicsKernel(StepOutputs):
             try:
                 if not shares.ravel()[bad[0]] <= 1:
                     rows = best_rows(self.view.whole, rows, t, y[:, kept], p)
-                following = self.choose(t, x, p, rows, now.phases)
+                following = self.choose(t, x, p, rows, now.phases, now.integrator)
             except SingularityError as error:
                 return Switch(last_good, mode, str(error))
             if following != mode:

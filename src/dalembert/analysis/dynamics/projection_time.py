@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.dynamics.kernel import DynamicsRecord
+from dalembert.analysis.dynamics.record import DynamicsRecord
 
 MOST = 200
 """States at which it is measured."""

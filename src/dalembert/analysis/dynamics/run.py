@@ -10,13 +10,15 @@ import numpy as np
 from dalembert.analysis.choices import doubts
 from dalembert.analysis.contact.search import ContactSearch
 from dalembert.analysis.contact.unseen import refuse_collisions
+from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes
 from dalembert.analysis.dynamics.event_search import EventSearch
-from dalembert.analysis.dynamics.kernel import DynamicsRecord
+from dalembert.analysis.dynamics.record import DynamicsRecord
 from dalembert.analysis.dynamics.status import Ending, statistics
 from dalembert.analysis.dynamics.step_accuracy import StepAccuracy
 from dalembert.analysis.dynamics.stiffness import too_long_for
 from dalembert.analysis.dynamics.switch_search import SwitchSearch
 from dalembert.analysis.dynamics.truth import DynamicsTruth
+from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.events import as_events
 from dalembert.analysis.kinematics.branch_jumps import BranchJumps
 from dalembert.analysis.kinematics.branches import outputs_of
@@ -33,14 +35,17 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.budget import STEP
 from dalembert.errors import AssemblyError, SingularityError
+from dalembert.integrators.automatic import AutomaticIntegrator
 from dalembert.integrators.marching.changing_march import ChangingMarch
 from dalembert.integrators.marching.march import SHORT_CHUNK
+from dalembert.integrators.marching.method_choice import MethodChoice
 from dalembert.integrators.marching.steps import Crossing, Steps, Switch, Watch, standstill
 from dalembert.integrators.schedule import told_halves
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord
 from dalembert.results.status import Outcome, Status
+from dalembert.results.warnings import Warnings
 from dalembert.timing import Timing
 
 SHORTEST = 1e-12
@@ -128,16 +133,23 @@ class DynamicsRun:
         freedom = self.model.diagnosis.free
         formulation = self.kernel.formulation
         found = doubts(formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
-        fed_back = a.stabilization.feedback or formulation.feedback
         found += self.forewarned
         found += self.contacts.doubts if self.contacts else []
         found += told_halves(self.halved(motion.record.steps))
         if motion.status.success:
             found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
-        whole = motion.status.success or motion.status.outcome in REFUSED
-        if whole and not (a.integrator.controls_error or fed_back):
-            found += StepAccuracy(self.kernel, motion.record.steps, self.p).doubts
+        found += elastic_doubts(self.model, motion.trajectory, self.p)
         return found
+
+    def of_accuracy(self, motion: Motion) -> list[str]:
+        """Warnings about an estimated error beyond what was chosen."""
+        accuracy, integrator = motion.record.accuracy, self.analysis.integrator
+        if accuracy is None or not (motion.status.success or motion.status.outcome in REFUSED):
+            return []
+        if not integrator.controls_error:
+            return accuracy.of_fixed_steps  # type: ignore[no-any-return]
+        whole = isinstance(integrator, AutomaticIntegrator)
+        return accuracy.of_tolerance(integrator.rtol) if whole else []
 
     def execute(self, progress) -> Motion:
         timing = Timing()
@@ -152,12 +164,18 @@ class DynamicsRun:
         happened, ends = self.events.find(steps)
         if ends is not None:
             steps = self.events.cut(steps, *ends)
-        jumps = self.kernel.jumps(steps)
+        adaptive = self.kernel.adaptive is not None
+        jumps = contact_changes(self.kernel, steps) if adaptive else self.kernel.jumps(steps)
         wanted = self.requested
         if wanted is None and self.contacts is None and self.halved(steps):
             wanted = self.instants
         times, branches = outputs_of(steps, wanted, ends is not None, jumps)
-        trajectory = self.kernel.trajectory(times, steps, branches, self.p)
+        dense = wanted is None and adaptive
+        if dense:
+            outputs = DenseOutputs(self.kernel, steps, times, branches, self.p)
+            branches, trajectory = outputs.branches, outputs.trajectory
+        else:
+            trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         timing.lap("outputs")
         truth = DynamicsTruth(self.kernel, steps, trajectory, self.p, self.analysis.balance)
         motion = Motion(
@@ -168,15 +186,24 @@ class DynamicsRun:
             status=self.status(steps, truth, happened if ends is not None else []),
             statistics=statistics(self.kernel, steps, trajectory, self.p, timing),
             events=happened,
-            record=DynamicsRecord(self.kernel, steps, branches),
+            record=DynamicsRecord(
+                self.kernel, steps, branches, dense=dense, accuracy=self.accuracy(steps)
+            ),
         )
         if self.contacts:
             motion.statistics |= self.contacts.statistics(steps.end)
             motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
-        motion.warnings = self.doubts(motion, truth)
+        motion.warnings = Warnings(self.doubts(motion, truth), lambda: self.of_accuracy(motion))
         timing.lap("checks")
         motion.statistics |= timing.statistics
         return motion
+
+    def accuracy(self, steps: Steps) -> StepAccuracy | None:
+        """Estimate of the error, computed when it is read; None for methods of several steps."""
+        methods = self.kernel.methods
+        if any(m.controls_error and m.stability is None for m in methods):
+            return None
+        return StepAccuracy(self.kernel, steps, self.p)
 
     def prepare(self, mode: int) -> None:
         """Compile the march, so that its time is its own."""
@@ -225,7 +252,20 @@ class DynamicsRun:
         kept = 24.0 * self.model.equations.coordinate_count if every else 0.0
         self.pace = Pace(self.start, self.end, STEP + kept)
         memory = np.inf if every else self.analysis.memory
-        return Watch(report, self.ends, self.switch, self.cross, memory, self.requested)
+        choice, kernel = None, self.kernel
+        if len(kernel.methods) > 1:
+
+            def implicit(mode: int) -> bool:
+                return kernel.variants[mode].integrator.implicit
+
+            def cost(mode: int) -> float:
+                attempt = kernel.variants[mode].attempt
+                assert attempt is not None
+                return attempt.cost
+
+            choice = MethodChoice(self.end, implicit, cost, kernel.by_other_method)
+        hooks = report, self.ends, self.switch, self.cross
+        return Watch(*hooks, choice, memory, self.requested)
 
     def ends(self, ends: np.ndarray, states: np.ndarray, modes: np.ndarray) -> bool:
         """Whether a terminal event happens in these steps, or they lead to too many."""

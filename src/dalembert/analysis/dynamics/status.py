@@ -113,7 +113,7 @@ class Ending:
     def left_open(self) -> float | None:
         """Relative residual that Newton's method left in the step that failed, if it did."""
         steps = self.steps
-        step = self.kernel.variants[steps.mode[-1] if steps.count else -1].step
+        step = self.kernel.variants[steps.mode[-1] if steps.count else self.kernel.latest].step
         if step.residual is None:
             return None
         where = (steps.end, self.following, steps.x[:, -1], self.p)
@@ -127,7 +127,8 @@ class Ending:
             return ""
         lost = ~(self.violations < self.lost)
         lost_at = float(self.s.t[np.argmax(lost)] if lost.any() else self.s.t[-1])
-        variant = self.kernel.variants[self.steps.mode[-1] if self.steps.count else -1]
+        kernel, steps = self.kernel, self.steps
+        variant = kernel.variants[steps.mode[-1] if steps.count else kernel.latest]
         found = near_singular_position(
             variant.equations, self.steps, self.p, lost_at, self.following
         )
@@ -179,6 +180,9 @@ def statistics(
     modes, h = steps.mode[steps.lasting], steps.h[steps.lasting]
     if np.unique(modes).size > 1:
         made["changes of variant"] = int(np.sum(np.diff(modes) != 0))
+    if len(kernel.methods) > 1:
+        implicit = [v.integrator.implicit for v in kernel.variants]
+        made["implicit steps"] = int(np.sum(np.array(implicit, dtype=bool)[modes]))
     if crossings := kernel.crossings(steps):
         made["changes of contacts" if kernel.contacts else "switches"] = len(crossings)
     if h.size:

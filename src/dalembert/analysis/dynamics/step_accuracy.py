@@ -1,11 +1,16 @@
-"""Whether the steps of a run were short enough, told after it by taking a few of them in parts.
+"""Estimated error of a run: its steps are repeated in halves.
 
-A step taken in two halves ends elsewhere by nearly its own error. Errors of that size in all steps
-add up to an estimate of how far off the run is; it neither knows how they cancel nor how the motion
-lets them grow. Violations that are fed back decay faster than such steps: there it would mislead.
+With steps of half the length a method of order q makes an error smaller by 2^q, so that the
+difference of both runs is the error of the first, but for a factor of ``2^q / (2^q − 1)``. All
+steps are repeated, so that the estimate follows how errors cancel and how the motion amplifies
+them. Of runs too long for that a few steps are repeated, those in which the state changes fastest
+among them; their errors are added up.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,20 +21,44 @@ from dalembert.integrators.marching.checkpoints import Checkpoints
 from dalembert.integrators.marching.steps import Steps
 
 ALLOWED = 1e-2
-"""Errors of all steps together, relative to the way and the speeds, that nobody is warned of."""
-EVERY, MOST = 25, 16
-"""One in so many steps is looked at, and so many at most."""
-HALVINGS = 12
-"""Of a step, in search of one that is short enough."""
+"""Estimated error, relative to the motion, up to which fixed steps raise no warning."""
+ENOUGH = 10.0
+"""A stated tolerance is kept up to this factor."""
+ENTRIES, OPERATIONS = 2e7, 1e9
+"""Numbers of states, and operations, up to which all steps are repeated."""
+FASTEST, EVEN = 24, 16
+"""Steps that are repeated of longer runs: where the state changes fastest, and evenly spaced."""
+CANDIDATES = 20_000
+"""Steps among which the fastest are looked for."""
 SMALL = 1e-2
-"""Way or speed, relative to the largest, by which a coordinate is measured at least."""
-
+"""Way or speed, relative to the largest, by which an entry is measured at least."""
 REST = 1e-8
-"""Way or speed, by natural sizes, that what stands still is measured by: rounding moves it, too."""
+"""The same by natural sizes, for what stands still: rounding moves it, too."""
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Largest estimated error over a run.
+
+    Attributes
+    ----------
+    share : relative to the range of the coordinate, or to the largest magnitude of the speed
+    name : of the coordinate or speed
+    time : at which it is largest [s]
+    """
+
+    share: float
+    name: str
+    time: float
+
+    @property
+    def text(self) -> str:
+        of_motion = f"{self.share:.2g} times" if self.share >= 10 else f"{self.share:.2g} of"
+        return f"{of_motion} its range or largest value, in {self.name} at t = {self.time:.6g} s"
 
 
 class StepAccuracy:
-    """A few steps of a run of fixed steps, looked at again.
+    """The error of a run of steps of a one-step method.
 
     Parameters
     ----------
@@ -42,60 +71,90 @@ class StepAccuracy:
         self.kernel, self.steps, self.p = kernel, steps, p
         e = kernel.equations
         self.positions, self.size = e.coordinate_count, e.coordinate_count + e.speed_count
-        count = min(MOST, -(-steps.lasting.size // EVERY))
-        kept = steps.x.number[:-1] if isinstance(steps.x, Checkpoints) else np.arange(steps.count)
-        kept = kept[steps.h[kept] > 0]  # changes take no time
-        count = min(count, kept.size)
-        middle = (np.arange(count) + 0.5) / count
-        self.chosen = np.unique(kept[(middle * kept.size).astype(int)])
-        self.begins = steps.x[:, self.chosen]
+
+    @cached_property
+    def estimate(self) -> ErrorEstimate | None:
+        """The estimate; None where the shorter steps fail or nothing moves."""
+        if not self.steps.lasting.size:
+            return None
+        try:
+            return self._of_all if self._affordable else self._of_some
+        except SolverFailure:
+            return None
+
+    def exceeds(self, limit: float) -> bool:
+        """The estimate is above a limit."""
+        return self.estimate is not None and self.estimate.share > limit
 
     @property
-    def doubts(self) -> list[str]:
-        """What to say where the steps are too long for the motion; else nothing."""
-        if not self.chosen.size:
+    def of_fixed_steps(self) -> list[str]:
+        """Warning where fixed steps are too long for the motion."""
+        if not self.exceeds(ALLOWED) or self.estimate is None:
             return []
-        try:
-            ends = [self._ends(1), self._ends(2)]
-            way = self._way(ends[0])
-            share = self._share(ends[0] - ends[1], way)
-            if not share > ALLOWED:
-                return []
-            halvings, most = 0, self._most_halvings()
-            while self._share(ends[-2] - ends[-1], way) > ALLOWED and halvings < most:
-                halvings += 1
-                ends.append(self._ends(2 ** (halvings + 1)))
-            enough = self._share(ends[-2] - ends[-1], way) <= ALLOWED
-        except SolverFailure:
+        lasting = self.steps.lasting
+        h, order = float(np.median(self.steps.h[lasting])), self._order(int(lasting[0]))
+        shorter = h * (ALLOWED / min(self.estimate.share, 1.0)) ** (1 / order)
+        return [
+            f"steps of {h:.3g} s are long for this motion: their estimated error is "
+            f"{self.estimate.text}; use steps below {shorter:.2g} s, or an integrator with error "
+            "control"
+        ]
+
+    def of_tolerance(self, rtol: float) -> list[str]:
+        """Warning where a run with a relative tolerance for the whole does not keep it."""
+        if not self.exceeds(ENOUGH * rtol) or self.estimate is None:
             return []
-        of_motion = f"{share:.0%} of it" if share < 10 else f"{share:.2g} times as much"
-        h = float(np.median(self.steps.h[self.chosen]))
-        text = (
-            f"steps of {h:.3g} s are long for this motion: their errors add up to about "
-            f"{of_motion}; steps {'of' if enough else 'below'} {h / 2**halvings:.2g} s or an "
-            "integrator with error control do better"
-        )
-        return [text]
+        text = f"the estimated error of the run is {self.estimate.text}, above rtol = {rtol:g}"
+        if self.estimate.share > ALLOWED:
+            return [f"{text}: the motion amplifies small differences"]
+        return [f"{text}, for errors accumulate; use a smaller rtol"]
 
-    def _most_halvings(self) -> int:
-        """The search takes no more steps than the run did."""
-        affordable = np.log2(max(1.0, self.steps.count / (2 * self.chosen.size)))
-        return min(HALVINGS, int(affordable))
+    # all steps ---------------------------------------------------------------------
+    @property
+    def _affordable(self) -> bool:
+        count = self.steps.lasting.size
+        operations = 0
+        for mode in np.unique(self.steps.mode[self.steps.lasting]):
+            step = self.kernel.variants[int(mode)].step
+            operations = max(operations, step.function.n_instructions())
+        entries = count * self.kernel.variants[int(self.steps.mode[0])].step.size
+        return 2 * count * operations <= OPERATIONS and 3 * entries <= ENTRIES
 
-    def _ends(self, parts: int) -> np.ndarray:
-        """Positions and speeds after the chosen steps, each taken in so many parts."""
-        x, t, h = self.begins.copy(), self.steps.t[self.chosen], self.steps.h[self.chosen] / parts
-        for i in range(parts):
-            for mode, some in alike(self.steps.mode[self.chosen], np.arange(self.chosen.size)):
-                p = np.tile(self.p[:, None], some.size)
-                step = self.kernel.over(self.kernel.variants[mode].step.function, some.size)
-                (x[:, some],) = step(t[some] + i * h[some], h[some], x[:, some], p)
-        return x[: self.size]
+    @property
+    def _of_all(self) -> ErrorEstimate | None:
+        halved = self.steps.divided(2)
+        repeated = self.kernel.fixed.repeat(halved, self.steps.x[:, 0], self.p)
+        if repeated.interrupted:
+            raise KeyboardInterrupt
+        ends = np.cumsum(np.where(self.steps.h > 0, 2, 1))
+        ends = ends[ends <= repeated.count]
+        if not ends.size:
+            return None
+        x = self.steps.x[:, 1 : ends.size + 1][: self.size]
+        order = self._order(int(self.steps.lasting[0]))
+        error = (x - repeated.x[:, ends][: self.size]) * (2**order / (2**order - 1))
+        start = self.steps.x[:, :1][: self.size]
+        return self._largest(error, np.column_stack([start, x]), self.steps.t + self.steps.h)
 
-    def _way(self, after: np.ndarray) -> np.ndarray:
-        """(n,) how far the run goes in each coordinate, how fast in each speed."""
-        first, last = (self.steps.x[: self.size, k] for k in (0, -1))
-        seen = np.column_stack([first, last, self.begins[: self.size], after])
+    def _order(self, k: int) -> int:
+        return self.kernel.variants[int(self.steps.mode[k])].integrator.convergence_order
+
+    def _largest(self, error, seen: np.ndarray, times: np.ndarray) -> ErrorEstimate | None:
+        """Where an error over some time is largest, relative to the motion."""
+        sizes = self._sizes(seen)
+        moving = np.flatnonzero(sizes > 0)
+        if not moving.size:
+            return None
+        share = np.abs(error[moving]) / sizes[moving, None]
+        share = np.where(np.isfinite(share), share, np.inf)
+        row, k = np.unravel_index(int(np.argmax(share)), share.shape)
+        names = [*self.kernel.view.names, *self.kernel.view.speed_names]
+        speed = "" if moving[row] < self.positions else "speed of "
+        name = names[moving[row]]
+        return ErrorEstimate(float(share[row, k]), speed + name, float(times[k]))
+
+    def _sizes(self, seen: np.ndarray) -> np.ndarray:
+        """(n,) range of each coordinate, largest magnitude of each speed."""
         way = np.ptp(seen[: self.positions], axis=1)
         speed = np.abs(seen[self.positions :]).max(axis=1)
         found = np.concatenate([np.maximum(w, SMALL * w.max(initial=0.0)) for w in (way, speed)])
@@ -103,10 +162,51 @@ class StepAccuracy:
         natural = REST * np.concatenate([scales.coordinates, scales.speeds])
         return np.maximum(found, np.where(found > 0, natural, 0.0))
 
-    def _share(self, error: np.ndarray, way: np.ndarray) -> float:
-        """Errors of all steps, relative to the way, where that is most."""
-        moving = way > 0
-        if not np.all(np.isfinite(error)) or not moving.any():
-            return 0.0
-        added = self.steps.lasting.size * np.abs(error[moving]).mean(axis=1)
-        return float(np.max(added / way[moving]))
+    # some steps --------------------------------------------------------------------
+    @property
+    def _of_some(self) -> ErrorEstimate | None:
+        """Errors of single steps, added up as if none cancelled and none were amplified."""
+        x, chosen, share = self._chosen
+        begins = self.steps.x[:, chosen]
+        once, twice = self._ends(chosen, begins, 1), self._ends(chosen, begins, 2)
+        order = self._order(int(chosen[0]))
+        factor = 2**order / (2**order - 1)
+        error = np.abs(once - twice) * factor
+        error = (error * share).sum(axis=1, keepdims=True)
+        end = np.array([self.steps.end])
+        return self._largest(error, np.column_stack([x, once]), end)
+
+    @property
+    def _chosen(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """States looked at, numbers of some steps, and for how many steps each one stands."""
+        steps, lasting = self.steps, self.steps.lasting
+        kept = steps.x.number[:-1] if isinstance(steps.x, Checkpoints) else lasting
+        kept = np.intersect1d(kept, lasting)
+        kept = kept[:: max(1, kept.size // CANDIDATES)]
+        x = steps.x[:, kept][: self.size]
+        change = np.zeros(kept.size)
+        if kept.size > 2:
+            speeds = x[self.positions :]
+            apart = np.abs(np.diff(speeds, axis=1)) / np.maximum(
+                self._sizes(x)[self.positions :, None], 1e-300
+            )
+            change[1:] = apart.max(axis=0, initial=0.0)
+        fastest = np.argsort(change)[::-1][:FASTEST]
+        even = ((np.arange(EVEN) + 0.5) / EVEN * kept.size).astype(int)
+        even = np.setdiff1d(even, fastest)
+        places = np.concatenate([fastest, even])
+        each = np.ones(places.size)
+        each *= lasting.size / kept.size
+        if even.size:
+            each[fastest.size :] *= max(1.0, (kept.size - fastest.size) / even.size)
+        return x, kept[places], each
+
+    def _ends(self, chosen: np.ndarray, begins: np.ndarray, parts: int) -> np.ndarray:
+        """Positions and speeds after some steps, each taken in so many parts."""
+        x, t, h = begins.copy(), self.steps.t[chosen], self.steps.h[chosen] / parts
+        for i in range(parts):
+            for mode, some in alike(self.steps.mode[chosen], np.arange(chosen.size)):
+                p = np.tile(self.p[:, None], some.size)
+                step = self.kernel.over(self.kernel.variants[mode].step.function, some.size)
+                (x[:, some],) = step(t[some] + i * h[some], h[some], x[:, some], p)
+        return x[: self.size]

@@ -30,6 +30,11 @@ class StepOutputs:
     variants: list[Variant]
     equations: Equations
 
+    @property
+    def latest(self) -> int:
+        """The mode of a run without steps."""
+        raise NotImplementedError
+
     def over(self, function: ca.Function, count: int) -> Callable[..., list[np.ndarray]]:
         """The function for ``count`` columns at once."""
         raise NotImplementedError
@@ -51,9 +56,10 @@ class StepOutputs:
     def modes(self, steps: Steps, branches: Branches) -> np.ndarray:
         """Variant of each output."""
         if not steps.count:
-            return np.full(branches.index.size, len(self.variants) - 1)
+            return np.full(branches.index.size, self.latest)
         following = np.minimum(branches.index + 1, steps.count - 1)
-        return steps.mode[np.where(branches.ends_of(steps), following, branches.index)]
+        modes = steps.mode[np.where(branches.ends_of(steps), following, branches.index)]
+        return modes if branches.modes is None else np.where(branches.modes < 0, modes, branches.modes)
 
     def mapped(
         self,

@@ -36,29 +36,42 @@ class StepQuadrature:
     ----------
     steps : Steps taken, at least one
     order : of the quadrature at least
+    parts : (n,) equal parts of each step, one by default
     """
 
     steps: Steps
     order: int
+    parts: np.ndarray | None = None
     continuous = True
 
     @cached_property
     def _rule(self) -> tuple[np.ndarray, np.ndarray]:
         return lobatto((self.order + 1) // 2 + 1)
 
+    @cached_property
+    def _pieces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Number of the step, beginning and length as shares of it, of all parts."""
+        h = self.steps.h
+        parts = np.ones(h.size, int) if self.parts is None else np.where(h > 0, self.parts, 1)
+        index = np.repeat(np.arange(h.size), parts)
+        ordinal = np.arange(index.size) - np.repeat(np.cumsum(parts) - parts, parts)
+        share = 1 / parts[index]
+        return index, ordinal * share, share
+
     @property
     def branches(self) -> Branches:
-        """Where the points lie: the start, then of each step those after its beginning.
+        """Where the points lie: the start, then of each part those after its beginning.
 
         Those of a transition, which has no length, are the beginning of the step after it.
         """
         inside, h = self._rule[0][1:], self.steps.h
-        length, index = h[:, None] * inside, np.repeat(np.arange(h.size), inside.size)
-        length[:, -1] = h
+        piece, begin, share = self._pieces
+        length = h[piece][:, None] * (begin[:, None] + share[:, None] * inside)
+        index, last = np.repeat(piece, inside.size), np.append(np.flatnonzero(np.diff(piece)), -1)
+        length[last, -1] = h
         switched = np.flatnonzero(h[:-1] == 0)
-        before = switched[switched > 0] - 1
-        length[before, -1] *= 1 - INSIDE
-        length[switched] = INSIDE * h[switched + 1, None]
+        length[last[switched[switched > 0] - 1], -1] *= 1 - INSIDE
+        length[last[switched]] = INSIDE * h[switched + 1, None]
         index += np.isin(index, switched)
         return Branches(np.append(0, index), np.append(0.0, length))
 
@@ -69,15 +82,17 @@ class StepQuadrature:
 
     @cached_property
     def weights(self) -> np.ndarray:
-        b, h = self._rule[1], self.steps.h
+        b, (piece, _, share) = self._rule[1], self._pieces
+        h = self.steps.h[piece] * share
         parts = h[:, None] * b[1:]
         parts[:-1, -1] += h[1:] * b[0]
         return np.append(h[0] * b[0], parts)
 
     @property
     def shares(self) -> np.ndarray:
-        c = self._rule[0][1:]
-        return np.append(np.zeros(self.weights.size - c.size), c)
+        c, (piece, begin, share) = self._rule[0][1:], self._pieces
+        found = np.where(piece == piece[-1], begin, 0.0)[:, None] + np.outer(share, c)
+        return np.append(0.0, found * (piece == piece[-1])[:, None])
 
     @property
     def span(self) -> float:
@@ -89,6 +104,8 @@ class StepQuadrature:
 
     def time_weights(self, samples: np.ndarray) -> np.ndarray:
         """By the last time, with which the length of the last step grows."""
-        b, found = self._rule[1], np.zeros(samples.size)
-        found[-1] = b @ samples[-b.size :]
+        b, (piece, _, share), found = self._rule[1], self._pieces, np.zeros(samples.size)
+        for k in np.flatnonzero(piece == piece[-1]):
+            begin = k * (b.size - 1)
+            found[-1] += share[k] * (b @ samples[begin : begin + b.size])
         return found

@@ -41,12 +41,11 @@ class Transition(Variant):
 
     @cached_property
     def step(self) -> GraphStep:
-        step, equations = self.variant.step, self.variant.equations
+        step = self.variant.step
         t, h = ca.MX.sym("t"), ca.MX.sym("h")
         x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
         state, memory = x[: step.state_size], x[step.state_size :]
-        place = step.state_size - equations.switches.count + self.number
-        turned = ca.vertcat(state[:place], state[place] < 0.5, state[place + 1 :])
+        turned, memory = self._turned(state), x[step.state_size :]
         if self.moving:
             rate = self.variant.rate.function
             before, after = rate(t, state, p), rate(t, turned, p)
@@ -54,6 +53,20 @@ class Transition(Variant):
             memory = step.begin(t, turned, p) if step.begin is not None else memory
         function = ca.Function("transition", [t, h, x, p], [ca.vertcat(turned, memory)])
         return GraphStep(function, step.state_size, begin=step.begin)
+
+    def _turned(self, x: ca.MX) -> ca.MX:
+        """The state on the other side of the switch."""
+        place = self.variant.step.state_size - self.variant.equations.switches.count + self.number
+        return ca.vertcat(x[:place], x[place] < 0.5, x[place + 1 :])
+
+    def meeting(self, t: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
+        """``δ``, and the states on both sides of the switch at ``t + δ``."""
+        if not self.moving:
+            return ca.MX(0), x, self._turned(x)
+        rate = self.variant.rate.function(t, x, p)
+        delay = self.delay(t, x, p, rate)
+        there = x + rate * delay
+        return delay, there, self._turned(there)
 
     @cached_property
     def delay(self) -> ca.Function:
@@ -76,6 +89,11 @@ class Transition(Variant):
         slopes = ca.fabs(ca.jacobian(g, ca.vertcat(e.t, x)))
         largest = ca.mtimes(slopes, ca.vertcat(e.scales.time, sizes))
         return ca.Function("pace", [e.t, x, e.p], [change * e.scales.time / largest])
+
+    @property
+    def bodies(self) -> ca.Function:  # type: ignore[override]
+        """Of the state before it, which may lie on the other side by rounding."""
+        return self.held_bodies
 
     @property
     def attempt(self) -> Attempt | None:

@@ -111,11 +111,16 @@ class Variant:
         """``(t, x, p) → y, v, v̇, λ`` of all bodies and equations, on the sides formulas choose."""
         e = self.equations
         if not e.switches.count:
-            return self._seen(e, self.view.everything, "bodies").function
+            return self.held_bodies
         choosing = touching(self.view.choosing.with_rows(list(self.rows)), self.phases)
         found = self._seen(choosing, self.view.everything, "bodies").function
         x, count = state_symbols(e), found.numel_in(1)
         return ca.Function("bodies", [e.t, x, e.p], found.call([e.t, x[:count], e.p]))
+
+    @cached_property
+    def held_bodies(self) -> ca.Function:
+        """The same on the sides of switches that belong to the state."""
+        return self._seen(self.equations, self.view.everything, "bodies").function
 
     def _seen(self, e: Equations, expressions: list[ca.SX], name: str) -> ImplicitFunction:
         """Expressions of the view, with the multipliers of equations not solved at zero."""

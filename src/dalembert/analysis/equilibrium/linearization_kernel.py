@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.contact.unseen import unseen_contacts
+from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.elements.flexible.nodes import Noded
 from dalembert.formulations.base import state_rate
@@ -173,7 +174,8 @@ class Linearized:
         still, none = np.zeros((model.equations.speed_count, 1)), np.zeros((0, 1))
         instant = Trajectory(np.array([self.time]), y, still, still, none, np.zeros((2, 1)))
         unsteady = (OF_AN_INSTANT + self._cure,) if self.unsteadiness > STEADY else ()
-        return (*unsteady, *unseen_contacts(model, instant, self.p, forces=True))
+        seen = unseen_contacts(model, instant, self.p, forces=True)
+        return (*unsteady, *seen, *elastic_doubts(model, instant, self.p))
 
     @property
     def _cure(self) -> str:

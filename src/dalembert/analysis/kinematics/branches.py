@@ -16,10 +16,14 @@ SHORT = 1e-2
 
 @dataclass(frozen=True)
 class Branches:
-    """Where the outputs lie: ``length`` seconds after the beginning of step ``index``."""
+    """Where the outputs lie: ``length`` seconds after the beginning of step ``index``.
+
+    ``modes`` are the variants that evaluate them; that of the step where negative, or without any.
+    """
 
     index: np.ndarray
     length: np.ndarray
+    modes: np.ndarray | None = None
 
     def ends_of(self, steps: Steps) -> np.ndarray:
         """Whether an output is the end of its step."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
 from dalembert.analysis.nonsmooth.contact_truth import ContactTruth
 from dalembert.analysis.nonsmooth.correction import consistent, corrected
@@ -79,14 +80,15 @@ class NonsmoothRun:
         elapsed = clock.perf_counter() - begin
         truth = ContactTruth(self.step, record, self.analysis.balance)
         status = replace(status, residual=max(status.residual, truth.residual))
+        trajectory = sampled(self.model, record, times)
         return NonsmoothMotion(
             model=self.model,
             analysis=self.analysis,
             parameters=self.p,
-            trajectory=sampled(self.model, record, times),
+            trajectory=trajectory,
             status=truth.judged(status),
             statistics=self.statistics(record, elapsed),
-            warnings=truth.doubts,
+            warnings=[*truth.doubts, *elastic_doubts(self.model, trajectory, self.p)],
             record=record,
         )
 

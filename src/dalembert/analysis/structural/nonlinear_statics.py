@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -78,7 +79,7 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
             The structure is a mechanism before any load acts.
         """
         p, timing = model.values(parameters), Timing()
-        paths = [LoadPath(self, model, p, case) for case in model.loads]
+        paths = [LoadPath(self, StaticEquations(model, p, case)) for case in model.loads]
         interrupted = False
         try:
             with progress_reporter(progress, f"loading {model.name}") as report:
@@ -101,6 +102,11 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
             status = Status(Outcome.COMPLETED, "nonlinear statics", 1.0, residual)
         timing.lap("loading")
         record = [path.record() for path in paths]
+        warnings = [path.unstable(one) for path, one in zip(paths, record, strict=True)]
+        warnings = [text for text in warnings if text]
+        if status.success:
+            text = "not a stable position" if warnings else "stable"
+            status = replace(status, message=f"{status.message}, {text}")
         timing.lap("outputs")
         iterations = sum(path.iterations for path in paths)
         factors = [one.factor for one in record if one.factor is not None]
@@ -108,22 +114,21 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
             "iterations": iterations,
             "factorisations": iterations + len(factors),
             "solver": factors[0].name if factors else "none",
+            "stable": not warnings,
             "build time [s]": round(model.build_time, 6),
             **timing.statistics,
         }
         return StructuralResult(
-            model, self, p, list(model.loads), u, forces, status, statistics, record
+            model, self, p, list(model.loads), u, forces, status, statistics, record, warnings
         )
 
 
 class LoadPath:
     """One load case on its way from rest."""
 
-    def __init__(
-        self, analysis: NonlinearStatics, model: StructuralModel, p: np.ndarray, case: str
-    ):
-        self.analysis, self.equations = analysis, StaticEquations(model, p, case)
-        self.case, self.u = case, np.zeros(len(model.degrees))
+    def __init__(self, analysis: NonlinearStatics, equations: StaticEquations):
+        self.analysis, self.equations = analysis, equations
+        self.case, self.u = equations.case, np.zeros(len(equations.model.degrees))
         self.reached, self.iterations, self.residual = 0.0, 0, 0.0
 
     @property
@@ -173,6 +178,20 @@ class LoadPath:
     def forces(self) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
         return self.equations.forces(self.u, self.reached)
+
+    def unstable(self, record: StaticsRecord) -> str:
+        """Warning about an equilibrium whose tangent stiffness is not positive definite, or none."""
+        negative = record.factor.negative if record.factor is not None else 0
+        if not negative:
+            return ""
+        where = f"load case {self.case!r}" if self.case else "the load"
+        return (
+            f"{where}: the equilibrium is not stable: its stiffness has {negative} negative "
+            f"eigenvalue{'s' * (negative > 1)}, so that the load is beyond a bifurcation or limit "
+            "point, and the structure moves on to another equilibrium; solve_buckling and "
+            "solve_load_path locate that point, a small load across or an imperfection leads on "
+            "to the stable path"
+        )
 
     def record(self) -> StaticsRecord:
         """Tangent stiffness at the end, for gradients; no factors where the path was lost."""

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.structural.linear_range import linear_doubts
 from dalembert.analysis.structural.static_equations import (
     StaticEquations,
     StaticsRecord,
@@ -76,7 +77,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         SingularityError
             The structure can move without straining; names the nodes that do.
         """
-        timing = Timing()
+        timing, exact = Timing(), model
         model = model.linearized
         p = model.values(parameters)
         assembly, cases = model.assembly, list(model.loads)
@@ -99,9 +100,30 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         record = StaticsRecord(factor, stiffness)
         timing.lap("solution")
         statistics = self._statistics(model, factor, timing)
+        records, warnings = [record] * len(cases), self._doubts(exact, p, cases, u, factor)
         return StructuralResult(
-            model, self, p, cases, u, forces, status, statistics, [record] * len(cases)
+            model, self, p, cases, u, forces, status, statistics, records, warnings
         )
+
+    @staticmethod
+    def _doubts(
+        model: StructuralModel,
+        p: np.ndarray,
+        cases: list[str],
+        u: np.ndarray,
+        factor: SparseSolver | None,
+    ) -> list[str]:
+        """Displacements that are too large for linear statics."""
+        free = model.assembly.free
+
+        def solved(forces: np.ndarray) -> np.ndarray:
+            found = np.zeros_like(forces)
+            if factor is not None:
+                found[free] = factor.solve(forces[free])
+            return found
+
+        names = [f"load case {case!r}" if case else "the load" for case in cases]
+        return linear_doubts(model, p, names, u, solved, "use nonlinear=True")
 
     def _solver(self, model: StructuralModel, matrix: Any, p: np.ndarray) -> SparseSolver | None:
         blocks, free = model.assembly.blocks, model.assembly.free

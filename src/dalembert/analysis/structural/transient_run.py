@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.analysis.kinematics.branches import Branches, outputs_of
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.structural.linear_range import linear_doubts
 from dalembert.analysis.structural.rotation_charts import RotationCharts
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, moved
 from dalembert.analysis.structural.transient_start import TransientStart
@@ -28,6 +29,7 @@ from dalembert.integrators.newmark.rule import Moving
 from dalembert.integrators.schedule import Schedule, told_halves
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.results.structural.motion import StructuralMotion
+from dalembert.structures.evaluation.factors import factors_of
 from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
 
@@ -199,7 +201,31 @@ class TransientRun:
         timing.lap("outputs")
         motion.statistics |= timing.statistics
         motion.warnings = told_halves(march.steps.rejected)
+        if not a.nonlinear:
+            motion.warnings += self._linear_doubts(motion, march)
         return motion
+
+    def _linear_doubts(self, motion: StructuralMotion, march: March) -> list[str]:
+        """Displacements that are too large for linear equations, where they are largest."""
+        u = motion.displacements
+        if not u.size or self.model.linear:
+            return []
+        k = int(np.argmax(np.abs(u).max(axis=0)))
+        assembly = march.equation.assembly
+        free, rest = assembly.free, np.zeros(assembly.size)
+
+        def solved(forces: np.ndarray) -> np.ndarray:
+            found = np.zeros_like(forces)
+            stiffness = assembly.inner(assembly.stiffness(rest, self.p))
+            factor = factors_of(stiffness, self.model.degrees, free)
+            if factor is not None:
+                found[free] = factor.solve(forces[free])
+            return found
+
+        name = f"at t = {motion.time[k]:.6g} s"
+        return linear_doubts(
+            self.model, self.p, [name], u[:, k : k + 1], solved, "use nonlinear=True"
+        )
 
 
 def motion_at(

@@ -6,7 +6,7 @@ import numpy as np
 
 from dalembert.analysis.structural.instant import Instant, Unknown
 from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
-from dalembert.analysis.structural.static_equations import factorised
+from dalembert.analysis.structural.static_equations import StaticEquations, factorised
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions, factors
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.integrators.newmark.rule import Moving
@@ -107,7 +107,7 @@ class TransientStart:
         e = self.equation
         u = np.zeros(e.assembly.size)
         if not e.linear:
-            path = LoadPath(NonlinearStatics(), e.model, e.p, self.case)
+            path = LoadPath(NonlinearStatics(), StaticEquations(e.model, e.p, self.case))
             for _ in path.follow():
                 u = path.u
             if path.lost:

@@ -24,7 +24,7 @@ class History:
     name : of the history
     knots : (n,) times [s]
     parameters : one for each knot
-    law : the spline, for drivers
+    law : the spline, for drivers; ``law.ends`` has its end conditions
 
     Examples
     --------
@@ -53,6 +53,12 @@ class History:
         """The history as a formula of time, for forces and moments."""
         return Expression(self.law.value(t.sx), self.name)
 
+    def at(self, values: np.ndarray, times: Any) -> np.ndarray:
+        """The history at times, with these values at its knots."""
+        from scipy.interpolate import CubicSpline
+
+        return np.asarray(CubicSpline(self.knots, values, bc_type=self.law.ends)(times))
+
     def roughness(self, order: int = 2) -> np.ndarray:
         """(n − order, n) rows whose squares sum to ``∫ (dᵏf/dtᵏ)² dt``, by divided differences."""
         x, rows = self.knots, np.eye(self.knots.size)
@@ -68,15 +74,17 @@ def history(
     knots: Sequence[float] | np.ndarray,
     value: float | str = 0.0,
     unit: str = "",
+    ends: str = "not-a-knot",
 ) -> History:
     """An unknown history for a system: parameters ``name_0``, ``name_1`` … at its knots.
 
     Parameters
     ----------
     system : System or Structure that gets the parameters
-    knots : times, increasing; the spline is natural and C² between them [s]
+    knots : times, increasing; the spline is C² between them [s]
     value : of all knots at first, in ``unit``, or a text such as ``"5 kN"``
     unit : of the value; SI units by default
+    ends : end conditions of the spline, as of ``Table``
 
     Raises
     ------
@@ -99,4 +107,4 @@ def history(
     if times.ndim != 1 or times.size < 4 or not np.all(np.diff(times) > 0):
         raise ModelError("give at least four knots, increasing in time", name)
     made = tuple(system.parameter(f"{name}_{k}", value, unit) for k in range(times.size))
-    return History(name, times, made, Table(times.tolist(), list(made)))
+    return History(name, times, made, Table(times.tolist(), list(made), ends=ends))

@@ -7,6 +7,7 @@ another derivative.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from dalembert.design.identification.least_squares import Fit, LeastSquares
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.inverse.history import History
 from dalembert.design.inverse.inverted import Inversion
-from dalembert.design.inverse.smoothing import Curve, chosen, curve
+from dalembert.design.inverse.smoothing import Curve, balanced, chosen, curve, inverse_of
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
@@ -38,7 +39,7 @@ def invert(
     *,
     vary: Sequence[str] = (),
     analysis: Analysis | None = None,
-    smoothing: str | float = "l-curve",
+    smoothing: str | float = "likelihood",
     order: int = 2,
     time: str | None = None,
     noise: Mapping[str, float | str] | None = None,
@@ -55,8 +56,10 @@ def invert(
     data, measures, analysis, time, noise, start : as of ``identify``
     histories : made by ``da.history``
     vary : further unknown parameters, such as initial values
-    smoothing : ``"l-curve"``, ``"cross-validation"``, ``"discrepancy"`` (needs noise), or ``μ``
-    order : of the derivative that is to be small; 3 for drives whose accelerations matter
+    smoothing : ``"likelihood"``, ``"cross-validation"``, ``"l-curve"``, ``"discrepancy"`` (needs
+        noise), or ``μ``; by likelihood, each history has a smoothing of its own
+    order : of the derivative that is to be small; 1 for forces that jump, 3 for drives whose
+        accelerations matter
     max_iterations, tolerance : at which the search ends
     progress : True prints each iteration, or a function of its number and misfit
 
@@ -99,33 +102,69 @@ def invert(
         )
     x = misfit.unknowns.start
     refuse_bad_start(misfit, x)
-    rows = _rows(histories, misfit, order)
-    fit, mu, seen = _solved(solver, x, rows, smoothing)
+    problem = _Smoothed(solver, _blocks(histories, misfit, order), smoothing, given)
+    fit, mu, seen = problem.solved(x)
     defer_ctrl_c()
-    found = _inversion(misfit, histories, fit, mu, seen, rows, given)
+    found = _inversion(misfit, histories, fit, mu, seen, problem)
     found.interrupted = solver.interrupted
     return found
 
 
-def _solved(
-    solver: LeastSquares, x: np.ndarray, rows: np.ndarray, smoothing: str | float
-) -> tuple[Fit, float, Curve]:
-    """Solution and smoothing in turn until the smoothing stays; a smooth one comes first."""
-    seen = _linear(solver.misfit, x, rows)
-    mu = float(np.median(seen.smoothing)) if isinstance(smoothing, str) else smoothing
-    for _ in range(ROUNDS):
-        solver.penalty = np.sqrt(mu) * rows, np.zeros(len(rows))
-        fit = solver.solve(x)
-        x, before = fit.x, mu
-        seen = _linear(solver.misfit, x, rows)
-        mu = chosen(smoothing, seen)
-        if solver.interrupted or abs(mu - before) <= 0.3 * before:
-            break
-    return fit, before, seen
+@dataclass
+class _Smoothed:
+    """Least squares with the roughness of histories, and the choice of its size.
+
+    Attributes
+    ----------
+    blocks : rows of the roughness of each history
+    weights : of the blocks
+    known : the noise is given
+    """
+
+    solver: LeastSquares
+    blocks: list[np.ndarray]
+    smoothing: str | float
+    known: bool
+    weights: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.weights = np.ones(len(self.blocks))
+
+    @property
+    def rows(self) -> np.ndarray:
+        """Rows of the roughness of all histories."""
+        pairs = zip(self.weights, self.blocks, strict=True)
+        return np.vstack([weight * block for weight, block in pairs])
+
+    def solved(self, x: np.ndarray) -> tuple[Fit, float, Curve]:
+        """Solution and smoothing in turn until the smoothing stays; a smooth one comes first."""
+        seen = self._linear(x)
+        mu = float(np.median(seen.smoothing)) if isinstance(self.smoothing, str) else self.smoothing
+        for _ in range(ROUNDS):
+            rows = self.rows
+            self.solver.penalty = np.sqrt(mu) * rows, np.zeros(len(rows))
+            fit = self.solver.solve(x)
+            x, before, weights = fit.x, mu, self.weights
+            seen = self._linear(x)
+            mu = chosen(self.smoothing, seen)
+            moved = np.abs(np.log(self.weights**2 / weights**2)).max()
+            if self.solver.interrupted or (abs(mu - before) <= 0.3 * before and moved <= 0.3):
+                self.weights = weights
+                break
+        return fit, before, seen
+
+    def _linear(self, x: np.ndarray) -> Curve:
+        """The curve of the problem linearised at a solution, with weights for its histories."""
+        misfit = self.solver.misfit
+        jacobian = misfit.jacobian(x)
+        data = jacobian @ x - misfit.residual(x)
+        if self.smoothing == "likelihood" and len(self.blocks) > 1:
+            self.weights = balanced(jacobian, data, self.blocks, self.known)
+        return curve(jacobian, data, self.rows, self.known)
 
 
-def _rows(histories: Sequence[History], misfit: Misfit, order: int) -> np.ndarray:
-    """Rows of the roughness of all histories."""
+def _blocks(histories: Sequence[History], misfit: Misfit, order: int) -> list[np.ndarray]:
+    """Rows of the roughness of each history."""
     labels = misfit.unknowns.labels
     blocks = []
     for history in histories:
@@ -133,13 +172,7 @@ def _rows(histories: Sequence[History], misfit: Misfit, order: int) -> np.ndarra
         block = np.zeros((len(rough), len(labels)))
         block[:, [labels.index(name) for name in history.names]] = rough
         blocks.append(block)
-    return np.vstack(blocks)
-
-
-def _linear(misfit: Misfit, x: np.ndarray, rows: np.ndarray) -> Curve:
-    """The curve of the problem linearised at a solution."""
-    jacobian = misfit.jacobian(x)
-    return curve(jacobian, jacobian @ x - misfit.residual(x), rows)
+    return blocks
 
 
 def _inversion(
@@ -148,16 +181,12 @@ def _inversion(
     fit: Fit,
     mu: float,
     seen: Curve,
-    rows: np.ndarray,
-    given: bool,
+    problem: _Smoothed,
 ) -> Inversion:
-    x, labels = fit.x, misfit.unknowns.labels
-    jacobian, residual = misfit.jacobian(x), misfit.residual(x)
-    inverse = np.linalg.pinv(jacobian.T @ jacobian + mu * rows.T @ rows, hermitian=True)
-    influence = inverse @ jacobian.T
-    left = max(residual.size - float(np.trace(jacobian @ influence)), 1.0)
-    level = 1.0 if given else float(residual @ residual) / left
-    spread = np.sqrt(level * np.sum(influence**2, axis=1))
+    x, labels, rows = fit.x, misfit.unknowns.labels, problem.rows
+    residual = misfit.residual(x)
+    covariance = _covariance(misfit.jacobian(x), residual, x, mu, problem)
+    spread = np.sqrt(np.diag(covariance))
     motions = misfit.motions(x)
     assert motions is not None
     places = {h.name: [labels.index(name) for name in h.names] for h in histories}
@@ -168,6 +197,8 @@ def _inversion(
         success=fit.success,
         message=fit.message,
         smoothing=mu,
+        weights=dict(zip(places, map(float, problem.weights), strict=True)),
+        covariance=covariance,
         curve=seen,
         misfit_norm=float(np.linalg.norm(residual)),
         roughness_norm=float(np.linalg.norm(rows @ x)),
@@ -176,3 +207,25 @@ def _inversion(
         histories=list(histories),
         misfit=misfit,
     )
+
+
+def _covariance(
+    jacobian: np.ndarray, residual: np.ndarray, x: np.ndarray, mu: float, problem: _Smoothed
+) -> np.ndarray:
+    """``σ² (JᵀJ + μPᵀP)⁻¹``: of the noise and of what the smoothing takes away.
+
+    The posterior covariance of a history whose roughness is random (Wahba 1983). Its intervals
+    cover a fixed smooth history as often as stated, on average over the knots (Nychka 1988).
+    """
+    rows = problem.rows
+    inverse = inverse_of(jacobian.T @ jacobian + mu * rows.T @ rows)
+    if problem.known:
+        return inverse
+    if problem.smoothing == "likelihood":
+        free = x.size - int(np.linalg.matrix_rank(rows))
+        rough = float(np.sum((rows @ x) ** 2))
+        return np.asarray(
+            (residual @ residual + mu * rough) / max(residual.size - free, 1) * inverse
+        )
+    used = float(np.sum(inverse * (jacobian.T @ jacobian)))
+    return np.asarray(residual @ residual / max(residual.size - used, 1.0) * inverse)

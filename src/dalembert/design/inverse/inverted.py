@@ -11,10 +11,34 @@ from dalembert.design.decision import Decision
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.inverse.history import History
 from dalembert.design.inverse.smoothing import Curve
-from dalembert.results.result import Result
+from dalembert.results.result import Analysis, Result
+from dalembert.sensitivity.histories import history_gradients
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+WITHIN = 1.959964
+"""Standard deviations of a normal variable on either side that hold it with 95 %."""
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """A measure over time with its uncertainty.
+
+    Attributes
+    ----------
+    time, value, deviation : (K,)
+    """
+
+    time: np.ndarray
+    value: np.ndarray
+    deviation: np.ndarray
+
+    @property
+    def interval(self) -> np.ndarray:
+        """(K, 2) ends of the interval that holds the truth with 95 %."""
+        return self.value[:, None] + WITHIN * self.deviation[:, None] * np.array([-1, 1])
 
 
 @dataclass(eq=False)
@@ -24,10 +48,12 @@ class Inversion(Decision):
     Attributes
     ----------
     values : history → its values at the knots
-    deviation : history → their standard deviations by the noise, given or estimated; what the
-        smoothing takes away is not in them
+    deviation : history → their standard deviations, by noise, given or estimated, and by what the
+        smoothing takes away; see ``intervals``
     x : parameter → value, to run the model with
     smoothing : ``μ`` used
+    weights : history → factor of the derivative that is to be small, relative to the first history
+    covariance : (n, n) of ``x``
     curve : misfit and roughness over the smoothing
     misfit_norm, roughness_norm : of the solution
     interrupted : by Ctrl-C; the histories are the best reached
@@ -56,6 +82,8 @@ class Inversion(Decision):
     success: bool
     message: str
     smoothing: float
+    weights: dict[str, float]
+    covariance: np.ndarray = field(repr=False)
     curve: Curve = field(repr=False)
     misfit_norm: float
     roughness_norm: float
@@ -71,11 +99,37 @@ class Inversion(Decision):
         return str(self.misfit.model.name)
 
     def at(self, name: str, times: Any) -> np.ndarray:
-        """A history at times: the natural spline through its values."""
-        from scipy.interpolate import CubicSpline
+        """A history at times: the spline through its values."""
+        history = next(h for h in self.histories if h.name == name)
+        return history.at(self.values[name], times)
 
-        knots = next(h.knots for h in self.histories if h.name == name)
-        return CubicSpline(knots, self.values[name], bc_type="natural")(times)
+    @property
+    def intervals(self) -> dict[str, np.ndarray]:
+        """History → (n, 2) ends of the interval at each knot that holds the truth with 95 %.
+
+        The share holds on average over the knots, for histories as smooth as ``order`` assumes.
+        """
+        return {
+            name: value[:, None] + WITHIN * self.deviation[name][:, None] * np.array([-1, 1])
+            for name, value in self.values.items()
+        }
+
+    def band(self, measure: Any, analysis: Analysis | None = None) -> Band:
+        """A measure under the histories, with its standard deviation to first order.
+
+        Parameters
+        ----------
+        measure : such as the effort of a drive whose history was found
+        analysis : such as ``da.InverseDynamics(...)``; by default that of the data
+        """
+        model, names = self.misfit.model, list(self.x)
+        known = [k for k, name in enumerate(names) if name in model.parameters]
+        given = {names[k]: self.x[names[k]] for k in known}
+        run = self.motions[0] if analysis is None else analysis.run(model, given)
+        (slope,) = history_gradients(run, [measure], [names[k] for k in known])
+        covariance = self.covariance[np.ix_(known, known)]
+        spread = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", slope, covariance, slope), 0.0))
+        return Band(np.asarray(run.time), np.asarray(run.values(measure)), spread)
 
     @property
     def sentence(self) -> str:
@@ -89,12 +143,14 @@ class Inversion(Decision):
                     "knots": h.knots.tolist(),
                     "values": self.values[h.name].tolist(),
                     "deviation": self.deviation[h.name].tolist(),
+                    "interval": self.intervals[h.name].tolist(),
                     "unit": h.parameters[0].unit,
                 }
                 for h in self.histories
             },
             "x": self.x,
             "smoothing": self.smoothing,
+            "weights": self.weights,
             "misfit": self.misfit_norm,
             "roughness": self.roughness_norm,
             "samples": self.misfit.size,
@@ -144,8 +200,7 @@ class Inversion(Decision):
         for ax, history in zip(axes, self.histories, strict=False):
             times = np.linspace(history.knots[0], history.knots[-1], 400)
             ax.plot(times, self.at(history.name, times))
-            value, spread = self.values[history.name], 2 * self.deviation[history.name]
-            ax.fill_between(history.knots, value - spread, value + spread, alpha=0.2)
+            ax.fill_between(history.knots, *self.intervals[history.name].T, alpha=0.2)
             ax.set(title=history.name, xlabel="time [s]")
         last = axes[-1]
         last.loglog(self.curve.misfit, self.curve.roughness)

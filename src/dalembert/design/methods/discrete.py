@@ -14,7 +14,7 @@ from dalembert.design.methods.slsqp import Slsqp
 from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.options import options
 
-PAIRS = 8
+PAIRS = 16
 """Pairs of designs between which convexity is tested."""
 DIFFERENT = 1e-5
 """Relative difference of objectives beyond which two relaxed optima are distinct."""
@@ -69,10 +69,15 @@ class BranchAndBound(Optimizer):
     starts: int = 3
     rng: int = 0
 
+    def finishing(self) -> Optimizer:
+        """The local method: sizes are held at the end, and searching them again would find one."""
+        return self.local
+
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         every = Enumeration(max_runs=self.max_nodes)
         if every.covers(program):
             return every.solve(program, z, stop)
+        can_enumerate = Enumeration().covers(program)
         search = _Search(self, program, stop)
         lower, upper = program.lower.copy(), program.upper.copy()
         search.branch(_Node(-np.inf, 0, z, lower, upper))
@@ -90,7 +95,7 @@ class BranchAndBound(Optimizer):
             message += (
                 f", stopped early: {len(left)} ranges of sizes are left unexplored; raise max_nodes"
             )
-            if set(range(program.n)) <= set(program.variables.sizes):
+            if can_enumerate:
                 message += ", or take method='enumeration'"
         if not search.is_convex:
             message += (
@@ -140,7 +145,9 @@ class _Search:
         program.lower, program.upper = lower.copy(), upper.copy()
         self.nodes += 1
         first = self._local(z)
-        more = 0 if self.is_convex else self.method.starts - 1
+        sizes = list(program.variables.sizes)
+        is_held = not np.any(program.is_free()[sizes])
+        more = 0 if self.is_convex or is_held else self.method.starts - 1
         found = [first, *(self._local(self._drawn()) for _ in range(more))]
         ends = [(self.objective(one.z), k) for k, one in enumerate(found) if one is not None]
         return found[min(ends)[1]] if ends else None

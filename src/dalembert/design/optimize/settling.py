@@ -32,7 +32,10 @@ def settled(program: Program, method: Optimizer, stop: Stop, z: np.ndarray) -> E
         before = program.last
         spent = stop.used + stop.max_iterations - left
         sharper = Stop(left, max(stop.tolerance * 0.01**number, 1e-15), spent)
-        found = method.solve(program, ended.z, sharper)
+        finishing = method.finishing()
+        found = finishing.solve(program, ended.z, sharper)
+        if finishing is not method:  # what was searched is said by the search
+            found = replace(found, message=ended.message, is_whole=ended.is_whole)
         after = program.objective(found.z)
         if after < before or found.success:
             ended = found

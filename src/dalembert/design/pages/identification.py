@@ -72,9 +72,9 @@ def inversion_views(found: Any) -> list[dict[str, Any]]:
     made = []
     for h in found.histories:
         times = np.linspace(h.knots[0], h.knots[-1], 300)
-        value, spread = found.values[h.name], 2 * found.deviation[h.name]
+        value, (low, high) = found.values[h.name], found.intervals[h.name].T
         lines = [
-            views.line("± 2 σ of the noise", h.knots, value + spread, "band", low=value - spread),
+            views.line("95 %", h.knots, high, "band", low=low),
             views.line(h.name, times, found.at(h.name, times)),
             views.line("knots", h.knots, value, "dots"),
         ]

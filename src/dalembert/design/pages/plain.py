@@ -12,13 +12,21 @@ def plain_page(decision: Any) -> dict[str, Any]:
         **{"format": 1, "kind": "decision", "title": decision.name, "subtitle": decision.sentence},
         "verdict": verdict(decision),
         "designs": decision.table_of_designs(),
-        "views": decision.views(),
+        "views": all_views(decision),
     }
 
 
 def verdict(decision: Any) -> dict[str, Any]:
     """How it ended, for the head of a page."""
-    return {"success": decision.ok, "text": decision.sentence}
+    return {"success": decision.ok and not decision.warnings, "text": decision.sentence}
+
+
+def all_views(decision: Any) -> list[dict[str, Any]]:
+    """The views of a decision, its warnings before them."""
+    if not decision.warnings:
+        return list(decision.views())
+    told = {"kind": "notes", "title": "Warnings", "texts": list(decision.warnings)}
+    return [{**told, "place": "board"}, *decision.views()]
 
 
 def with_views(page: dict[str, Any], decision: Any, title: str) -> dict[str, Any]:
@@ -26,7 +34,7 @@ def with_views(page: dict[str, Any], decision: Any, title: str) -> dict[str, Any
     page["title"] = f"{page['title']}: {title}"
     page["verdict"] = verdict(decision)
     page["designs"] = decision.table_of_designs()
-    page["views"] = decision.views()
+    page["views"] = all_views(decision)
     return page
 
 

@@ -1,27 +1,23 @@
 """First-order reliability: the point of a limit state that is nearest to the origin of ``u``.
 
-Hasofer and Lind's index ``β = αᵀu*`` of the point ``u*`` with ``G(u*) = 0``, ``α = −∇G/|∇G|``,
-found by the iteration of Rackwitz and Fiessler (HL-RF), or the improved one of Zhang and Der
-Kiureghian (1995) with a line search on the merit ``|u|²/2 + c|G|``.
+Hasofer and Lind's index ``β = αᵀu*`` of the point ``u*`` with ``G(u*) = 0``, ``α = −∇G/|∇G|``.
+The methods are sequential quadratic programming (``quasi_newton.py``), the iteration of Rackwitz
+and Fiessler (HL-RF), and the improved one of Zhang and Der Kiureghian (1995); the first and the
+last have a line search on the merit ``|u|²/2 + c|G|``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from dalembert.design.reliability.limit_state import LimitStates
 from dalembert.design.reliability.nataf import Nataf
+from dalembert.design.reliability.quasi_newton import LagrangianHessian
 from dalembert.errors import AnalysisError, UnsupportedError
 
-METHODS = ("improved-hlrf", "hlrf")
-NEGLIGIBLE = 1e-6
-STARTS = 3
-"""Searches from beside a median at which the limit state does not change."""
-BESIDE = 0.1
-"""How far from a point, of its index, it is looked whether the limit state bends back there."""
+METHODS = ("sqp", "improved-hlrf", "hlrf")
 
 
 @dataclass(frozen=True)
@@ -41,6 +37,7 @@ class DesignPoint:
     converged : whether both are within the tolerance
     gradient, others : of ``g`` by the random and by the other parameters
     iterations : taken
+    curvatures : (n − 1,) principal curvatures of the surface there; None before they are computed
     """
 
     limit: str
@@ -56,6 +53,7 @@ class DesignPoint:
     gradient: np.ndarray
     others: np.ndarray
     iterations: int
+    curvatures: np.ndarray | None = None
 
     @property
     def probability(self) -> float:
@@ -78,7 +76,7 @@ class Search:
     limits: LimitStates
     nataf: Nataf
     row: int
-    method: str = "improved-hlrf"
+    method: str = "sqp"
     tolerance: float = 1e-8
     max_iterations: int = 100
 
@@ -109,7 +107,8 @@ class Search:
             A run fails, or the limit state does not depend on what is random.
         """
         u, weight = start, 0.0
-        g = self.needed(u)
+        g, hessian = self.needed(u), LagrangianHessian(start.size)
+        before: tuple[np.ndarray, np.ndarray, float] | None = None
         for iteration in range(self.max_iterations + 1):
             slope, random, others = self.slope(u)
             size = float(np.linalg.norm(slope))
@@ -125,14 +124,23 @@ class Search:
             exact = done and off <= 10 * self.tolerance * far
             if exact or iteration == self.max_iterations:
                 break
-            step = (slope @ u - g) / size**2 * slope - u
+            if before is not None and self.method == "sqp":
+                moved = u - before[0]
+                hessian.update(moved, moved + before[2] * (slope - before[1]))
+            step, multiplier = hessian.step(u, g, slope)
+            before = u, slope, multiplier
             if self.method == "hlrf":
                 following, value = u + step, self.needed(u + step)
             else:
-                weight = max(weight, 2 * float(np.linalg.norm(u)) / size + 1e-3 / scale)
+                if self.method == "improved-hlrf":
+                    multiplier = float(np.linalg.norm(u)) / size
+                wanted = 2 * abs(multiplier) + 1e-3 / scale
+                weight = max(wanted, (weight + wanted) / 2)  # Powell 1978: it may fall again
                 following, value = self._searched(u, g, step, slope, weight)
             if np.array_equal(following, u):
-                break
+                if hessian.new:
+                    break
+                hessian, before, weight = LagrangianHessian(u.size), None, 0.0
             u, g = following, value
         x = dict(zip(self.limits.names, map(float, self.nataf.values(u)), strict=True))
         return DesignPoint(
@@ -143,21 +151,33 @@ class Search:
     def _searched(
         self, u: np.ndarray, g: float, step: np.ndarray, slope: np.ndarray, weight: float
     ) -> tuple[np.ndarray, float]:
-        """The longest of halved steps that lowers the merit enough, by Armijo's rule."""
+        """The longest of halved steps that lowers the merit enough, by Armijo's rule.
+
+        A step that does not is corrected back on to the surface once, for the curvature of the
+        surface alone must not shorten it (Maratos's effect).
+        """
 
         def merit(u: np.ndarray, g: float) -> float:
             return 0.5 * float(u @ u) + weight * abs(g)
 
         before = merit(u, g)
         falls = float((u + weight * np.sign(g) * slope) @ step)
-        length = 1.0
+        length, rounding = 1.0, 1e-14 * (1 + abs(before))
+
+        def enough(u: np.ndarray, g: float) -> bool:
+            wanted = before + 0.1 * length * min(falls, 0) + rounding
+            return bool(np.isfinite(g) and merit(u, g) <= wanted)
+
         for _ in range(40):
-            value = self.value(u + length * step)
-            rounding = 1e-14 * (1 + abs(before))
-            if np.isfinite(value) and (
-                merit(u + length * step, value) <= before + 0.1 * length * min(falls, 0) + rounding
-            ):
-                return u + length * step, value
+            there = u + length * step
+            value = self.value(there)
+            if enough(there, value):
+                return there, value
+            if self.method == "sqp" and np.isfinite(value):
+                corrected = there - value / float(slope @ slope) * slope
+                value = self.value(corrected)
+                if enough(corrected, value):
+                    return corrected, value
             length /= 2
         return u, g
 
@@ -175,78 +195,3 @@ class Search:
     def _told(self, u: np.ndarray) -> str:
         x = self.nataf.values(u)
         return ", ".join(f"{n} = {v:.6g}" for n, v in zip(self.limits.names, x, strict=True))
-
-
-def _first(search: Search, scale: float, rng: Any) -> DesignPoint:
-    """The point reached from the median, or from beside it where no gradient shows the way there.
-
-    Raises
-    ------
-    AnalysisError
-        None of these searches can be made.
-    """
-    n = search.nataf.size
-    try:
-        return search.solve(np.zeros(n), scale)
-    except AnalysisError:
-        if np.any(search.slope(np.zeros(n))[0]):
-            raise
-        for _ in range(STARTS):
-            direction = rng.normal(size=n)
-            try:
-                return search.solve(direction / np.linalg.norm(direction), scale)
-            except AnalysisError:
-                continue
-        raise
-
-
-def _nearest(search: Search, point: DesignPoint, scale: float) -> DesignPoint:
-    """The point itself, unless the limit state bends around the origin there.
-
-    Then points beside it on the sphere of the same index fail already, and the search goes on from
-    one of them: from a median on an axis of symmetry it may have come to the farthest point.
-    """
-    u, beta = point.u, point.beta
-    beside = np.random.default_rng(0).normal(size=u.size)
-    beside -= (beside @ point.alpha) * point.alpha
-    size = float(np.linalg.norm(beside))
-    if not (point.converged and beta > 0 and size > 1e-6):
-        return point
-    there = u + BESIDE * max(beta, 1.0) * beside / size
-    there *= beta / np.linalg.norm(there)
-    if not search.value(there) < -10 * search.tolerance * scale:
-        return point
-    try:
-        nearer = search.solve(there, scale)
-    except AnalysisError:
-        return point
-    return nearer if nearer.converged and nearer.beta < beta else point
-
-
-def design_points(search: Search, starts: int, rng: Any) -> list[DesignPoint]:
-    """Design points of a limit state from the median and from starts around it, nearest first.
-
-    Points that matter less than ``NEGLIGIBLE`` of the nearest are left out.
-
-    Raises
-    ------
-    AnalysisError
-        Not even the search from the median can be made.
-    """
-    n = search.nataf.size
-    scale = abs(search.needed(np.zeros(n)))
-    scale = scale or abs(search.needed(np.full(n, 0.1))) or 1.0
-    found = [_nearest(search, _first(search, scale, rng), scale)]
-    radius = max(abs(found[0].beta), 1.0)
-    for _ in range(starts - 1):
-        direction = rng.normal(size=n)
-        begin = radius * direction / np.linalg.norm(direction)
-        try:
-            one = search.solve(begin, scale)
-        except AnalysisError:
-            continue
-        near = 0.05 * max(abs(one.beta), 1.0)
-        if one.converged and all(np.linalg.norm(one.u - other.u) > near for other in found):
-            found.append(one)
-    some = sorted([o for o in found if o.converged] or found, key=lambda one: one.beta)
-    return [o for o in some if o is some[0] or o.probability > NEGLIGIBLE * some[0].probability]

@@ -29,12 +29,14 @@ class LimitStates(ABC):
     names : of the random parameters
     others : of the parameters that are not random
     model : that is run; None of formulas
+    cheap : whether thousands of evaluations cost little
     """
 
     labels: list[str]
     names: list[str]
     others: list[str]
     calls: int = 0
+    cheap: bool = False
     model: ParametricModel | None = None
 
     @abstractmethod
@@ -112,6 +114,8 @@ class RunLimits(LimitStates):
 
 class FormulaLimits(LimitStates):
     """Limit states by formulas of the random parameters alone; many points at once."""
+
+    cheap = True
 
     def __init__(self, formulas: Sequence[str], names: Sequence[str]):
         self.labels, self.names, self.others = list(formulas), list(names), []

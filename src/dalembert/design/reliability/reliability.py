@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.progress import Reported, progress_reporter
+from dalembert.design.reliability.design_points import design_points
 from dalembert.design.reliability.distribution import Distribution
-from dalembert.design.reliability.first_order import Search, design_points
+from dalembert.design.reliability.first_order import Search
 from dalembert.design.reliability.limit_state import limit_states
 from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.reliable import SAMPLINGS, Reliability
+from dalembert.design.reliability.validity import curvature_warnings, layer_warnings
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
@@ -21,6 +23,7 @@ from dalembert.text.spelling import spelled
 from dalembert.text.wording import unknown
 
 SYSTEMS = ("series", "parallel")
+FORMULA_STARTS, MODEL_STARTS = 10, 3
 
 
 @spelled
@@ -33,8 +36,8 @@ def reliability(
     analysis: Analysis | None = None,
     correlation: Correlation = None,
     system: str = "series",
-    method: str = "improved-hlrf",
-    starts: int = 1,
+    method: str = "sqp",
+    starts: int | None = None,
     tolerance: float = 1e-8,
     max_iterations: int = 100,
     samples: int = 0,
@@ -54,8 +57,9 @@ def reliability(
     analysis : how the responses are computed
     correlation : pair of names → linear correlation, or the whole matrix
     system : ``"series"``, one limit that breaks is failure; ``"parallel"``, all must break
-    method : ``"improved-hlrf"`` or ``"hlrf"``
-    starts : number of starts for each limit state, to find further design points
+    method : ``"sqp"``, ``"improved-hlrf"`` or ``"hlrf"``
+    starts : searches for each limit state, to find further design points; by default 10 of formulas
+        and 3 of models
     tolerance : on residual and distance of the design point
     samples : of an estimate beside, ``result.sampled``; none by default
     sampling : ``"importance-sampling"``, ``"monte-carlo"``, ``"subset-simulation"`` or
@@ -103,6 +107,7 @@ def reliability(
     nataf = Nataf(dict(random), correlation)
     limits = limit_states(model, limit_state, list(random), analysis)
     generator = np.random.default_rng(rng)
+    starts = starts or (FORMULA_STARTS if model is None else MODEL_STARTS)
     searches = [
         Search(limits, nataf, row, method, tolerance, max_iterations)
         for row in range(len(limits.labels))
@@ -112,8 +117,12 @@ def reliability(
         try:
             with searching():
                 for k, search in enumerate(searches):
-                    found.points += design_points(search, starts, generator)
+                    searched = design_points(search, starts, generator)
+                    found.points += searched.points
+                    found.warnings += [searched.warning] if searched.warning else []
                     report((k + 1) / (len(searches) + bool(samples)))
+                found.warnings += curvature_warnings(found)
+                found.warnings += layer_warnings(found)
                 if samples:
                     found.sampled = found.sample(sampling, samples, generator)
         except KeyboardInterrupt:

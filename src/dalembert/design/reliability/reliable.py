@@ -10,6 +10,10 @@ import numpy as np
 
 from dalembert.design.decision import Decision
 from dalembert.design.reliability.first_order import DesignPoint, Search
+from dalembert.design.reliability.half_spaces import (
+    intersection_of_half_spaces,
+    union_of_half_spaces,
+)
 from dalembert.design.reliability.nataf import Nataf
 from dalembert.design.reliability.sampling import (
     Estimate,
@@ -42,6 +46,8 @@ class Reliability(Decision):
     system : ``"series"``, one limit that breaks is failure; ``"parallel"``, all must break
     sampled : an estimate by samples, where one was asked for
     interrupted : by Ctrl-C; the points found until then are kept
+    warnings : searches without a result, and probabilities for which first order does not suffice,
+        each with the number that shows it
 
     Examples
     --------
@@ -62,6 +68,7 @@ class Reliability(Decision):
     nataf: Nataf = field(repr=False)
     sampled: Estimate | None = None
     interrupted: bool = False
+    warnings: list[str] = field(default_factory=list)
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -75,7 +82,8 @@ class Reliability(Decision):
         if self.interrupted:
             return f"interrupted after {len(self.points)} design point(s)"
         state = "converged" if self.success else "not converged"
-        return f"{state}, residual {self.residual:.1e}"
+        doubts = f", {len(self.warnings)} warning(s)" if self.warnings else ""
+        return f"{state}, residual {self.residual:.1e}{doubts}"
 
     @property
     def point(self) -> DesignPoint:
@@ -88,7 +96,7 @@ class Reliability(Decision):
         """The nearest design point of each limit state."""
         first: dict[int, DesignPoint] = {}
         for one in self.points:
-            if one.row not in first or one.beta < first[one.row].beta:
+            if one.row not in first or abs(one.beta) < abs(first[one.row].beta):
                 first[one.row] = one
         return list(first.values())
 
@@ -111,12 +119,20 @@ class Reliability(Decision):
 
     @cached_property
     def probability(self) -> float:
-        """First-order probability of failure; of a system by planes through all design points."""
+        """First-order probability of failure; of a system by planes through all design points.
+
+        Where the median fails, the planes through the points of one limit state bound the region of
+        failure; in a system the nearest plane stands for it.
+        """
+        nearest = self._nearest()
         if len(self.points) == 1:
             return self.points[0].probability
+        if len(nearest) == 1 and nearest[0].beta < 0:
+            return intersection_of_half_spaces(self.points)
         if self.system == "series":
-            return 1 - _all_within(self.points, 1.0)
-        return _all_within(self._nearest(), -1.0)
+            planes = [p for p in self.points if p.beta >= 0 or any(p is one for one in nearest)]
+            return union_of_half_spaces(planes)
+        return intersection_of_half_spaces(nearest)
 
     @property
     def sorm(self) -> SecondOrder:
@@ -272,25 +288,17 @@ class Reliability(Decision):
             f"<td>{p.residual:.1e}</td><td>{escape(_told(p))}</td></tr>"
             for p in self.points
         )
-        return f"<p>{escape(repr(self))}</p><table><tr>{head}</tr>{rows}</table>"
+        told = f"<p>{escape(repr(self))}</p>{self.warnings_html()}"
+        return f"{told}<table><tr>{head}</tr>{rows}</table>"
 
     def __repr__(self) -> str:
         state = "converged" if self.success else "not converged"
+        doubts = f", {len(self.warnings)} warning(s)" if self.warnings else ""
         return (
             f"<Reliability β = {self.beta:.6g}, p = {self.probability:.4g}: {state}, residual "
-            f"{self.residual:.1e}, {_told(self.point)}>"
+            f"{self.residual:.1e}, {_told(self.point)}{doubts}>"
         )
 
 
 def _told(point: DesignPoint) -> str:
     return ", ".join(f"{n} = {v:.6g}" for n, v in point.x.items())
-
-
-def _all_within(points: list[DesignPoint], sign: float) -> float:
-    """Probability that all ``sign (β_i − α_iᵀu) > 0``."""
-    from scipy.stats import multivariate_normal
-
-    alphas = np.array([one.alpha for one in points])
-    betas = sign * np.array([one.beta for one in points])
-    together = multivariate_normal(cov=alphas @ alphas.T, allow_singular=True)
-    return float(together.cdf(betas, rng=np.random.default_rng(0)))

@@ -34,12 +34,19 @@ class SecondOrder:
 
 def second_order(search: Search, point: DesignPoint) -> SecondOrder:
     """The corrections at a design point, by two gradients for each random parameter but one."""
-    curvatures = principal_curvatures(search, point)
+    curvatures = point.curvatures
+    if curvatures is None:
+        curvatures = principal_curvatures(search, point)
     return SecondOrder(curvatures, *corrected(point.beta, curvatures))
 
 
 def principal_curvatures(search: Search, point: DesignPoint) -> np.ndarray:
-    """(n − 1,) eigenvalues of the Hessian across ``α`` over ``|∇G|``."""
+    """(n − 1,) principal curvatures of the surface at a design point."""
+    return principal_axes(search, point)[0]
+
+
+def principal_axes(search: Search, point: DesignPoint) -> tuple[np.ndarray, np.ndarray]:
+    """(n − 1,) eigenvalues of the Hessian across ``α`` over ``|∇G|``, and (n, n − 1) directions."""
     n = point.u.size
     full, _ = np.linalg.qr(np.column_stack([point.alpha, np.eye(n)]))
     across = full[:, 1:n]
@@ -47,7 +54,8 @@ def principal_curvatures(search: Search, point: DesignPoint) -> np.ndarray:
     for k, direction in enumerate(across.T):
         low, high = (search.slope(point.u + s * direction)[0] for s in (-STEP, STEP))
         hessian[k] = across.T @ (high - low) / (2 * STEP)
-    return np.linalg.eigvalsh((hessian + hessian.T) / 2 / point.slope)
+    curvatures, axes = np.linalg.eigh((hessian + hessian.T) / 2 / point.slope)
+    return curvatures, across @ axes
 
 
 def corrected(beta: float, curvatures: np.ndarray) -> tuple[float, float]:

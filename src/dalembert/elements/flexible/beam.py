@@ -175,6 +175,16 @@ class Beam(Noded, ForceElement):
         """Diagonal of ``(C_Γ, C_K)``."""
         raise NotImplementedError
 
+    def fibre_strain(self, strain: ca.SX) -> ca.SX:
+        """Strain of the centre line, and of bending and torsion at the edge of a solid section.
+
+        The section is a rectangle with these rigidities, ``κ √3 √(E I/E A)``.
+        """
+        rigid = self.rigidities()
+        stretched = self.axial_rigidity.sx
+        edge = ca.sqrt(3 * rigid[self.dimension :] / stretched)
+        return ca.vertcat(strain[: self.dimension], strain[self.dimension :] * edge)
+
     # forces -----------------------------------------------------------------------------------
     def powers(self, rate: Rate) -> Powers:
         lead, rigid, length = self.damping.sx, self.rigidities(), self.length.sx

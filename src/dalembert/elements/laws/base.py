@@ -35,6 +35,10 @@ class Law(Ingredient):
         """``f(t)`` as an expression."""
         raise NotImplementedError
 
+    def splines(self) -> tuple:
+        """Splines through tables that it evaluates."""
+        return ()
+
     def __add__(self, other: Any) -> Law:
         return Sum((self, other))
 
@@ -86,6 +90,9 @@ class Formula(Law):
     def value(self, time: ca.SX) -> ca.SX:
         return ca.substitute(self.formula.sx, t.sx, time)
 
+    def splines(self) -> tuple:
+        return tuple(self.formula.splines)
+
 
 @dataclass(eq=False)
 class Combination(Law):
@@ -102,6 +109,9 @@ class Combination(Law):
 
     def value(self, time: ca.SX) -> ca.SX:
         return functools.reduce(self.operate, [law.value(time) for law in self.laws])
+
+    def splines(self) -> tuple:
+        return tuple(spline for law in self.laws for spline in law.splines())
 
     def conditions(self) -> list[Condition]:
         return [condition for law in self.laws for condition in law.conditions()]

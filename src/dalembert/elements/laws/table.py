@@ -27,13 +27,17 @@ class Table(Law):
     times : sequence of numbers or formulas, increasing [s]
     values : sequence of numbers or formulas
     periodic : bool
-        The table repeats (first and last value must agree). Otherwise the spline is natural
-        and continues along its end slopes.
+        The table repeats (first and last value must agree). Otherwise the spline continues along
+        its end slopes.
+    ends : str
+        ``"not-a-knot"``, the cubics of the first two pieces are one, which suits sampled motions;
+        ``"clamped"``, speeds of zero, which suits motions from rest to rest; ``"natural"``,
+        accelerations of zero.
 
     Raises
     ------
     ModelError
-        Fewer than three rows, times not increasing, numbers that are none.
+        Fewer than three rows, times not increasing, numbers that are none, unknown ends.
 
     Examples
     --------
@@ -52,6 +56,7 @@ class Table(Law):
     times: Rows = option("times [s], increasing; numbers or formulas")
     values: Rows = option("values, one per time; numbers or formulas")
     periodic: bool = option("the table repeats", default=False)
+    ends: str = option("`not-a-knot`, `clamped` or `natural`", default="not-a-knot")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -64,10 +69,13 @@ class Table(Law):
         times, values = list(self.times), list(self.values)
         if len(times) != len(values):
             raise ModelError(f"{len(times)} times but {len(values)} values", "Table")
-        self.spline = CubicSpline(times, values, self.periodic, "Table")
+        self.spline = CubicSpline(times, values, self.periodic, "Table", self.ends)
 
     def value(self, time: ca.SX) -> ca.SX:
         return self.spline(time)
+
+    def splines(self) -> tuple:
+        return (self.spline,)
 
     def conditions(self) -> list[Condition]:
         return [*self.spline.conditions()]

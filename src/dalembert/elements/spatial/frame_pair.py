@@ -42,6 +42,10 @@ def need_frame(value: Any, owner: str, field: str) -> Frame:
     return value
 
 
+OPPOSITE = 1e-3
+"""Share of the twist between opposite axes in the initial twist."""
+
+
 @dataclass(eq=False)
 class OnFrame(Element):
     """Anything that holds on a frame of one body and a point, or a frame, of another.
@@ -153,19 +157,31 @@ class BetweenFrames(OnFrame):
         """How far the second x axis has turned about the first z axis.
 
         It is counted from where the x axes coincide or, unless both were given, from the initial
-        poses.
+        poses, there after the shortest rotation that makes the z axes parallel.
         """
-        return self._turn if self.complete else self.since_start(self._turn)
+        return self._turn if self.complete else self._turn.after(self._turn_at_start)
 
     @property
     def first_turn(self) -> ca.SX:
         """The turn of the x axes where it counts as none."""
-        return ca.SX(0) if self.complete else self.at_start(self._turn).angle
+        return ca.SX(0) if self.complete else self._turn_at_start.angle
 
     @property
     def _turn(self) -> Turn:
         """That of the x axes."""
         return Turn(*ca.vertsplit(ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axes[:, 0])))
+
+    @property
+    def _turn_at_start(self) -> Turn:
+        """The turn at the initial poses, whose z axes need not be parallel.
+
+        With ``R = A_iᵀ A_j`` the twist about z after the shortest rotation has a cosine and a sine
+        proportional to ``R₁₁ + R₂₂`` and ``R₂₁ − R₁₂``, for opposite z axes to ``R₁₁ − R₂₂`` and
+        ``R₂₁ + R₁₂``. A small share of the latter serves both.
+        """
+        r = ca.mtimes(self.frame_i.axes.T, self.frame_j.axes)
+        near, far = 1 + OPPOSITE, 1 - OPPOSITE
+        return self.at_start(Turn(near * r[0, 0] + far * r[1, 1], near * r[1, 0] - far * r[0, 1]))
 
     @property
     def complete(self) -> bool:

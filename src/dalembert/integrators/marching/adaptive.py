@@ -90,7 +90,8 @@ class AdaptiveMarch:
         recorder = watch.recorder(x0)
         try:
             while state[0] < end and not message:
-                out, record, failure = self._attempted(mode, state, fixed)
+                attempts = watch.choice.attempts(mode) if watch.choice else ATTEMPTS
+                out, record, failure = self._attempted(attempts, mode, state, fixed)
                 made = out.shape[1]
                 last = recorder.last
                 out, record, following, message = self._keep(watch, out, record, last, head, mode)
@@ -114,6 +115,10 @@ class AdaptiveMarch:
                     message = crossing.reason
                 parts.append((t, h, modes))
                 recorder.add(ends, columns)
+                if watch.choice and following == mode and crossing is None:
+                    following, length, message = watch.choice.after(record, mode, message)
+                    if length is not None:
+                        state = np.r_[state[0], length, memory, state[head:]]
                 mode = following
                 if crossing is not None and crossing.after is not None:
                     mode = crossing.after
@@ -134,18 +139,18 @@ class AdaptiveMarch:
         steps.x = recorder.states(None if self.fixed is None else self.fixed.again(steps, p))
         return steps
 
-    def _attempted(self, mode: int, state: np.ndarray, fixed: np.ndarray):
+    def _attempted(self, attempts: int, mode: int, state: np.ndarray, fixed: np.ndarray):
         """A chunk of attempts; where a solver inside gives up, those before it and why."""
         try:
-            return *self.columns(mode)(ATTEMPTS, state, fixed), ""
+            return *self.columns(mode)(attempts, state, fixed), ""
         except SolverFailure:  # it tells neither where nor what was done before
             single, done = Kernel(self.single(mode)), []
-        for _ in range(ATTEMPTS):
+        for _ in range(attempts):
             try:
                 done.append(single(state, fixed))
             except SolverFailure as error:
                 columns = [np.hstack(found) for found in zip(*done, strict=True)]
-                none = [np.zeros((state.size, 0)), np.zeros((4, 0))]
+                none = [np.zeros((state.size, 0)), np.zeros((single.function.numel_out(1), 0))]
                 return *(columns or none), f"a step failed: {error.reason}"
             state = done[-1][0].ravel()
         return *(np.hstack(found) for found in zip(*done, strict=True)), ""
@@ -173,7 +178,8 @@ def _idle_at_the_end(
     Beyond a switch there is nothing either, for the step across has to be cut first.
     """
     state, fixed = ca.MX.sym("s", function.numel_in(0)), ca.MX.sym("f", function.numel_in(1))
-    idle = ca.Function("idle", [state, fixed], [state, ca.vertcat(state[0], 0, 0, 0)])
+    nothing = ca.MX.zeros(function.numel_out(1) - 1)
+    idle = ca.Function("idle", [state, fixed], [state, ca.vertcat(state[0], nothing)])
     branch = ca.Function.if_else("attempt_or_idle", function, idle)
     goes_on = state[0] < fixed[0]
     if crossed is not None:

@@ -12,7 +12,13 @@ Graph = TypeVar("Graph", ca.SX, ca.MX)
 
 
 def decide(
-    state: Graph, end: Graph, h: Graph, new: Graph, ratio: Graph, error_order: int
+    state: Graph,
+    end: Graph,
+    h: Graph,
+    new: Graph,
+    ratio: Graph,
+    error_order: int,
+    stiffness: Graph | float = 0.0,
 ) -> tuple[Graph, Graph]:
     """What follows an attempt with ``state = [t; proposed; last error; x]``, and its record.
 
@@ -24,6 +30,7 @@ def decide(
     h, new : step length taken and state reached
     ratio : estimated error relative to the tolerance; not finite where the step failed
     error_order : ``q`` where the estimate falls as ``h^(q+1)``
+    stiffness : estimate of ``h ρ(∂F/∂x)``
     """
     t, proposed, last, x = state[0], state[1], state[2], state[3:]
     sound = ca.logic_and(ratio <= 1e30, ca.sumsqr(new) < ca.inf)  # false for NaN as well
@@ -38,7 +45,7 @@ def decide(
         ca.if_else(accepted, ca.fmax(finite, 1e-4), last),
         ca.if_else(accepted, new, x),
     )
-    return following, ca.vertcat(t, h, finite, accepted)
+    return following, ca.vertcat(t, h, finite, accepted, stiffness)
 
 
 def arrival(t: Graph, h: Graph, end: Graph) -> Graph:

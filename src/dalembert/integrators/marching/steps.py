@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dalembert.integrators.marching.checkpoints import Recorder, States, cut_states
+from dalembert.integrators.marching.method_choice import MethodChoice
 
 
 @dataclass
@@ -64,10 +65,12 @@ class Steps:
         )
 
     def divided(self, parts: int) -> Steps:
-        """The same march, to be repeated in shorter steps."""
-        h = np.repeat(self.h / parts, parts)
-        t = np.repeat(self.t[: self.count], parts) + h * np.tile(np.arange(parts), self.count)
-        corrected, mode = (np.repeat(column, parts) for column in (self.corrected, self.mode))
+        """The same march, to be repeated in shorter steps; transitions stay as they are."""
+        each = np.where(self.h > 0, parts, 1)
+        h = np.repeat(self.h / each, each)
+        first = np.repeat(np.cumsum(each) - each, each)
+        t = np.repeat(self.t[: self.count], each) + h * (np.arange(h.size) - first)
+        corrected, mode = (np.repeat(column, each) for column in (self.corrected, self.mode))
         return Steps(t, h, self.x[:, :1], corrected, mode)
 
 
@@ -142,6 +145,7 @@ class Watch:
     stop : asked whether to end the march; told the modes of the steps as well
     switch : ``(times, states, mode)`` → Switch
     cross : ``(times, states, mode)`` → Crossing, or None
+    choice : which of two methods goes on; None where there is one only
     memory : bytes of states that are kept before they are thinned to checkpoints
     outputs : (K,) times around which states are kept in any case [s]
     """
@@ -150,6 +154,7 @@ class Watch:
     stop: Callable[[np.ndarray, np.ndarray, np.ndarray], bool] = lambda times, states, modes: False
     switch: Callable[[np.ndarray, np.ndarray, int], Switch] = _never_switch
     cross: Callable[[np.ndarray, np.ndarray, int], Crossing | None] = _never_cross
+    choice: MethodChoice | None = None
     memory: float = np.inf
     outputs: np.ndarray | None = None
 

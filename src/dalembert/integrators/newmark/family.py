@@ -24,6 +24,10 @@ class NewmarkFamily(ImplicitIntegrator, ABC):
     def check(self, problem: Problem) -> None:
         check(self.coefficients, problem, self.name)
 
+    @property
+    def convergence_order(self) -> int:
+        return 2
+
     def step(self, problem: Problem) -> NewmarkStep:
         return NewmarkStep(self.coefficients, problem, self)
 
@@ -70,6 +74,10 @@ class Newmark(NewmarkFamily):
                 f"Newmark(gamma={self.gamma}, beta={self.beta}): needs gamma ≥ 1/2 (it is unstable "
                 "below) and beta > 0"
             )
+
+    @property
+    def convergence_order(self) -> int:
+        return 2 if self.gamma == 0.5 else 1
 
     @property
     def coefficients(self) -> NewmarkCoefficients:

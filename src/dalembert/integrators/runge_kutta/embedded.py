@@ -26,9 +26,10 @@ def embedded_attempt(
         state, fixed = kind.sym("s", 3 + step.size), kind.sym("f", 2 + step.parameter_count)
         t, x, p = state[0], state[3:], fixed[2:]
         h = _length(state, fixed)
-        _, slopes = step.stages(t, h, x, p)
+        states, slopes = step.stages(t, h, x, p)
         new = step.correct(t + h, step.advance(h, x, slopes), p)
-        out: Any = judge(state, fixed, new, ca.horzcat(*slopes))
+        stiff = _stiffness(problem, step, h, states, slopes)
+        out: Any = judge(state, fixed, new, ca.horzcat(*slopes), stiff)
         options: Any = {"cse": True} if kind is ca.SX else {}
         return ca.Function("attempt", [state, fixed], out, options)
 
@@ -41,14 +42,30 @@ def _length(state: Graph, fixed: Graph) -> Graph:
 
 
 def _judge(problem: Problem, step: ExplicitStep, rtol: float, atol: np.ndarray) -> ca.Function:
-    """``(state, fixed, new, slopes) → (following, record)``."""
+    """``(state, fixed, new, slopes, stiffness) → (following, record)``."""
     state, fixed = ca.SX.sym("s", 3 + step.size), ca.SX.sym("f", 2 + step.parameter_count)
     slopes, new = ca.SX.sym("k", step.size, step.tableau.stages), ca.SX.sym("n", step.size)
+    stiff, order = ca.SX.sym("stiffness"), step.tableau.error_order or 4
     t, x, h = state[0], state[3:], _length(state, fixed)
     ratio = _error_ratio(problem, step, rtol, atol, (t, h, x, new, fixed[2:]), ca.horzsplit(slopes))
-    following, record = decide(state, fixed[0], h, new, ratio, step.tableau.error_order or 4)
-    inputs = [state, fixed, new, slopes]
+    following, record = decide(state, fixed[0], h, new, ratio, order, stiff)
+    inputs = [state, fixed, new, slopes, stiff]
     return ca.Function("judge", inputs, [following, record], {"cse": True})
+
+
+def _stiffness(problem: Problem, step: ExplicitStep, h: Graph, states: Any, slopes: Any) -> Graph:
+    """``h ‖k_s − k_{s−1}‖ / ‖X_s − X_{s−1}‖`` (Hairer and Wanner 1996, IV.2), in natural sizes.
+
+    The last two stages must be at the same time, so that only the states differ; 0 otherwise.
+    """
+    c, count = step.tableau.c, problem.controlled
+    if len(c) < 2 or c[-1] != c[-2] or not count:
+        return h * 0
+    sizes = np.ones(count) if problem.sizes is None else problem.sizes[:count]
+    change, apart = (
+        ca.sumsqr((values[-1] - values[-2])[:count] / sizes) for values in (slopes, states)
+    )
+    return h * ca.sqrt(change / (apart + 1e-300))
 
 
 def _error_ratio(problem: Problem, step: ExplicitStep, rtol, atol, where, slopes) -> ca.SX:

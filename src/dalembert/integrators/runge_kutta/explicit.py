@@ -22,7 +22,7 @@ from dalembert.integrators.runge_kutta.tableau import (
     ButcherTableau,
 )
 from dalembert.integrators.step import Step
-from dalembert.integrators.tolerances import SHARE, absolute, check_tolerances
+from dalembert.integrators.tolerances import absolute, check_tolerances, share
 from dalembert.options import options
 
 
@@ -40,6 +40,10 @@ class ExplicitRungeKutta(Integrator, ABC):
     @abstractmethod
     def tableau(self) -> ButcherTableau:
         """Coefficients of the method."""
+
+    @property
+    def convergence_order(self) -> int:
+        return self.tableau.order
 
     @property
     def evaluations(self) -> int:
@@ -159,7 +163,8 @@ class AdaptiveRungeKutta(ExplicitRungeKutta):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default a hundredth of rtol, at
+        least 1e-10, times the natural sizes
     max_step : longest step [s]; a quarter of the run if None
 
     Raises
@@ -189,7 +194,7 @@ class AdaptiveRungeKutta(ExplicitRungeKutta):
 
     def attempt(self, problem: Problem, step: Step) -> Attempt:
         assert isinstance(step, ExplicitStep)
-        least = absolute(self.atol, SHARE, problem, step.size)
+        least = absolute(self.atol, share(self.rtol), problem, step.size)
         return embedded_attempt(problem, step, self.rtol, least)
 
 

@@ -112,7 +112,7 @@ class CollocationStep(GraphStep):
             scale_of(s.t + c * h, h, state, part, s.p)
             for c, state, part in zip(self.nodes, states, parts, strict=True)
         ]
-        self._newton = NewtonNode(
+        self.newton = NewtonNode(
             "stages",
             u,
             given,
@@ -136,7 +136,7 @@ class CollocationStep(GraphStep):
         """New state without correction, rates at the stages (n, s), relative residual."""
         guess, begin = self.begin_rates(t, h, x, p)
         given = ca.vertcat(t, h, x, p, *([begin] if self.matrix.explicit_first else []))
-        (new, rates), residual = self._newton.results(ca.repmat(guess, len(self.nodes), 1), given)
+        (new, rates), residual = self.newton.results(ca.repmat(guess, len(self.nodes), 1), given)
         return new, rates, residual
 
 
@@ -148,6 +148,10 @@ class ImplicitRungeKutta(ImplicitIntegrator, ABC):
     @abstractmethod
     def matrix(self) -> ButcherMatrix:
         """Coefficients of the method."""
+
+    @property
+    def convergence_order(self) -> int:
+        return self.matrix.order
 
     @property
     def stability(self) -> Callable[[np.ndarray], np.ndarray]:

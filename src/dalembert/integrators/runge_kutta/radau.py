@@ -17,7 +17,7 @@ from dalembert.integrators.runge_kutta.implicit_step import (
     stages,
 )
 from dalembert.integrators.step import Step
-from dalembert.integrators.tolerances import SHARE, absolute, check_tolerances
+from dalembert.integrators.tolerances import absolute, check_tolerances, share
 from dalembert.options import options
 
 _R = sqrt(6)
@@ -35,6 +35,8 @@ FILTER = (6 - 9 ** (1 / 3) + 81 ** (1 / 3)) / 30
 ESTIMATE = FILTER / 3 * np.array([-13 - 7 * _R, -13 + 7 * _R, -1]) @ np.array(RADAU_IIA.a)
 """Weights of the rates at the stages in the estimate of the error; ``γ₀`` is that of the first."""
 ERROR_ORDER = 3
+ITERATIONS = 3.5
+"""Of Newton's method in a step, about."""
 
 
 @options
@@ -50,7 +52,8 @@ class Radau(ImplicitRungeKutta):
     Parameters
     ----------
     rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-10 of the natural sizes
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default a hundredth of rtol, at
+        least 1e-10, times the natural sizes
     max_step : longest step [s]; a quarter of the run if None
     fixed : take steps of the given length without error control
 
@@ -109,14 +112,15 @@ class Radau(ImplicitRungeKutta):
         new, rates, _ = step.solve(t, h, x, p)
         corrected = step.finished(t + h, new, p)
         error = _estimate(step, t, h, x, p, rates)
-        least = ca.DM(absolute(self.atol, SHARE, problem, step.size))
+        least = ca.DM(absolute(self.atol, share(self.rtol), problem, step.size))
         allowed = least + self.rtol * ca.fmax(ca.fabs(x), ca.fabs(corrected))
         if problem.tangential is None and problem.system.index == 3:
             allowed = impulsive(problem, h, allowed)
         ratio = largest(relative_error(problem, t + h, new, p, error, allowed))
         ratio = ca.if_else(ca.sumsqr(corrected) < np.inf, ratio, np.inf)
         following, record = decide(state, end, h, corrected, ratio, ERROR_ORDER)
-        return Attempt(ca.Function("attempt", [state, fixed], [following, record]), (1.0,))
+        function = ca.Function("attempt", [state, fixed], [following, record])
+        return Attempt(function, (1.0,), work=ITERATIONS * step.newton.work)
 
 
 def _estimate(step: CollocationStep, t, h, x, p, rates: ca.MX) -> ca.MX:

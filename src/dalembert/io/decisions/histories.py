@@ -19,4 +19,4 @@ def knots_of(table: Any) -> np.ndarray:
 
 def declare_history(system: Any, name: str, table: Any) -> History:
     """Give a system the parameters of a history."""
-    return history(system, name, knots_of(table), table.value, table.unit)
+    return history(system, name, knots_of(table), table.value, table.unit, table.ends)

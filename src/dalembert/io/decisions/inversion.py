@@ -76,4 +76,6 @@ def _history(file: ModelFile, model: Any, name: str) -> History:
     document: Any = file.document
     times = knots_of(document.histories[name])
     found = tuple(model.parameters[f"{name}_{k}"] for k in range(times.size))
-    return History(name, times, found, Table(times.tolist(), list(found)))
+    return History(
+        name, times, found, Table(times.tolist(), list(found), ends=document.histories[name].ends)
+    )

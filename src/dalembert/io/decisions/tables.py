@@ -134,8 +134,10 @@ class ReliabilityTable(Record):
     system: one_name("dalembert.design.reliability.reliability:SYSTEMS") = Field(  # type: ignore[valid-type]
         default="series", description="one limit that breaks is failure, or all must: `parallel`"
     )
-    method: one_name("dalembert.design.reliability.first_order:METHODS") = "improved-hlrf"  # type: ignore[valid-type]
-    starts: Integer = Field(default=1, description="of each limit, to find further points")
+    method: one_name("dalembert.design.reliability.first_order:METHODS") = "sqp"  # type: ignore[valid-type]
+    starts: Integer | None = Field(
+        default=None, description="searches for each limit, to find further points; 3 by default"
+    )
     tolerance: Number = 1e-8
     max_iterations: Integer = 100
     samples: Integer = Field(default=0, description="of an estimate beside; none by default")

@@ -83,6 +83,7 @@ class HistoryTable(Record):
     unit: Text = Field(
         default="", description='of the value, as `"kN"`, and shown in results; SI by default'
     )
+    ends: Text = Field(default="not-a-knot", description="of the spline, as of `Table`")
 
 
 class InvertTable(Record):
@@ -97,8 +98,9 @@ class InvertTable(Record):
         default_factory=list, description="further unknown parameters, such as initial values"
     )
     smoothing: Entry = Field(
-        default="l-curve",
-        description='`"l-curve"`, `"cross-validation"`, `"discrepancy"` (needs noise), or a number',
+        default="likelihood",
+        description='`"likelihood"`, `"cross-validation"`, `"l-curve"`, `"discrepancy"` (needs '
+        "noise), or a number",
     )
     order: Integer = Field(default=2, description="of the derivative that is to be small")
     time: Text = Field(default=None, description="column of the times; `time` or `t` by default")

@@ -20,7 +20,9 @@ from dalembert.model.assembly.continuation import continued
 from dalembert.model.assembly.failure import failure
 from dalembert.model.assembly.guesses import Guesses
 from dalembert.model.assembly.independence import determine_the_others, free_columns, rows_of
-from dalembert.model.assembly.placement import placed_guesses
+from dalembert.model.assembly.lost_branch import BranchEnd, lost_branch
+from dalembert.model.assembly.placement import curve_searches, loosely_facing, placed_guesses
+from dalembert.model.assembly.position_search import PositionSearch, Searched
 from dalembert.model.assembly.recipe import INCONSISTENT, HeldPlaces, HeldSpeeds, Pinned, Recipe
 from dalembert.model.assembly.regularity import (
     Definedness,
@@ -36,6 +38,8 @@ from dalembert.symbolic.formulas.expression import stack
 
 STAYS_CLOSED = 1e-9
 """Violation, by natural sizes, of an equation that others imply."""
+SEARCHED = 140
+"""Coordinates up to which held guesses are searched for in other assemblies."""
 NEARBY = 1e-3
 """Displacement, by natural sizes, along which coordinates that were clearly free remain so."""
 
@@ -56,7 +60,9 @@ class Closure:
     generic : those that are independent nearly everywhere, more of them where the start is a
         singular position
     recipe : Recipe of the start
+    assembler : Assembler, equations of positions
     jacobian : ``C`` of all rows at the assembled position, sparse, in natural units
+    searched : Searched, where only a search from random starts assembled it; else None
     anchor : nominal parameters and the position assembled for them, from which others are followed
 
     Raises
@@ -76,29 +82,11 @@ class Closure:
         self.description, self.all_equations, self.nominal = description, equations, nominal
         self.guesses, self.scales = guesses, equations.scales
         self.owners: Owners = description.rows
+        self.searched: Searched | None = None
         self._close(strict)
 
     def _fixed(self, expression: ca.SX) -> ca.SX:
         return at_ground(self.description.ground, expression)
-
-    def _curve_searches(self) -> list[tuple[int, list[int], tuple[float, float]]]:
-        """Curve parameters without a guess: coordinate, equations, range."""
-        found = []
-        for constraint in self.description.constraints:
-            for part in constraint.own_coordinates():
-                if part.guesses()[0][0] is None:
-                    index = self.guesses.pose_owners.index(part.name)
-                    rows = [k for k, (c, _) in enumerate(self.owners) if c is constraint]
-                    found.append((index, rows, part.interval))
-        return found
-
-    def _loosely_facing(self) -> list[ca.SX]:
-        """Ways round of joints that the given poses do not settle."""
-        return [
-            constraint.facing()
-            for constraint in self.description.constraints
-            if not all(all(p.guessed()) for p in constraint.parts() if p.name != "ground")
-        ]
 
     def _close(self, strict: bool) -> None:
         d, e, p = self.description, self.all_equations, self.nominal
@@ -107,18 +95,19 @@ class Closure:
         positions, speeds = (
             conditions[np.flatnonzero(chosen).tolist(), :] for chosen in (~of_speed, of_speed)
         )
-        searches, facing = self._curve_searches(), self._fixed(stack(self._loosely_facing()))
-        self._assembler = Assembler(
+        searches = curve_searches(d, self.guesses)
+        facing = self._fixed(stack(loosely_facing(d)))
+        self.assembler = Assembler(
             e, self.guesses, placed_guesses(d), self.scales, positions, searches, facing
         )
         y = self._projected()
         Definedness(d, e, y, p).refuse_undefined()
-        self.jacobian = self._assembler.scaled_jacobian(0.0, y, p)[: len(self.owners)]
+        self.jacobian = self.assembler.scaled_jacobian(0.0, y, p)[: len(self.owners)]
         self.independence = rows_of(self.jacobian)
         self.rows = self.independence.pivots
         self.generic = self.rows
         if len(self.rows) < len(self.owners):
-            self.generic = generic_rows(self._assembler, self.owners, self.rows, y, p)
+            self.generic = generic_rows(self.assembler, self.owners, self.rows, y, p)
         refuse_over_driving(self.owners, self.generic)
         self.recipe = Recipe(e, self.guesses, self.scales, self.rows, positions, speeds)
         self.anchor = p.copy(), self._hold_positions(y, p)
@@ -149,23 +138,33 @@ class Closure:
 
     def _projected(self) -> np.ndarray:
         """The guesses, moved onto all constraints."""
-        found = self._assembler.project(0.0, self.nominal)
+        found = self.assembler.project(0.0, self.nominal)
         if not found.accepted:  # too many drivers is the better explanation, if it is one
             drivers = [k for k, (c, _) in enumerate(self.owners) if isinstance(c, Driver)]
             freedom = self.all_equations.speed_count - (len(self.owners) - len(drivers))
             if 1 <= freedom < len(drivers):
                 others = sorted(set(range(len(self.owners))) - {drivers[-1]})
                 refuse_over_driving(self.owners, others)
-            raise self._failure(0.0, found.x, self.nominal)
+            return self._searched(found.x)
         return found.x
 
-    def _failure(self, t: float, y: np.ndarray, p: np.ndarray) -> AssemblyError:
-        return failure(self._assembler, self.description, t, y, p)
+    def _searched(self, y: np.ndarray) -> np.ndarray:
+        """The assembled position nearest to the guesses, from random starts."""
+        p = self.nominal
+        guess = self.assembler.start(0.0, p).full().ravel()
+        searched = PositionSearch(self.assembler, self.description, 0.0, p).near(guess)
+        for position in searched.positions:
+            found = self.assembler.close(0.0, position, p)
+            if found.accepted:
+                self.searched = searched
+                return found.x
+        raise failure(self.assembler, self.description, 0.0, y, p, searched)
 
     def _hold_positions(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Hold as many given coordinates as can be had, the first ones first."""
         lost: set[int] = set()  # given ones that cannot be had count as missing
-        jacobian = self._assembler.scaled_jacobian(0.0, y, p)
+        d = self.description
+        jacobian = self.assembler.scaled_jacobian(0.0, y, p)
         conditions = range(len(self.owners), jacobian.shape[0])
         while True:
             given = [g and k not in lost for k, g in enumerate(self.guesses.given)]
@@ -173,9 +172,13 @@ class Closure:
             chosen = free_columns(jacobian[[*self.recipe.position_rows, *conditions]], priority)
             held = HeldPlaces(tuple(chosen), tuple(given[k] for k in chosen), y)
             self.recipe = replace(self.recipe, positions=held)
-            self.pinned = Pinned(self._assembler, self.recipe)
+            self.pinned = Pinned(self.assembler, self.recipe)
             wanted = [k for k in chosen if given[k]]
             found, reached = continued(self.pinned, y, p, p, 0.0)
+            if reached < 1.0 and not lost and y.size <= SEARCHED:  # perhaps in another assembly
+                search = PositionSearch(self.assembler, d, 0.0, p).held(y, self.pinned)
+                if len(search.positions):
+                    found, reached = search.positions[0], 1.0
             if reached == 1.0:
                 at_their_ends = self._at_their_ends(y, found, p, priority).intersection(wanted)
                 if not at_their_ends:
@@ -183,7 +186,7 @@ class Closure:
                 lost |= at_their_ends
                 continue
             if not wanted:
-                raise self._failure(0.0, found, p)
+                raise failure(self.assembler, self.description, 0.0, found, p)
             lost.add(wanted[0])
 
     def _at_their_ends(
@@ -196,7 +199,7 @@ class Closure:
         away = self.all_equations.manifold.lead(before, y) / self.scales.displacements
         if np.max(np.abs(away), initial=0.0) < NEARBY:
             return set()  # where they were chosen they are not
-        jacobian = self._assembler.scaled_jacobian(0.0, y, p)
+        jacobian = self.assembler.scaled_jacobian(0.0, y, p)
         conditions = range(len(self.owners), jacobian.shape[0])
         matrix = jacobian[[*self.recipe.position_rows, *conditions]]
         held = set(self.recipe.positions.indices)
@@ -261,9 +264,9 @@ class Closure:
         anchor_p, anchor_y = self.anchor
         y = self._follow(anchor_p, anchor_y, p, time)
         if self.lost:  # equations left out at the start need not hold with other parameters
-            left = self._assembler.closeness(time, y, p)
+            left = self.assembler.closeness(time, y, p)
             if np.max(np.abs(left.value) / left.scale, initial=0.0) > STAYS_CLOSED:
-                raise self._failure(time, y, p)
+                raise failure(self.assembler, self.description, time, y, p)
         return self.state(y, p, time)
 
     @property
@@ -306,5 +309,6 @@ class Closure:
         """The assembled position on the branch of another one."""
         y, reached = continued(self.pinned, y0, p0, p1, time)
         if reached < 1.0:
-            raise self._failure(reached * time, y, p0 + reached * (p1 - p0))
+            end = BranchEnd(reached * time, p0 + reached * (p1 - p0), y)
+            raise lost_branch(self.pinned, self.description, self.anchor, end, time, p1)
         return y

@@ -18,6 +18,7 @@ from dalembert.elements.pair import PointJoint
 from dalembert.errors import AssemblyError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.assembly import Assembler
+from dalembert.model.assembly.position_search import Searched
 from dalembert.model.description import Description
 from dalembert.model.tree.topology import analyse_topology
 
@@ -61,18 +62,37 @@ class OpenPosition:
 
 
 def failure(
-    assembler: Assembler, d: Description, t: float, y: np.ndarray, p: np.ndarray
+    assembler: Assembler,
+    d: Description,
+    t: float,
+    y: np.ndarray,
+    p: np.ndarray,
+    searched: Searched | None = None,
 ) -> AssemblyError:
-    """The error that tells the best position near ``y``."""
+    """The error that states the best position near ``y``, or near the best of a search."""
+    if searched is not None and searched.residual < _open(assembler, t, y, p):
+        y = searched.best
     made = _Failure(assembler, d, t, y, p).told()
     where = f", in the loop {'–'.join(made.loop)}" if made.loop else ""
+    tried = ""
+    if searched is not None:
+        tried = (
+            f" (no start of {searched.starts} random ones led to an assembly; smallest relative "
+            f"residual {searched.residual:.2g})"
+        )
     return AssemblyError(
-        f"the mechanism cannot be assembled at t = {t:g} s: {made.text}{where}; check the lengths "
-        f"{'of this loop ' if made.loop else ''}and the places of what is fixed, or give poses "
-        "nearer to the closed mechanism",
+        f"the mechanism cannot be assembled at t = {t:g} s: {made.text}{where}{tried}; check the "
+        f"lengths {'of this loop ' if made.loop else ''}and the places of what is fixed, or give "
+        "poses nearer to the closed mechanism",
         float(np.abs(assembler.closeness(t, made.y, p).value).max(initial=0.0)),
         made,
     )
+
+
+def _open(assembler: Assembler, t: float, y: np.ndarray, p: np.ndarray) -> float:
+    """Largest residual by natural sizes."""
+    found = assembler.closeness(t, y, p)
+    return float(np.max(np.nan_to_num(np.abs(found.value / found.scale), nan=np.inf), initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,6 +184,12 @@ class _Failure:
         name = f"{demand.name} ({', '.join(bodies)})" if bodies else demand.name
         if demand.compared is not None:
             reached, wanted = (float(self.number(sx, y)[0]) for sx in demand.compared)
+            if not np.isfinite(reached):
+                wish = _amount(wanted, demand.unit)
+                return f"{wish} wanted", (
+                    f"{name} asks for {wish}, but what it measures is undefined ({reached:g}) at "
+                    "the given poses, where axes are perpendicular or points coincide"
+                )
             bound = "at most" if reached < wanted else "at least"
             limit = f"{bound} {_amount(reached, demand.unit)} can be reached"
             short = (

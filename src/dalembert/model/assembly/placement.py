@@ -5,6 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from dalembert.elements.coordinates import Coordinates
+from dalembert.model.assembly.guesses import Guesses
 from dalembert.model.assembly.planar_placement import planar_poses
 from dalembert.model.assembly.spatial_placement import spatial_poses
 from dalembert.model.description import Description
@@ -17,6 +18,29 @@ def placed_guesses(d: Description) -> ca.SX:
     """
     placed = planar_poses(d) | spatial_poses(d)
     return ca.vertcat(*(placed[g.name] if g.name in placed else _given(g) for g in d.coordinates))
+
+
+def curve_searches(
+    d: Description, guesses: Guesses
+) -> list[tuple[int, list[int], tuple[float, float]]]:
+    """Curve parameters without a guess: coordinate, equations, range."""
+    owners, found = d.rows, []
+    for constraint in d.constraints:
+        for part in constraint.own_coordinates():
+            if part.guesses()[0][0] is None:
+                index = guesses.pose_owners.index(part.name)
+                rows = [k for k, (c, _) in enumerate(owners) if c is constraint]
+                found.append((index, rows, part.interval))
+    return found
+
+
+def loosely_facing(d: Description) -> list[ca.SX]:
+    """Directions of joints that the given poses do not settle."""
+    return [
+        constraint.facing()
+        for constraint in d.constraints
+        if not all(all(p.guessed()) for p in constraint.parts() if p.name != "ground")
+    ]
 
 
 def _given(group: Coordinates) -> ca.SX:

@@ -254,11 +254,11 @@ class Pinned(newton.Equations[np.ndarray]):
         by_row = e.by_displacement(pinned).T
         entries = stack([ca.vec(by_row.nz[:])])
         self.held = len(recipe.positions.indices)
-        held_columns, ends = np.array(by_row.row(), dtype=int), np.array(by_row.colind())
-        held_rows = np.repeat(np.arange(self.held), np.diff(ends))
+        self.held_columns, ends = np.array(by_row.row(), dtype=int), np.array(by_row.colind())
+        self.held_rows = np.repeat(np.arange(self.held), np.diff(ends))
         far = ca.mtimes(ca.fabs(e.lift).T, ca.fabs(e.y))
         far = ca.mtimes(ca.fabs(e.by_displacement(pinned)), far)
-        self._held_at = ca.Function("held", [e.y, e.p], [pinned, entries, ca.densify(far)])
+        self.held_at = ca.Function("held", [e.y, e.p], [pinned, entries, ca.densify(far)])
         beyond = range(assembler.equation_count, assembler.row_count)
         self.rows = np.array([*recipe.position_rows, *beyond], dtype=int)
         place = np.full(assembler.row_count, -1)
@@ -268,13 +268,13 @@ class Pinned(newton.Equations[np.ndarray]):
             np.concatenate(
                 [
                     place[assembler.entry_rows[self._kept]],
-                    self.rows.size + held_rows,
+                    self.rows.size + self.held_rows,
                 ]
             ),
-            np.concatenate([assembler.entry_columns[self._kept], held_columns]),
+            np.concatenate([assembler.entry_columns[self._kept], self.held_columns]),
             assembler.longest.size,
         )
-        self._sizes = assembler.scales.displacements[list(recipe.positions.indices)]
+        self.sizes = assembler.scales.displacements[list(recipe.positions.indices)]
 
     def at(self, t: float, p: np.ndarray) -> Pinned:
         """The same at an instant, for parameter values."""
@@ -287,11 +287,11 @@ class Pinned(newton.Equations[np.ndarray]):
 
     def residual(self, x: np.ndarray) -> Square:
         value, scale, rounding, entries = self.assembler.violations(self.t, x, self.p)
-        away, held, far = (found.full().ravel() for found in self._held_at(x, self.p))
+        away, held, far = (found.full().ravel() for found in self.held_at(x, self.p))
         rows = self.rows
         return Square(
             np.concatenate([value[rows], away]),
-            np.concatenate([scale[rows], self._sizes]),
+            np.concatenate([scale[rows], self.sizes]),
             np.concatenate([rounding[rows], ROUNDING * far]),
             entries=np.concatenate([entries[self._kept], held]),
         )

@@ -150,7 +150,7 @@ def _diagnosis(result: StructuralStates, left_out: int) -> dict[str, Any]:
         ("prescribed displacements", held),
         (f"{result.kind_of_state}s", len(result.cases)),
     ]
-    messages = []
+    messages = [("warning", text) for text in result.warnings]
     if left_out:
         kept = "are left out of this page; the result file has them all"
         messages.append(("info", f"{left_out} {result.kind_of_state}s {kept}"))

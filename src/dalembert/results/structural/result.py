@@ -36,6 +36,7 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
     displacements, forces : (n, cases); forces are applied ones and reactions
     status : Status
     record : what a gradient needs of each case (the factorised stiffness)
+    warnings : doubts about the choices made, each with the number that shows it
     """
 
     model: StructuralModel
@@ -47,6 +48,7 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
     status: Status
     statistics: dict[str, Any] = field(default_factory=dict)
     record: Any = None
+    warnings: Sequence[str] = ()
 
     continuous = False
     """There is nothing between two load cases: integrals over them are sums."""

@@ -15,6 +15,7 @@ def structural_summary(result: StructuralStates) -> dict[str, Any]:
         "status": str(result.status),
         "residual": result.status.residual,
         "statistics": result.statistics,
+        "warnings": list(result.warnings),
     }
     numbers = {name: result.values(name) for name in result.named}
     rows = []

@@ -48,6 +48,7 @@ def ties(motion: Result, response: Response, columns: Sequence[int]) -> str:
     """What to say where several samples are the largest and change differently; else nothing."""
     if not isinstance(response, Maximum) or response.smooth is not None:
         return ""
+    motion = response.sampled(motion)
     m = response.sign * motion.values(scalar_measure(motion, response))
     tied = np.flatnonzero(m >= m.max() - SAME * np.abs(m).max())
     if tied.size < 2:

@@ -11,6 +11,7 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.transition import Transition
 from dalembert.model.model import Model
 from dalembert.responses.base import Response, scalar_measure
+from dalembert.responses.extremes import SmoothExtreme
 from dalembert.responses.integrals import OverRun
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
@@ -79,7 +80,8 @@ def _grazed(motion: Recording, kernel: DynamicsKernel) -> list[str]:
 def _jumping(motion: Recording, response: Response, kernel: DynamicsKernel) -> list[str]:
     """An integral over a measure that jumps lacks what the moved instants add to it."""
     crossings = [k for k, _ in kernel.crossings(motion.record.steps)]
-    if not crossings or not isinstance(response, OverRun):
+    over_run = isinstance(response, OverRun) or isinstance(response.over(motion), SmoothExtreme)
+    if not crossings or not over_run:
         return []
     steps = motion.record.steps
     t, h = steps.t[crossings], BESIDE * steps.h[steps.lasting].min()

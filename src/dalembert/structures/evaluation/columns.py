@@ -52,7 +52,11 @@ class Pulls:
             found += pulled.reshape(*data.shape, -1, self.rows).sum(axis=2)
 
     def products(self, products: Products, pull: Callable) -> None:
-        """Add ``Σ_s ηᵀ ∂A/∂p x_s`` with ``pull(kind, x, data, η)`` of what ``A x`` gives."""
+        """Add ``Σ_s ηᵀ ∂A/∂p x_s`` with ``pull(kind, x, data, η)`` of what ``A x`` gives.
+
+        States are unit vectors, and weights the sums: a state as small as a displacement would be
+        lost in the rounding of forces at rest.
+        """
         for b, data, found, sums in zip(
             self.blocks, self._data, self._found, products.sums, strict=True
         ):
@@ -60,8 +64,8 @@ class Pulls:
             for j in range(sums.shape[2]):
                 unit = np.zeros((sums.shape[2], several.shape[1]))
                 unit[j] = 1.0
-                state = sums[:, :, j].reshape(several.shape[1], -1).T
-                found += pull(b.kind, state, several, unit).reshape(found.shape)
+                eta = sums[:, :, :, j].reshape(several.shape[1], -1).T
+                found += pull(b.kind, unit, several, eta).reshape(found.shape)
 
     @property
     def total(self) -> np.ndarray:

@@ -64,7 +64,12 @@ class LaneMarch:
         return [np.repeat(column, self.width).reshape(-1, self.width).T for column in columns]
 
     def run(
-        self, x: np.ndarray, shared: list[np.ndarray], q: np.ndarray, chosen: np.ndarray
+        self,
+        x: np.ndarray,
+        shared: list[np.ndarray],
+        q: np.ndarray,
+        chosen: np.ndarray,
+        count: int | None = None,
     ) -> np.ndarray:
         """States of at most ``width`` sets.
 
@@ -73,26 +78,27 @@ class LaneMarch:
         x, q : (sets, …) first states, and fixed numbers
         shared : columns that all sets have, by ``shared``, or (sets, rows, count) of their own
         chosen : numbers of the columns that are kept, in order
+        count : columns, where there are no shared ones
 
         Returns
         -------
         (sets, chosen, size)
         """
-        count, kept = shared[0].shape[-1], []
+        count, kept = shared[0].shape[-1] if count is None else count, []
         longest = int(np.clip(MEMORY // (8 * self.size * self.width), 100, 5000))
         for begin in range(0, count, longest):
             part = slice(begin, min(begin + longest, count))
             inside = chosen[(chosen >= part.start) & (chosen < part.stop)] - begin
             wanted = np.append(inside, part.stop - begin - 1)
-            found = self._called(x, [column[..., part] for column in shared], q, wanted)
+            columns = [column[..., part] for column in shared]
+            found = self._called(part.stop - begin, x, columns, q, wanted)
             x = found[:, -1]
             kept.append(found[:, :-1])
         return np.concatenate(kept, axis=1)
 
     def _called(
-        self, x: np.ndarray, shared: list[np.ndarray], q: np.ndarray, wanted: np.ndarray
+        self, count: int, x: np.ndarray, shared: list[np.ndarray], q: np.ndarray, wanted: np.ndarray
     ) -> np.ndarray:
-        count = shared[0].shape[-1]
         if self._lanes is None:
             found = []
             for k in range(len(x)):

@@ -45,13 +45,14 @@ class Declared:
         kind: str = "spline",
         outside: str = "error",
         units: tuple[str, str] = ("", ""),
+        ends: str = "not-a-knot",
     ) -> Interpolation:
         """Declare a table of values, to be called like a function, see ``Interpolation``.
 
         Texts of formulas name it: ``interp(piston.x, gas)``.
         """
         self._declare(name)
-        made = Interpolation(x, y, kind, outside, units, name)
+        made = Interpolation(x, y, kind, outside, units, name, ends)
         self.tables[name] = made
         return made
 

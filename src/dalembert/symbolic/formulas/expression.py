@@ -25,6 +25,8 @@ class Expression:
         Column of scalar expressions.
     name, unit : str
         Labels used in results; arithmetic drops them.
+    splines : tuple
+        Splines of the tables that the formula evaluates; arithmetic keeps them.
 
     Examples
     --------
@@ -40,18 +42,19 @@ class Expression:
     8.0
     """
 
-    __slots__ = ("name", "sx", "unit")
+    __slots__ = ("name", "splines", "sx", "unit")
     is_parameter = False
     """Its unit was given by who made it, and is held to."""
 
-    def __init__(self, sx, name: str = "", unit: str = ""):
+    def __init__(self, sx, name: str = "", unit: str = "", splines: tuple = ()):
         self.sx = ca.SX(sx)
         self.name = name
         self.unit = unit
+        self.splines = splines
 
     def named(self, name: str, unit: str = "") -> Expression:
         """The same formula under a name and a unit."""
-        return Expression(self.sx, name, unit)
+        return Expression(self.sx, name, unit, self.splines)
 
     def __array__(self, dtype=None, copy=None) -> np.ndarray:
         """One entry of an array of formulas; NumPy would take its components apart."""
@@ -84,7 +87,7 @@ class Expression:
 
     def component(self, index: int, label: str) -> Expression:
         name = f"{self.name}.{label}" if self.name else ""
-        return Expression(self.sx[index], name, self.unit)
+        return Expression(self.sx[index], name, self.unit, self.splines)
 
     @property
     def x(self) -> Expression:
@@ -128,7 +131,7 @@ class Expression:
         return _binary(other, self, lambda a, b: a**b)
 
     def __neg__(self):
-        return Expression(-self.sx)
+        return Expression(-self.sx, splines=self.splines)
 
     def __pos__(self):
         return self
@@ -171,7 +174,7 @@ class Expression:
 
 def _binary(a, b, operate) -> Any:
     try:
-        return Expression(operate(as_sx(a), as_sx(b)))
+        return Expression(operate(as_sx(a), as_sx(b)), splines=splines_of(a, b))
     except TypeError:  # what is no formula, such as a law, may know how
         return NotImplemented
 
@@ -229,7 +232,13 @@ def as_expression(value, entity: str, unit: str | None = None, size: int = 1) ->
             refuse_unusable(float(sx[i]), entity)
     if unit is None:
         unit = value.unit if isinstance(value, Expression) and sx.is_constant() else ""
-    return Expression(sx, value.name if isinstance(value, Expression) else "", unit)
+    name = value.name if isinstance(value, Expression) else ""
+    return Expression(sx, name, unit, splines_of(value))
+
+
+def splines_of(*values: Any) -> tuple:
+    """The splines of tables from which formulas are made."""
+    return tuple(s for v in values if isinstance(v, Expression) for s in v.splines)
 
 
 def _amount(text: str, entity: str) -> Amount:

@@ -11,7 +11,7 @@ import numpy as np
 
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.symbolic.formulas.expression import Expression, as_expression
-from dalembert.symbolic.formulas.spline import CubicSpline, reached
+from dalembert.symbolic.formulas.spline import ENDS, SLACK, CubicSpline, reached
 from dalembert.text.spelling import Spelled, spelled
 from dalembert.text.wording import unknown
 from dalembert.units.amounts import check_unit
@@ -19,10 +19,9 @@ from dalembert.units.unit import unit
 
 KINDS = ("spline", "linear")
 OUTSIDE = ("error", "extrapolate", "clamp")
+TABLE_ENDS = (*ENDS, "periodic")
 MOST_ROWS = 1000
 """Curves of more rows are noise, or a file taken by mistake."""
-SLACK = 1e-9
-"""Share of its range by which a table may be left, as rounding does."""
 
 
 class Interpolation(Spelled):
@@ -35,11 +34,14 @@ class Interpolation(Spelled):
     ----------
     x : increasing numbers, with formulas or texts such as ``"10 mm"`` among them
     y : as many values
-    kind : ``"spline"``, cubic and natural, with two continuous derivatives, or ``"linear"``
+    kind : ``"spline"``, cubic, with two continuous derivatives, or ``"linear"``
     outside : beyond the first and last row ``"error"``, the run ends there and says so;
         ``"extrapolate"`` along the slopes at the ends; ``"clamp"``, the values at the ends
     units : of x and y where they are plain numbers, such as ``("mm", "kN")``; SI units by default
     name : in messages
+    ends : of a spline: ``"not-a-knot"``, the cubics of the first two pieces are one;
+        ``"clamped"``, slopes of zero, for motions from rest to rest; ``"natural"``, second
+        derivatives of zero, which falsify accelerations near the ends; ``"periodic"``, it repeats
 
     Raises
     ------
@@ -68,13 +70,15 @@ class Interpolation(Spelled):
         outside: str = "error",
         units: tuple[str, str] = ("", ""),
         name: str = "",
+        ends: str = "not-a-knot",
     ):
         self.name, spoken = name, f"table {name}".rstrip()
-        for given, known in ((kind, KINDS), (outside, OUTSIDE)):
+        choices = {"kind": (kind, KINDS), "outside": (outside, OUTSIDE), "ends": (ends, TABLE_ENDS)}
+        for what, (given, known) in choices.items():
             if given not in known:
-                what = "kind" if known is KINDS else "outside"
                 raise ModelError(unknown(what, given, known), spoken)
-        self.kind, self.outside = kind, outside
+        self.kind, self.outside, self.ends = kind, outside, ends
+        periodic = ends == "periodic"
         meant = []
         for text in units:
             try:
@@ -89,9 +93,10 @@ class Interpolation(Spelled):
         )
         self.units = (meant[0].si or _unit_of(x), meant[1].si or _unit_of(y))
         if kind == "linear":
-            self._curve: Any = Polyline(knots, values, False, spoken)
+            self._curve: Any = Polyline(knots, values, periodic, spoken)
         else:
-            self._curve = CubicSpline(knots, values, False, spoken)
+            condition = "not-a-knot" if periodic else ends
+            self._curve = CubicSpline(knots, values, periodic, spoken, condition)
         self.uses: list[ca.SX] = []
 
     @property
@@ -106,18 +111,21 @@ class Interpolation(Spelled):
             check_unit(x.unit, self.units[0], spoken, f"{x.name or 'its argument'} [{x.unit}]")
         at = as_expression(x, spoken, self.units[0] or None).sx
         first, last = self.range
-        slack = SLACK * (last - first)
+        slack, splines = SLACK * (last - first), (self._curve,)
+        if self.ends == "periodic":
+            return Expression(self._curve(at), splines=splines)
         if self.outside == "error":
             self.uses.append(at)
             inside = reached(at, first - slack) * (1 - reached(at, last + slack))
-            return Expression(ca.if_else(inside, self._curve(at), ca.SX.nan()), "", "")
+            value = ca.if_else(inside, self._curve(at), ca.SX.nan())
+            return Expression(value, splines=splines)
         if self.outside == "clamp":
             at = self._clamped(at)
-        return Expression(self._curve(at))
+        return Expression(self._curve(at), splines=splines)
 
     def _clamped(self, x: ca.SX) -> ca.SX:
         first, last = self.range
-        return ca.if_else(reached(x, first), ca.if_else(reached(x, last), last, x), first)
+        return ca.if_else(reached(x, first), ca.if_else(reached(last, x), x, last), first)
 
     def is_left_at(self, value: float) -> bool:
         """Whether its range of numbers ends before a value."""
@@ -161,12 +169,13 @@ def table(
     outside: str = "error",
     units: tuple[str, str] = ("", ""),
     name: str = "",
+    ends: str = "not-a-knot",
 ) -> Interpolation:
     """A function through the rows of a table, see ``Interpolation``.
 
     Parameters
     ----------
-    x, y, kind, outside, units, name : as of ``Interpolation``
+    x, y, kind, outside, units, name, ends : as of ``Interpolation``
 
     Examples
     --------
@@ -175,7 +184,7 @@ def table(
     >>> round(float(torque("2000 rpm")), 12)
     15.0
     """
-    return Interpolation(x, y, kind, outside, units, name)
+    return Interpolation(x, y, kind, outside, units, name, ends)
 
 
 def interp(x: Any, curve: Any) -> Expression:

@@ -1,4 +1,4 @@
-"""Cubic splines in the expression graph: C², periodic or natural."""
+"""Cubic splines in the expression graph: C², with a choice of end conditions."""
 
 from __future__ import annotations
 
@@ -12,10 +12,22 @@ import numpy as np
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.symbolic.formulas.expression import as_expression
 from dalembert.symbolic.formulas.lookup import Lookup
+from dalembert.text.wording import unknown
 
 LARGE = 16
 """Rows beyond which a table of constants is looked up instead of written out: about as many cost
 the virtual machine as much as a call."""
+
+ENDS = ("not-a-knot", "clamped", "natural")
+"""End conditions: the cubics of the first two pieces are one, the slope is zero, or the second
+derivative is zero."""
+SLACK = 1e-9
+"""Share of the range beyond its ends in which the first and last cubics go on."""
+COARSE = 0.05
+"""Change of the second derivative at an end without every second row, relative to its largest,
+beyond which the rows do not determine it."""
+ENOUGH = 9
+"""Rows below which a table defines a curve rather than samples one."""
 
 Scalar = Any  # a float where it is known, else a casadi.SX
 Inside = Callable[[ca.SX], ca.SX]
@@ -33,19 +45,31 @@ class CubicSpline:
     values : n numbers or formulas
     periodic : the last value equals the first and the spline repeats
     entity : name used in messages
+    ends : end conditions of a spline that is not periodic, one of ``ENDS``. ``"not-a-knot"``
+        reproduces cubics, its second derivative at an end is in error by ``O(h²)``, as between the
+        knots; ``"natural"`` is in error there by the whole second derivative.
 
     Raises
     ------
     ModelError
         Fewer than three rows, numbers that are none, knots that do not increase, a periodic spline
-        that does not close.
+        that does not close, unknown end conditions.
     """
 
     least = 3
     """Rows that it needs."""
 
-    def __init__(self, knots: Sequence, values: Sequence, periodic: bool, entity: str):
-        self.periodic, self.entity = periodic, entity
+    def __init__(
+        self,
+        knots: Sequence,
+        values: Sequence,
+        periodic: bool,
+        entity: str,
+        ends: str = "not-a-knot",
+    ):
+        if ends not in ENDS:
+            raise ModelError(unknown("ends", ends, ENDS), entity)
+        self.periodic, self.entity, self.ends = periodic, entity, ends
         self.knots = _scalars(knots, entity, "abscissa")
         self.values = _scalars(values, entity, "value")
         if len(self.knots) != len(self.values):
@@ -70,7 +94,7 @@ class CubicSpline:
     def _made(self) -> tuple[Inside, tuple[Scalar, Scalar]]:
         """The curve between its ends, and its slopes there."""
         h, v = self.steps, self.values
-        m = _curvatures(h, v, self.periodic)
+        m = self.second_derivatives = _curvatures(h, v, "periodic" if self.periodic else self.ends)
 
         def slope(k: int, left: float, right: float) -> Scalar:
             return (v[k + 1] - v[k]) / h[k] + h[k] * (left * m[k] + right * m[k + 1]) / 6
@@ -103,11 +127,51 @@ class CubicSpline:
         first, last = self.knots[0], self.knots[-1]
         if self.periodic:
             return self._inside(x - (last - first) * ca.floor((x - first) / (last - first)))
-        begun, over = reached(x, first), reached(x, last)
+        slack = SLACK * (last - first)
+        begun, over = reached(x, first - slack), reached(x, last + slack)
         before = self.values[0] + self._slopes[0] * (x - first)
         after = self.values[-1] + self._slopes[1] * (x - last)
         inside = self._inside(ca.if_else(begun, ca.if_else(over, last, x), first))
         return ca.if_else(begun, ca.if_else(over, after, inside), before)
+
+    def end_doubt(self) -> str:
+        """Why its second derivatives near the ends are not those of the sampled function.
+
+        Empty where there is no such reason, rows are formulas, or few rows define the curve.
+        """
+        constant = all(isinstance(x, float) for x in (*self.knots, *self.values))
+        if self.periodic or self.least < 3 or not constant or len(self.knots) < 4:
+            return ""
+        better = np.array(_curvatures(self.steps, self.values, "not-a-knot"))
+        largest = float(np.abs(better).max())
+        if self.ends == "not-a-knot":
+            return self._coarse(largest)
+        first, last = np.array(self.second_derivatives)[[0, -1]]
+        off = max(abs(first - better[0]), abs(last - better[-1]))
+        if off <= {"natural": COARSE, "clamped": 0.5}[self.ends] * largest:
+            return ""
+        cure = ", or 'clamped' for motions from rest to rest" if self.ends == "natural" else ""
+        return (
+            f"{self.entity} has {self.ends} ends with the second derivatives {first:.4g} and "
+            f"{last:.4g}; its rows suggest {better[0]:.4g} and {better[-1]:.4g}: use ends = "
+            f"'not-a-knot'{cure}"
+        )
+
+    def _coarse(self, largest: float) -> str:
+        """Doubt about a second derivative at an end that follows from too few rows."""
+        if len(self.knots) < ENOUGH:
+            return ""
+        for side, label in ((1, "first"), (-1, "last")):
+            knots = np.array(self.knots)[::side][::2] * side
+            coarse = _curvatures(list(np.diff(knots)), self.values[::side][::2], "not-a-knot")
+            value = self.second_derivatives[::side][0]
+            change = abs(coarse[0] - value) / 3
+            if change > COARSE * largest:
+                return (
+                    f"the second derivative of {self.entity} at its {label} row, {value:.4g}, "
+                    f"is uncertain by about {change:.2g}: give more rows, or smooth measured ones"
+                )
+        return ""
 
     def _check_closed(self) -> None:
         gap = self.values[-1] - self.values[0]
@@ -167,25 +231,48 @@ def _scalars(given: Sequence, entity: str, what: str) -> list[Scalar]:
     return found
 
 
-def _curvatures(h: list[Scalar], v: list[Scalar], periodic: bool) -> list[Scalar]:
-    """Second derivatives at the knots: continuity of the slope, natural or periodic ends."""
+def _curvatures(h: list[Scalar], v: list[Scalar], ends: str) -> list[Scalar]:
+    """Second derivatives at the knots: continuity of the slope, and the end conditions."""
     rise = [(b - a) / step for a, b, step in zip(v, v[1:], h, strict=False)]
     n = len(h)
-    if not periodic:
-        rows = range(1, n)
-        inner = _tridiagonal(
-            [h[k - 1] / 6 for k in rows],
-            [(h[k - 1] + h[k]) / 3 for k in rows],
-            [h[k] / 6 for k in rows],
-            [rise[k] - rise[k - 1] for k in rows],
+    if ends == "periodic":
+        lower = [h[k - 1] / 6 for k in range(n)]  # of row 0: its last column
+        diagonal = [(h[k - 1] + h[k]) / 3 for k in range(n)]
+        upper = [h[k] / 6 for k in range(n)]  # of the last row: its first column
+        change = [rise[k] - rise[k - 1] for k in range(n)]
+        found = _cyclic(lower, diagonal, upper, change)
+        return [*found, found[0]]
+    rows = range(1, n)
+    a = [h[k - 1] / 6 for k in rows]
+    b = [(h[k - 1] + h[k]) / 3 for k in rows]
+    c = [h[k] / 6 for k in rows]
+    d = [rise[k] - rise[k - 1] for k in rows]
+    if ends == "natural":
+        return [0.0, *_tridiagonal(a, b, c, d), 0.0]
+    if ends == "clamped":
+        return _tridiagonal(
+            [0.0, *a, h[-1] / 6],
+            [h[0] / 3, *b, h[-1] / 3],
+            [h[0] / 6, *c, 0.0],
+            [rise[0], *d, -rise[-1]],
         )
-        return [0.0, *inner, 0.0]
-    lower = [h[k - 1] / 6 for k in range(n)]  # of row 0: its last column
-    diagonal = [(h[k - 1] + h[k]) / 3 for k in range(n)]
-    upper = [h[k] / 6 for k in range(n)]  # of the last row: its first column
-    change = [rise[k] - rise[k - 1] for k in range(n)]
-    found = _cyclic(lower, diagonal, upper, change)
-    return [*found, found[0]]
+    return _not_a_knot(h, a, b, c, d)
+
+
+def _not_a_knot(h: list, a: list, b: list, c: list, d: list) -> list[Scalar]:
+    """The first two pieces are one cubic, and the last two: ``(m₁ − m₀)/h₀ = (m₂ − m₁)/h₁``.
+
+    Three knots have one parabola.
+    """
+    if len(h) == 2:
+        return [2 * d[0] / (h[0] + h[1])] * 3
+    first, last = h[0] / h[1], h[-1] / h[-2]
+    b[0], c[0] = b[0] + a[0] * (1 + first), c[0] - a[0] * first
+    b[-1], a[-1] = b[-1] + h[-1] / 6 * (1 + last), a[-1] - h[-1] / 6 * last
+    inner = _tridiagonal(a, b, c, d)
+    begin = inner[0] + first * (inner[0] - inner[1])
+    end = inner[-1] + last * (inner[-1] - inner[-2])
+    return [begin, *inner, end]
 
 
 def _tridiagonal(a: list[Scalar], b: list[Scalar], c: list[Scalar], d: list[Scalar]) -> list:

@@ -1,0 +1,266 @@
+"""Largest value of a measure between the steps of a run with error control.
+
+The measure is evaluated at dense outputs, and more densely where its curvature leaves room for a
+larger value. The instant of the largest one is the root of its rate ``ṁ`` along the discrete motion
+(Brent), or an end of a smooth stretch: of the run, or of the motion before and after an impact or
+a switch. At a root a change of the instant is of second order, so the gradient at the fixed instant
+is exact; at impacts and switches the sample moves with their instant (``MovingSide``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes, jumps_between
+from dalembert.analysis.dynamics.flow import Flow
+from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.dynamics.step_quadrature import INSIDE, StepQuadrature
+from dalembert.analysis.events import locate
+from dalembert.analysis.kinematics.branches import Branches, outputs_of, place_outputs
+from dalembert.results.motion import Motion
+from dalembert.symbolic.once import once
+
+ROOM = 3.0
+"""Distance above its ends that a measure may reach within an interval, by that of a parabola."""
+FLAT = 1e-3
+"""Such a distance, relative to the range of the measure, that is no reason to look closer."""
+ROUNDS, MOST = 8, 4000
+"""Times that intervals are halved, and measures evaluated there."""
+LOCATED = 8
+"""Local maxima whose instants are located, the most promising first."""
+NEGLIGIBLE = 40.0
+"""Distance of exponents below which the smaller power counts for nothing."""
+RISE = 0.5
+"""Change of an exponent within a part of a step."""
+STEP_PARTS, PARTS = 512, 50_000
+"""Upper limits of the parts of a step, and of all steps."""
+NEARLY = 1e-6
+"""Share of a part of a step at its beginning in which no root is looked for."""
+TOGETHER = 1e-8
+"""Distance of two samples, relative to the run, that are one instant."""
+SAME = 1e-10
+"""Difference of maxima, relative to the largest, that counts as none."""
+
+
+@once
+def dense(motion: Motion) -> Motion:
+    """The motion at dense outputs, from its first output to its last."""
+    record, time = motion.record, motion.time
+    if record.dense or not record.steps.count or time.size < 2:
+        return motion
+    kernel, steps, p = record.kernel, record.steps, motion.parameters
+    jumps = contact_changes(kernel, steps)
+    times, branches = outputs_of(steps, None, end_by_event(motion) is not None, jumps)
+    inside = (times > time[0] + steps.instant) & (times < time[-1] - steps.instant)
+    ends = place_outputs(steps, time[[0, -1]])
+    index, length = (
+        np.concatenate([at[:1], some[inside], at[1:]])
+        for at, some in ((ends.index, branches.index), (ends.length, branches.length))
+    )
+    times = np.concatenate([time[:1], times[inside], time[-1:]])
+    found = DenseOutputs(kernel, steps, times, Branches(index, length), p)
+    made = replace(record, branches=found.branches, dense=True)
+    return replace(motion, trajectory=found.trajectory, record=made)
+
+
+@once
+def peaks(motion: Motion, measure: Any, sign: float) -> Motion:
+    """The motion where ``sign`` times a measure is largest; at several instants if they tie."""
+    finely = dense(motion)
+    if not finely.record.dense:
+        return motion
+    return PeakSearch(finely, measure, sign).found
+
+
+def peak_quadrature(
+    motion: Motion, measure: Any, sharpness: float, sign: float, order: int
+) -> StepQuadrature | None:
+    """Points over the run at which ``exp(± sharpness m)`` is as smooth as the motion.
+
+    None where the run has fixed steps, or outputs over a part of it only.
+    """
+    record, time = motion.record, motion.time
+    steps = record.steps
+    if record.kernel.adaptive is None or not steps.count or time.size < 2:
+        return None
+    if time[0] > steps.t[0] + steps.instant or time[-1] < steps.end - steps.instant:
+        return None
+    finely = dense(motion)
+    m = sign * sharpness * finely.values(measure)
+    if not np.all(np.isfinite(m)):
+        return None
+    apart, index = np.diff(finely.time), finely.record.branches.index
+    lasting, index = ~jumps_between(steps, finely.time, index), index[:-1]
+    slope = np.abs(np.diff(m)) / np.where(lasting, apart, 1.0)
+    bend = np.sqrt(np.abs(np.diff(slope, append=slope[-1:])) / np.where(lasting, apart, 1.0))
+    steep = np.where(lasting, np.maximum(slope, bend), 0.0)
+    steep[np.maximum(m[1:], m[:-1]) < m.max() - NEGLIGIBLE] = 0.0
+    most = np.zeros(steps.count)
+    np.maximum.at(most, index, steep)
+    parts = np.clip(np.ceil(most * steps.h / RISE), 1, STEP_PARTS).astype(int)
+    return StepQuadrature(steps, order, parts) if parts.sum() <= PARTS else None
+
+
+class PeakSearch:
+    """Looks for the largest value.
+
+    Parameters
+    ----------
+    motion : at dense outputs
+    measure : scalar
+    sign : −1 for the smallest value
+    """
+
+    def __init__(self, motion: Motion, measure: Any, sign: float):
+        self.motion, self.sign = motion, sign
+        self.measure = motion.expression(measure)
+        self.record = motion.record
+        self.kernel, self.steps, self.p = self.record.kernel, self.record.steps, motion.parameters
+        self.flow = Flow(self.kernel, self.steps, self.p)
+        b = self.record.branches
+        self.index, self.length = b.index.copy(), b.length.copy()
+        self.modes, self.time = np.full(b.index.size, -1), motion.time.copy()
+        self._move_sides()
+        self.m = self._values(np.arange(self.time.size))
+
+    @property
+    def found(self) -> Motion:
+        """The motion at the instant of the largest value, or at several of the same value."""
+        if np.all(np.isfinite(self.m)):
+            self._look_closer()
+            self._locate()
+        if np.isnan(self.m).any():
+            return self._at(np.flatnonzero(np.isnan(self.m)))
+        best = np.flatnonzero(self.m >= self.m.max() - SAME * np.abs(self.m).max())
+        # of samples at one instant that one which moves with it
+        new = np.diff(self.time[best], prepend=-np.inf) > TOGETHER * np.ptp(self.motion.time)
+        groups = np.split(best, np.flatnonzero(new)[1:])
+        return self._at(np.array([max(g, key=lambda k: (self.modes[k], self.m[k])) for g in groups]))
+
+    # samples ---------------------------------------------------------------------------
+    def _at(self, some: np.ndarray) -> Motion:
+        branches = Branches(self.index[some], self.length[some], self.modes[some])
+        trajectory = self.kernel.trajectory(self.time[some], self.steps, branches, self.p)
+        made = replace(self.record, branches=branches, dense=False)
+        return replace(self.motion, trajectory=trajectory, record=made)
+
+    def _values(self, some: np.ndarray) -> np.ndarray:
+        return np.asarray(self.sign * self._at(some).values(self.measure), dtype=float)
+
+    def _add(self, index: np.ndarray, length: np.ndarray) -> None:
+        """Samples inside steps, in order among the others."""
+        first = self.time.size
+        self.index, self.length = np.append(self.index, index), np.append(self.length, length)
+        self.time = np.append(self.time, self.steps.t[index] + length)
+        self.modes = np.append(self.modes, np.full(index.size, -1))
+        self.m = np.append(self.m, self._values(np.arange(first, self.time.size)))
+        order = np.argsort(self.time, kind="stable")
+        for name in ("index", "length", "time", "modes", "m"):
+            setattr(self, name, getattr(self, name)[order])
+
+    def _move_sides(self) -> None:
+        """Samples on both sides of impacts and switches move with their instants.
+
+        Where steps are repeated with other parameters, others are dropped that this passes by.
+        """
+        steps, kept = self.steps, np.ones(self.time.size, dtype=bool)
+        for k, change in self.kernel.crossings(steps):
+            following = k + 1
+            if (k and steps.h[k - 1] == 0) or not steps.h[following : following + 1].any():
+                continue  # one of several at one instant
+            mode, size = int(steps.mode[k]), change.step.state_size
+            before = self._before(k)
+            after = np.flatnonzero((self.index == following) & (self.length == 0))
+            place = self.kernel.variants[self.kernel.side(mode, False)].place
+            instant = steps.t[k] + float(place(steps.t[k], steps.x[:size, k], self.p)[0])
+            kept &= ~np.where(self.index < k, self.time > instant, False)
+            kept &= ~np.where(self.index > k, self.time < instant, False)
+            for at, behind in ((before, False), (after, True)):
+                self.index[at], self.length[at] = k, 0.0
+                self.modes[at] = self.kernel.side(mode, behind)
+                self.time[at] += instant - steps.t[k]
+                kept[at] = True
+        for name in ("index", "length", "time", "modes"):
+            setattr(self, name, getattr(self, name)[kept])
+
+    def _before(self, k: int) -> np.ndarray:
+        """The sample before a change."""
+        found = np.flatnonzero((self.index == k) & (self.length == 0))
+        if found.size or not k:
+            return found
+        last = self.length > (1 - 2 * INSIDE) * self.steps.h[k - 1]
+        return np.flatnonzero((self.index == k - 1) & last)
+
+    # looking closer --------------------------------------------------------------------
+    @property
+    def _apart(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lengths of the intervals, and which of them are jumps."""
+        return np.diff(self.time), jumps_between(self.steps, self.time, self.index)
+
+    def _rooms(self) -> np.ndarray:
+        """How far the measure may reach above the ends of each interval."""
+        apart, jump = self._apart
+        apart = np.where(jump, 1.0, apart)
+        slopes = np.diff(self.m) / apart
+        curvature = np.where(jump[1:] | jump[:-1], 0.0, np.abs(np.diff(slopes)))
+        curvature = 2 * curvature / (apart[1:] + apart[:-1])
+        most = np.maximum(np.append(curvature, 0.0), np.append(0.0, curvature))
+        return np.where(jump, 0.0, ROOM * most * apart**2 / 8)
+
+    def _look_closer(self) -> None:
+        """Halve intervals in which the measure may be larger than it is anywhere by now."""
+        left = MOST
+        for _ in range(ROUNDS):
+            rooms, size = self._rooms(), np.ptp(self.m)
+            top = np.maximum(self.m[1:], self.m[:-1]) + rooms
+            wanted = np.flatnonzero((top > self.m.max()) & (rooms > FLAT * size))
+            if not wanted.size or wanted.size > left:
+                return
+            left -= wanted.size
+            index, begin, end = self._inside(wanted)
+            self._add(index, (begin + end) / 2)
+
+    def _inside(self, intervals: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Step, beginning and end of intervals between neighbouring samples."""
+        t, count = self.steps.t, self.steps.count
+        middle = (self.time[intervals] + self.time[intervals + 1]) / 2
+        index = np.searchsorted(t[:count], middle, side="right") - 1
+        begin, end = (self.time[intervals + k] - t[index] for k in (0, 1))
+        return index, np.maximum(begin, 0.0), np.minimum(end, self.steps.h[index])
+
+    # the instant -----------------------------------------------------------------------
+    def _locate(self) -> None:
+        """Add the roots of the rate beside the largest samples."""
+        rooms = self._rooms()
+        beside = np.maximum(np.append(rooms, 0.0), np.append(0.0, rooms))
+        promise = self.m + beside
+        apart, jump = self._apart
+        lower = np.append(self.m[1:] <= self.m[:-1], True) | np.append(jump, True)
+        lower &= np.append(True, self.m[:-1] <= self.m[1:]) | np.append(True, jump)
+        tops = np.flatnonzero(lower & (promise >= self.m.max()))
+        tops = tops[np.argsort(-promise[tops], kind="stable")][:LOCATED]
+        index: list[int] = []
+        length: list[float] = []
+        for interval in sorted({k for top in tops for k in (top - 1, top)}):
+            if not 0 <= interval < apart.size or jump[interval]:
+                continue
+            (k,), (begin,), (end,) = self._inside(np.array([interval]))
+            if (root := self._root(int(k), float(begin), float(end))) is not None:
+                index.append(int(k))
+                length.append(root)
+        if index:
+            self._add(np.array(index), np.array(length))
+
+    def _root(self, k: int, begin: float, end: float) -> float | None:
+        """Where the measure stops rising within a part of a step; None where it does not."""
+
+        def rate(length: float) -> float:
+            return self.sign * self.flow.rate(self.measure, k, length)
+
+        begin = max(begin, NEARLY * end)  # where steps of some methods have no rate
+        if not (begin < end and rate(begin) > 0 > rate(end)):
+            return None
+        return locate(rate, begin, end)

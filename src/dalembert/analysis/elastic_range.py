@@ -1,0 +1,264 @@
+"""Validity range of elastic bodies: linear shapes at small rotations, beams at small strains."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import scipy
+
+from dalembert.analysis.batch.states import States
+from dalembert.analysis.structural.linear_range import (
+    RELATIVE,
+    SHORT,
+    LinearRange,
+    isostatic,
+    percent,
+)
+from dalembert.elements.flexible.beam import Beam
+from dalembert.elements.flexible.body import MEAN, Flexible
+from dalembert.elements.flexible.shapes import FloatingShapes
+from dalembert.model.model import Model
+from dalembert.results.recording import Trajectory
+from dalembert.structures.evaluation.assembly import Assembly
+from dalembert.structures.evaluation.factors import factors_of
+from dalembert.structures.reduction.interface import interfaces_of
+from dalembert.structures.reduction.rigid import node_places
+from dalembert.symbolic.once import once
+
+STRAIN = 0.1
+"""Strain above which a linear elastic law is announced; laws differ by half of it."""
+MODERATE = 0.1
+"""Rotation [rad] up to which displacements of second order suffice."""
+SPLIT = "split it into several flexible bodies welded in a row, or use planar.Beam or spatial.Beam"
+
+
+def elastic_doubts(model: Model, s: Trajectory, p: np.ndarray) -> list[str]:
+    """Warnings about flexible bodies and beams beyond the range in which their equations hold.
+
+    Parameters
+    ----------
+    model, s, p : states of the result and the parameters
+    """
+    finite = np.flatnonzero(np.all(np.isfinite(s.y), axis=0))
+    if not finite.size:
+        return []
+    times, y = s.t[finite], s.y[:, finite]
+    found = []
+    bodies = [b for b in model.bodies if isinstance(b, Flexible) and b.shapes.count]
+    for body, function in zip(bodies, _coordinates(model), strict=True):
+        q = function.map(times.size)(y).full()
+        found += FlexibleRange(model, body, p).doubts(times, q)
+    return found + _strained(model, times, y, p)
+
+
+def elastic_doubts_of_many(states: States) -> list[str]:
+    """The same of the designs of a batch with the largest displacements and strains.
+
+    Parameters
+    ----------
+    states : of all designs at the outputs; NaN where there is none
+    """
+    model, known = states.model, np.flatnonzero(np.isfinite(states.x[:, :1, 0]).all(axis=1))
+    if not (known.size and states.time.size and (_coordinates(model) or _strains(model))):
+        return []
+    sizes, y = states.evaluate(_sizes(model, states.bodies), known, np.arange(states.time.size))
+    largest = np.nanmax(sizes, axis=1, initial=0.0)  # (designs, bodies and beams)
+    found = []
+    for k in sorted({int(k) for k in np.argmax(largest, axis=0)}):
+        none = np.zeros((0, states.time.size))
+        of_one = Trajectory(states.time, y[k].T, none, none, none, none)
+        told = elastic_doubts(model, of_one, states.p[known[k]])
+        found += [f"design {known[k]}: {text}" for text in told]
+    return found
+
+
+@once
+def _sizes(model: Model, bodies: ca.Function) -> ca.Function:
+    """``(t, x, p) → sizes, y``: of the coordinates of flexible bodies and the strains of beams."""
+    t, x, p = bodies.sx_in()
+    y = bodies.call([t, x, p])[0]
+    bent = [ca.norm_inf(function(y)) for function in _coordinates(model)]
+    strained = [ca.mmax(function(t, y, p)) for _, function in _strains(model)]
+    return ca.Function("sizes", [t, x, p], [ca.vertcat(*bent, *strained), y], {"cse": True})
+
+
+@once
+def _coordinates(model: Model) -> tuple[ca.Function, ...]:
+    """``y → q`` of each flexible body."""
+    y = model.all_equations.y
+    bodies = [b for b in model.bodies if isinstance(b, Flexible) and b.shapes.count]
+    return tuple(ca.Function("q", [y], [ca.densify(b.q)]) for b in bodies)
+
+
+class FlexibleRange:
+    """Displacements of a flexible body against nonlinear statics of its structure.
+
+    The forces are those that the shapes balance, in the axes of the frame.
+
+    Parameters
+    ----------
+    body : Flexible
+    p : (np,) parameters of the mechanism
+    """
+
+    def __init__(self, model: Model, body: Flexible, p: np.ndarray):
+        self.body, self.shapes = body, model.shapes(body, p)
+
+    def doubts(self, times: np.ndarray, q: np.ndarray) -> list[str]:
+        """The worst of a few instants, if it is beyond the range.
+
+        Parameters
+        ----------
+        q : (m, K) coordinates
+        """
+        worst, told = RELATIVE, ""
+        for k in self._largest(q):
+            frame = ShapesInFrame(self.body, self.shapes, q[:, k])
+            error, text = frame.error
+            if error > worst:
+                worst, told = error, f"{self.body.name} at t = {times[k]:.6g} s: {text}"
+        return [told] if told else []
+
+    def _largest(self, q: np.ndarray) -> list[int]:
+        """Instants of the largest strain energy and of the largest displacement."""
+        energy = np.einsum("ik,ij,jk->k", q, self.shapes.stiffness, q)
+        size = np.abs(self.shapes.displacements[:, : len(q)]).max(axis=0) @ np.abs(q)
+        chosen = {int(np.argmax(energy)), int(np.argmax(size))}
+        return sorted(k for k in chosen if energy[k] > 0)
+
+
+class ShapesInFrame:
+    """Displacements by shapes at one instant.
+
+    Parameters
+    ----------
+    q : (m,) coordinates
+    """
+
+    def __init__(self, body: Flexible, shapes: FloatingShapes, q: np.ndarray):
+        self.body, self.shapes, self.q = body, shapes, q
+        held = _held(shapes, body)
+        self.assembly, self.rest = held, np.zeros(held.size)
+        a = np.append(q, [q[k] * q[l] for k, l in shapes.pairs])
+        floating = body.reference == MEAN
+        given = shapes.structure, shapes.p, shapes.displacements @ a, held.prescribed
+        self.range = LinearRange(*given, self._solve, floating)
+
+    @property
+    def error(self) -> tuple[float, str]:
+        """Relative to the largest displacement, with what is said about it."""
+        near = self.range
+        if self.body.stiffening:
+            if near.turned[0] < MODERATE:
+                return 0.0, ""
+        elif (near.narrow or near.estimate < RELATIVE) and self._compression < 1.0:
+            return 0.0, ""
+        error = near.measured(self.forces)
+        turn, where = near.turned
+        size = near.displacement / max(near.extent, 1e-300)
+        told = (
+            f"its displacements against the frame reach {size:.2g} of its size (rotation or "
+            f"strain of element {where}: {turn:.2g})"
+        )
+        if not np.isfinite(error):
+            return error, (
+                f"{told}; nonlinear statics of its elements has no stable equilibrium under these "
+                f"forces (buckling), so that linear shapes do not hold; {self._cure}"
+            )
+        by = error * near.displacement
+        return error, (
+            f"{told}; by nonlinear statics of its elements under the same forces they err by about "
+            f"{by:.3g} m, {percent(error)} of the largest; {self._cure}"
+        )
+
+    @property
+    def forces(self) -> np.ndarray:
+        """(n,) of the elements, whose work on the shapes is that of the linear stiffness."""
+        count = self.shapes.count
+        linear = self.shapes.displacements[:, :count]
+        along = linear.copy()
+        for column, (k, l) in enumerate(self.shapes.pairs, start=count):
+            along[:, k] += self.shapes.displacements[:, column] * self.q[l]
+            along[:, l] += self.shapes.displacements[:, column] * self.q[k]
+        strained = self._stiffness @ linear
+        work = along.T @ strained
+        return strained @ np.linalg.solve(work, self.shapes.stiffness @ self.q)
+
+    @property
+    def _cure(self) -> str:
+        small = self.range.turned[0] < 3 * MODERATE
+        if small and not self.body.stiffening:
+            return "use stiffening=True with reference= an interface, or " + SPLIT
+        return SPLIT
+
+    @property
+    def _compression(self) -> float:
+        """How often the forces are those that buckle a shape, by its Rayleigh quotient."""
+        share = SHORT / max(self.range.turned[0], 1e-300)
+        u, stiffness = share * self.range.u, self.range.model.assembly.stiffness
+        shapes = self.shapes.displacements[:, : self.shapes.count]
+        changed = (stiffness(u, self.shapes.p) - stiffness(-u, self.shapes.p)) / (2 * share)
+        geometric = np.einsum("ik,ik->k", shapes, changed @ shapes)
+        return float(np.max(-geometric / np.diag(self.shapes.stiffness), initial=0.0))
+
+    def _solve(self, forces: np.ndarray) -> np.ndarray:
+        found, free = np.zeros_like(forces), self.assembly.free
+        factor = factors_of(self.assembly.inner(self._stiffness), self._degrees, free)
+        if factor is not None:
+            found[free] = factor.solve(forces[free])
+        return found
+
+    @cached_property
+    def _stiffness(self) -> Any:
+        return self.assembly.stiffness(self.rest, self.shapes.p)
+
+    @property
+    def _degrees(self) -> Any:
+        return self.shapes.structure.degrees
+
+
+@once
+def _held(shapes: FloatingShapes, body: Flexible) -> Assembly:
+    """Sums over the elements with the frame at rest: in its interface, or where it just is."""
+    structure = shapes.structure
+    degrees, whole = structure.degrees, structure.assembly
+    places = node_places(whole.blocks, degrees, shapes.p)
+    interfaces = {i.name: i for i in interfaces_of(body.interface, degrees, places)}
+    if body.reference in interfaces:
+        held = interfaces[body.reference].degrees
+    else:
+        nodes = np.unique(np.concatenate([i.nodes for i in interfaces.values()]))
+        held = isostatic(structure, places, nodes)
+    return Assembly(whole.blocks, whole.size, held, whole.pattern)
+
+
+def _strained(model: Model, times: np.ndarray, y: np.ndarray, p: np.ndarray) -> list[str]:
+    """Beams whose strains are beyond those of a linear elastic law."""
+    found = []
+    for beam, function in _strains(model):
+        parameters = np.tile(p[:, None], times.size)
+        values = function.map(times.size)(times, y, parameters).full().max(axis=0)
+        k = int(np.argmax(values))
+        if values[k] > STRAIN:
+            found.append(
+                f"{beam.name} at t = {times[k]:.6g} s: strain {values[k]:.2g} (outer fibre of a "
+                f"solid section with these rigidities); its linear law of small strains errs by "
+                f"about {percent(values[k] / 2)} there; use a stiffer or longer beam, or take its "
+                "forces as estimates"
+            )
+    return found
+
+
+@once
+def _strains(model: Model) -> list[tuple[Beam, ca.Function]]:
+    """``(t, y, p) → (points,)`` sizes of strains at the outer fibre of each beam."""
+    e, found = model.all_equations, []
+    for beam in (part for part in model.parts.elements.values() if isinstance(part, Beam)):
+        sizes = [ca.norm_2(beam.fibre_strain(strain)) for strain, _ in beam.strains]
+        column = model.at_ground(ca.vertcat(*sizes))
+        function = ca.Function("strain", [e.t, e.y, e.p], [column])
+        found.append((beam, function))
+    return found

@@ -1,0 +1,79 @@
+"""Integration that chooses between an explicit and an implicit method as it goes."""
+
+from __future__ import annotations
+
+from dalembert.integrators.base import Integrator, Problem
+from dalembert.integrators.runge_kutta.explicit import DormandPrince
+from dalembert.integrators.runge_kutta.radau import Radau
+from dalembert.integrators.tolerances import check_tolerances
+from dalembert.options import options
+
+OF_STEP = 1e-2
+"""Tolerance of an explicit step, relative to that of the run."""
+
+
+@options
+class AutomaticIntegrator(Integrator):
+    """Error control with Dormand–Prince 5(4) or, where the problem is stiff, Radau IIA of order 5.
+
+    The run begins with the explicit method. When stability and not accuracy limits its steps,
+    ``h ρ(∂F/∂x)`` is large in most of them (Hairer and Wanner 1996, IV.2). The implicit method is
+    tried then, and kept while it advances faster for the same cost; the explicit one is tried
+    again from time to time. The idea is that of LSODA (Petzold 1983). Formulations without
+    accelerations are integrated by the implicit method alone.
+
+    Parameters
+    ----------
+    rtol : relative tolerance of the run [-]; explicit steps keep a hundredth of it, because errors
+        of steps accumulate and the motion may amplify them. The estimate of implicit steps is
+        pessimistic by more than that
+    atol : absolute tolerance of the run [m, rad, m/s, rad/s]; by default a hundredth of rtol,
+        at least 1e-10, times the natural sizes
+    max_step : longest step [s]; a quarter of the run if None
+
+    Raises
+    ------
+    UnsupportedError
+        A tolerance or ``max_step`` that is not positive.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("hard buffer")
+    >>> mass = system.add(planar.Particle("mass", mass=1.0, velocity=(1, 0)))
+    >>> stiff = planar.Force("buffer", mass.center, (-1e6 * mass.x - 1e6 * mass.vx, 0))
+    >>> force = system.add(stiff)
+    >>> motion = da.solve_dynamics(system.build(), 1.0, integrator=da.AutomaticIntegrator())
+    >>> motion.statistics["implicit steps"] > 0  # explicit steps would stay below 4 µs
+    True
+    """
+
+    rtol: float = 1e-6
+    atol: float | None = None
+    max_step: float | None = None
+
+    def __post_init__(self) -> None:
+        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
+
+    @property
+    def methods(self) -> tuple[Integrator, ...]:
+        atol = None if self.atol is None else OF_STEP * self.atol
+        explicit = DormandPrince(OF_STEP * self.rtol, atol, self.max_step)
+        return explicit, Radau(rtol=self.rtol, atol=self.atol, max_step=self.max_step)
+
+    @property
+    def adaptive(self) -> bool:
+        return True
+
+    @property
+    def order(self) -> int:
+        return min(method.order for method in self.methods)
+
+    @property
+    def longest_step(self) -> float | None:
+        return self.max_step
+
+    def check(self, problem: Problem) -> None:
+        explicit, implicit = self.methods
+        (implicit if problem.rate is None else explicit).check(problem)

@@ -1,0 +1,244 @@
+"""Newton's method from many positions at once, with dense Jacobians side by side.
+
+From far away plain steps, whose turns are limited, reach more roots than steps that must reduce the
+residual; so searches for all assemblies of the square system take them. Positions that satisfy all
+joints, without anything held, follow by the damped steps of K. Levenberg (1944) and D. W. Marquardt
+(1963), which are short in given coordinates. CasADi's virtual machine evaluates the equations, so
+that results depend neither on time nor on the machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.model.assembly.assembly import (
+    LEAST_DAMPING,
+    MISSING_WEIGHT,
+    PATIENCE,
+    PROGRESS,
+    ROUNDING,
+    Assembler,
+)
+from dalembert.model.assembly.recipe import Pinned
+from dalembert.symbolic.evaluation.backends import VirtualMachine
+from dalembert.symbolic.evaluation.shared_columns import in_blocks
+
+TOLERANCE, SLACK = 1e-14, 1e3
+"""Residuals, relative to their terms, that count as zero; how many times as much is accepted."""
+STEPS = 60
+"""Newton steps of a start at most."""
+FAR = 1e4
+"""Distance, in natural lengths, of a position that has left the mechanism."""
+ENTRIES = 4_000_000
+"""Entries of Jacobians in memory at once."""
+
+Evaluation = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""(k, m) residuals relative to their scale, (k, m) of which count as zero, (k, m, n) Jacobians by
+natural displacements."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """Where searches from many positions end.
+
+    Attributes
+    ----------
+    y : (k, n_y) positions
+    size : (k,) largest residual, relative to what counts as zero
+    open : (k,) largest residual, relative to its natural scale
+    """
+
+    y: np.ndarray
+    size: np.ndarray
+    open: np.ndarray
+
+    @property
+    def closed(self) -> np.ndarray:
+        """(k,) which are roots."""
+        return self.size <= SLACK
+
+
+class ManyRoots:
+    """Roots of the equations of one mechanism at an instant.
+
+    Parameters
+    ----------
+    assembler : Assembler
+    t, p : instant [s] and (np,) parameter values
+    pinned : Pinned, the square system of the start; None for all joints and initial conditions
+    """
+
+    def __init__(self, assembler: Assembler, t: float, p: np.ndarray, pinned: Pinned | None = None):
+        self.assembler, self.t, self.p, self.pinned = assembler, t, p, pinned
+        self.displacements = assembler.scales.displacements
+        self.longest = assembler.longest / self.displacements
+        self.metres = assembler.guesses.metres
+        self.angles = np.array(assembler.guesses.angles, dtype=bool)
+        machine = VirtualMachine()
+        self._position = machine.columns(assembler.position)
+        self._going = machine.columns(assembler.manifold.going)
+        self._held = None if pinned is None else machine.columns(pinned.held_at)
+        n = self.displacements.size
+        self.group = int(np.clip(ENTRIES // (n * n), 8, 1024))
+        given = np.where(assembler.guesses.missing, MISSING_WEIGHT, 1.0)
+        self._reach = 1 / given  # of natural displacements, by which steps are measured
+
+    # evaluation ------------------------------------------------------------------------------
+    def _called(self, columns, *arguments: np.ndarray) -> list[np.ndarray]:
+        """Results for rows of arguments, padded so that few sizes occur."""
+        count = len(arguments[0])
+        padded = 1 << max(0, count - 1).bit_length()
+        rows = np.minimum(np.arange(padded), count - 1)
+        return [x[:count] for x in in_blocks(columns, 1, *(a[rows] for a in arguments))]
+
+    def moved(self, y: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """(k, n_y) positions that (k, n) natural displacements lead to."""
+        if self.assembler.manifold.flat:
+            return y + steps * self.displacements
+        return self._called(self._going, y, steps * self.displacements)[0]
+
+    def evaluate(self, y: np.ndarray) -> Evaluation:
+        """Residuals and Jacobians at (k, n_y) positions."""
+        a, k = self.assembler, len(y)
+        t, p = np.full((k, 1), self.t), np.broadcast_to(self.p, (k, self.p.size))
+        value, entries, far = self._called(self._position, t, y, p)
+        jacobian = np.zeros((k, a.row_count, self.displacements.size))
+        jacobian[:, a.entry_rows, a.entry_columns] = entries
+        rounding = ROUNDING * np.einsum("kij,kj->ki", np.abs(jacobian), far)
+        jacobian *= self.displacements
+        scale = np.broadcast_to(a.scales.rows, (k, a.scales.rows.size))
+        if a.row_count > scale.shape[1]:
+            asked = np.abs(jacobian[:, scale.shape[1] :]).sum(axis=2)
+            scale = np.hstack([scale, np.where(asked > 0, asked, 1.0)])
+        if self.pinned is not None:
+            rows, held = self.pinned.rows, self._evaluate_held(y, p)
+            value = np.hstack([value[:, rows], held[0]])
+            scale = np.hstack([scale[:, rows], np.broadcast_to(self.pinned.sizes, held[0].shape)])
+            rounding = np.hstack([rounding[:, rows], held[1]])
+            jacobian = np.concatenate([jacobian[:, rows], held[2]], axis=1)
+        return value / scale, TOLERANCE + rounding / scale, jacobian / scale[:, :, None]
+
+    def _evaluate_held(self, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, ...]:
+        """What is held: residuals, their rounding, and the Jacobian by natural displacements."""
+        assert self.pinned is not None and self._held is not None
+        away, entries, far = self._called(self._held, y, p)
+        jacobian = np.zeros((len(y), self.pinned.held, self.displacements.size))
+        jacobian[:, self.pinned.held_rows, self.pinned.held_columns] = entries
+        return away, ROUNDING * far, jacobian * self.displacements
+
+    def apart(self, y: np.ndarray, others: np.ndarray) -> np.ndarray:
+        """(k, n) displacements from a position to others, by natural sizes, without whole turns."""
+        columns = np.tile(y[:, None], len(others))
+        way = self.assembler.manifold.lead(columns, others.T).T / self.displacements
+        with np.errstate(invalid="ignore"):  # half a turn of a body in space is infinitely far
+            return np.where(self.angles, np.remainder(way + np.pi, 2 * np.pi) - np.pi, way)
+
+    def unwound(self, y: np.ndarray, root: np.ndarray) -> np.ndarray:
+        """The same root with its angles near those of a position, if it remains a root."""
+        manifold = self.assembler.manifold
+        turns = np.where(self.angles, np.round(manifold.lead(y, root) / (2 * np.pi)), 0.0)
+        if not turns.any():
+            return root
+        near = manifold.go(root, -2 * np.pi * turns)
+        value, zero, _ = self.evaluate(near[None])
+        return near if _largest(value / zero)[0] <= SLACK else root
+
+    # searches --------------------------------------------------------------------------------
+    def newton(self, y: np.ndarray) -> Ends:
+        """Roots of the square system by plain steps of limited turns."""
+        return self._grouped(y, self._newton)
+
+    def nearest(self, y: np.ndarray) -> Ends:
+        """Roots of all equations near positions by damped steps, short in given coordinates."""
+        return self._grouped(y, self._damped)
+
+    def _grouped(self, y: np.ndarray, search: Callable[[np.ndarray], Ends]) -> Ends:
+        with np.errstate(all="ignore"):
+            found = [search(y[k : k + self.group]) for k in range(0, len(y), self.group)]
+        return Ends(
+            *(np.concatenate([getattr(e, x) for e in found]) for x in ("y", "size", "open"))
+        )
+
+    def _newton(self, y: np.ndarray) -> Ends:
+        y, count = y.copy(), len(y)
+        size, gap = np.full(count, np.inf), np.full(count, np.inf)
+        best, going = y.copy(), np.arange(count)
+        for _ in range(STEPS + 1):
+            value, zero, jacobian = self.evaluate(y[going])
+            new = _largest(value / zero)
+            better = new < size[going]
+            slow = (size[going] <= SLACK) & (new > size[going] / 2)
+            at = going[better]
+            best[at], size[at], gap[at] = y[at], new[better], _largest(value[better])
+            step = -_solved(jacobian, value)
+            keep = (new > 1) & ~slow & np.all(np.isfinite(step), axis=1)
+            if not keep.any():
+                break
+            going, step = going[keep], step[keep]
+            step /= np.max(np.abs(step) / self.longest, axis=1, initial=1.0)[:, None]
+            y[going] = self.moved(y[going], step)
+            there = np.max(np.abs(step) * self.metres, axis=1, initial=0.0) < FAR
+            going = going[there]
+            if not going.size:
+                break
+        return Ends(best, size, gap)
+
+    def _damped(self, y: np.ndarray) -> Ends:
+        y, count = y.copy(), len(y)
+        damping = np.full(count, 5e-3)
+        value, zero, jacobian = self.evaluate(y)
+        before = np.full(count, np.inf)
+        for step_count in range(2 * STEPS):
+            size, norm = _largest(value / zero), np.linalg.norm(value, axis=1)
+            if step_count % PATIENCE == 0:
+                damping[norm > PROGRESS * before] = np.inf
+                before = norm
+            going = np.flatnonzero((size > 1) & np.isfinite(size) & (damping < 1e8))
+            if not going.size:
+                break
+            weighed = jacobian[going] * self._reach
+            normal = weighed @ weighed.transpose(0, 2, 1)
+            diagonal = np.arange(normal.shape[1])
+            level = np.trace(normal, axis1=1, axis2=2) / max(normal.shape[1], 1)
+            normal[:, diagonal, diagonal] += (
+                level * np.maximum(damping[going] * norm[going], LEAST_DAMPING)
+            )[:, None]
+            force = _solved(normal, value[going])
+            step = -np.einsum("kij,ki->kj", weighed, force) * self._reach
+            step /= np.max(np.abs(step) / self.longest, axis=1, initial=1.0)[:, None]
+            there = self.moved(y[going], step)
+            v, z, j = self.evaluate(there)
+            nearer = np.linalg.norm(v, axis=1) < norm[going]
+            at = going[nearer]
+            y[at], value[at], zero[at], jacobian[at] = (
+                there[nearer],
+                v[nearer],
+                z[nearer],
+                j[nearer],
+            )
+            damping[going] *= np.where(nearer, 0.2, 4.0)
+            near = ~nearer & (size[going] <= SLACK)
+            damping[going[near]] = np.inf  # round-off leaves no more
+        return Ends(y, _largest(value / zero), _largest(value))
+
+
+def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """(k, n) solutions of (k, n, n) systems; NaN where one is singular or not finite."""
+    try:
+        return np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
+    except np.linalg.LinAlgError:
+        solutions = np.full(right.shape, np.nan)
+        for k, (a, b) in enumerate(zip(matrix, right, strict=True)):
+            try:
+                solutions[k] = np.linalg.solve(a, b)
+            except np.linalg.LinAlgError:
+                continue
+        return solutions
+
+
+def _largest(value: np.ndarray) -> np.ndarray:
+    """(k,) largest magnitude; infinite where something is not a number."""
+    return np.nan_to_num(np.max(np.abs(value), axis=1, initial=0.0), nan=np.inf)
