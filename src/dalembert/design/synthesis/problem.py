@@ -25,6 +25,10 @@ from dalembert.interrupts import check_ctrl_c
 QUIET: dict[str, Any] = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes"}
 APART = 1e-3
 """Least turn of the crank between entries [rad]."""
+ROUGH = 40
+"""Iterations by which starts are compared."""
+ALIKE = 1e-2
+"""Relative difference of sums of squares up to which two starts count as one."""
 HELD = 1e-8
 """Violation of limits, in the size of the target, that counts as none."""
 
@@ -61,6 +65,15 @@ class Polish:
 
     @cached_property
     def solver(self) -> ca.Function:
+        """The programme."""
+        return self._solver(self.max_iterations)
+
+    @cached_property
+    def rough(self) -> ca.Function:
+        """The programme, ended after a few iterations."""
+        return self._solver(ROUGH)
+
+    def _solver(self, max_iterations: int) -> ca.Function:
         q = {name: ca.SX.sym(name) for name in self.kind.names()}
         theta = ca.SX.sym("theta", len(self.target) if self.free_timing else 1)
         branch, sense = ca.SX.sym("branch"), ca.SX.sym("sense")
@@ -78,7 +91,7 @@ class Polish:
             "g": ca.vertcat(*limits),
         }
         own: dict[str, Any] = {
-            "ipopt.max_iter": self.max_iterations,
+            "ipopt.max_iter": max_iterations,
             "ipopt.tol": 1e-10,
             "error_on_fail": False,
         }
@@ -113,9 +126,31 @@ class Polish:
         least = np.min(np.array(limits), initial=np.inf)
         return float(value) if np.isfinite(float(value)) and least >= -HELD else np.inf
 
-    def __call__(self, start: Start) -> tuple[Linkage, np.ndarray] | None:
+    def selected(self, starts: list[Start], count: int) -> list[Start]:
+        """The most promising starts, as they are after a few iterations."""
+        if len(starts) <= count:
+            return starts
+        found = [one for one in (self._improved(start) for start in starts) if one is not None]
+        found.sort(key=lambda one: one.distance)
+        alike = [k for k in range(1, len(found)) if _alike(found[k], found[k - 1])]
+        distinct = [one for k, one in enumerate(found) if k not in alike]
+        return (distinct + [found[k] for k in alike])[:count]
+
+    def _improved(self, start: Start) -> Start | None:
+        ended = self(start, self.rough)
+        if ended is None:
+            return None
+        linkage, theta = ended
+        crank = theta if self.free_timing else theta[:1] - self._given[0]
+        x = np.concatenate([list(linkage.numbers.values()), crank])
+        value = self._value(x, [linkage.branch, start.sense])
+        return Start(linkage, theta, start.sense, value)
+
+    def __call__(
+        self, start: Start, solver: ca.Function | None = None
+    ) -> tuple[Linkage, np.ndarray] | None:
         """The linkage that the programme leads to, and its crank angles; None where it fails."""
-        guess, solver = start.linkage, self.solver
+        guess, solver = start.linkage, solver or self.solver
         names = self.kind.names()
         ends = np.array([self.bounds[name] for name in names], dtype=float)
         q0 = np.clip([guess.numbers[name] for name in names], ends[:, 0], ends[:, 1])
@@ -140,6 +175,11 @@ class Polish:
         made = dict(zip(names, x[: len(names)].tolist(), strict=True))
         crank = x[len(names) :] if self.free_timing else x[len(names)] + self._given
         return self.kind(**made, branch=guess.branch), crank
+
+
+def _alike(one: Start, other: Start) -> bool:
+    """Whether two starts lead to one optimum, by their sums of squares."""
+    return abs(one.distance - other.distance) <= ALIKE * max(one.distance, other.distance)
 
 
 def _angles(direction: Direction, target: np.ndarray) -> ca.SX:

@@ -19,6 +19,9 @@ from dalembert.interrupts import interruptible, searching
 from dalembert.text.spelling import spelled
 from dalembert.text.wording import unknown
 
+CANDIDATES = 6
+"""Starts of open paths that are compared, for each that is polished."""
+
 
 @spelled
 @interruptible
@@ -77,13 +80,15 @@ def synthesize(
     ends = _bounds(linkage, target, bounds, size, at)
     polish = Polish(linkage, scaled, ends, crank_turns, transmission, order)
     generator = np.random.default_rng(rng)
-    chosen = starts_of(linkage, scaled, ends, crank_turns, starts, generator)
+    many = CANDIDATES * starts if _is_open_path(target) else starts
+    chosen = starts_of(linkage, scaled, ends, crank_turns, many, generator)
     found: list[Solution] = []
     free = target.crank_angles is None and target.outputs is None
     done = 0
     with progress_reporter(progress, f"{linkage.__name__}s") as report:
         try:
             with searching():
+                chosen = polish.selected(chosen, starts)
                 for start in chosen:
                     made = polish(start)
                     if made is not None:
@@ -101,6 +106,12 @@ def synthesize(
         )
     found.sort(key=lambda solution: solution.error)
     return Synthesis(target, found, done, interrupted=done < len(chosen))
+
+
+def _is_open_path(target: Target) -> bool:
+    """Whether entries have neither timing nor angles, so that starts tell little of their ends."""
+    free = target.crank_angles is None and target.coupler_angles is None
+    return free and target.points is not None and not target.closed
 
 
 def _frame(target: Target) -> tuple[float, complex]:
