@@ -59,6 +59,8 @@ class Motion(LabelledRecording):
             "final": {name: float(data[name][-1]) for name in FINAL if some},
             "largest": {name: float(data[name].max()) for name in LARGEST if some},
         }
+        if (estimate := self.error_estimate) is not None:
+            told["largest"]["estimated_error"] = estimate.share
         if self.impacts:
             told["impacts"] = [impact.row for impact in self.impacts]
         return told

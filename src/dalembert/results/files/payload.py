@@ -145,6 +145,8 @@ def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:
     ):
         if data[name].size:
             rows.append((label, f"{float(data[name].max()):.3g}"))
+    if (estimate := motion.error_estimate) is not None:
+        rows.append((f"estimated error, in {estimate.name}", f"{estimate.share:.2g}"))
     error = np.abs(data["balance_error"])
     if error.size and np.isfinite(error).all():
         rows.append(("largest energy balance error [J]", f"{error.max():.3g}"))
