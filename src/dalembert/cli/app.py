@@ -113,7 +113,11 @@ def _run(given: list[str]) -> int:
             if signals.pressed:  # compiled code raises others in its place
                 raise KeyboardInterrupt from error
             raise
-    return code if isinstance(code, int) else DONE
+    ended = code if isinstance(code, int) else DONE
+    if signals.pressed and ended == DONE:  # an import may have lost the exception
+        print("Error: interrupted; what is written is complete", file=sys.stderr)
+        return INTERRUPTED
+    return ended
 
 
 def _version() -> str:
