@@ -5,6 +5,7 @@ Exit codes: 0 done, 1 the analysis failed, 2 wrong input, 130 interrupted.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from io import TextIOWrapper
@@ -80,7 +81,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, TextIOWrapper):  # a terminal may not know every letter
             stream.reconfigure(errors="backslashreplace")
     try:
-        return _run(given)
+        code = _run(given)
+        sys.stdout.flush()  # what a pipe refuses is noticed here
+        return code
     except WrongInput as error:
         return fail(error.cause, WRONG_INPUT, as_json)
     except AnalysisError as error:
@@ -93,7 +96,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return fail(DalembertError("interrupted"), INTERRUPTED, as_json)
     except BrokenPipeError:  # the reader of our output, such as ``head``, has gone
-        sys.stderr.close()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the last flush
         return DONE
 
 

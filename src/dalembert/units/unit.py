@@ -81,6 +81,10 @@ class Unit:
         return any(own in ({**w}, _without_angle(w)) for w in wanted)
 
 
+LONGEST = 200
+"""Characters of a unit."""
+
+
 @functools.lru_cache(maxsize=1000)
 def unit(text: str) -> Unit:
     """The unit behind a text such as ``N m/rad``, ``mm²`` or ``1/s``.
@@ -92,6 +96,10 @@ def unit(text: str) -> Unit:
     ExpressionError
         A name that is no unit, a text that is none, or degrees of a temperature scale.
     """
+    if len(text) > LONGEST:
+        raise ExpressionError(
+            f"{text[:60]!r}… is no unit: it has {len(text)} characters, {LONGEST} at most"
+        )
     factor, dimension, spelled, simple = 1.0, dict[str, float](), "", True
     place, sign, rest = 0, 1, text.strip()
     while place < len(rest):

@@ -54,6 +54,9 @@ REFUSED = (Outcome.VIOLATED, Outcome.UNBALANCED)
 """Runs to the end that are no motion of the model: which steps would do is told there too."""
 PASSING = ", or use formulation=AugmentedLagrangian(), which passes through such positions"
 
+COPIES = 8
+"""Memory of a run in units of its states: trajectory, measures and what they are computed from."""
+
 
 class DynamicsRun:
     """One execution of a dynamic analysis.
@@ -93,7 +96,8 @@ class DynamicsRun:
         step = min(longest, self.end - self.start) if integrator.adaptive else self.step
         count = step_count(self.start, self.end, step)
         count = count if self.requested is None else self.requested.size
-        afford_states(count, 3 * (e.coordinate_count + 2 * e.speed_count + e.constraint_count))
+        numbers = e.coordinate_count + 2 * e.speed_count + e.constraint_count
+        afford_states(count, COPIES * numbers)
 
     def _refuse_lost_mass(self) -> None:
         """A mass that was not zero when the model was built must not become zero."""

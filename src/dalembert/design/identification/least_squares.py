@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.identification.misfit import Misfit
+from dalembert.design.methods.stop import check_stop
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import raising_ctrl_c
 
@@ -50,6 +51,7 @@ class LeastSquares:
     progress: bool | Callable[[int, float], None] = False
 
     def __post_init__(self) -> None:
+        check_stop(self.max_iterations, self.tolerance)
         if self.loss not in LOSSES:
             raise UnsupportedError(f"unknown loss {self.loss!r}; known: {', '.join(LOSSES)}")
         self._count = 0

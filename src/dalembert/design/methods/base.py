@@ -13,23 +13,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from dalembert.design.methods.stop import Stop
 from dalembert.design.optimize.program import Program
-
-
-@dataclass
-class Stop:
-    """When to stop.
-
-    Parameters
-    ----------
-    max_iterations : of the optimiser
-    tolerance : on the relative change of the scaled objective
-    used : iterations of the search before this call
-    """
-
-    max_iterations: int = 100
-    tolerance: float = 1e-8
-    used: int = 0
 
 
 @dataclass

@@ -8,10 +8,14 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Ended, Optimizer
+from dalembert.design.methods.stop import Stop
 from dalembert.design.optimize.program import Program
 from dalembert.interrupts import check_ctrl_c
 from dalembert.options import options
+
+MOST = 2**31 - 1
+"""Iterations that Ipopt can count."""
 
 
 @options
@@ -42,7 +46,7 @@ class Ipopt(Optimizer):
         found = values(asked)
         settings: dict[str, Any] = {
             "hessian_approximation": "limited-memory",
-            "max_iter": stop.max_iterations,
+            "max_iter": min(stop.max_iterations, MOST),
             "tol": max(stop.tolerance, 1e-10),
             "acceptable_iter": 0,
             "bound_relax_factor": 0.0,

@@ -12,11 +12,16 @@ import numpy as np
 from dalembert.design.studies.task import Answer
 from dalembert.errors import FileError, UnsupportedError
 from dalembert.files.atomic import atomic_path
+from dalembert.files.readable import readable
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
 ABOUT, LOCK, TABLE = "study.json", ".lock", "table.parquet"
+DAMAGED = ".damaged"
+"""Ending of the name of a part that could not be read."""
+UNPACKED = 20.0
+"""Bytes of memory that a byte of a part takes."""
 
 
 class StudyFolder:
@@ -75,7 +80,10 @@ class StudyFolder:
         self._lock.close()
 
     def answers(self) -> dict[int, Answer]:
-        """All that is there, by number of the design."""
+        """All that is there, by number of the design.
+
+        A damaged part is renamed, so that its designs are evaluated again.
+        """
         found: dict[int, Answer] = {}
         for path in sorted(self.parts.glob("part-*.parquet")):
             for answer in self._read(path):
@@ -88,16 +96,26 @@ class StudyFolder:
         import pyarrow.parquet as parquet
 
         try:
-            table = parquet.read_table(path)
+            readable(path, UNPACKED)
+            table = parquet.read_table(path, page_checksum_verification=True)
             columns = [
                 table[f"r{k}"].to_numpy().tolist()  # null becomes not a number
                 for k in range(len(self.responses))
             ]
             numbers, reasons = table["design"].to_pylist(), table["reason"].to_pylist()
-        except Exception as error:
-            raise FileError(f"{path}: cannot be read ({error}); remove it to redo it") from None
+        except Exception:  # Parquet has errors of many kinds
+            self._set_aside(path)
+            return []
         rows = zip(*columns, strict=True)
         return [Answer(*row) for row in zip(numbers, rows, reasons, strict=True)]
+
+    @staticmethod
+    def _set_aside(path: Path) -> None:
+        try:
+            path.replace(path.with_name(f"{path.name}{DAMAGED}"))
+        except OSError as error:
+            reason = error.strerror or error
+            raise FileError(f"{path}: is damaged and cannot be renamed ({reason})") from None
 
     def add(self, answers: Sequence[Answer]) -> None:
         """Write the answers of a chunk."""
@@ -126,7 +144,7 @@ class StudyFolder:
         import pyarrow.parquet as parquet
 
         with atomic_path(target) as path:
-            parquet.write_table(table, path)
+            parquet.write_table(table, path, write_page_checksum=True)
 
 
 def _arrow() -> Any:

@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.budget import LARGEST
+from dalembert.budget import LARGEST, numeral
 from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.formulas.ufuncs import FUNCTIONS, OPERATORS
 from dalembert.units.amounts import Amount, check_unit
@@ -220,6 +220,8 @@ def as_expression(value, entity: str, unit: str | None = None, size: int = 1) ->
             _check_unit(one, unit, entity)
     try:
         sx = as_sx(value)
+    except OverflowError:
+        raise ExpressionError(f"is {_first_huge(value)}, not a finite number", entity) from None
     except (TypeError, ValueError, NotImplementedError):
         raise ExpressionError(
             f"expected a number or a formula, got {type(value).__name__} {value!r}", entity
@@ -239,6 +241,20 @@ def as_expression(value, entity: str, unit: str | None = None, size: int = 1) ->
 def splines_of(*values: Any) -> tuple:
     """The splines of tables from which formulas are made."""
     return tuple(s for v in values if isinstance(v, Expression) for s in v.splines)
+
+
+def _first_huge(value: Any) -> str:
+    """The first whole number that no float can hold."""
+    if isinstance(value, (list, tuple, np.ndarray)):
+        told = (_first_huge(item) for item in value)
+        return next((text for text in told if text), "")
+    try:
+        as_sx(value)
+    except OverflowError:
+        return numeral(value)
+    except (TypeError, ValueError, NotImplementedError):
+        pass
+    return ""
 
 
 def _amount(text: str, entity: str) -> Amount:
