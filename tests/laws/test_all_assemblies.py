@@ -6,11 +6,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from registry import CASES, model_of
 
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.cli import main
 from dalembert.model.assembly.completeness import Completeness
+from dalembert.model.assembly.many_roots import ManyRoots
+from dalembert.model.assembly.random_starts import RandomStarts
 
 # P. Dietmaier (1998): The Stewart-Gough platform of general geometry can have 40 real postures.
 BASE = (
@@ -180,6 +183,26 @@ def test_families_of_assemblies_are_counted_apart():
     found = da.solve_assembly(system.build(), all=True)
     assert len(found) == 1 and found.completeness.not_isolated > 100
     assert "continuous families" in str(found)
+
+
+@pytest.mark.parametrize("name", list(CASES)[::8])
+def test_many_positions_are_evaluated_as_one_is(name):
+    """Residuals and Jacobians of the square system, side by side and alone; its root is a root."""
+    model = model_of(name)
+    closure, p = model.closure, model.nominal
+    pinned = closure.pinned.at(0.0, p)
+    rng = np.random.default_rng(0)
+    starts = RandomStarts(model.parts, model.all_equations, model.guesses, model.start.y, p)
+    y = starts.draw(8, rng, 0.1)
+    roots = ManyRoots(closure.assembler, 0.0, p, closure.pinned)
+    value, zero, jacobian = roots.evaluate(y)
+    step = -np.linalg.solve(jacobian, value[:, :, None])[:, :, 0] * closure.scales.displacements
+    for k in range(len(y)):
+        one = pinned.residual(y[k])
+        np.testing.assert_allclose(value[k], one.value / one.scale, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(zero[k], one.zero(1e-14) / one.scale, rtol=1e-6)
+        np.testing.assert_allclose(step[k], pinned.step(y[k], one), rtol=1e-5, atol=1e-9)
+    assert roots.newton(model.start.y[None]).closed.all()
 
 
 def test_estimate_of_what_is_missing():

@@ -16,8 +16,9 @@ import dalembert as da
 from dalembert import SplineCurve, planar, t
 from dalembert.elements.laws import Harmonic, Polynomial, Product, Sum, Table
 from dalembert.errors import ModelError
+from dalembert.symbolic.formulas.end_conditions import ENDS
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.formulas.spline import ENDS, CubicSpline
+from dalembert.symbolic.formulas.spline import CubicSpline
 
 TIMES = np.linspace(-0.73, 3.1, 211)
 

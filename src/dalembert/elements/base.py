@@ -24,6 +24,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.brief import brief, fields_of
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import ModelError
@@ -90,6 +91,14 @@ class Element(Spelled):
     """Anything with a name that can be added to a system."""
 
     name: str
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "__repr__" not in vars(cls):  # dataclasses would write all fields of all parts
+            cls.__repr__ = Element.__repr__  # type: ignore[method-assign]
+
+    def __repr__(self) -> str:
+        return brief(type(self).__name__, self.name, fields_of(self))
 
     def __post_init__(self) -> None:
         self.check_name()

@@ -93,7 +93,7 @@ class SplineCurve(Curve):
         knots = np.concatenate([[0.0], np.cumsum(chords)])
         self._range = (0.0, float(knots[-1]))
         self._components = [
-            CubicSpline(knots, [c[k] for c in columns], self.closed, "SplineCurve", self.ends)
+            CubicSpline(list(knots), [c[k] for c in columns], self.closed, "SplineCurve", self.ends)
             for k in range(self.dimension)
         ]
 

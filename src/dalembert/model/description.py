@@ -55,6 +55,10 @@ class Description:
         made.initial_conditions = list(self.initial_conditions)
         return made
 
+    def __repr__(self) -> str:
+        kind, counted = type(self).__name__, f"{len(self.elements)} elements"
+        return f"<{kind} {self.name!r}: {counted}, {len(self.parameters)} parameters>"
+
     def _repr_html_(self) -> str:
         counted = f"{len(self.elements)} elements, {len(self.parameters)} parameters"
         kinds = [(e.name, type(e).__name__) for e in self.elements.values()]

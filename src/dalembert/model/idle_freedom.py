@@ -1,20 +1,22 @@
 """Idle degrees of freedom: bodies that turn about a line without moving anything else.
 
 A rod between two ball joints turns freely about the line through them, and so does a telescopic leg
-of several bodies. The test is instantaneous: everything else is at rest, the bodies of the set turn
-about the line, and no equation of a joint or driver changes, ``C δ = 0``.
+of several bodies. In an open chain such a rotation is a degree of freedom like any other; in a loop
+it is idle, for the loop moves as if it were not there. The test is instantaneous: everything else
+is at rest, the bodies turn about the line, and no joint or driver equation changes, ``C δ = 0``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 from itertools import combinations
 
 import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Constraint
-from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.spatial.spherical import Spherical
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.closure import Closure
@@ -23,14 +25,20 @@ from dalembert.symbolic.formulas.expression import free_symbols
 
 NOT_MOVING = 1e-9
 """Change of an equation, relative to its terms, that is rounding."""
-MOST = 3_000_000
+MOST = 100_000
 """Operations of the search at most, beyond which sets of several bodies are left out."""
+LISTED = 6
+"""Idle rotations that are named; the others are counted."""
 
 
 def idle_freedoms(d: Description, closure: Closure) -> tuple[str, ...]:
-    """A sentence for each idle rotation of one or several bodies."""
-    search = _IdleSearch(d, closure)
-    return tuple(search.sentences()) if any(isinstance(c, Spherical) for c in d.constraints) else ()
+    """A sentence for each idle rotation in a loop, of one or several bodies; few are named."""
+    if not any(isinstance(c, Spherical) for c in d.constraints):
+        return ()
+    told = list(_IdleSearch(d, closure).sentences())
+    if len(told) > LISTED:
+        told[LISTED:] = [f"{len(told) - LISTED} more idle degrees of freedom of this kind"]
+    return tuple(told)
 
 
 class _IdleSearch:
@@ -85,7 +93,9 @@ class _IdleSearch:
                 if "ground" in inside or not set(self.names[k]) & inside:
                     continue
                 outer = [[n for n in self.names[j] if n not in inside] for j in (i, k)]
-                if all(len(o) == 1 for o in outer) and outer[0] != outer[1]:
+                if any(len(o) != 1 for o in outer) or outer[0] == outer[1]:
+                    continue
+                if outer[1][0] in groups.of(outer[0][0]):  # they are part of a loop
                     yield inside, self.constraints[i], self.constraints[k]
 
     def _around_single_bodies(self, joints: list[int]) -> Iterator[tuple[int, int]]:
@@ -102,8 +112,7 @@ class _IdleSearch:
 
     def _turns(self, bodies: set[str], first: Constraint, second: Constraint) -> bool:
         """Whether the bodies turn about the line through two joints while all else is at rest."""
-        spots = [place for c in (first, second) if (place := _place(c)) is not None]
-        places = [self._number(spot).ravel() for spot in spots]
+        places = [self._places[c.name] for c in (first, second)]
         line = places[1] - places[0]
         length = float(np.linalg.norm(line))
         if not length > NOT_MOVING * self.closure.scales.length:
@@ -122,20 +131,42 @@ class _IdleSearch:
         change, terms = self.closure.jacobian @ natural, abs(self.closure.jacobian) @ abs(natural)
         return bool(np.all(np.abs(change) <= NOT_MOVING * np.maximum(terms, length)))
 
-    def _turned(self, group, origin: np.ndarray, axis: np.ndarray) -> np.ndarray | None:
+    def _turned(
+        self, group: Coordinates, origin: np.ndarray, axis: np.ndarray
+    ) -> np.ndarray | None:
         """Speeds of a rigid body that turns about a line; None where it is not a rigid body."""
-        if not isinstance(group, BodyElement) or group.dimension != 3 or group.twist.numel() != 6:
+        if group.name not in self._rates:
             return None
-        rates = ca.jacobian(ca.vertcat(group.twist[:3], group.turning), group.twist)
-        matrix = self._number(rates)
-        place = self._number(group.mass_center).ravel()
-        wanted = np.concatenate([np.cross(axis, place - origin), axis])
+        matrix, center = self._rates[group.name]
+        wanted = np.concatenate([np.cross(axis, center - origin), axis])
         return np.linalg.solve(matrix, wanted)
 
-    def _number(self, expression: ca.SX) -> np.ndarray:
+    @cached_property
+    def _places(self) -> dict[str, np.ndarray]:
+        """Where joints are."""
+        spots = {c.name: spot for c in self.constraints if (spot := _place(c)) is not None}
+        values = self._numbers(ca.horzcat(ca.SX(3, 0), *spots.values()))
+        return {name: values[:, k] for k, name in enumerate(spots)}
+
+    @cached_property
+    def _rates(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Of rigid bodies: (6, 6) velocity and angular velocity by speeds, (3,) mass centre."""
+        rigid = [b for b in self.d.bodies if b.dimension == 3 and b.twist.numel() == 6]
+        matrices = [ca.jacobian(ca.vertcat(b.twist[:3], b.turning), b.twist) for b in rigid]
+        columns = [
+            ca.vertcat(m, ca.repmat(b.mass_center.T, 1, 2))
+            for m, b in zip(matrices, rigid, strict=True)
+        ]
+        values = self._numbers(ca.horzcat(ca.SX(7, 0), *columns))
+        return {
+            b.name: (values[:6, 6 * k : 6 * k + 6], values[6, 6 * k : 6 * k + 3])
+            for k, b in enumerate(rigid)
+        }
+
+    def _numbers(self, expression: ca.SX) -> np.ndarray:
         e, start = self.closure.all_equations, self.closure.start
         fixed = at_ground(self.d.ground, ca.densify(expression))
-        function = ca.Function("number", [e.t, e.y, e.v, e.p], [fixed])
+        function = ca.Function("numbers", [e.t, e.y, e.v, e.p], [fixed])
         return function(0.0, start.y, np.zeros(e.speed_count), self.closure.nominal).full()
 
 

@@ -109,6 +109,12 @@ class Response:
         """``∂R/∂t_k`` with the samples held."""
         return np.zeros(times.size)
 
+    def jump_weight(
+        self, times: np.ndarray, samples: np.ndarray, before: float, after: float
+    ) -> float:
+        """``∂R/∂t`` of an instant within the run at which the measure jumps between two values."""
+        return 0.0
+
     def shares(self, times: np.ndarray) -> np.ndarray:
         """How far each sample moves in time when the last one moves by one, with an event."""
         return np.eye(1, times.size, times.size - 1).ravel()

@@ -50,6 +50,14 @@ class SmoothExtreme(Response):
         size = self.sign * self.smooth * self.mean.reduce(times, powers)
         return self.mean.time_weights(times, powers) / size
 
+    def jump_weight(
+        self, times: np.ndarray, samples: np.ndarray, before: float, after: float
+    ) -> float:
+        top, powers = self._powers(samples)
+        sides = np.exp(self.smooth * (self.sign * np.array([before, after]) - top))
+        size = self.sign * self.smooth * self.mean.reduce(times, powers)
+        return self.mean.jump_weight(times, powers, *sides) / size
+
     def shares(self, times: np.ndarray) -> np.ndarray:
         return self.mean.shares(times)
 

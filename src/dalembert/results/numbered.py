@@ -50,6 +50,8 @@ class Numbered(Result):
     statistics: dict[str, Any] = field(default_factory=dict)
     warnings: Sequence[str] = ()
 
+    in_sequence: ClassVar[bool] = False
+
     continuous = False
     """There is nothing between two numbers: integrals over them are sums."""
     named: ClassVar[dict[str, Expression]] = {}

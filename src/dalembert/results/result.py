@@ -44,6 +44,7 @@ class Result(Protocol):
     warnings : doubts about the choices made
     events : what happened
     continuous : whether there is something between the instants; integrals are sums where not
+    in_sequence : whether the states follow one another; load cases and modes do not
     has_page : whether there is a report of it
     """
 
@@ -56,6 +57,7 @@ class Result(Protocol):
     warnings: Sequence[str] = ()
     events: Sequence[Any] = ()
     continuous: ClassVar[bool] = True
+    in_sequence: ClassVar[bool] = True
     has_page: ClassVar[bool] = True
 
     if TYPE_CHECKING:  # results have it as a property or as a field
@@ -267,9 +269,7 @@ class Analysis(ABC, Generic[M, R]):
         instants; else the result."""
         return result
 
-    def over_peaks(
-        self, result: R, measure: str | Expression, sharpness: float, sign: float
-    ) -> R:
+    def over_peaks(self, result: R, measure: str | Expression, sharpness: float, sign: float) -> R:
         """The result where integrals of ``exp(± sharpness m)`` look at it, where that is known."""
         return result
 

@@ -17,7 +17,6 @@ from dalembert.sensitivity.checks.diagnosis import Findings, diagnose
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference
 from dalembert.sensitivity.checks.kinks import refuse_kinks
 from dalembert.sensitivity.methods import METHODS, Adjoint, Automatic, Direct, Method, Strategy
-from dalembert.sensitivity.moving_times import of_moving_times
 from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
@@ -34,8 +33,9 @@ def sensitivity(
 ) -> xr.DataArray:
     """Gradient of responses with respect to parameters, ``response × parameter``.
 
-    The gradient is the exact derivative of the steps taken (step lengths frozen); where times of
-    the run are formulas of parameters, the instants that responses look at move with these. Its
+    The gradient is the exact derivative of the steps taken. Where times of the run are formulas of
+    parameters, outputs and the ends of fixed steps move with these; lengths of adaptive steps are
+    held, and divided where their tangents would grow beyond what the motion explains. Its
     coordinates carry units, values and bounds; ``attrs["notes"]`` tells what is worth knowing.
 
     Parameters
@@ -135,7 +135,6 @@ def chosen_columns(motion: Result | Batch, wrt: Sequence[str] | None) -> list[in
 
 def _values(motion: Result, responses, columns: list[int], strategy) -> np.ndarray:
     values = strategy.gradient(motion, responses, columns).reshape(len(responses), len(columns))
-    values = values + of_moving_times(motion, responses, columns)
     if not np.all(np.isfinite(values)):
         r, i = (int(k[0]) for k in np.nonzero(~np.isfinite(values)))
         name = list(motion.model.parameters)[columns[i]]

@@ -22,6 +22,7 @@ from dalembert.sensitivity.eigenvalues import EigenvalueEngine
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.events import EventEngine
 from dalembert.sensitivity.marching.dynamics import DynamicsEngine
+from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 from dalembert.sensitivity.nonsmooth.contact_march import ContactEngine
 from dalembert.sensitivity.pointwise import PointwiseEngine
 from dalembert.sensitivity.samples import take_sample
@@ -54,7 +55,7 @@ def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
     UnsupportedError
         The analysis has none.
     """
-    kind = engine_for(motion)
+    kind, motion = engine_for(motion), with_stable_steps(motion)
     samples = [take_sample(motion, r) for r in responses]
     if any(sample.moves_with for sample in samples):
         return EventEngine(motion, kind, samples)

@@ -90,7 +90,7 @@ def hessian_product(
         )
     if response.searches(result) and not isinstance(engine.samples[0].response, SmoothExtreme):
         raise UnsupportedError(
-            f"{response.label} looks at the instant of an extreme, which moves with the parameters; "
+            f"{response.label} looks at the instant of an extreme, which moves with parameters; "
             "second derivatives are available at fixed times only; smooth=ρ has them"
         )
     listed = list(result.model.parameters.values())

@@ -99,6 +99,11 @@ class StructuralModel(ParametricModel):
         return self if self.linear else StructuralModel(self.structure, linear=True)
 
     # supports and loads -------------------------------------------------------------------
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{block.count} {block.kind.cls.__name__}" for block in self.blocks)
+        counted = f"{len(self.degrees.nodes)} nodes, {kinds or 'no elements'}"
+        return f"<StructuralModel {self.name!r}: {counted}, {len(self.degrees)} displacements>"
+
     def _repr_html_(self) -> str:
         rows = [(block.kind.cls.__name__, block.count) for block in self.blocks]
         rows += [("load cases", ", ".join(name or "unnamed" for name in self.loads) or "none")]

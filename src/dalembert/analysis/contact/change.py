@@ -92,6 +92,17 @@ class ContactChange(Variant):
             there = each.function.call([t + delay, there, p])[0]
         return delay, before, there
 
+    @cached_property
+    def instant(self) -> ca.Function:
+        """``(t, x, p) → δ`` to first order, whose derivative is that of the instant."""
+        assert self.guard is not None
+        t, x, p = self.rate.inputs
+        values, rates = self._guards(t, x, p)
+        value, rate = values[self.guard], rates[self.guard]
+        grazed = rate == 0
+        delay = ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
+        return ca.Function("instant", [t, x, p], [delay])
+
     @property
     def _guards(self) -> ca.Function:
         assert self.before.guards is not None

@@ -39,11 +39,12 @@ class Solution:
 
 @dataclass(frozen=True, eq=False)
 class Programme:
-    """``min objective`` subject to rows of equations and limits."""
+    """``min objective + penalty`` subject to rows of equations and limits."""
 
     transcription: Transcription
     objective: ca.MX
     rows: list[Rows]
+    penalty: ca.MX | float = 0.0
 
     def solved(
         self, x0: np.ndarray, method: TrajectoryMethod, told: Told | None = None
@@ -67,7 +68,7 @@ class Programme:
             "show_eval_warnings": False,
             "expand": method.expands,
         }
-        problem = {"x": unknowns, "f": self.objective / size, "g": rows}
+        problem = {"x": unknowns, "f": (self.objective + self.penalty) / size, "g": rows}
         solver = ca.nlpsol("trajectory", "ipopt", problem, settings)
         lower, upper = self.transcription.bounds()
         try:

@@ -50,6 +50,10 @@ class TrajectoryMethod(Analysis[Model, Motion]):
         """The unknowns of the motion and the equations between them."""
         raise NotImplementedError
 
+    def finer(self, steps: bool) -> TrajectoryMethod:
+        """The method on twice as many intervals, or where its steps are too long, with more."""
+        return replace(self, intervals=2 * self.intervals)
+
     @property
     def expands(self) -> bool:
         """Whether the programme is one of operations alone, without solvers inside."""

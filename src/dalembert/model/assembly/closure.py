@@ -175,10 +175,10 @@ class Closure:
             self.pinned = Pinned(self.assembler, self.recipe)
             wanted = [k for k in chosen if given[k]]
             found, reached = continued(self.pinned, y, p, p, 0.0)
-            if reached < 1.0 and not lost and y.size <= SEARCHED:  # perhaps in another assembly
-                search = PositionSearch(self.assembler, d, 0.0, p).held(y, self.pinned)
-                if len(search.positions):
-                    found, reached = search.positions[0], 1.0
+            if reached < 1.0 and not lost and y.size <= SEARCHED:
+                other = PositionSearch(self.assembler, d, 0.0, p).keeping(y, self.pinned)
+                if other is not None:
+                    found, reached = other, 1.0
             if reached == 1.0:
                 at_their_ends = self._at_their_ends(y, found, p, priority).intersection(wanted)
                 if not at_their_ends:

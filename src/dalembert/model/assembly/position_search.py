@@ -25,6 +25,7 @@ STARTS, WORK = 100, 1e8
 """Starts of each share at most, and the same times the cube of the number of displacements."""
 ENOUGH = 10
 """Starts that lead to assembled positions before those farther away are left out."""
+FARTHER = 2.0
 SAME = 1e-6
 """Distance, by natural sizes, of two positions that are one."""
 
@@ -74,6 +75,19 @@ class PositionSearch:
         """Positions that satisfy the square system of the start, with what it holds."""
         roots = ManyRoots(self.assembler, self.t, self.p, pinned)
         return self._searched(y, roots, roots.newton)
+
+    def keeping(self, y: np.ndarray, pinned: Pinned) -> np.ndarray | None:
+        """An assembled position that keeps what is held, about as near to the guesses as ``y``.
+
+        None where there is none, or only such as are ``FARTHER`` times as far.
+        """
+        guess = self.assembler.start(self.t, self.p).full().ravel()
+        roots = ManyRoots(self.assembler, self.t, self.p, pinned)
+        found = self._searched(guess, roots, roots.newton).positions
+        if not len(found):
+            return None
+        far = np.linalg.norm(self.weight * roots.apart(guess, np.array([y, found[0]])), axis=1)
+        return found[0] if far[1] <= FARTHER * far[0] else None
 
     def _searched(self, y: np.ndarray, roots: ManyRoots, search) -> Searched:
         a, rng = self.assembler, np.random.default_rng(0)

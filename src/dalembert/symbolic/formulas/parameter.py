@@ -61,6 +61,9 @@ class Parameter(Spelled, Expression):
     __slots__ = ("bounds", "description", "given_unit", "value")
     is_parameter = True
 
+    def __repr__(self) -> str:
+        return f"<Parameter {self.name!r} = {self.value:.6g}{' ' + self.unit if self.unit else ''}>"
+
     def __init__(
         self,
         name: str,
