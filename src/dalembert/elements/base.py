@@ -30,6 +30,7 @@ from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression, as_expression, stack
 from dalembert.text.spelling import Spelled
+from dalembert.text.wording import check_length
 
 Scalar = Any  # number or Expression
 Vector = Any  # two numbers or Expressions
@@ -127,6 +128,7 @@ class Element(Spelled):
                 "a name is made of letters, digits and '_', and starts with a letter; "
                 f"got {self.name!r}"
             )
+        check_length(self.name, type(self).__name__)
 
     @classmethod
     @functools.cache

@@ -15,7 +15,7 @@ from dalembert.elements.named import Named
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.wording import listed, nearest, unknown
+from dalembert.text.wording import check_length, listed, nearest, unknown
 
 
 class Axes(TypedDict, total=False):
@@ -155,6 +155,7 @@ class BodyElement(Element, Coordinates):
     def _claim(self, kind: str, name: str) -> None:
         if not isinstance(name, str) or not name.isidentifier():
             raise ModelError(f"{kind} name {name!r} is not an identifier", self.name)
+        check_length(name, self.name)
         if name in self._measures or name in self.points or name in self.frames:
             raise ModelError(f"{kind} name {name!r} is taken; choose another", self.name)
 

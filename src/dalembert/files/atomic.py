@@ -19,7 +19,7 @@ LONGEST_STEM = 100
 """Characters of a name that its temporary file repeats; systems allow 255 bytes in all."""
 ABANDONED = 24 * 3600.0
 """Seconds after which a temporary file of another machine is left over."""
-TEMPORARY = re.compile(r"\..*-dalembert-([0-9a-f]{8})-([0-9]+)-\w+(\.\w+)?", re.DOTALL)
+TEMPORARY = re.compile(r"\..*-dalembert-([0-9a-f]{8})-([0-9]+)-\w+(\..*)?", re.DOTALL)
 
 
 @contextmanager

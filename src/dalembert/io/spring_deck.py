@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from dalembert.budget import afford, numeral
 from dalembert.elements.fem.node import Node
 from dalembert.elements.fem.springs import AxialSpring
 from dalembert.errors import FileError, ModelError
@@ -24,6 +25,8 @@ from dalembert.text.wording import visible
 
 QUOTES = "'\"‘’`´"
 KINDS = ("spring", "force", "displacement")
+NODE = 25
+"""Rounds of work for a node with its spring, as the budget counts them."""
 FIELD = re.compile(rf"[{QUOTES}]([^{QUOTES}]*)[{QUOTES}]|([^\s,;]+)")
 
 
@@ -128,10 +131,25 @@ def load_deck(path: str | Path) -> Structure:
     springs = [deck.read(f"element {k + 1}", (int, int, float)) for k in range(counts[1])]
     forces = [deck.read(f"force {k + 1}", (int, float)) for k in range(counts[2])]
     supports = [deck.read(f"displacement {k + 1}", (int, float)) for k in range(counts[3])]
+    _check_count(deck, number, counts)
     structure = Structure(visible(Path(path).stem))
     overridden = _parameters(deck, structure, counts)
     _build(deck, structure, counts[0], springs, forces, supports, overridden)
     return structure
+
+
+def _check_count(deck: Deck, number: int, counts: list[int]) -> None:
+    """Refuse nodes that no record can name, and more than can be solved in a reasonable time."""
+    nodes, springs, _, supports = counts
+    connected = 2 * springs + supports
+    if nodes > connected:
+        raise deck.error(
+            number,
+            f"there are {numeral(nodes)} nodes, but {springs} elements and {supports} "
+            f"displacements can hold {connected} of them at most; correct the count of nodes",
+        )
+    what = f"{deck.path}:{number}: {numeral(nodes)} nodes and {springs} elements"
+    afford(what, rounds=NODE * max(nodes, springs), cure="give fewer")
 
 
 def _parameters(deck: Deck, structure: Structure, counts: list[int]) -> dict:

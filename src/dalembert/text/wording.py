@@ -18,6 +18,8 @@ HIDDEN = re.compile(
 lines that are not seen as such, lone surrogates."""
 
 
+LONGEST_NAME = 200
+"""Characters of a name; tables, pages and files repeat it for every quantity."""
 MOST = 24
 """Names that a message lists."""
 
@@ -25,6 +27,21 @@ MOST = 24
 def visible(text: str) -> str:
     """The text, with what is not seen or acts on a terminal as ``\\x1b``, ``\\u202e``."""
     return HIDDEN.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def check_length(name: str, owner: str) -> None:
+    """Refuse a name that no table or page can show.
+
+    Raises
+    ------
+    ModelError
+        States the first characters, the length and the limit.
+    """
+    if len(name) > LONGEST_NAME:
+        raise ModelError(
+            f"the name '{visible(name[:40])}…' has {len(name)} characters; {LONGEST_NAME} at most",
+            owner,
+        )
 
 
 def plain_text(text: Any, entity: str) -> str:

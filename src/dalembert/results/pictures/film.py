@@ -59,12 +59,9 @@ def write_film(
     figure.set_dpi(width / figure.get_figwidth())
     film = FuncAnimation(figure, picture.show, frames=frames, interval=1000 / fps, blit=False)
     with atomic_path(path) as temporary:
-        named = temporary.with_name(temporary.name + path.suffix)
         try:
-            film.save(named, writer=writer, fps=fps, dpi=figure.dpi)
-            named.replace(temporary)
+            film.save(temporary, writer=writer, fps=fps, dpi=figure.dpi)
         finally:
-            named.unlink(missing_ok=True)
             plt.close(figure)
     return path
 

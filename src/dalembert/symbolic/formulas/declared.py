@@ -9,6 +9,7 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Bounds, Parameter
 from dalembert.text.spelling import spelled
+from dalembert.text.wording import check_length
 
 CONSTANTS = {"pi": "the number π"}
 """Names that mean something else in every formula, and what."""
@@ -100,6 +101,8 @@ class Declared:
 
     def _declare(self, name: str) -> None:
         """Claim a name that stands in formulas by itself."""
+        if isinstance(name, str):
+            check_length(name, self.name)
         check_free(name, self.meanings, self.name)
         _refuse_taken(name, self._values)
 
