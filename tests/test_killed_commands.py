@@ -9,79 +9,35 @@ from pathlib import Path
 
 import pytest
 
-from dalembert.cli import main
-from dalembert.files.atomic import clear_left_over
-
-EXAMPLES = Path(__file__).parents[1] / "examples"
-KILLED = """
-import os, signal, sys, tempfile
-module, name = (tempfile, "mkstemp") if sys.argv[1] == "created" else (os, "replace")
-act = getattr(module, name)
-def killed(*given, **named):
-    if name == "mkstemp":
-        act(*given, **named)
-    os.kill(os.getpid(), signal.SIGKILL)
-setattr(module, name, killed)
-from dalembert.cli import main
-sys.exit(main(sys.argv[2:]))
-"""
-MODEL = """
-format = 1
-name = "spring"
-gravity = [0, -9.81]
-[parameters]
-k = { value = 50.0, bounds = [10.0, 100.0] }
-[bodies.b]
-type = "Particle"
-mass = 1.0
-position = [0.0, -0.2]
-[forces.s]
-type = "Spring"
-connect = ["ground", "b"]
-stiffness = "k"
-free_length = 0.1
-[analysis]
-type = "Dynamics"
-duration = 0.1
-step = 0.01
-[responses.low]
-type = "Final"
-measure = "b.y"
-[optimize]
-maximize = "low"
-vary = ["k"]
-"""
-COMMANDS = {
-    "run": ["run", "m.toml", "--output", "out", "--quiet"],
-    "sensitivity": ["sensitivity", "m.toml", "--output", "out"],
-    "optimize": ["optimize", "m.toml", "--output", "out"],
-}
+from dalembert.files.atomic import atomic_path, clear_left_over
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")
-@pytest.mark.parametrize(
-    ("command", "moment"), [("run", "created"), *((command, "complete") for command in COMMANDS)]
-)
-def test_killed_commands_leave_nothing_half_written(command, moment, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("m.toml").write_text(MODEL, encoding="utf-8")
-    source = "import sys; sys.path[:0] = " + repr(sys.path) + KILLED
-    arguments = [sys.executable, "-c", source, moment, *COMMANDS[command]]
-    done = subprocess.run(arguments, capture_output=True, check=False)
-    assert done.returncode == -9, done.stderr
-    left = hidden(tmp_path)
-    assert len(left) == 1 and shown(tmp_path) == {"m.toml"}
+def test_killed_commands_leave_nothing_half_written():
+    """A sample of ``python -m tests.killed_commands``, two kills."""
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.killed_commands", "1", "4", "run", "examples"],
+        cwd=Path(__file__).parents[1],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count("1 kills") == 2
+
+
+@pytest.mark.parametrize("name", ["a.nc", "film.gif", "b", ".hidden", "c.tar.gz", "d.é-1", "x" * 250])
+def test_temporary_files_of_a_killed_process_are_cleared(name, tmp_path, monkeypatch):
+    """Whatever the name of the file that it was writing."""
+    with atomic_path(tmp_path / name) as temporary:
+        left = [temporary, temporary.with_name(f"{temporary.name}.gif")]  # libraries add endings
+        kept = {path.name: path.name.replace(f"-{os.getpid()}-", "-4194305-") for path in left}
+    for dead in kept.values():
+        (tmp_path / dead).touch()
     clear_left_over.cache_clear()
-    assert main(COMMANDS[command]) == 0
-    assert not hidden(tmp_path) and len(shown(tmp_path)) > 1
-
-
-def shown(folder: Path) -> set[str]:
-    return {p.name for p in folder.rglob("*") if p.is_file() and not p.name.startswith(".")}
-
-
-def hidden(folder: Path) -> set[str]:
-    return {p.name for p in folder.rglob(".*") if p.is_file()}
+    clear_left_over(tmp_path)
+    assert not list(tmp_path.glob(".*-dalembert-*"))
 
 
 def test_files_of_others_stay(tmp_path):

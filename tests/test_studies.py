@@ -15,6 +15,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
+from dalembert.design.studies.folder import StudyFolder
 from dalembert.design.studies.task import StudyTask
 from dalembert.design.studies.workers import DIED, Chunk, Processes
 
@@ -173,6 +174,53 @@ def test_folder_goes_on(tmp_path, stored):
     else:
         assert table_of(tmp_path / "whole").equals(table_of(tmp_path / "parts"))
     assert study(design, folder=tmp_path / "parts").reused == 8
+
+
+DAMAGE = {
+    "empty": lambda content, place: b"",
+    "cut": lambda content, place: content[:place],
+    "flipped": lambda content, place: (
+        content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :]
+    ),
+    "noise": lambda content, place: bytes(range(256)) * 3,
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_damaged_parts_are_evaluated_again(kind, tmp_path, stored):
+    """At random places, the last number among them; the damaged part is kept under another name."""
+    design = da.Design.table({"length": [1.0, -1.0, 1.5, 0.8]})
+    task = StudyTask(pendulum(), SHORT, RESPONSES)
+    answers = task.answers(np.arange(4), design.names, design.values)
+    about = {"responses": [r.label for r in RESPONSES]}
+    folder = StudyFolder(tmp_path, "one", about)
+    folder.add(answers)
+    (part,) = folder.parts.glob(f"part-*.{stored}")
+    content, rng = part.read_bytes(), random.Random(5)
+    for place in [len(content) - 3, *rng.sample(range(len(content)), 25)]:
+        part.write_bytes(DAMAGE[kind](content, place))
+        found = folder.answers()
+        assert all(  # what is still read is right
+            np.array_equal(found[a.number].values, a.values, equal_nan=True)
+            and found[a.number].reason == a.reason
+            for a in answers
+            if a.number in found
+        )
+        assert found.keys() <= {a.number for a in answers}
+        damaged = part.with_name(f"{part.name}.damaged")
+        assert damaged.exists() == (not part.exists())
+        damaged.unlink(missing_ok=True)
+    folder.close()
+
+
+def test_a_study_with_a_damaged_part_goes_on(tmp_path, stored):
+    design = da.Design.grid({"length": [1.0, 1.5, 0.8]})
+    whole = study(design, folder=tmp_path, chunk=1)
+    part = sorted((tmp_path / "parts").glob("part-*"))[1]
+    part.write_bytes(part.read_bytes()[:-9])
+    again = study(design, folder=tmp_path)
+    assert again.reused == 2 and np.array_equal(whole.values, again.values)
+    assert part.exists() and part.with_name(f"{part.name}.damaged").exists()
 
 
 def test_failures_are_kept(tmp_path, stored):

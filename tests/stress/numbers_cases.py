@@ -12,6 +12,8 @@ from typing import Any
 import absurd_numbers
 import numpy as np
 
+import dalembert as da
+
 from dalembert.budget import VARIABLE
 from dalembert.errors import DalembertError
 
@@ -45,12 +47,15 @@ def judge(seed: int) -> tuple[str, str, str]:
 
 
 def judged_result(case: str, result: Any) -> tuple[str, str, str]:
-    """A successful run holds finite numbers."""
+    """A successful run holds finite numbers; kinematics computes no forces, so it has none (NaN)."""
     status = getattr(result, "status", None)
     if status is not None and not status.success:
         return "ended", case, str(status)
     trajectory = getattr(result, "trajectory", None)
-    values = [getattr(trajectory, name, None) for name in ("t", "y", "v")]
+    names = ["t", "y", "v", "a"]
+    if not isinstance(getattr(result, "analysis", None), da.Kinematics):
+        names.append("multiplier")
+    values = [getattr(trajectory, name, None) for name in names]
     if any(v is not None and not np.isfinite(v).all() for v in values):
         return "false success", case, "a completed run holds numbers that are not finite"
     return "completed", case, ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Any
@@ -16,6 +17,8 @@ from dalembert.files.readable import readable
 ABOUT, LOCK, TABLE = "study.json", ".lock", "table"
 DAMAGED = ".damaged"
 """Ending of the name of a part that could not be read."""
+CHECK = "check"
+"""Column of a part with the checksums of its rows; CSV has none of its own."""
 UNPACKED = 20.0
 """Bytes of memory that a byte of a part takes."""
 
@@ -92,11 +95,15 @@ class StudyFolder:
         names = [f"r{k}" for k in range(len(self.responses))]
         try:
             readable(path, UNPACKED)
-            found = self.format.read(path, names)
+            found = self.format.read(path, [*names, CHECK])
             rows = zip(*(found[name] for name in names), strict=True)
-            return [
+            answers = [
                 Answer(*row) for row in zip(found["design"], rows, found["reason"], strict=True)
             ]
+            checks = found.get(CHECK)  # none in parts of earlier versions
+            if checks is not None and checks != [_checksum(a) for a in answers]:
+                raise ValueError("a row differs from its checksum")
+            return answers
         except Exception:  # Parquet has errors of many kinds
             self._set_aside(path)
             return []
@@ -117,6 +124,7 @@ class StudyFolder:
         }
         for k in range(len(self.responses)):
             columns[f"r{k}"] = [float(a.values[k]) for a in answers]
+        columns[CHECK] = [_checksum(a) for a in answers]
         first = min(a.number for a in answers)
         self.format.write(columns, self.parts / f"part-{first:09d}{self.format.suffix}")
 
@@ -125,6 +133,12 @@ class StudyFolder:
         target = self.path / f"{TABLE}{self.format.suffix}"
         self.format.write(columns, target)
         return target
+
+
+def _checksum(answer: Answer) -> int:
+    """CRC-32 of a row."""
+    values = [float(value) for value in answer.values]
+    return zlib.crc32(repr((int(answer.number), values, str(answer.reason))).encode())
 
 
 def _locked(path: Path) -> IO[str]:
