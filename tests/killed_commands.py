@@ -20,10 +20,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import tests.stress  # noqa: F401  puts the folder of the tests on the path
 from test_decision_files import PUSH, ROD, SYNTHESIS, TASKS
 
 import dalembert as da
+import tests.stress  # noqa: F401  puts the folder of the tests on the path
 from dalembert.cli import main as dalembert
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

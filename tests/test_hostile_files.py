@@ -383,3 +383,14 @@ def test_any_damage_to_an_example_is_told(tmp_path, capsys, data):
     assert "Traceback" not in told.err
     assert told.err.count("Error: ") == (1 if code else 0)
     assert not code or str(source) in told.err, told.err
+
+
+@pytest.mark.parametrize("count", [10**9, 10**30, 60_000])
+def test_decks_with_too_many_nodes_are_refused_at_once(count, tmp_path, capsys):
+    """Nodes that no line can hold, and more than can be solved in a reasonable time."""
+    lines = [f"{k + 1} {k + 2} 100." for k in range(count - 1 if count < 10**6 else 1)]
+    head = f"{count} {len(lines)} 1 1"
+    path = tmp_path / "part.dat"
+    path.write_text("\n".join([head, *lines, "2 1.0", "1 0.0"]), encoding="utf-8")
+    told = refused(capsys, "run", str(path))
+    assert "part.dat:1: " in told and "nodes" in told and len(told) < 400

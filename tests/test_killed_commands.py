@@ -7,8 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from dalembert.design.optimize.evaluation_log import EvaluationLog
 from dalembert.files.atomic import atomic_path, clear_left_over
 
 
@@ -27,7 +29,9 @@ def test_killed_commands_leave_nothing_half_written():
     assert done.stdout.count("1 kills") == 2
 
 
-@pytest.mark.parametrize("name", ["a.nc", "film.gif", "b", ".hidden", "c.tar.gz", "d.é-1", "x" * 250])
+@pytest.mark.parametrize(
+    "name", ["a.nc", "film.gif", "b", ".hidden", "c.tar.gz", "d.é-1", "x" * 250]
+)
 def test_temporary_files_of_a_killed_process_are_cleared(name, tmp_path, monkeypatch):
     """Whatever the name of the file that it was writing."""
     with atomic_path(tmp_path / name) as temporary:
@@ -48,3 +52,21 @@ def test_files_of_others_stay(tmp_path):
     clear_left_over.cache_clear()
     clear_left_over(tmp_path)
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted(kept)
+
+
+def test_a_log_that_ends_within_a_line_goes_on(tmp_path):
+    """Every whole line counts, also those after the half one."""
+    path = tmp_path / "log.jsonl"
+    log = EvaluationLog(path, {"problem": 1})
+    begin = path.stat().st_size
+    designs = [np.array([k / 7]) for k in range(4)]
+    for k, x in enumerate(designs[:3]):
+        log.keep(x, terms=[1.5 * k])
+    content = path.read_bytes()
+    for cut in range(begin, len(content), 5):
+        path.write_bytes(content[:cut])
+        EvaluationLog(path, {"problem": 1}).keep(designs[3], terms=[9.0])
+        again = EvaluationLog(path, {"problem": 1})
+        whole = content[begin:cut].count(b"}")
+        known = [again.find(x) is not None for x in designs]
+        assert known == [*(k < whole for k in range(3)), True]

@@ -120,3 +120,23 @@ def test_reserved_names_state_their_meaning() -> None:
                 declare(name)
     with pytest.raises(da.ModelError, match=r"'ground' is reserved.*the body at rest"):
         system.add(planar.Bar("ground", length=1.0))
+
+
+LONG = "b" * 201
+
+
+@pytest.mark.parametrize(
+    "declare",
+    [
+        lambda system: system.add(planar.Particle(LONG, mass=1.0)),
+        lambda system: system.parameter(LONG, 1.0),
+        lambda system: system.derived(LONG, "1"),
+        lambda system: system.table(LONG, [0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0, 3.0]),
+        lambda system: planar.Body("b", mass=1.0, inertia=1.0).add_point(LONG, (0, 0)),
+        lambda system: da.Structure("s").node(LONG, 0.0, 0.0),
+    ],
+)
+def test_names_have_a_limited_length(declare):
+    with pytest.raises(da.ModelError, match="has 201 characters; 200 at most") as raised:
+        declare(da.System("limits"))
+    assert len(str(raised.value)) < 150

@@ -13,7 +13,6 @@ import absurd_numbers
 import numpy as np
 
 import dalembert as da
-
 from dalembert.budget import VARIABLE
 from dalembert.errors import DalembertError
 
@@ -47,7 +46,7 @@ def judge(seed: int) -> tuple[str, str, str]:
 
 
 def judged_result(case: str, result: Any) -> tuple[str, str, str]:
-    """A successful run holds finite numbers; kinematics computes no forces, so it has none (NaN)."""
+    """A successful run holds finite numbers, but for the forces of kinematics, which are NaN."""
     status = getattr(result, "status", None)
     if status is not None and not status.success:
         return "ended", case, str(status)

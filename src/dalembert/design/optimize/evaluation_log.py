@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import FileError
+from dalembert.files.atomic import atomic_path
 
 
 class EvaluationLog:
@@ -38,10 +39,12 @@ class EvaluationLog:
         if self.path.exists() and self.path.stat().st_size:
             self._read(wanted)
         else:
-            self._write(wanted)
+            with atomic_path(self.path) as temporary:
+                temporary.write_text(json.dumps(wanted) + "\n", encoding="utf-8")
 
     def _read(self, wanted: dict[str, Any]) -> None:
-        first, *lines = self.path.read_text(encoding="utf-8").splitlines()
+        text = self.path.read_text(encoding="utf-8")
+        first, *lines = text.splitlines()
         try:
             found = json.loads(first)
         except ValueError:
@@ -55,18 +58,20 @@ class EvaluationLog:
         for line in lines:
             try:
                 entry = json.loads(line)
-            except ValueError:  # the last line of a run that was killed
+            except ValueError:  # half a line of a run that was killed
                 continue
             kept = self.known.setdefault(self._key(entry["x"], entry.get("part", "")), {})
             kept.update(entry)
+        if not text.endswith("\n"):  # the next line begins anew
+            self._append("\n")
 
     @staticmethod
     def _key(x: Any, part: str) -> bytes:
         return part.encode() + np.asarray(x, dtype=float).tobytes()
 
-    def _write(self, entry: Mapping[str, Any]) -> None:
+    def _append(self, text: str) -> None:
         with self.path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry) + "\n")
+            file.write(text)
 
     def find(self, x: np.ndarray, part: str = "") -> dict[str, Any] | None:
         """What is known of a design: ``terms`` and perhaps ``gradient``, or a ``failure``."""
@@ -77,7 +82,8 @@ class EvaluationLog:
         plain = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in entry.items()}
         self.known.setdefault(self._key(x, part), {}).update(plain)
         named = {"part": part} if part else {}
-        self._write({**named, "x": np.asarray(x, dtype=float).tolist(), **plain})
+        entry = {**named, "x": np.asarray(x, dtype=float).tolist(), **plain}
+        self._append(json.dumps(entry) + "\n")
 
     def part(self, name: str = "") -> LogPart:
         """Evaluations of one of several problems that share the file."""
