@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.methods.spread import counted
 from dalembert.design.methods.stop import check_stop
@@ -19,7 +17,7 @@ from dalembert.design.reliability.reliable import SAMPLINGS, Reliability
 from dalembert.design.reliability.validity import curvature_warnings, layer_warnings
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible, searching
-from dalembert.options import is_whole
+from dalembert.options import is_whole, random_generator
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -109,7 +107,7 @@ def reliability(
             distribution.check_units(model.parameters[name].unit, name)
     nataf = Nataf(dict(random), correlation)
     limits = limit_states(model, limit_state, list(random), analysis)
-    generator = np.random.default_rng(rng)
+    generator = random_generator(rng)
     if starts is None:
         starts = FORMULA_STARTS if model is None else MODEL_STARTS
     check_stop(max_iterations, tolerance)
