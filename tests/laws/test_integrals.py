@@ -56,7 +56,7 @@ def test_outputs_do_not_matter(integrator, kind):
 
 
 def test_measures_may_vary_faster_than_the_motion():
-    """A throw takes few steps; kinks and oscillations of measures between them count all the same."""
+    """A throw takes few steps; kinks and oscillations of measures between them count."""
     system = da.System("throw", gravity=(0, -10))
     rise = system.parameter("rise", 7.0)
     system.add(planar.Particle("stone", mass=2.0, position=(0, 1), velocity=(3, rise)))

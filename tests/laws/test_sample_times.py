@@ -116,7 +116,7 @@ def test_samples_lie_within_the_run(solve):
     backwards = motion.at([0.35, 0.15])["crank.angle"].values
     assert backwards[::-1] == pytest.approx(motion.at([0.15, 0.35])["crank.angle"].values, abs=0)
     for wrong in WRONG_TIMES:
-        with pytest.raises(da.AnalysisError, match="leave the run|outside the run|times are"):
+        with pytest.raises(da.AnalysisError, match=r"leave the run|outside the run|times are"):
             motion.at(wrong)
     with pytest.raises(da.AnalysisError, match="speed is 0"):
         motion.animate(speed=0)

@@ -60,7 +60,9 @@ def checked_numbers(numbers: Instants, count: int, what: str) -> np.ndarray:
         wanted = np.zeros(0)
     whole = wanted.ndim == 1 and wanted.size > 0 and bool(np.all(wanted == np.round(wanted)))
     if not whole or wanted.min() < -count or wanted.max() >= count:
-        raise AnalysisError(f"{what} {numbers!r:.60} do not exist; give whole numbers below {count}")
+        raise AnalysisError(
+            f"{what} {numbers!r:.60} do not exist; give whole numbers below {count}"
+        )
     return wanted.astype(int)
 
 

@@ -2,8 +2,9 @@
 
 Gauss–Lobatto points in each step, ``∫ m dt ≈ Σ_k h_k Σ_i b_i m(t_k + c_i h_k)``: its ends and
 parts of it. With n points the quadrature has order 2n − 2, taken no less than that of the
-steps, so that the integral of a measure as smooth as the motion is as exact as the motion. Steps are
-long where the motion is simple; a measure need not be simple there. Long steps are therefore divided.
+steps, so that the integral of a measure as smooth as the motion is as exact as the motion. Steps
+are long where the motion is simple. A measure need not be simple there, so that long steps are
+divided.
 """
 
 from __future__ import annotations

@@ -50,7 +50,9 @@ def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
     slack = steps.instant
     first, last = times.min(), times.max()
     if not (first >= steps.t[0] - slack and last <= steps.end + slack):
-        raise AnalysisError(f"times {first:g}…{last:g} s leave the run {steps.t[0]:g}…{steps.end:g} s")
+        raise AnalysisError(
+            f"times {first:g}…{last:g} s leave the run {steps.t[0]:g}…{steps.end:g} s"
+        )
     index = np.clip(np.searchsorted(steps.t[:count], times, side="right") - 1, 0, count - 1)
     length = np.clip(times - steps.t[index], 0.0, steps.h[index])
     length[length < slack] = 0.0
