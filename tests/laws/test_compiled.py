@@ -148,7 +148,7 @@ def test_runs_outputs_and_gradients_are_those_of_the_virtual_machine(
     assert found.statistics["backend"] == NAMES[backend]
     for name, values in table(expected).items():
         assert_same(table(found)[name], values)
-    responses = [da.final("crank.angle"), da.Maximum("A.force_norm", smooth=0.1)]
+    responses = [da.final("crank.angle"), da.Maximum("A.force_norm", smooth=0.02)]
     for method in GRADIENTS.get((backend, strategy), ()):
         old, new = (da.sensitivity(m, responses, method=method) for m in (expected, found))
         assert_same(new.values, old.values)

@@ -131,7 +131,7 @@ def test_smooth_extremes_are_means_over_time(name):
     """``(1/ρ) ln((1/T) ∫ exp(ρ m) dt)``, also where an event ends the run within its only step."""
     ended = {"half": da.Event("ball.y - 0.5", terminal=True)}
     fall, rho = sqrt(1 / G), 60.0
-    response = da.minimum("ball.y", smooth=rho)
+    response = da.minimum("ball.y", smooth=f"{1 / rho} m")
     motion = da.solve_dynamics(ball(), 1.0, **INTEGRATORS[name], events=ended)
 
     def smooth(height: float) -> float:
@@ -147,7 +147,7 @@ def test_smooth_extremes_are_means_over_time(name):
         assert found == pytest.approx(slope, rel=1e-6)
     exact = da.hessian_product(
         da.solve_dynamics(pendulum(), 1.0, integrator=da.DormandPrince()),
-        da.maximum("bar.angular_velocity", smooth=5.0),
+        da.maximum("bar.angular_velocity", smooth="0.2 rad/s"),
         {"a": 1.0},
     ).item()
     step = 1e-4
@@ -156,7 +156,7 @@ def test_smooth_extremes_are_means_over_time(name):
             da.solve_dynamics(
                 pendulum(), 1.0, integrator=da.DormandPrince(), parameters={"a": 1 + s * step}
             ),
-            da.maximum("bar.angular_velocity", smooth=5.0),
+            da.maximum("bar.angular_velocity", smooth="0.2 rad/s"),
         ).item()
         for s in (-1, 1)
     ]

@@ -33,7 +33,7 @@ RUNS = {
 RESPONSES = [
     da.integral("b.end.y"),
     da.final("b.end.x"),
-    da.maximum("b.end.y", smooth=5.0),
+    da.maximum("b.end.y", smooth="0.2 m"),
     da.rms("b.end.x"),
     da.total("b.end.y"),
     da.at(0.2073, "b.end.x"),
@@ -105,9 +105,9 @@ def test_steps_of_structures_that_follow_parameters_are_refused():
 
 
 BOUNCES = [
-    da.maximum("ball.vy", smooth=3.0, name="smooth speed"),
+    da.maximum("ball.vy", smooth="0.3 m/s", name="smooth speed"),
     da.minimum("ball.vy", name="speed of the impact"),
-    da.maximum("ball.y", smooth=5.0, name="smooth height"),
+    da.maximum("ball.y", smooth="0.2 m", name="smooth height"),
     da.integral("ball.vy**2"),
     da.mean("ball.vy"),
     da.rms("ball.vy"),

@@ -12,7 +12,7 @@ RESPONSES = [
     da.final("crank.end.x"),
     da.integral("crank.end.y"),
     da.rms("crank.end.y"),
-    da.maximum("crank.end.y", smooth=5.0, name="highest"),
+    da.maximum("crank.end.y", smooth=0.2, name="highest"),
     da.total("crank.end.x"),
     da.at(0.2, "crank.end.x"),
 ]

@@ -14,7 +14,7 @@ from dalembert.symbolic.formulas.expression import Expression, as_expression, as
 from dalembert.symbolic.formulas.spline import CubicSpline
 from dalembert.text.spelling import Spelled
 
-u = Expression(ca.SX.sym("u"), "u", "")
+u = Expression(ca.SX.sym("u (of curves)"), "u", "")
 """Curve parameter, for curves written as formulas."""
 
 

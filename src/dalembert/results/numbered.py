@@ -97,6 +97,9 @@ class Numbered(Result):
         """A measure by name, or a formula of measures and parameters."""
         return self.formula(self.model, measure)
 
+    def keys(self) -> list[str]:
+        return [*self.told, *self.model.parameters]
+
     @property
     def told(self) -> list[str]:
         """Measures that are kept."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVa
 
 import numpy as np
 
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.errors import AnalysisError, ExpressionError, UnsupportedError
 from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
@@ -118,6 +118,23 @@ class Result(Protocol):
     def over_steps(self) -> Self:
         """The same where integrals look at it."""
         return self
+
+    def __contains__(self, measure: object) -> bool:
+        """Whether ``result[measure]`` exists: the name of a measure, or a formula of names."""
+        if not isinstance(measure, (str, Expression)):
+            return False
+        try:
+            self.expression(measure)
+        except (ExpressionError, AnalysisError):  # the latter: known, and no measure of this result
+            return False
+        return True
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def keys(self) -> list[str]:
+        """Names of the measures and parameters; vectors have components ``.x``, ``.y``, ``.z``."""
+        return self.model.keys()  # type: ignore[no-any-return]
 
     def labelled(self, measure: str | Expression, coords: Mapping[str, Any]) -> xr.DataArray:
         """Values of a measure or formula along named coordinates, in their order.

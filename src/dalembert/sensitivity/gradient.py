@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, as_responses, evaluate
+from dalembert.responses.combination import expanded
 from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result
 from dalembert.sensitivity.batch import batch_gradients, labelled_gradients
@@ -73,12 +74,13 @@ def sensitivity(
         return _of_batch(motion, listed, wrt, method, certificate)
     refuse_unfinished(motion)
     columns = chosen_columns(motion, wrt)
-    strategy = _strategy(method, len(listed), len(columns))
+    strategy = _strategy(method, len(expanded(listed)[0]), len(columns))
     refuse_unknown_values(motion, listed)
-    refuse_kinks(motion, listed, columns)
-    found = _values(motion, listed, columns, strategy)
-    table = _labelled(motion, listed, columns, found, strategy)
-    table.attrs["notes"] = diagnose(Findings(motion, listed, columns, found))
+    terms, weights = expanded(listed)
+    refuse_kinks(motion, terms, columns)
+    found = _values(motion, terms, columns, strategy)
+    table = _labelled(motion, listed, columns, weights @ found, strategy)
+    table.attrs["notes"] = diagnose(Findings(motion, terms, columns, found))
     if isinstance(strategy, FiniteDifference):
         table.attrs["notes"] += strategy.notes(motion, columns)
     if certificate:
@@ -93,7 +95,8 @@ def _of_batch(
         raise AnalysisError("a certificate is of one design; take that of batch[k]")
     columns = chosen_columns(batch, wrt)
     strategy = _strategy(method, len(responses), len(columns))
-    values = batch_gradients(batch, responses, columns, strategy)
+    terms, weights = expanded(responses)
+    values = np.matmul(weights, batch_gradients(batch, terms, columns, strategy))
     return labelled_gradients(batch, responses, columns, values, type(strategy).__name__)
 
 
@@ -109,7 +112,9 @@ def gradient_values(
     """
     refuse_unfinished(motion)
     columns = chosen_columns(motion, wrt)
-    return _values(motion, responses, columns, _strategy(method, len(responses), len(columns)))
+    terms, weights = expanded(responses)
+    strategy = _strategy(method, len(terms), len(columns))
+    return np.asarray(weights @ _values(motion, terms, columns, strategy))
 
 
 def chosen_columns(motion: Result | Batch, wrt: Sequence[str] | None) -> list[int]:
@@ -177,7 +182,7 @@ def _strategy(
 
 
 def _unit(motion: Result, response: Response) -> str:
-    return response.over(motion).unit(motion.expression(response.measure).unit)
+    return response.over(motion).unit_of(motion)
 
 
 def refuse_unfinished(motion: Result) -> None:

@@ -17,9 +17,10 @@ from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient import Transient
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
+from dalembert.responses.combination import expanded
 from dalembert.results.result import Result
 from dalembert.sensitivity.eigenvalues import EigenvalueEngine
-from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.engine import CombinedEngine, Engine
 from dalembert.sensitivity.events import EventEngine
 from dalembert.sensitivity.marching.dynamics import DynamicsEngine
 from dalembert.sensitivity.marching.stable_steps import with_stable_steps
@@ -55,7 +56,11 @@ def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
     UnsupportedError
         The analysis has none.
     """
-    kind, motion = engine_for(motion), with_stable_steps(motion)
+    kind = engine_for(motion)
+    terms, weights = expanded(responses)
+    if terms != list(responses):
+        return CombinedEngine(engine_of(motion, terms), weights)
+    motion = with_stable_steps(motion)
     samples = [take_sample(motion, r) for r in responses]
     if any(sample.moves_with for sample in samples):
         return EventEngine(motion, kind, samples)

@@ -149,6 +149,8 @@ class StructuralModel(ParametricModel):
 
     def _check_formula(self, formula: ca.SX, entity: str) -> None:
         foreign = free_symbols(formula) - set(self.parameters) - {"t"}
+        if "t" in self.parameters and ca.depends_on(formula, t.sx):
+            raise ModelError("depends on time, but 't' is a parameter here; rename it", entity)
         if foreign:
             raise ModelError(f"depends on {', '.join(sorted(foreign))}, no parameters here", entity)
 
@@ -225,7 +227,7 @@ class StructuralModel(ParametricModel):
         return Names(self._find, lambda: [*self.measures.names(), *self.parameters])
 
     def _find(self, name: str) -> Expression | None:
-        own = t if name == "t" else self.parameters.get(name)
+        own = self.parameters.get(name, t if name == "t" else None)
         return self.measures.find(name) if own is None else own
 
     def measure(self, symbol: str) -> Measure:

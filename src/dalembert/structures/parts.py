@@ -170,8 +170,8 @@ class StructureParts(Declared):
         return tuple(as_expression(v, entity, unit) for v in values)
 
     @property
-    def _named(self) -> tuple[Mapping[str, Any], ...]:
-        return self.parameters, self.tables, self.nodes, self.elements
+    def _parts(self) -> tuple[Mapping[str, Any], ...]:
+        return self.nodes, self.elements
 
 
 def _kind(part: StructuralElement | Elements) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.analysis.choices import doubts
 from dalembert.analysis.contact.search import ContactSearch
+from dalembert.analysis.contact.start import touching_model
 from dalembert.analysis.contact.unseen import refuse_collisions
 from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes
 from dalembert.analysis.dynamics.event_search import EventSearch
@@ -76,6 +77,8 @@ class DynamicsRun:
         self.requested = output_times(analysis.outputs, self.start, self.end)
         self._afford()
         self.p = model.values(parameters)
+        model, self.closed_gaps = touching_model(model, self.p, self.start)
+        self.model = model
         model.diagnosis.refuse_massless()
         refuse_collisions(model)
         if not analysis.formulation.every_equation:
@@ -196,6 +199,8 @@ class DynamicsRun:
         )
         if self.contacts:
             motion.statistics |= self.contacts.statistics(steps.end)
+            if self.closed_gaps:
+                motion.statistics["overlaps closed at the start"] = self.closed_gaps
             motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
         motion.warnings = Warnings(self.doubts(motion, truth), lambda: self.of_accuracy(motion))
         timing.lap("checks")

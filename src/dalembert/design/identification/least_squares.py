@@ -11,6 +11,7 @@ import numpy as np
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.methods.stop import check_stop
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.interrupts import raising_ctrl_c
 
 LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
 NORMAL = 1.4826
@@ -61,7 +62,8 @@ class LeastSquares:
         """The nearest minimum from a start; the best unknowns so far where it is interrupted."""
         self._reached = None
         try:
-            return self._solved(x)
+            with raising_ctrl_c():
+                return self._solved(x)
         except KeyboardInterrupt:
             if self._reached is None:
                 raise

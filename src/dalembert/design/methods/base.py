@@ -46,6 +46,10 @@ class Optimizer(ABC):
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         """The best design from ``z`` on."""
 
+    def finishing(self) -> Optimizer:
+        """Method that sharpens the design at which this one ends."""
+        return self
+
     def rescue(self) -> Optimizer | None:
         """What goes on where this one is stuck short of an optimum."""
         return None

@@ -11,6 +11,7 @@ import numpy as np
 from dalembert.design.methods.base import Ended, Optimizer
 from dalembert.design.methods.stop import Stop
 from dalembert.design.optimize.program import Program
+from dalembert.interrupts import check_ctrl_c
 from dalembert.options import options
 
 MOST = 2**31 - 1
@@ -68,6 +69,7 @@ class Ipopt(Optimizer):
         ended = solver(x0=z, lbx=program.z_lower, ubx=program.z_upper, **limits)
         if values.stopped is not None:
             raise values.stopped
+        check_ctrl_c()
         told = solver.stats()
         message = str(told["return_status"]).replace("_", " ").lower()
         return Ended(np.array(ended["x"]).ravel(), bool(told["success"]), f"Ipopt: {message}")

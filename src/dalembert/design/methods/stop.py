@@ -17,6 +17,7 @@ class Stop:
     ----------
     max_iterations : of the optimiser
     tolerance : on the relative change of the scaled objective
+    used : iterations of the search before this call
 
     Raises
     ------
@@ -28,6 +29,7 @@ class Stop:
 
     max_iterations: int = 100
     tolerance: float = 1e-8
+    used: int = 0
 
     def __post_init__(self) -> None:
         check_stop(self.max_iterations, self.tolerance)

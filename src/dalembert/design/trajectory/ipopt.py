@@ -12,6 +12,7 @@ import numpy as np
 from dalembert.design.telling import Told
 from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.transcription import Rows, Transcription
+from dalembert.interrupts import searching
 from dalembert.results.status import Outcome, Status
 
 SOLVED = 1e-6
@@ -72,8 +73,9 @@ class Programme:
         solver = ca.nlpsol("trajectory", "ipopt", problem, settings)
         lower, upper = self.transcription.bounds()
         try:
-            found = solver(x0=x0, lbx=lower, ubx=upper, lbg=self._ends(0), ubg=self._ends(1))
-            x, ended = np.array(found["x"]).ravel(), str(solver.stats()["return_status"])
+            with searching():
+                found = solver(x0=x0, lbx=lower, ubx=upper, lbg=self._ends(0), ubg=self._ends(1))
+                x, ended = np.array(found["x"]).ravel(), str(solver.stats()["return_status"])
         except KeyboardInterrupt:
             watch.stopped = True
         if watch.stopped:

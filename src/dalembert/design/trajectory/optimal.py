@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -91,6 +91,11 @@ class OptimalTrajectory(Decision):
     @property
     def interrupted(self) -> bool:  # type: ignore[override]
         return self.status.outcome is Outcome.INTERRUPTED
+
+    def interrupt(self) -> None:
+        if not self.interrupted:
+            message = f"interrupted after the search; {self.status.message}"
+            self.status = replace(self.status, outcome=Outcome.INTERRUPTED, message=message)
 
     @property
     def name(self) -> str:  # type: ignore[override]

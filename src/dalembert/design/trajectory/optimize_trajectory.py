@@ -36,6 +36,7 @@ from dalembert.design.trajectory.refinement import REFINEMENTS, agrees, exploits
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.design.trajectory.verification import verified
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import interruptible
 from dalembert.model.model import Model
 from dalembert.model.scheduled import ScheduledModel
 from dalembert.results.motion import Motion
@@ -44,6 +45,7 @@ from dalembert.results.status import Status
 from dalembert.text.wording import unknown
 
 
+@interruptible
 def optimize_trajectory(
     model: Model,
     minimize: Any,

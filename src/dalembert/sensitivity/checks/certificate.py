@@ -191,7 +191,11 @@ def _sizes(motion: Result, responses: Sequence[Response], values: np.ndarray) ->
 
     A crank that lies along the x axis has no height to which influences could be compared.
     """
-    reach = [np.abs(motion.values(scalar_measure(motion, r))).max(initial=0.0) for r in responses]
+
+    def largest(response: Response) -> float:
+        return float(np.abs(motion.values(scalar_measure(motion, response))).max(initial=0.0))
+
+    reach = [max(abs(w) * largest(term) for w, term in r.terms) for r in responses]
     return np.where(np.abs(values) > BARELY * np.array(reach), np.abs(values), reach)
 
 
