@@ -9,7 +9,8 @@ from typing import cast
 import numpy as np
 
 from dalembert.results.files.contents import Contents
-from dalembert.results.result import Instants, checked_numbers
+from dalembert.results.result import Instants
+from dalembert.results.sampling import checked_numbers
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.measuring.measures import State
 

@@ -10,7 +10,8 @@ import numpy as np
 import scipy
 
 from dalembert.results.files.contents import Contents
-from dalembert.results.result import Instants, checked_instants
+from dalembert.results.result import Instants
+from dalembert.results.sampling import checked_instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs

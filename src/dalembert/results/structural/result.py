@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.results.files.contents import Contents
-from dalembert.results.result import Analysis, Instants, checked_numbers
+from dalembert.results.result import Analysis, Instants
+from dalembert.results.sampling import checked_numbers
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
