@@ -14,7 +14,7 @@ from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.assembly.assemblies import Assemblies
 from dalembert.model.assembly.completeness import Completeness
 from dalembert.model.model import Model
-from dalembert.options import is_number, is_whole
+from dalembert.options import is_number, is_whole, random_generator
 from dalembert.text.spelling import spelled
 
 
@@ -200,7 +200,7 @@ def solve_assembly(
             raise
         note = f"none is on the branch of the nominal assembly: {str(error).partition(';')[0]}"
     search = Assemblies(model.closure, time, p)
-    seed = np.random.default_rng(0 if rng is None else rng)
+    seed = random_generator(0 if rng is None else rng)
     completeness = search.search(None if first is None else first.y, count, seed)
     states = [model.closure.state(y, p, time) for y in search.known]
     if first is not None:
