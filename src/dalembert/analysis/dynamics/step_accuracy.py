@@ -32,7 +32,7 @@ FASTEST, EVEN = 24, 16
 CANDIDATES = 20_000
 """Steps among which the fastest are looked for."""
 SMALL = 1e-2
-"""Way or speed, relative to the largest of the same unit, by which an entry is measured at least."""
+"""Way or speed, relative to the largest of the same unit: minimum size of an entry."""
 REST = 1e-8
 """The same by natural sizes, for what stands still: rounding moves it, too."""
 
@@ -108,8 +108,8 @@ class StepAccuracy:
         text = f"the estimated error of the run is {self.estimate.text}, above rtol = {rtol:g}"
         if self.estimate.share > ALLOWED:
             return [
-                f"{text}: the motion amplifies small differences, or it is as small as the absolute "
-                "tolerance; use a smaller rtol and atol"
+                f"{text}: the motion amplifies small differences, or it is as small as the "
+                "absolute tolerance; use a smaller rtol and atol"
             ]
         return [f"{text}, for errors accumulate; use a smaller rtol and atol"]
 
