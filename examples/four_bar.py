@@ -40,7 +40,7 @@ def build() -> da.System:
 def main(folder=None) -> dict[str, float]:
     model = build().build()
     motion = da.solve_dynamics(model, 8.0, step=0.005)
-    peak = da.maximum("A.force_norm", smooth=0.1, name="peak force in A")
+    peak = da.maximum("A.force_norm", smooth="10 N", name="peak force in A")
     angle = da.final("crank.angle", name="crank angle at 8 s")
     gradient = da.sensitivity(motion, [peak, angle], method="adjoint")
     numbers = {r.label: da.evaluate(motion, r) for r in (peak, angle)}

@@ -25,6 +25,8 @@ PATIENCE = 120.0
 MEMORY = 6_000_000_000
 NUMBERS: list[Any] = [0, -1, 0.5, math.nan, math.inf, 5e-324, 1e-8, 1e8, 1e12, 1e308, 10**8, 10**12]
 NUMBERS += [10**400, -(10**400), True, "text", None, [], (1.0,), 1j]
+FOLDER, STRIDE = Path("."), 1
+"""Where files are written; one in so many numbers is tried."""
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 Case = tuple[str, Callable[[], Any]]
@@ -64,9 +66,8 @@ BASE: dict[str, dict[str, Any]] = {
 
 def some(fields: Iterable[Any]) -> Iterator[tuple[Any, Any]]:
     """Each field with numbers, in turn others of them where only some are wanted."""
-    stride = int(sys.argv[3])
     for k, field in enumerate(fields):
-        for value in NUMBERS[k % stride :: stride]:
+        for value in NUMBERS[k % STRIDE :: STRIDE]:
             yield field, value
 
 
@@ -134,7 +135,6 @@ def tables() -> Iterator[Case]:
 
     from dalembert.io.model_file import load_model_file
 
-    folder = Path(sys.argv[2])
     places: dict[tuple, tuple[Path, tuple]] = {}
     for path in sorted(EXAMPLES.glob("*.toml")):
         if path.stat().st_size < 3000:
@@ -145,7 +145,7 @@ def tables() -> Iterator[Case]:
             continue
 
         def run(path=path, keys=keys, value=value) -> Any:
-            file = folder / "model.json"
+            file = FOLDER / "model.json"
             write(file, tomllib.loads(path.read_text(encoding="utf-8")), keys, value)
             return load_model_file(file).model()
 
@@ -178,6 +178,8 @@ PARTS = {f.__name__: f for f in (analyses, choices, responses, meshes, tables)}
 
 
 def main() -> None:
+    global FOLDER, STRIDE
+    FOLDER, STRIDE = Path(sys.argv[2]), int(sys.argv[3])
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     warnings.simplefilter("error")
     for case, act in PARTS[sys.argv[1]]():

@@ -64,7 +64,11 @@ class Judged:
 
 def judged(seed: int, tries: int = 20) -> Judged:
     """Run a random mechanism by strategies that can work together; errors that are typed count."""
-    kind, m = random_mechanism(seed)
+    return judged_mechanism(seed, *random_mechanism(seed), tries)
+
+
+def judged_mechanism(seed: int, kind: str, m: Mechanism, tries: int = 20) -> Judged:
+    """The same of a mechanism from elsewhere."""
     rng = np.random.default_rng([seed, 1])
     try:
         model = m.system.build()

@@ -73,6 +73,13 @@ class SpatialTree:
     seed : of the random numbers
     parameters : names of masses ``m1``, places on bodies ``J0_1_x`` and stiffnesses ``k0``
     gravity : None where nothing acts from outside
+
+    Attributes
+    ----------
+    places : body, position and axes of the ground and of all bodies
+    solids : mass, mass centre and inertia of each body, for twins
+    joined : kind, bodies, places and axes in them of each joint
+    sprung : bodies, places in them, stiffness, damping and free length of each spring
     """
 
     def __init__(
@@ -84,7 +91,11 @@ class SpatialTree:
         self.rng = np.random.default_rng(seed)
         self.parameters = parameters
         self.system = da.System("tree", gravity=gravity)
+        self.gravity = np.zeros(3) if gravity is None else np.array(gravity)
         self.places = [(self.system.ground, np.zeros(3), np.eye(3))]
+        self.solids: list[tuple] = []
+        self.joined: list[tuple] = []
+        self.sprung: list[tuple] = []
 
     def number(self, name: str, value: float):
         known = name in self.parameters
@@ -97,11 +108,14 @@ class SpatialTree:
         place = rng.uniform(-1, 1, 3)
         points = rng.uniform(-0.3, 0.3, (4, 3))
         spread = points.T @ points
+        mass, centre = rng.uniform(0.5, 2.0), rng.uniform(-0.2, 0.2, 3)
+        inertia = np.trace(spread) * np.eye(3) - spread
+        self.solids.append((mass, centre, inertia))
         made = spatial.Body(
             f"b{k}",
-            mass=self.number(f"m{k}", rng.uniform(0.5, 2.0)),
-            inertia=(np.trace(spread) * np.eye(3) - spread).tolist(),
-            center_of_mass=tuple(rng.uniform(-0.2, 0.2, 3)),
+            mass=self.number(f"m{k}", mass),
+            inertia=inertia.tolist(),
+            center_of_mass=tuple(centre),
             position=tuple(place),
             rotation=axes,
             velocity=tuple(rng.uniform(-1, 1, 3)),
@@ -121,14 +135,16 @@ class SpatialTree:
         local_i = axes_i.T @ (place - at_i)
         local_j = axes_j.T @ (place + world @ offset - at_j)
         name = name or f"J{i}_{j}"
+        first_axes, second_axes = axes_i.T @ world, axes_j.T @ world @ turn
+        self.joined.append((kind, i, j, local_i, first_axes, local_j, second_axes))
         numbers = {"pitch": PITCH} if kind == "Screw" else {}
         local_i = [self.number(f"{name}_{x}", v) for x, v in zip("xyz", local_i, strict=True)]
         if kind == "Spherical":
             ends = first.point(*local_i), second.point(*local_j)
         else:
             ends = (
-                first.frame(local_i, axes=axes_i.T @ world),
-                second.frame(local_j, axes=axes_j.T @ world @ turn),
+                first.frame(local_i, axes=first_axes),
+                second.frame(local_j, axes=second_axes),
             )
         self.system.add(getattr(spatial, kind)(name, *ends, **numbers))
 
@@ -146,7 +162,9 @@ class SpatialTree:
     def springs(self, count: int = 2) -> SpatialTree:
         for k in range(count):
             i, j = self.rng.choice(len(self.places), 2, replace=False)
-            ends = [self.places[n][0].point(*self.rng.uniform(-0.5, 0.5, 3)) for n in (i, j)]
+            locals_ = [self.rng.uniform(-0.5, 0.5, 3) for _ in range(2)]
+            ends = [self.places[n][0].point(*at) for n, at in zip((i, j), locals_, strict=True)]
+            self.sprung.append((i, j, *locals_, 40.0 + 10 * k, 0.7, 0.4))
             stiffness = self.number(f"k{k}", 40.0 + 10 * k)
             numbers = {"stiffness": stiffness, "damping": 0.7, "free_length": 0.4}
             self.system.add(spatial.Spring(f"s{k}", *ends, **numbers))

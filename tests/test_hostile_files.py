@@ -12,6 +12,7 @@ from pathlib import Path
 import h5py
 import pytest
 from good_model import GOOD, LAW, K, edited, load_or_refuse
+from hostile_results import HOSTILE
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import dalembert as da
@@ -109,6 +110,33 @@ def test_results_that_unpack_to_too_much_are_refused(tmp_path, capsys):
         made.make_scale("time")
     assert path.stat().st_size < 100_000
     assert "800 GB" in refused(capsys, "report", str(path))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs pipes")
+@pytest.mark.parametrize("name", HOSTILE)
+def test_results_read_nothing_but_themselves(name, tmp_path, capsys):
+    """No other file of the user, no pipe that nobody writes to, no more than a task may take."""
+    HOSTILE[name](tmp_path / "hostile.nc")
+    told = refused(capsys, "report", str(tmp_path / "hostile.nc"))
+    assert "secret of the user" not in told and "hostile.nc" in told
+
+
+def test_a_bit_that_flips_is_noticed(tmp_path):
+    """In values, names, attributes, the layout and the checksum itself."""
+    path = tmp_path / "sound.nc"
+    stone = da.System("fall", gravity=(0, -10))
+    stone.add(da.planar.Particle("stone", mass=1.0))
+    da.solve_dynamics(stone.build(), 1.0, step=0.1).save(path)
+    expected, content = da.load_results(path), path.read_bytes()
+    for at in range(7, len(content), len(content) // 120):
+        path.write_bytes(content[:at] + bytes([content[at] ^ 1 << at % 8]) + content[at + 1 :])
+        with contextlib.suppress(FileError):
+            assert da.load_results(path).identical(expected), at
+    path.write_bytes(content)
+    with h5py.File(path, "a") as file:  # who changes a file otherwise leaves no checksum
+        file["time"][0] = 0.5
+    with contextlib.suppress(FileError):
+        assert float(da.load_results(path).time[0]) == 0.5
 
 
 @pytest.mark.parametrize("report", ["[" * 10_000, "7", '{"kind": "x"}', '{"kind": [1]}', "{"])

@@ -142,8 +142,17 @@ def table_of(folder: Path):
     return parquet.read_table(folder / "table.parquet")
 
 
-def test_folder_goes_on(tmp_path):
-    pytest.importorskip("pyarrow")
+@pytest.fixture(params=["parquet", "csv"])
+def stored(request, monkeypatch) -> str:
+    """The format of tables, CSV as without pyarrow."""
+    if request.param == "csv":
+        monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    else:
+        pytest.importorskip("pyarrow")
+    return request.param
+
+
+def test_folder_goes_on(tmp_path, stored):
     design = da.Design.sobol(RANGES, 8, rng=0)
     whole = study(design, folder=tmp_path / "whole", chunk=3)
 
@@ -156,12 +165,17 @@ def test_folder_goes_on(tmp_path):
     again = study(design, folder=tmp_path / "parts", chunk=2)
     assert again.reused == 3
     assert np.array_equal(whole.values, again.values)
-    assert table_of(tmp_path / "whole").equals(table_of(tmp_path / "parts"))
+    name = f"table.{stored}"
+    assert again.stored == tmp_path / "parts" / name
+    assert bool(again.findings()["note"]) == (stored == "csv")
+    if stored == "csv":
+        assert (tmp_path / "whole" / name).read_text() == (tmp_path / "parts" / name).read_text()
+    else:
+        assert table_of(tmp_path / "whole").equals(table_of(tmp_path / "parts"))
     assert study(design, folder=tmp_path / "parts").reused == 8
 
 
-def test_failures_are_kept(tmp_path):
-    pytest.importorskip("pyarrow")
+def test_failures_are_kept(tmp_path, stored):
     design = da.Design.grid({"length": [1.0, -1.0, 1.5]})
     first, again = (study(design, folder=tmp_path) for _ in range(2))
     assert again.reused == 3 and again.failures == first.failures

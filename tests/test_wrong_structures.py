@@ -38,7 +38,7 @@ WRONG = [
     ("a = [0, 0]", "a = [0, 0, 0, 0]", "nodes.a: expected 1 to 3 coordinates, got 4"),
     ("a = [0, 0]", "a = [0, true]", "nodes.a: expected a number or a formula, got true"),
     ("c = [2, 0]", "c = [2, 0]\nd = [3, 3]", "nodes.d: is not connected to any element"),
-    ("c = [2, 0]", "c = [2, 0]\narea = [3, 3]", "nodes.area: the name is already used by param"),
+    ("c = [2, 0]", "c = [2, 0]\nleft = [3, 3]", "elements.left: the name is already used by"),
     ('nodes = ["a", "c"]', 'nodes = ["a", "x"]', "supports[0].nodes: unknown nodes 'x'"),
     ('nodes = ["a", "c"]', 'nodes = "a"\nuz = 0', "unknown direction 'uz'; known: ux, uy, rz"),
     ('nodes = ["a", "c"]', 'nodes = "a"\nwhere = { x = 0 }', "supports[0]: a is one node; where"),
@@ -123,7 +123,7 @@ MESH_WRONG = [
     (
         "plate.von_mises.max",
         "plate.von_mises",
-        "no measure 'plate.von_mises'; nearest: plate.von_mi",
+        "'plate.von_mises' has several measures; name one",
     ),
 ]
 

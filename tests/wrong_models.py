@@ -126,8 +126,15 @@ BAD: dict[str, tuple[str, list[str]]] = {
         edited("[joints.B]", "[joints.crank]"),
         ["joints.crank", "bodies.crank", "choose another"],
     ),
-    "name of a parameter": (edited("[joints.B]", "[joints.l1]"), ["joints.l1", "parameters.l1"]),
-    "name reserved": (edited("[joints.B]", "[joints.ground]"), ["joints.ground", "reserved"]),
+    "name reserved": (
+        edited("[joints.B]", "[joints.ground]"),
+        ["joints.ground", "reserved", "the body at rest"],
+    ),
+    "parameter called as time": (edited("k = 2.0", "t = 2.0"), ["parameters.t", "the time"]),
+    "parameter called as a measure": (
+        edited("k = 2.0", "energy = 2.0"),
+        ["parameters.energy", "a measure of the whole"],
+    ),
     "name odd": (edited("[joints.B]", '[joints."a b"]'), ['joints."a b"', "letters"]),
     "parameter name odd": (edited("k = 2.0", '"k-1" = 2.0'), ["parameters.k-1", "identifier"]),
     "parameter text": (edited("k = 2.0", 'k = "stiff"'), ["parameters.k", "'stiff'", "number"]),

@@ -103,6 +103,7 @@ from dalembert.design.studies.surfaces import (
     response_surface as response_surface,
 )
 from dalembert.design.studies.sweep import sweep as sweep
+from dalembert.design.synthesis.burmester import burmester_dyads as burmester_dyads
 from dalembert.design.synthesis.cam import FlatFaceCam as FlatFaceCam, RollerCam as RollerCam
 from dalembert.design.synthesis.chains import (
     INVERSIONS as INVERSIONS,
@@ -112,6 +113,7 @@ from dalembert.design.synthesis.chains import (
 )
 from dalembert.design.synthesis.dead_centre import dead_centre_four_bar as dead_centre_four_bar
 from dalembert.design.synthesis.four_bar import FourBar as FourBar
+from dalembert.design.synthesis.pose_linkages import pose_linkages as pose_linkages
 from dalembert.design.synthesis.precision_points import (
     five_point_four_bars as five_point_four_bars,
 )

@@ -5,6 +5,16 @@ from __future__ import annotations
 from copy import copy
 from typing import Any, Self
 
+LONGEST, BEGIN, END = 2000, 1400, 400
+"""Characters of a message; of a longer one, those that stay."""
+
+
+def brief(message: str) -> str:
+    """A message of reasonable length, whatever input it quotes."""
+    if len(message) <= LONGEST:
+        return message
+    return f"{message[:BEGIN]} … ({len(message)} characters) … {message[-END:]}"
+
 
 class DalembertError(Exception):
     """Base of all errors raised on purpose.
@@ -21,6 +31,9 @@ class DalembertError(Exception):
     ...     print(type(error).__name__)
     ModelError
     """
+
+    def __init__(self, message: str = "", *more: Any):
+        super().__init__(brief(str(message)), *more)
 
 
 class ModelError(DalembertError):
@@ -46,7 +59,7 @@ class ModelError(DalembertError):
 
     def __init__(self, message: str, entity: str | None = None):
         self.entity = entity
-        self.message = message
+        self.message = message = brief(message)
         super().__init__(f"{entity}: {message}" if entity else message)
 
 

@@ -84,7 +84,7 @@ RESULTS = {
     "equilibrium": (lambda: da.solve_equilibrium(propped_bar()), MECHANICAL[:1]),
     "kinematics": (
         lambda: da.solve_kinematics(propped_bar(True), 0.5, step=0.05),
-        (da.final("bar.end.x"), da.maximum("bar.end.vx", smooth=10.0), da.mean("bar.ax")),
+        (da.final("bar.end.x"), da.maximum("bar.end.vx", smooth=0.1), da.mean("bar.ax")),
     ),
     "inverse dynamics": (
         lambda: da.solve_inverse_dynamics(propped_bar(True), 0.5, step=0.05),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import multiprocessing
+import os
 import re
 import sys
 import threading
@@ -147,7 +148,7 @@ def test_runs_outputs_and_gradients_are_those_of_the_virtual_machine(
     assert found.statistics["backend"] == NAMES[backend]
     for name, values in table(expected).items():
         assert_same(table(found)[name], values)
-    responses = [da.final("crank.angle"), da.Maximum("A.force_norm", smooth=0.1)]
+    responses = [da.final("crank.angle"), da.Maximum("A.force_norm", smooth=0.02)]
     for method in GRADIENTS.get((backend, strategy), ()):
         old, new = (da.sensitivity(m, responses, method=method) for m in (expected, found))
         assert_same(new.values, old.values)
@@ -341,6 +342,55 @@ def test_a_broken_file_is_made_again(backend, cache, compilations, damage):
     found = run(four_bar(), backend)
     assert len(compilations) == 2 * count
     assert_same(found.trajectory.y, expected.trajectory.y)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs the files of Unix")
+@pytest.mark.parametrize("kind", ["pipe", "pipe for the checksum", "folder", "link to itself"])
+def test_what_stands_in_place_of_machine_code_is_replaced(kind, cache):
+    text = source.c_source(ca.Function("f", [X], [X + 3]))
+    code_cache.build(text, Llvm())
+    path = code_cache.kept_path(text, Llvm())
+    path = path.with_suffix(code_cache.SEAL) if "checksum" in kind else path
+    path.unlink()
+    if "pipe" in kind:
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+        (path / "more").touch()
+    else:
+        path.symlink_to(path.name)
+    assert code_cache.kept(text, Llvm()) is None
+    code_cache.made(text, Llvm())
+    assert code_cache.is_whole(code_cache.kept_path(text, Llvm()))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs the permissions of Unix")
+def test_machine_code_is_not_taken_from_where_others_may_write(cache):
+    text = source.c_source(ca.Function("f", [X], [X + 4]))
+    code_cache.build(text, Llvm())
+    cache.chmod(0o777)
+    assert code_cache.kept(text, Llvm()) is None
+    with pytest.raises(da.UnsupportedError, match=r"others may write in .*mode 777.*chmod 700"):
+        run(four_bar(), "jit")
+    assert run(four_bar(), "auto").status.success
+
+
+def test_without_a_home_folder_machine_code_is_kept_among_temporary_files(monkeypatch, tmp_path):
+    def nowhere():
+        raise RuntimeError("Could not determine home directory.")
+
+    for name in ("DALEMBERT_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(code_cache.Path, "home", nowhere)
+    monkeypatch.setattr(code_cache.tempfile, "tempdir", str(tmp_path))
+    assert da.clear_cache() == 0 and code_cache.cache_size() == (0, 0)
+    code_cache.build(source.c_source(ca.Function("f", [X], [X + 5])), Llvm())
+    assert code_cache.cache_folder().parent == tmp_path and da.clear_cache() == 1
+    monkeypatch.setenv("DALEMBERT_CACHE", "~nobody-of-this-name/cache")
+    assert code_cache.cache_size() == (0, 0)
+
+
+X = ca.SX.sym("x")
 
 
 @needs_compiler

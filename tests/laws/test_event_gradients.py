@@ -110,7 +110,7 @@ def responses(name: str, terminal: bool) -> list[da.Response]:
     ]
     if terminal:
         made += [kind(first) for kind in (da.final, da.integral, da.mean, da.rms)]
-        made += [da.maximum(first), da.minimum(second), da.maximum(third, smooth=3.0)]
+        made += [da.maximum(first), da.minimum(second), da.maximum(third, smooth=0.3)]
         made.append(da.at(0.05, first))
     return made
 

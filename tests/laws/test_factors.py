@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from dalembert.formulations.orthogonal import HouseholderBasis
-from dalembert.symbolic.equations.factor import QrFactor
+from dalembert.symbolic.equations.factor import LdlFactor, QrFactor
 
 POWERS = pytest.mark.parametrize("power", [20, 80, 154, 158, 161, 163, 200])
 
@@ -29,3 +29,14 @@ def test_null_space_beside_entries_whose_squares_vanish(power):
     free = basis(entries).full()
     np.testing.assert_allclose(entries @ free, 0.0, atol=1e-15)
     np.testing.assert_allclose(free.T @ free, np.eye(1), rtol=1e-15)
+
+
+def test_factors_where_one_entry_cancels():
+    """Of a symmetric matrix: an expression is zero in value, its transpose left out."""
+    x = ca.SX.sym("x")
+    zero = ca.sin(x) - 2 * ca.sin(x / 2) * ca.cos(x / 2)
+    matrix = ca.sparsify(ca.blockcat([[2, 0, 1], [zero, 3, 0], [1, 0, 4]]))
+    assert not matrix.sparsity().is_symmetric()
+    for each in (matrix, matrix.T):
+        solved = ca.Function("s", [x], [LdlFactor(each).solve(ca.SX([1, 2, 3]))])(0.3)
+        np.testing.assert_allclose(solved.full().ravel(), [1 / 7, 2 / 3, 5 / 7], rtol=1e-14)

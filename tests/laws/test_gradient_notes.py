@@ -85,7 +85,7 @@ def test_ties_are_one_sided():
         in found[0]
     )
     assert "smooth" in found[0]
-    assert not having(notes(motion, da.maximum(height, smooth=50.0)), "share")
+    assert not having(notes(motion, da.maximum(height, smooth=0.02)), "share")
     assert not having(notes(motion, da.maximum("bar.angle")), "share")
     lowest = notes(motion, da.minimum(-1.0 * height, name="low"))
     assert having(lowest, "low: 2 samples share the smallest value")

@@ -129,7 +129,7 @@ def test_a_response_without_bounds_is_no_limit(bare):
         (lambda b, m: b.point("strat"), da.ModelError, "unknown point .* mean 'start'"),
         (lambda b, m: m["bob.angl"], da.UnknownNameError, "nearest: bob.angle"),
         (lambda b, m: m.values({"lenght": 1.0}), da.ModelError, "did you mean 'length'"),
-        (lambda b, m: planar.Bar("c", length="1", mass=1.0), da.ModelError, "without quotes"),
+        (lambda b, m: planar.Bar("c", length="l1", mass=1.0), da.ModelError, "without quotes"),
         (
             lambda b, m: math.sin(m["length"]),
             da.ExpressionError,

@@ -33,6 +33,40 @@ def test_joints_transmit_what_lasting_contacts_give():
     np.testing.assert_allclose(*found, atol=1e-5)
 
 
+PARTITIONED = [
+    (da.NullSpace(), da.JointCoordinates()),
+    (da.NullSpace("gram-schmidt"), da.AbsoluteCoordinates()),
+    (da.VelocityPartitioning(), da.AbsoluteCoordinates()),
+]
+
+
+@pytest.fixture(scope="module")
+def settled():
+    return da.solve_dynamics(thrown(), 1.0, integrator=da.DormandPrince(rtol=1e-9), **SETTLING)
+
+
+SETTLING = {"parameters": {"restitution": 0.2}, "outputs": [0.9, 1.0]}
+
+
+@pytest.mark.parametrize(("formulation", "coordinates"), PARTITIONED, ids=str)
+def test_independent_speeds_follow_the_contacts_that_last(formulation, coordinates, settled):
+    """Closed gaps are further constraints: fewer speeds are independent, and others may be."""
+    options = {"formulation": formulation, "coordinates": coordinates, **SETTLING}
+    found = da.solve_dynamics(thrown(), 1.0, integrator=da.DormandPrince(), **options)
+    assert found.status.success and settled.values("A.normal_force")[-1] > 1
+    for name in ("a.x", "b.angle", "A.normal_force", "hinge.force"):
+        np.testing.assert_allclose(found.values(name), settled.values(name), atol=1e-4)
+
+
+def test_named_independent_speeds_end_where_a_contact_lasts():
+    named = da.VelocityPartitioning(independent=("a.x", "a.y", "a.angle", "b.angle"))
+    status = da.solve_dynamics(
+        thrown(), 1.0, step=0.01, formulation=named, parameters={"restitution": 0.2}
+    ).status
+    assert not status.success and status.time > 0.2
+    assert "closed" in status.message and "independent speeds are needed" in status.message
+
+
 def test_contact_is_lasting_when_bounces_have_ended():
     """In the end both bars lie on the floor, which carries their weight."""
     motion = da.solve_dynamics(

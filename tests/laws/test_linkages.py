@@ -24,8 +24,22 @@ TURN = np.linspace(0.3, 0.3 + 2 * math.pi, 50)
 def test_loop_is_closed(linkage):
     q, theta = linkage.numbers, ca.DM(TURN)
     phi, output = (ca.DM(a) for a in linkage.loop(q, linkage.branch, TURN))
-    for row in linkage.closure(q, theta, phi, output):
-        assert float(ca.norm_inf(row)) < 1e-13
+    crank, coupler, ground = (linkage.numbers.get(n, 0.0) for n in ("crank", "coupler", "ground"))
+    end = crank * np.exp(1j * TURN) + coupler * np.exp(1j * np.array(phi).ravel())
+    out = np.array(output).ravel()
+    if isinstance(linkage, da.FourBar):
+        arm = end - ground * np.exp(1j * linkage.angle)
+        np.testing.assert_allclose(arm, linkage.follower * np.exp(1j * out), atol=1e-13)
+    else:
+        rail = (out + 1j * linkage.offset) * np.exp(1j * linkage.angle)
+        np.testing.assert_allclose(end, rail, atol=1e-13)
+    (cosine, sine), there = linkage.closed(q, linkage.branch, theta)  # the same for graphs
+    direction = np.array(ca.horzcat(cosine, sine)) @ [1, 1j]
+    np.testing.assert_allclose(direction, np.exp(1j * np.array(phi).ravel()), atol=1e-12)
+    known = (np.cos(out), np.sin(out)) if isinstance(there, tuple) else (out,)
+    listed = there if isinstance(there, tuple) else (there,)
+    for graph, value in zip(listed, known, strict=True):
+        np.testing.assert_allclose(np.array(graph).ravel(), value, atol=1e-12)
     sine = np.array(linkage.transmission_sine(q, phi, output)) * linkage.branch
     assert np.all(sine > 0) and linkage.crank_turns
     # the limits of a whole turn say what the turn shows

@@ -16,8 +16,9 @@ import dalembert as da
 from dalembert import SplineCurve, planar, t
 from dalembert.elements.laws import Harmonic, Polynomial, Product, Sum, Table
 from dalembert.errors import ModelError
+from dalembert.symbolic.formulas.end_conditions import ENDS
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.formulas.spline import ENDS, CubicSpline
+from dalembert.symbolic.formulas.spline import CubicSpline
 
 TIMES = np.linspace(-0.73, 3.1, 211)
 
@@ -178,7 +179,7 @@ def test_large_tables_are_looked_up(periodic):
         (lambda: Table([0, 1, np.nan], [0, 1, 0]), r"abscissa in row 3: nan"),
         (lambda: Table([0, 1, 2], [0, np.inf, 0]), r"value in row 2: inf"),
         (lambda: Table([0, 1, 2], [0, 1e300, 0]), r"value in row 2: 1e\+300"),
-        (lambda: Table([0, 1, 2], [0, "1", 0]), r"value in row 2.*'1'"),
+        (lambda: Table([0, 1, 2], [0, "one", 0]), r"value in row 2.*'one'"),
         (lambda: Table([0, 1, 2], [0, True, 0]), r"value in row 2.*True"),
         (lambda: Table([0, 1, 1], [0, 1, 0]), r"row 3 \(1.0\) does not follow row 2"),
         (lambda: Table(3, [0, 1, 0]), "times must be a list, got 3"),
@@ -186,12 +187,12 @@ def test_large_tables_are_looked_up(periodic):
         (lambda: Table([0, 1, 2], [0, 1, 0], periodic=1), "periodic is 1"),
         (lambda: Table([0, 1, 2], [0, 1, 1], periodic=True), "misses by 1"),
         (lambda: Harmonic(np.nan, 1.0), "amplitude: nan"),
-        (lambda: Harmonic("1", 1.0), "amplitude.*'1'"),
+        (lambda: Harmonic("one", 1.0), "amplitude.*'one'"),
         (lambda: SplineCurve(5), "points must be a list"),
         (lambda: Sum([]), "at least one"),
         (lambda: Product(3), "must be a list"),
         (lambda: Polynomial(velocity=1.0) + np.nan, r"Sum.laws\[1\]: nan"),
-        (lambda: Polynomial(velocity=1.0) * "2", r"Product.laws\[1\].*'2'"),
+        (lambda: Polynomial(velocity=1.0) * "two", r"Product.laws\[1\].*'two'"),
     ],
 )
 def test_wrong_numbers_in_laws_are_typed_errors(make, words):

@@ -12,7 +12,7 @@ RESPONSES = [
     da.final("crank.end.x"),
     da.integral("crank.end.y"),
     da.rms("crank.end.y"),
-    da.maximum("crank.end.y", smooth=5.0, name="highest"),
+    da.maximum("crank.end.y", smooth=0.2, name="highest"),
     da.total("crank.end.x"),
     da.at(0.2, "crank.end.x"),
 ]
@@ -79,7 +79,7 @@ def test_a_whole_turn_is_one_at_any_speed():
     np.testing.assert_allclose(found.values, 0.0, atol=1e-10)
     checked = da.sensitivity(motion, da.final("crank.end.x"), ["speed"], certificate=True)
     assert checked.attrs["certificate"].passed
-    assert "at fixed times" in checked.attrs["certificate"].summary()[-1]
+    assert "at fixed times" not in checked.attrs["certificate"].summary()[-1]
     again = motion.analysis.run(motion.model, {"speed": 10.0})
     assert again.time[-1] == pytest.approx(np.pi / 5, rel=1e-15)
 

@@ -229,7 +229,8 @@ def test_bodies_that_there_are_not_are_refused(wrong):
             "none twice in a row, as 'xyz' or 'zxz'; got 'xxy'",
         ),
         (lambda: spatial.Particle("b", mass=1.0).point(0, 0, 1), "no point but (0, 0, 0)"),
-        (lambda: spatial.Particle("b", inertia=(1, 1, 1)), "b: a particle has no inertia"),
+        (lambda: spatial.Particle("b", inertia=(1, 1, 1)), "unknown keyword 'inertia'"),
+        (lambda: spatial.Particle("b", mass=1.0).frame(), "b: a particle has no frame"),
         (lambda: spatial.Body("b").frame(axis=(0, 0, 0)), "frame of b: a direction needs a length"),
         (lambda: spatial.Body("b").frame(axis=(0, 0, 1), x=(0, 0, 2)), "axis and x are parallel"),
         (

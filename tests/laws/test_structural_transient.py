@@ -186,7 +186,7 @@ def test_gradients_of_every_integrator(integrator, nonlinear):
             da.at(0.333, moving[1]),
             da.integral("a.fx"),
             da.rms("ab.stress") if not nonlinear else da.mean("cb.stress"),
-            da.maximum(free, smooth=50.0),
+            da.maximum(free, smooth=0.02),
             da.mean("strain_energy"),
             da.final("kinetic_energy"),
             da.final(model[free] * da.t * model["a.fx"], "product"),

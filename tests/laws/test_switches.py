@@ -171,11 +171,10 @@ def notes(name: str, response, **options) -> str:
 
 
 def test_notes_of_gradients_over_switches():
-    """Told: switches that fixed steps went over, integrals of measures that jump; else nothing."""
+    """Notes about switches that fixed steps went over; none where they were located."""
     adaptive = {"integrator": da.DormandPrince()}
     assert "went over switches" in notes("jump", da.final("b.x"), step=0.01)
-    assert "jumps at" in notes("jump", da.integral("b.ax"), **adaptive)
-    for response in (da.final("b.x"), da.integral("b.vx")):
+    for response in (da.final("b.x"), da.integral("b.vx"), da.integral("b.ax")):
         told = notes("jump", response, **adaptive)
         assert "switch" not in told and "independent speeds" not in told
 
@@ -187,6 +186,16 @@ def test_integrals_of_what_is_continuous_over_switches():
         both = da.sensitivity(motion, [da.integral("b.vx"), da.final("b.x")]).values.ravel()
         assert abs(da.evaluate(motion, da.integral("b.vx")) - motion["b.x"].values[-1]) < 1e-8
         assert abs(both[0] - both[1]) < 1e-6 * abs(both[1]), method
+
+
+@pytest.mark.parametrize("name", ["jump", "instant", "sign of place", "nested", "drag"])
+def test_integrals_of_what_jumps_at_switches(name):
+    """The integral of an acceleration is the change of the speed: instants of jumps move."""
+    responses = [da.integral("b.ax"), da.final("b.vx")]
+    for method in ("Dormand-Prince", "Radau, ODE"):
+        for way in ("direct", "adjoint"):
+            both = da.sensitivity(run(name, method), responses, method=way).values.ravel()
+            assert abs(both[0] - both[1]) < 1e-6 * max(abs(both[1]), 1), (method, way)
 
 
 def test_second_derivatives_over_switches_are_refused():

@@ -59,13 +59,40 @@ def test_freudenstein():
     found = da.synthesize(da.Target.function(given, outputs), starts=12)
     assert found.best.error < 1e-14
     bar, theta = found.best.linkage, found.best.crank_angles
-    psi = bar.output(theta)
+    psi = np.unwrap(bar.output(theta))
     np.testing.assert_allclose(psi - psi[0], outputs, atol=1e-7)
     rows = np.stack([np.cos(psi), -np.cos(theta), np.ones(3)], axis=1)
     k1, k2, k3 = np.linalg.solve(rows, np.cos(theta - psi))
     d, c, f, g = bar.crank, bar.coupler, bar.follower, bar.ground
     assert [k1, k2] == pytest.approx([g / d, g / f], rel=1e-4)
     assert k3 == pytest.approx((d**2 - c**2 + f**2 + g**2) / (2 * d * f), rel=1e-4)
+
+
+@pytest.mark.parametrize(("count", "known"), [(6, 2.52e-6), (10, 6.18e-6)], ids=["six", "ten"])
+def test_a_few_starts_are_enough_for_a_function(count, known):
+    """A square over 90°; ``known`` is the best of 300 random starts."""
+    share = np.linspace(0, 1, count)
+    target = da.Target.function(math.pi / 2 * share, math.pi / 2 * share**2)
+    found = da.synthesize(target, crank_turns=False, starts=6)
+    assert found.best.error <= known
+
+
+def test_a_path_that_is_met_poorly_has_a_best_linkage():
+    """An ellipse against the sense of the crank."""
+    theta = TURN[::2]
+    for sense in (1, -1):
+        points = np.stack([2 * np.cos(theta), sense * np.sin(theta)], axis=1)
+        found = da.synthesize(da.Target.path(points, theta), starts=2)
+        assert found.best.error < 0.05 and found.best.linkage.crank_turns
+
+
+def test_linkages_that_differ_by_full_turns_or_names_count_once():
+    poses = da.Target.motion(BAR.path(PIECE), BAR.coupler_angle(PIECE))
+    found = da.synthesize(poses, starts=8, crank_turns=False)
+    assert found.best.error < 1e-20  # exact by Burmester dyads
+    places = [np.sort_complex(np.round(s.linkage.joints(s.crank_angles[0])[:4], 3))
+              for s in found.solutions]  # fmt: skip
+    assert all(np.max(abs(a - b)) > 1e-3 for k, a in enumerate(places) for b in places[:k])
 
 
 def test_limits_are_kept():

@@ -4,6 +4,7 @@ import math
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 import dalembert as da
@@ -128,6 +129,7 @@ def test_texts_in_python():
         ({"mass": "1 N"}, "bar.mass: 1 N does not fit, expected kg"),
         ({"angular_velocity": "5 Hz"}, "bar.angular_velocity: .* expected rad/s"),
         ({"length": "l1"}, "expected a number or a formula, got 'l1'"),
+        ({"length": "0.2 s + 1 s/m*t*0.1 m/s"}, r"bar.length: 0.2 s .* \[s\] does not fit"),
         ({"length": "3 mmm"}, "bar.length: .* unknown unit 'mmm'"),
     ],
 )
@@ -390,3 +392,52 @@ def test_pint_is_imported_where_it_is_needed_only():
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+LAW_FILE = """
+format = 1
+[bodies.b]
+type = "Bar"
+length = 1
+[joints.O]
+type = "Revolute"
+connect = ["ground", "b.start"]
+[drivers.m]
+type = "RotationalDriver"
+connect = ["ground", "b"]
+law = "LAW"
+"""
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        *("0.4 rad + 45 rpm*t", "2*3", "where(t < 0.5, 10 deg, 10 deg)", "sin(t)", "t"),
+        *("0.1 m + 45 m/s*t", "3 deg + 1 kg*t", "l1 + t", "sin(t", "2 deg*b.angle"),
+    ],
+)
+def test_a_text_means_the_same_in_files_and_in_python(law: str, tmp_path) -> None:
+    """Functions of time by text; what is refused in one is refused in the other."""
+
+    def from_file() -> da.System:
+        path = tmp_path / "model.toml"
+        path.write_text(LAW_FILE.replace("LAW", law))
+        return da.load_model(path)
+
+    def in_python() -> da.System:
+        system = da.System("model")
+        b = system.add(planar.Bar("b", length=1))
+        system.add(planar.Revolute("O", system.ground.center, b.start))
+        system.add(planar.RotationalDriver("m", system.ground, b, law))
+        return system
+
+    found = []
+    for make in (from_file, in_python):
+        try:
+            found.append(da.solve_kinematics(make().build(), 1.0, outputs=7)["b.angle"].values)
+        except da.ModelError:
+            found.append(None)
+    assert type(found[0]) is type(found[1])
+    assert found[0] is None or np.array_equal(*found)
+    refused = ("0.1 m + 45 m/s*t", "3 deg + 1 kg*t", "l1 + t", "sin(t", "2 deg*b.angle")
+    assert (found[0] is None) == (law in refused)

@@ -136,16 +136,109 @@ def test_speed_reducer():
     assert best.x["x3"] == 17 and best.violation <= 1e-6
 
 
-def test_gear_train():
+@pytest.mark.parametrize("method", ["slsqp", "enumeration"])  # branch and bound by default
+def test_gear_train(method):
     """Four numbers of teeth for a ratio of 1/6.931 (Sandgren 1990): all 49⁴ trains compared."""
     variables = {f"x{k}": (30, 12, 60) for k in range(1, 5)}
     best = solve(
         variables,
         "(1/6.931 - x2*x3/(x1*x4))**2",
         vary=[da.Integer(name) for name in variables],
-        method="enumeration",
+        method=method,
     )
     assert best.success, best.message
     assert best.fun == pytest.approx(2.700857e-12, rel=1e-6)
     assert {best.x["x2"], best.x["x3"]} == {16, 19} and {best.x["x1"], best.x["x4"]} == {43, 49}
     assert best.runs <= 3
+
+
+def test_a_train_with_too_many_designs_is_not_called_proved():
+    """Larger wheels leave 10⁹ trains: the search stops early, and says that nothing is proved."""
+    variables = {f"x{k}": (30, 12, 200) for k in range(1, 5)}
+    vary = [da.Integer(name) for name in variables]
+    search = da.BranchAndBound(max_nodes=12)
+    best = solve(variables, "(1/6.931 - x2*x3/(x1*x4))**2", vary=vary, method=search)
+    assert not best.success and "stopped early" in best.message
+    assert "not convex" in best.message and "not proved" in best.message
+
+
+def test_coil_spring_of_wires_that_are_sold():
+    """Whole coils, wires of ASTM A228 (Sandgren 1990; Kannan and Kramer 1994; Lampinen 1999)."""
+    wires = [0.207, 0.225, 0.244, 0.263, 0.283, 0.307, 0.331, 0.362, 0.394, 0.4375, 0.5]
+    index = "(D/d)"
+    wahl = f"((4*{index} - 1)/(4*{index} - 4) + 0.615/{index})"
+    stiffness = "(11.5e6*d**4/(8*N*D**3))"
+    limits = [
+        (f"8*{wahl}*1000*D/(pi*d**3)/189000", None, 1),
+        (f"(1000/{stiffness} + 1.05*(N + 2)*d)/14", None, 1),
+        ("D + d", None, 3),
+        ("D/d", 3, None),
+        (f"300/{stiffness}", None, 6),
+        (f"700/{stiffness}", 1.25, None),
+    ]
+    variables = {"N": (20, 1, 70), "D": (2.5, 1, 3), "d": (0.5, 0.2, 0.5)}
+    vary = [da.Integer("N"), "D", da.Catalogue({"d": wires})]
+    best = solve(variables, "pi**2*D*d**2*(N + 2)/4", limits, vary=vary)
+    assert best.success and "not proved" in best.message  # the spring is not convex
+    assert best.fun == pytest.approx(2.65856, rel=1e-5)
+    assert (best.x["N"], best.x["d"]) == (9, 0.283)
+    assert best.x["D"] == pytest.approx(1.22304101, rel=1e-6)
+
+
+SVANBERG = {
+    "cantilever": (
+        {f"x{k}": (5, 1, 10) for k in range(1, 6)},
+        *CASES["stepped cantilever"][1:4],
+    ),
+    "two-bar truss": (
+        {"x1": (1.5, 0.2, 4), "x2": (0.5, 0.1, 1.6)},
+        "x1*sqrt(1 + x2**2)",
+        [
+            ("0.124*sqrt(1 + x2**2)*(8/x1 + 1/(x1*x2))", None, 1),
+            ("0.124*sqrt(1 + x2**2)*(8/x1 - 1/(x1*x2))", None, 1),
+        ],
+        1.50865,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SVANBERG)
+def test_moving_asymptotes(name):
+    """Cases of Svanberg (1987), who takes 10 and 6 runs to four digits; optima 1.340 and 1.51."""
+    variables, objective, limits, least = SVANBERG[name]
+    best = solve(variables, objective, limits, method="mma", tolerance=1e-8)
+    assert best.success and best.fun == pytest.approx(least, rel=1e-5)
+    assert best.runs <= 16
+    reached = [one.objective for one in best.history[:8]]
+    assert min(abs(one - least) for one in reached) < 1e-3 * least
+
+
+def ten_bar_truss():
+    """Ten bars under stress and displacement limits, units of the literature [in, lb]."""
+    truss, nodes = da.Structure("ten bars"), {}
+    for k, place in enumerate([(2, 1), (2, 0), (1, 1), (1, 0), (0, 1), (0, 0)], 1):
+        nodes[k] = truss.node(f"n{k}", 360 * place[0], 360 * place[1])
+    ends = [(5, 3), (3, 1), (6, 4), (4, 2), (3, 4), (1, 2), (5, 4), (6, 3), (3, 2), (4, 1)]
+    for k, (i, j) in enumerate(ends, 1):
+        area = truss.parameter(f"A{k}", 15.0, bounds=(0.1, 40.0))
+        bar = da.structures.Truss(f"b{k}", nodes[i], nodes[j], area=area, modulus=1e7, density=0.1)
+        truss.add(bar)
+    truss.support(nodes[5])
+    truss.support(nodes[6])
+    truss.load(nodes[2], fy=-1e5)
+    truss.load(nodes[4], fy=-1e5)
+    limits = [da.Limit(da.final(f"n{k}.uy"), lower=-2, upper=2) for k in range(1, 5)]
+    limits += [da.Limit(da.final(f"b{k}.stress"), lower=-25e3, upper=25e3) for k in range(1, 11)]
+    return truss.build(), limits
+
+
+def test_moving_asymptotes_take_few_runs_for_an_iteration():
+    """5060.85 lb (Haftka and Gürdal 1992); the count of iterations in messages is that allowed."""
+    model, limits = ten_bar_truss()
+    task = {"minimize": da.final("mass"), "subject_to": limits, "analysis": da.Statics()}
+    task |= {"method": "mma"}
+    best = da.optimize(model, **task, max_iterations=60)
+    assert best.success and best.fun == pytest.approx(5060.85, rel=2e-5)
+    assert best.runs <= 2 * (len(best.history) - 1)
+    short = da.optimize(model, **task, max_iterations=6)
+    assert not short.success and short.message.startswith("6 iterations did not suffice")

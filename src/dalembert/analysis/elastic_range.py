@@ -7,10 +7,9 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-import scipy
 
-from dalembert.analysis.batch.states import States
 from dalembert.analysis.structural.linear_range import (
+    QUIET,
     RELATIVE,
     SHORT,
     LinearRange,
@@ -48,45 +47,14 @@ def elastic_doubts(model: Model, s: Trajectory, p: np.ndarray) -> list[str]:
     times, y = s.t[finite], s.y[:, finite]
     found = []
     bodies = [b for b in model.bodies if isinstance(b, Flexible) and b.shapes.count]
-    for body, function in zip(bodies, _coordinates(model), strict=True):
+    for body, function in zip(bodies, coordinates_of(model), strict=True):
         q = function.map(times.size)(y).full()
         found += FlexibleRange(model, body, p).doubts(times, q)
     return found + _strained(model, times, y, p)
 
 
-def elastic_doubts_of_many(states: States) -> list[str]:
-    """The same of the designs of a batch with the largest displacements and strains.
-
-    Parameters
-    ----------
-    states : of all designs at the outputs; NaN where there is none
-    """
-    model, known = states.model, np.flatnonzero(np.isfinite(states.x[:, :1, 0]).all(axis=1))
-    if not (known.size and states.time.size and (_coordinates(model) or _strains(model))):
-        return []
-    sizes, y = states.evaluate(_sizes(model, states.bodies), known, np.arange(states.time.size))
-    largest = np.nanmax(sizes, axis=1, initial=0.0)  # (designs, bodies and beams)
-    found = []
-    for k in sorted({int(k) for k in np.argmax(largest, axis=0)}):
-        none = np.zeros((0, states.time.size))
-        of_one = Trajectory(states.time, y[k].T, none, none, none, none)
-        told = elastic_doubts(model, of_one, states.p[known[k]])
-        found += [f"design {known[k]}: {text}" for text in told]
-    return found
-
-
 @once
-def _sizes(model: Model, bodies: ca.Function) -> ca.Function:
-    """``(t, x, p) → sizes, y``: of the coordinates of flexible bodies and the strains of beams."""
-    t, x, p = bodies.sx_in()
-    y = bodies.call([t, x, p])[0]
-    bent = [ca.norm_inf(function(y)) for function in _coordinates(model)]
-    strained = [ca.mmax(function(t, y, p)) for _, function in _strains(model)]
-    return ca.Function("sizes", [t, x, p], [ca.vertcat(*bent, *strained), y], {"cse": True})
-
-
-@once
-def _coordinates(model: Model) -> tuple[ca.Function, ...]:
+def coordinates_of(model: Model) -> tuple[ca.Function, ...]:
     """``y → q`` of each flexible body."""
     y = model.all_equations.y
     bodies = [b for b in model.bodies if isinstance(b, Flexible) and b.shapes.count]
@@ -154,7 +122,7 @@ class ShapesInFrame:
         if self.body.stiffening:
             if near.turned[0] < MODERATE:
                 return 0.0, ""
-        elif (near.narrow or near.estimate < RELATIVE) and self._compression < 1.0:
+        elif self._in_range:
             return 0.0, ""
         error = near.measured(self.forces)
         turn, where = near.turned
@@ -185,7 +153,7 @@ class ShapesInFrame:
             along[:, l] += self.shapes.displacements[:, column] * self.q[k]
         strained = self._stiffness @ linear
         work = along.T @ strained
-        return strained @ np.linalg.solve(work, self.shapes.stiffness @ self.q)
+        return strained @ np.linalg.lstsq(work, self.shapes.stiffness @ self.q, rcond=None)[0]
 
     @property
     def _cure(self) -> str:
@@ -195,14 +163,23 @@ class ShapesInFrame:
         return SPLIT
 
     @property
-    def _compression(self) -> float:
-        """How often the forces are those that buckle a shape, by its Rayleigh quotient."""
+    def _in_range(self) -> bool:
+        """Whether linear shapes suffice, by their error of second order and by buckling."""
+        stressed = self._stressed
+        if self.range.turned[0] < QUIET and np.abs(stressed).max(initial=0.0) < QUIET:
+            return True
+        return bool(self.range.estimate < RELATIVE and stressed.min(initial=0.0) > -1.0)
+
+    @property
+    def _stressed(self) -> np.ndarray:
+        """(m,) change of the stiffness of each shape by the stresses, −1 where it buckles."""
         share = SHORT / max(self.range.turned[0], 1e-300)
         u, stiffness = share * self.range.u, self.range.model.assembly.stiffness
         shapes = self.shapes.displacements[:, : self.shapes.count]
         changed = (stiffness(u, self.shapes.p) - stiffness(-u, self.shapes.p)) / (2 * share)
         geometric = np.einsum("ik,ik->k", shapes, changed @ shapes)
-        return float(np.max(-geometric / np.diag(self.shapes.stiffness), initial=0.0))
+        own = np.diag(self.shapes.stiffness)
+        return np.divide(geometric, own, out=np.zeros_like(own), where=own > 0)
 
     def _solve(self, forces: np.ndarray) -> np.ndarray:
         found, free = np.zeros_like(forces), self.assembly.free
@@ -238,7 +215,7 @@ def _held(shapes: FloatingShapes, body: Flexible) -> Assembly:
 def _strained(model: Model, times: np.ndarray, y: np.ndarray, p: np.ndarray) -> list[str]:
     """Beams whose strains are beyond those of a linear elastic law."""
     found = []
-    for beam, function in _strains(model):
+    for beam, function in strains_of(model):
         parameters = np.tile(p[:, None], times.size)
         values = function.map(times.size)(times, y, parameters).full().max(axis=0)
         k = int(np.argmax(values))
@@ -253,7 +230,7 @@ def _strained(model: Model, times: np.ndarray, y: np.ndarray, p: np.ndarray) -> 
 
 
 @once
-def _strains(model: Model) -> list[tuple[Beam, ca.Function]]:
+def strains_of(model: Model) -> list[tuple[Beam, ca.Function]]:
     """``(t, y, p) → (points,)`` sizes of strains at the outer fibre of each beam."""
     e, found = model.all_equations, []
     for beam in (part for part in model.parts.elements.values() if isinstance(part, Beam)):

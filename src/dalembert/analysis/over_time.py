@@ -33,7 +33,8 @@ class OverTime(Analysis[Model, R]):
         files were given as formulas follow the parameters of each run, and gradients with them
     t_span : (start, end) of the run [s]
     step : step length, by default a thousandth of the run [s]
-    outputs : number of equally spaced times, or the times [s]; default every step
+    outputs : number of equally spaced times, or the times [s]; by default every step, under error
+        control also instants inside steps, so that straight lines between outputs follow the motion
     """
 
     execution: ClassVar[type[Execution]]

@@ -1,5 +1,23 @@
 """Command line: ``dalembert check | run | sensitivity | optimize | sweep | report``, and more."""
 
-from dalembert.cli.app import main
+from __future__ import annotations
 
-__all__ = ["main"]
+import atexit
+import signal
+import sys
+from collections.abc import Sequence
+
+INTERRUPTED = 130
+"""Exit code of a command that Ctrl-C ended."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; Ctrl-C may come while it is being imported."""
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)  # all is written by then
+    try:
+        from dalembert.cli.app import main as run_command
+
+        return run_command(arguments)
+    except KeyboardInterrupt:
+        print("Error: interrupted", file=sys.stderr)
+        return INTERRUPTED

@@ -2,6 +2,6 @@
 
 import sys
 
-from dalembert.cli.app import main
+from dalembert.cli import main
 
 sys.exit(main())

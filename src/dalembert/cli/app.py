@@ -5,6 +5,7 @@ Exit codes: 0 done, 1 the analysis failed, 2 wrong input, 130 interrupted.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from io import TextIOWrapper
@@ -13,6 +14,7 @@ from cyclopts import App, CycloptsError
 
 from dalembert.cli.console import DONE, FAILED, INTERRUPTED, WRONG_INPUT, WrongInput, fail
 from dalembert.errors import AnalysisError, DalembertError
+from dalembert.interrupts import ctrl_c
 
 COMMANDS = {
     "examples": "List the example models, or copy one here.",
@@ -78,17 +80,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a terminal may not know every letter
             stream.reconfigure(errors="backslashreplace")
-    app = make_app()
-    app.suppress_keyboard_interrupt = False
     try:
-        code = app(
-            given,
-            exit_on_error=False,
-            print_error=False,
-            help_on_error=False,
-            result_action="return_value",
-        )
-        return code if isinstance(code, int) else DONE
+        code = _run(given)
+        sys.stdout.flush()  # what a pipe refuses is noticed here
+        return code
     except WrongInput as error:
         return fail(error.cause, WRONG_INPUT, as_json)
     except AnalysisError as error:
@@ -101,8 +96,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return fail(DalembertError("interrupted"), INTERRUPTED, as_json)
     except BrokenPipeError:  # the reader of our output, such as ``head``, has gone
-        sys.stderr.close()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the last flush
         return DONE
+
+
+def _run(given: list[str]) -> int:
+    app = make_app()
+    app.suppress_keyboard_interrupt = False
+    with ctrl_c(is_command=True) as signals:
+        try:
+            code = app(
+                given,
+                exit_on_error=False,
+                print_error=False,
+                help_on_error=False,
+                result_action="return_value",
+            )
+        except Exception as error:
+            if signals.pressed:  # compiled code raises others in its place
+                raise KeyboardInterrupt from error
+            raise
+    ended = code if isinstance(code, int) else DONE
+    if signals.pressed and ended == DONE:  # an import may have lost the exception
+        print("Error: interrupted; what is written is complete", file=sys.stderr)
+        return INTERRUPTED
+    return ended
 
 
 def _version() -> str:

@@ -24,6 +24,7 @@ from dalembert.cli.console import (
 )
 from dalembert.cli.loading import is_deck, loaded, output_folder, pairs
 from dalembert.errors import FileError
+from dalembert.interrupts import ctrl_c, defer_ctrl_c
 
 if TYPE_CHECKING:
     from dalembert.design.decision import Decision
@@ -84,22 +85,32 @@ class Asked:
         with wrong_input():
             run, first_view = read(file, model), self._first_view(file, model)
         folder = output_folder(self.output) if self.output and write is None else None
-        found = run(not (self.options.quiet or self.options.as_json))
-        files = [] if write is None else write(found)
-        if folder is not None:
-            files = found.write(folder / file.path.stem, **first_view)
-        made = {"name": file.name, **found.summary(), "files": [str(f) for f in files]}
-        if self.options.as_json:
-            emit(made)
-        else:
-            tell(f"{file.name}: {found.sentence}", "green" if found.ok else "red")
-            for text in made["warnings"]:
-                tell(f"  warning: {text}", "yellow")
-            show(made)
-            written(files)
-        if found.interrupted:
-            return INTERRUPTED
-        return DONE if found.ok else FAILED
+        with ctrl_c(is_command=True) as signals:  # what there is by then is written
+            found = run(not (self.options.quiet or self.options.as_json))
+            defer_ctrl_c()
+            files = [] if write is None else write(found)
+            if folder is not None:
+                files = found.write(folder / file.path.stem, **first_view)
+            interrupted = found.interrupted or signals.pressed
+            made = {"name": file.name, **found.summary(), "files": [str(f) for f in files]}
+            made["interrupted"] = interrupted
+            if self.options.as_json:
+                emit(made)
+            else:
+                self._tell(file.name, found, interrupted)
+                for text in made["warnings"]:
+                    tell(f"  warning: {text}", "yellow")
+                show(made)
+                written(files)
+            if interrupted or signals.pressed:
+                return INTERRUPTED
+            return DONE if found.ok else FAILED
+
+    @staticmethod
+    def _tell(name: str, found: Decision, interrupted: bool) -> None:
+        late = interrupted and "interrupted" not in found.sentence
+        note = "; interrupted" if late else ""
+        tell(f"{name}: {found.sentence}{note}", "green" if found.ok else "red")
 
     def _read(self) -> ModelFile:
         from dalembert.io.model_file import load_model_file

@@ -34,6 +34,7 @@ from dalembert.cli.loading import (
 from dalembert.cli.opening import Open, opened
 from dalembert.cli.profile import profile as profile_of, show_profile
 from dalembert.errors import UnsupportedError
+from dalembert.interrupts import ctrl_c, defer_ctrl_c
 from dalembert.results.status import Outcome, Status
 from dalembert.timing import Timing
 
@@ -92,18 +93,24 @@ def run(
     with wrong_input():
         refuse_replacing(model, [base.with_name(base.name + kind) for kind in (".nc", ".csv")])
     show = not quiet and not as_json and sys.stderr.isatty()
-    with failure_drawn(model, pages), file.located("analysis"), timing.part("analysis"):
-        result = task.run(built, progress=show)
-    with timing.part("results"):
-        page = result.page(**choices) if result.has_page else None
-        files = result.write_data(base, csv, page, choices.get("units", ()))
-    if report and page is not None:
-        with timing.part("report"):
-            files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
-    code = _exit_code(result.status)
+    with ctrl_c() as signals:
+        with failure_drawn(model, pages), file.located("analysis"), timing.part("analysis"):
+            result = task.run(built, progress=show)
+        defer_ctrl_c()
+        with timing.part("results"):
+            page = result.page(**choices) if result.has_page else None
+            files = result.write_data(base, csv, page, choices.get("units", ()))
+        if report and page is not None:
+            with timing.part("report"):
+                files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
+        late = signals.pressed and result.status.outcome is not Outcome.INTERRUPTED
+    code = INTERRUPTED if late else _exit_code(result.status)
     made: dict[str, Any] = {"ok": code == DONE, "name": file.name, "model": teller.sentence}
     made |= result.summary()
     made["files"] = [str(f) for f in files]
+    if late:
+        made["interrupted"] = True
+        print("Error: interrupted after the analysis; its results are complete", file=sys.stderr)
     if profile:
         made["profile"] = profile_of(timing, result)
     if as_json:
@@ -115,7 +122,7 @@ def run(
         if profile:
             show_profile(made["profile"])
     opened(files, open_page)
-    if code != DONE and quiet:
+    if code != DONE and quiet and not late:
         print(f"Error: {made['status']}", file=sys.stderr)
     return code
 

@@ -53,8 +53,8 @@ def sweep(
         Model file with [analysis], [responses] and [sweep].
     output
         Folder of the study: answers are written there as they come, and a study that was ended
-        goes on there. The whole is table.parquet, its page report.html. By default the name of
-        the file and '.study'.
+        goes on there. The whole is table.parquet (table.csv without pyarrow), its page report.html.
+        By default the name of the file and '.study'.
     workers
         Processes; 0 for all cores.
     scheduler
@@ -91,3 +91,5 @@ def _show(made: dict[str, Any]) -> None:
     for k in np.argsort(-counts)[:3]:
         tell(f"  {counts[k]} failed: {reasons[k]}", "red")
     tell(f"  written {made['table']}")
+    if made["note"]:
+        tell(f"  note: {made['note']}", "yellow")

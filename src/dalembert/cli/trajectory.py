@@ -53,4 +53,4 @@ def _show(made: dict[str, Any]) -> None:
     for name, value in made["x"].items():
         tell(f"  {name:<10} {made['start'][name]:.8g} → {value:.8g}")
     tell(f"  defect {made['defect']:.2g}, {made['deviation']:.2g} from its forward run")
-    tell(f"  {made['iterations']} iterations")
+    tell(f"  {made['iterations']} iterations, {made['intervals']} intervals")

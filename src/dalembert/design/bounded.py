@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from dalembert.units.unit import shown_in
 
 STEPS = {"m": ("mm", 1e-3), "m^2": ("mm^2", 1e-6), "Pa": ("MPa", 1e6)}
 """Unit → what a bound in it is let out by, and its size."""
@@ -29,6 +32,23 @@ class Bounded:
     upper: float | None
     active: str = ""
     price: float = 0.0
+
+    def shown_in(self, units: Sequence[str], objective: tuple[float, str]) -> Bounded:
+        """The same in the first of these units of its dimension; ``objective``: factor and unit."""
+        factor, unit = shown_in(self.unit, units)
+
+        def of(number: float | None) -> float | None:
+            return None if number is None else number / factor
+
+        return replace(
+            self,
+            unit=unit,
+            start=self.start / factor,
+            value=self.value / factor,
+            lower=of(self.lower),
+            upper=of(self.upper),
+            price=self.price * factor / objective[0],
+        )
 
     def cost(self, unit: str) -> str:
         """``this bound costs 3.1 N per mm`` for an objective in ``unit``."""

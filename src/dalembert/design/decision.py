@@ -42,6 +42,10 @@ class Decision(ABC):
         """Whether there is something to decide by; of a study, any design."""
         return bool(np.any(self.success))
 
+    def interrupt(self) -> None:
+        """Record that Ctrl-C ended the task."""
+        self.interrupted = True
+
     @property
     def sentence(self) -> str:
         """What was found, in a line."""

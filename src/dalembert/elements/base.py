@@ -15,6 +15,7 @@ How to write a new one:
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.brief import brief, fields_of
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import ModelError
@@ -90,11 +92,23 @@ class Element(Spelled):
 
     name: str
 
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "__repr__" not in vars(cls):  # dataclasses would write all fields of all parts
+            cls.__repr__ = Element.__repr__  # type: ignore[method-assign]
+
+    def __repr__(self) -> str:
+        return brief(type(self).__name__, self.name, fields_of(self))
+
     def __post_init__(self) -> None:
         self.check_name()
         for field, meta in self.quantities():
             value = getattr(self, field)
-            if value is not None:
+            if value is None:
+                if self._defaults().get(field) is not None:
+                    told = "is None; give a number, or leave it out"
+                    raise ModelError(told, f"{self.name}.{field}")
+            else:
                 value = as_expression(value, f"{self.name}.{field}", meta["unit"], meta["size"])
                 setattr(self, field, value)
 
@@ -113,6 +127,13 @@ class Element(Spelled):
                 "a name is made of letters, digits and '_', and starts with a letter; "
                 f"got {self.name!r}"
             )
+
+    @classmethod
+    @functools.cache
+    def _defaults(cls) -> dict[str, Any]:
+        """Numbers that stand where none is given; None where that is missing or optional."""
+        fields, missing = cls.quantity_fields(), dataclasses.MISSING
+        return {f.name: f.default for f in fields if f.default is not missing}
 
     @classmethod
     def quantity_fields(cls) -> list[dataclasses.Field]:

@@ -56,6 +56,20 @@ class BodyElement(Element, Coordinates):
         """Its name in drawings."""
         return self.name
 
+    def named(self, field: str) -> dict[str, Any]:
+        """Entries of a field that maps names to places; none where it is left out.
+
+        Raises
+        ------
+        ModelError
+            No mapping of names.
+        """
+        entries = getattr(self, field) or {}
+        if not isinstance(entries, Mapping) or not all(isinstance(key, str) for key in entries):
+            told = f"expected a mapping of names to places, got {entries!r:.60}"
+            raise ModelError(told, f"{self.name}.{field}")
+        return dict(entries)
+
     # where things on it are -------------------------------------------------------------------
     def locate(self, local: ca.SX) -> ca.SX:
         """Inertial position of a place in the body frame."""
@@ -141,7 +155,7 @@ class BodyElement(Element, Coordinates):
     def _claim(self, kind: str, name: str) -> None:
         if not isinstance(name, str) or not name.isidentifier():
             raise ModelError(f"{kind} name {name!r} is not an identifier", self.name)
-        if name in self._measures or name in self.places:
+        if name in self._measures or name in self.points or name in self.frames:
             raise ModelError(f"{kind} name {name!r} is taken; choose another", self.name)
 
     @property

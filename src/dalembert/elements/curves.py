@@ -14,7 +14,7 @@ from dalembert.symbolic.formulas.expression import Expression, as_expression, as
 from dalembert.symbolic.formulas.spline import CubicSpline
 from dalembert.text.spelling import Spelled
 
-u = Expression(ca.SX.sym("u"), "u", "")
+u = Expression(ca.SX.sym("u (of curves)"), "u", "")
 """Curve parameter, for curves written as formulas."""
 
 
@@ -93,7 +93,7 @@ class SplineCurve(Curve):
         knots = np.concatenate([[0.0], np.cumsum(chords)])
         self._range = (0.0, float(knots[-1]))
         self._components = [
-            CubicSpline(knots, [c[k] for c in columns], self.closed, "SplineCurve", self.ends)
+            CubicSpline(list(knots), [c[k] for c in columns], self.closed, "SplineCurve", self.ends)
             for k in range(self.dimension)
         ]
 

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import casadi as ca
 
 from dalembert.elements.base import Vector
+from dalembert.elements.brief import brief, short, spot
 from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression, as_expression, t
@@ -55,6 +56,11 @@ class Point(Spelled):
         self.name = f"{body.name}.{name}" if name else ""
         spoken = self.name or f"point of {body.name}"
         self.local = as_expression(local, spoken, "m", _count(local, body.dimension))
+
+    def __repr__(self) -> str:
+        where = short(self.local)
+        kind = type(self).__name__
+        return brief(kind, self.name, [where]) if self.name else f"<{kind} {spot(self)}>"
 
     @property
     def dimension(self) -> int:

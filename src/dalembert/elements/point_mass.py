@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+from typing import Any
+
 from dalembert.elements.base import Look
 from dalembert.elements.body import BodyElement
 from dalembert.elements.look import Ball
@@ -9,18 +12,24 @@ from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 
 
+def nothing() -> Any:
+    """A field of bodies that a particle does not take."""
+    return dataclasses.field(init=False, default=None)
+
+
 class PointMass(BodyElement):
     """A body that does not rotate, whose only point is itself."""
 
     rotates = False
-    needless: tuple[str, ...]
-    """Fields that it has no use for."""
 
-    def __post_init__(self) -> None:
-        for field in self.needless:
-            if getattr(self, field) is not None:
-                raise ModelError(f"a particle has no {field}; use a Body", self.name)
-        super().__post_init__()
+    def frame(self, *place: Any, **axes: Any) -> Any:
+        """Refused: what does not turn has no axes.
+
+        Raises
+        ------
+        ModelError
+        """
+        raise ModelError("a particle has no frame; use a Body", self.name)
 
     def look(self) -> list[Look]:
         return [Ball(self.center)]

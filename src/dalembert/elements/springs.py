@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -11,10 +12,38 @@ import casadi as ca
 from dalembert.elements.base import ForceElement, Look, Powers, Rate, Scalar, option, quantity
 from dalembert.elements.look import Coil, Cylinder, Dashpot
 from dalembert.elements.pair import BetweenPoints
+from dalembert.errors import DalembertError, ModelError
 from dalembert.symbolic.formulas.expression import Expression, as_expression
 
 SMALLEST_LENGTH = 1e-30
 ForceLaw = Callable[[Expression, Expression], Any]
+
+
+def called_law(law: ForceLaw, entity: str, extension: Expression, rate: Expression) -> Any:
+    """What a law of the user returns.
+
+    Raises
+    ------
+    ModelError
+        It is no function of two arguments, or fails.
+    """
+    if not callable(law):
+        shown = f"{law!r:.60}"
+        raise ModelError(f"expected a function of extension and rate, got {shown}", entity)
+    try:
+        inspect.signature(law).bind(extension, rate)
+    except TypeError as error:
+        told = f"must take two arguments, extension and rate: {error}"
+        raise ModelError(told, entity) from None
+    except ValueError:  # compiled functions may not tell their arguments
+        pass
+    try:
+        return law(extension, rate)
+    except DalembertError:
+        raise
+    except Exception as error:
+        told = f"the law fails for extension and rate: {type(error).__name__}: {error!s:.200}"
+        raise ModelError(told, entity) from error
 """Force of an extension and its rate."""
 
 
@@ -48,7 +77,7 @@ class SpringDamper(ForceElement):
         if self.law is None:
             return linear
         extension = Expression(s - self.relaxed(), "extension", self.coordinate_unit)
-        value = self.law(extension, Expression(rate(s), "rate"))
+        value = called_law(self.law, f"{self.name}.law", extension, Expression(rate(s), "rate"))
         return linear + as_expression(value, f"{self.name}.law", self.force_unit).sx
 
     def drawn(self, spring: type[Look], damper: type[Look], *ends: Any) -> list[Look]:

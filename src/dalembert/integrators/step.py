@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.equations.linear_map import TriangularMap
@@ -168,6 +170,16 @@ class Step:
     @property
     def residual(self) -> ca.Function | None:
         """``(t, h, x, p)`` → relative residual of the equations solved in the step, if any."""
+        return None
+
+    @property
+    def rate(self) -> ImplicitFunction | None:
+        """``(t, x, p) → ẋ``, the right-hand side of an explicit step; None for other steps."""
+        return None
+
+    @property
+    def stability(self) -> Callable[[np.ndarray], np.ndarray] | None:
+        """Stability function ``R(hλ)`` of a step that can amplify decaying modes; else None."""
         return None
 
 

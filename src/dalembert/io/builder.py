@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from dalembert.budget import afford
 from dalembert.elements.base import Constraint, ForceElement, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
@@ -54,6 +55,9 @@ from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression, as_expression
 from dalembert.text.wording import visible
 
+NAME = 25
+"""Rounds of work for each name that a file declares, as the budget counts them."""
+
 
 class Builder:
     """Makes the system that a document describes.
@@ -82,6 +86,7 @@ class Builder:
         ModelError
             With file, place, value and cure.
         """
+        self._afford()
         declare_parameters(self.system, self.document, self.located)
         declare_tables(self.system, self.document, self.located, self.formulas)
         self.derived()
@@ -115,6 +120,23 @@ class Builder:
                 known = self.formulas.read(measure, Scope.MOTION)
                 self.system.initial(as_expression(known, ""), self.formulas.read(value))
         return self.system
+
+    def _afford(self) -> None:
+        """Refuse more names than can be read in a reasonable time."""
+        d = self.document
+        places = [d.ground, *d.bodies.values()]
+        tables = [place if isinstance(place, dict) else vars(place) for place in places]
+        points = (table.get(key) for table in tables for key in ("points", "frames"))
+        counts = {
+            "parameters": len(d.parameters),
+            "derived parameters": len(d.derived),
+            "bodies": len(d.bodies),
+            "points and frames": sum(len(named or ()) for named in points),
+            "joints": len(d.joints),
+            "forces": len(d.forces),
+        }
+        for what, count in counts.items():
+            afford(f"{self.source}: {count} {what}", rounds=NAME * count, cure="give fewer")
 
     # numbers -------------------------------------------------------------------
     def derived(self) -> None:

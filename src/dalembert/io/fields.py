@@ -126,7 +126,7 @@ def fields_of(cls: type) -> list[FileField]:
     if not dataclasses.is_dataclass(cls):
         return []
     hints = typing.get_type_hints(cls, include_extras=True)
-    found = [(f, _held(f, hints[f.name])) for f in dataclasses.fields(cls)]
+    found = [(f, _held(f, hints[f.name])) for f in dataclasses.fields(cls) if f.init]
     return [FileField(cls, field, holds) for field, holds in found if holds is not Callable]
 
 

@@ -97,6 +97,11 @@ class Formulas:
 
         def lookup(name: str) -> Any:
             if name in own:
+                if name in self._parameters():
+                    raise ExpressionError(
+                        f"in formula {value[:60]!r}: {name!r} is a variable of this formula and a "
+                        "parameter, too; rename the parameter"
+                    )
                 return own[name]
             if name in self.histories and scope is not Scope.PARAMETERS:
                 return self.histories[name]

@@ -20,14 +20,17 @@ from dalembert.io.structures.builder import StructureBuilder
 from dalembert.io.structures.schema import StructureDocument
 from dalembert.io.values import in_own_unit, shown
 from dalembert.model.model import Model
-from dalembert.model.system import System
+from dalembert.model.system import ELEMENT_MEANINGS, System
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.structure import Structure
-from dalembert.symbolic.formulas.declared import RESERVED
+from dalembert.symbolic.formulas.declared import CONSTANTS, VARIABLES, check_free
 from dalembert.text.wording import nearest, visible
 
 BUILDERS: dict[str, Any] = {"mechanism": Builder, "structure": StructureBuilder}
 """Value of ``kind`` in a file → what makes its contents."""
+
+VALUES = ("parameters", "derived", "tables", "histories")
+"""Sections whose entries stand in formulas by their names alone."""
 
 
 @dataclass(frozen=True)
@@ -196,21 +199,18 @@ def load_model(path: str | Path) -> System | Structure:
 
 
 def _check_names(document: Document | StructureDocument, path: Path) -> None:
-    """Parameters and elements share one set of names, because formulas use them all."""
-    seen: dict[str, str] = {}
+    """Values that stand in formulas by themselves have different names, and so have parts."""
     of_structure = isinstance(document, StructureDocument)
+    meanings = CONSTANTS if of_structure else VARIABLES
+    seen: dict[tuple[bool, str], str] = {}
     for section in document.sections:
+        alone = section in VALUES
+        taken = meanings if alone else {} if of_structure else ELEMENT_MEANINGS
         for name in getattr(document, section):
-            here = place(section, name)
-            if name in RESERVED and not (
-                of_structure and section in ("nodes", "elements", "meshes")
-            ):
+            here = f"{path}: {place(section, name)}"
+            check_free(name, taken, here, "formulas" if alone else "mechanisms")
+            before = seen.setdefault((alone, name), section)
+            if before != section:
                 raise ModelError(
-                    f"the name {name!r} is reserved; choose another", f"{path}: {here}"
+                    f"the name is already used by {place(before, name)}; choose another", here
                 )
-            if name in seen:
-                raise ModelError(
-                    f"the name is already used by {place(seen[name], name)}; choose another",
-                    f"{path}: {here}",
-                )
-            seen[name] = section

@@ -55,6 +55,10 @@ class Description:
         made.initial_conditions = list(self.initial_conditions)
         return made
 
+    def __repr__(self) -> str:
+        kind, counted = type(self).__name__, f"{len(self.elements)} elements"
+        return f"<{kind} {self.name!r}: {counted}, {len(self.parameters)} parameters>"
+
     def _repr_html_(self) -> str:
         counted = f"{len(self.elements)} elements, {len(self.parameters)} parameters"
         kinds = [(e.name, type(e).__name__) for e in self.elements.values()]
@@ -164,7 +168,11 @@ class Description:
 
 def _field(gravity) -> Expression:
     """Gravity in the plane, or in space by three components."""
-    size = gravity.sx.numel() if isinstance(gravity, Expression) else np.size(gravity)
+    size = gravity.sx.numel() if isinstance(gravity, Expression) else 1
+    if isinstance(gravity, (list, tuple, np.ndarray)):
+        size = len(gravity)
+        if any(np.ndim(part) for part in gravity if isinstance(part, (list, tuple, np.ndarray))):
+            raise ModelError(f"gravity is {gravity!r}; give 2 or 3 numbers", "gravity")
     return as_expression(gravity, "gravity", "m/s^2", 3 if size == 3 else 2)
 
 

@@ -102,6 +102,11 @@ class Diagnosis:
             names = ", ".join(self.massless)
             raise SingularityError(f"{names}: can move without any mass moving; {cure}")
 
+    def __repr__(self) -> str:
+        """The sentence, and what a user should know."""
+        told = "".join(f"\n  {level}: {text}" for level, text in self.messages)
+        return f"<Diagnosis: {self.summary}{told}>"
+
     @property
     def summary(self) -> str:
         n = self.degrees_of_freedom

@@ -185,7 +185,10 @@ class Model(ParametricModel):
     @cached_property
     def names(self) -> Names:
         """Names of measures and parameters, as formulas use them."""
-        return Names(self._find, lambda: [*self.measure_names, *self.parameters])
+        return Names(self._find, self._known)
+
+    def _known(self) -> list[str]:
+        return [*self.measure_names, *self.parameters, *self.derived_parameters]
 
     @once
     def _find(self, name: str) -> Expression | None:

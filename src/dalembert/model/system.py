@@ -14,12 +14,15 @@ from dalembert.model.model import Model
 from dalembert.structures.elastic_structure import ElasticStructure
 from dalembert.structures.meshes.mesh import Classes
 from dalembert.structures.structure import Structure
-from dalembert.symbolic.formulas.declared import RESERVED, Declared
+from dalembert.symbolic.formulas.declared import VARIABLES, Declared, check_free
 from dalembert.symbolic.formulas.expression import Expression, as_expression
 from dalembert.symbolic.formulas.parameter import coherent
-from dalembert.text.spelling import Spelled
+from dalembert.text.spelling import Spelled, spelled
 
 E = TypeVar("E", bound=Element)
+
+ELEMENT_MEANINGS = {"ground": "the body at rest"}
+"""Names that elements cannot have, and what they mean."""
 
 
 class System(Spelled, Declared, Description):
@@ -42,6 +45,8 @@ class System(Spelled, Declared, Description):
     1
     """
 
+    meanings = VARIABLES
+
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str):
@@ -51,12 +56,13 @@ class System(Spelled, Declared, Description):
             )
 
     # building ----------------------------------------------------------------
+    @spelled
     def derived(self, name: str, formula, unit: str = "", description: str = "") -> Expression:
         """Name a formula of parameters; it is listed beside them.
 
         Without a ``unit`` it has that of the formula, where this is known.
         """
-        self._claim(name)
+        self._declare(name)
         made = as_expression(formula, name, coherent(unit, name) if unit else None)
         if not unit:
             made.unit = getattr(formula, "unit", "")
@@ -130,6 +136,7 @@ class System(Spelled, Declared, Description):
         """
         return [self.add(made) for made in loads(nodes, forces, len(self.elements))]
 
+    @spelled
     def initial(self, measure: Expression, value) -> None:
         """Prescribe a position-level measure, or a speed, at the start, exactly.
 
@@ -143,15 +150,19 @@ class System(Spelled, Declared, Description):
         )
 
     def _claim(self, name: str) -> None:
-        if name in RESERVED:
-            raise ModelError(f"the name {name!r} is reserved; choose another", self.name)
+        check_free(name, ELEMENT_MEANINGS, self.name, "mechanisms")
         super()._claim(name)
 
     @property
-    def _named(self) -> tuple[Mapping[str, Any], ...]:
-        return self.parameters, self.derived_parameters, self.tables, self.elements
+    def _values(self) -> tuple[Mapping[str, Any], ...]:
+        return self.parameters, self.derived_parameters, self.tables
+
+    @property
+    def _parts(self) -> tuple[Mapping[str, Any], ...]:
+        return (self.elements,)
 
     # freezing ------------------------------------------------------------------
+    @spelled
     def build(self, strict: bool = False) -> Model:
         """Check, assemble and freeze.
 

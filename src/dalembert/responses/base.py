@@ -8,7 +8,9 @@ follow.
 
 from __future__ import annotations
 
+import numbers
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +47,49 @@ class Response:
     measure: str | Expression
     name: str = ""
 
+    constant = 0.0
+    """What is added to the sum of its terms."""
+
+    # sums ------------------------------------------------------------------------------
+    @property
+    def terms(self) -> tuple[tuple[float, Response], ...]:
+        """(weight, response) of those whose sum it is: itself alone, but of a ``Combination``."""
+        return ((1.0, self),)
+
+    def __add__(self, other: Any) -> Any:
+        return _sum((1.0, self), (1.0, other))
+
+    def __radd__(self, other: Any) -> Any:
+        return _sum((1.0, other), (1.0, self))
+
+    def __sub__(self, other: Any) -> Any:
+        return _sum((1.0, self), (-1.0, other))
+
+    def __rsub__(self, other: Any) -> Any:
+        return _sum((1.0, other), (-1.0, self))
+
+    def __mul__(self, factor: Any) -> Any:
+        return _sum((self._factor(factor), self))
+
+    def __rmul__(self, factor: Any) -> Any:
+        return self * factor
+
+    def __truediv__(self, divisor: Any) -> Any:
+        return self * (1.0 / self._factor(divisor))
+
+    def __neg__(self) -> Any:
+        return _sum((-1.0, self))
+
+    def _factor(self, factor: Any) -> float:
+        if isinstance(factor, bool) or not isinstance(factor, numbers.Real) or not factor:
+            raise AnalysisError(
+                f"response {self.label}: the factor is {factor!r:.60}; give a number other than 0. "
+                "Products of responses are formulas: da.combined('a*b', a=..., b=...)"
+            )
+        return float(factor)
+
+    __array_ufunc__ = None  # numbers of NumPy leave the operation to these
+
     @property
     def label(self) -> str:
         """The name, or one made of the reduction and the measure."""
@@ -65,6 +110,10 @@ class Response:
         from dataclasses import replace
 
         return replace(self, name=name)
+
+    def unit_of(self, source: Any) -> str:
+        """Its unit for a result or model."""
+        return self.unit(source.expression(self.measure).unit)
 
     def over(self, motion: Result) -> Response:
         """The same response as it is taken of this result."""
@@ -109,6 +158,12 @@ class Response:
         """``∂R/∂t_k`` with the samples held."""
         return np.zeros(times.size)
 
+    def jump_weight(
+        self, times: np.ndarray, samples: np.ndarray, before: float, after: float
+    ) -> float:
+        """``∂R/∂t`` of an instant within the run at which the measure jumps between two values."""
+        return 0.0
+
     def shares(self, times: np.ndarray) -> np.ndarray:
         """How far each sample moves in time when the last one moves by one, with an event."""
         return np.eye(1, times.size, times.size - 1).ravel()
@@ -116,6 +171,16 @@ class Response:
     def unit(self, unit: str) -> str:
         """Unit of the response for a measure in ``unit``."""
         return unit
+
+
+def _sum(*parts: tuple[float, Any]) -> Any:
+    """The combination of responses and numbers; not known of anything else."""
+    from dalembert.responses.combination import combined_terms  # which is a response
+
+    for _, part in parts:
+        if isinstance(part, bool) or not isinstance(part, (Response, numbers.Real)):
+            return NotImplemented
+    return combined_terms(parts)
 
 
 def scalar_measure(motion: Result, response: Response) -> Expression:
@@ -162,6 +227,9 @@ def as_responses(responses: Response | Sequence[Response]) -> list[Response]:
 
 def evaluate(motion: Result, response: Response) -> float:
     """Value of a response on a motion."""
+    if response.terms != ((1.0, response),):
+        response.unit_of(motion)  # terms that cannot be added
+        return response.constant + sum(w * evaluate(motion, r) for w, r in response.terms)
     sampled = response.sampled(motion)
     samples = sampled.values(scalar_measure(motion, response))
     return response.over(motion).reduce(sampled.time, samples)

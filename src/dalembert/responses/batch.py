@@ -40,15 +40,26 @@ def batch_response(batch: Batch, response: Response, like: Any = None) -> xr.Dat
     """
     import xarray as xr
 
+    if response.terms != ((1.0, response),):
+        return _combined(batch, response, like)
     good = np.flatnonzero(batch.succeeded)
     values, unit = np.full(len(batch), np.nan), ""
     like = representative(batch) if like is None else like
     if like is not None:
         measure = scalar_measure(like, response)
-        unit = response.over(like).unit(measure.unit)
+        unit = response.over(like).unit_of(like)
         values[good] = _of_designs(batch, response, like, measure, good)
     about = {"units": unit, "long_name": response.label}
     return xr.DataArray(values, batch.designs.coords, ("design",), response.label, about)
+
+
+def _combined(batch: Batch, response: Response, like: Any) -> xr.DataArray:
+    """The sum of its terms."""
+    like = representative(batch) if like is None else like
+    parts = [weight * batch_response(batch, term, like) for weight, term in response.terms]
+    found = sum(parts[1:], parts[0]) + response.constant
+    unit = response.unit_of(like) if like is not None else ""
+    return found.rename(response.label).assign_attrs(units=unit, long_name=response.label)
 
 
 def batch_responses(batch: Batch, responses: Sequence[Response]) -> xr.Dataset:

@@ -13,45 +13,11 @@ from dalembert.options import options
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.responses.integrals import Weighted
 from dalembert.responses.quadrature import rule_over
+from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import spelled
-
-
-@dataclass(frozen=True, kw_only=True)
-class SmoothExtreme(Response):
-    """``± (1/ρ) ln(wᵀ exp(± ρ m))`` with the weights of a mean over time."""
-
-    mean: Weighted
-    smooth: float
-    sign: float
-
-    def _powers(self, samples: np.ndarray) -> tuple[float, np.ndarray]:
-        """The largest sample, and the powers relative to that of it."""
-        m = self.sign * samples
-        return float(m.max()), np.exp(self.smooth * (m - m.max()))
-
-    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
-        top, powers = self._powers(samples)
-        return self.sign * (top + float(np.log(self.mean.reduce(times, powers))) / self.smooth)
-
-    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        _, powers = self._powers(samples)
-        return self.mean.weights(times, powers) * powers / self.mean.reduce(times, powers)
-
-    def weights_change(
-        self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
-    ) -> np.ndarray:
-        weights = self.weights(times, samples)
-        return self.sign * self.smooth * weights * (change - weights @ change)
-
-    def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        _, powers = self._powers(samples)
-        size = self.sign * self.smooth * self.mean.reduce(times, powers)
-        return self.mean.time_weights(times, powers) / size
-
-    def shares(self, times: np.ndarray) -> np.ndarray:
-        return self.mean.shares(times)
+from dalembert.units.measured import Measured, check_measured
 
 
 @options
@@ -62,13 +28,17 @@ class Maximum(Response):
     instant is located inside the steps, and both sides of impacts and switches count. With fixed
     steps, and of other results, the largest sample.
 
-    ``(1/ρ) ln ( (1/T) ∫ exp(ρ m) dt )`` tends to the maximum as ``ρ`` grows; of samples their mean
-    stands for that over time. Without ``ρ`` the maximum itself, whose gradient is that of the
+    With ``smooth``, ``δ ln ( (1/T) ∫ exp(m/δ) dt )`` with the width ``δ``; of K samples their mean
+    stands for that over time, and the bound is at most ``δ ln K`` below the largest. A relative
+    width is a share of the spread ``√12 σ`` of the measure, with its standard deviation ``σ``: the
+    range of a measure that grows evenly, and differentiable as the range of samples is not.
+    Gradients contain the change of the spread. Without ``smooth`` the gradient is that of the
     largest value.
 
     Parameters
     ----------
-    smooth : ``ρ``, one over the unit of the measure
+    smooth : width ``δ``: a number above 0 and at most 1 is relative, 0.02 being a usual value; a
+        text with the unit of the measure is absolute, such as ``"5 N"``
 
     Examples
     --------
@@ -80,23 +50,41 @@ class Maximum(Response):
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
     >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
     >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
-    >>> peak = da.Maximum("crank.end.y", smooth=50.0)  # has a gradient wherever the peak is
-    >>> round(da.evaluate(motion, da.Maximum("crank.end.y")), 3), da.evaluate(motion, peak) > 1.9
+    >>> peak = da.Maximum("crank.end.y", smooth=0.01)  # has a gradient wherever the peak is
+    >>> round(da.evaluate(motion, da.Maximum("crank.end.y")), 3), da.evaluate(motion, peak) > 1.8
     (2.0, True)
+    >>> da.evaluate(motion, da.Maximum("crank.end.y", smooth="1 cm")) > 1.95
+    True
     """
 
     smooth: float | None = None
     sign = 1.0
 
     def __post_init__(self) -> None:
-        if self.smooth is not None and not self.smooth > 0:
+        if self.smooth is None:
+            return
+        if not self.smooth > 0:
             raise AnalysisError(f"{self.label}: smooth is {self.smooth}; it must be positive")
+        if self.smooth > 1 and self.relative:
+            raise AnalysisError(
+                f"{self.label}: smooth is {self.smooth:g}, but a number is a share of the spread "
+                "of the measure, at most 1, such as 0.02; give an absolute width with the unit of "
+                f"the measure, such as '{1 / self.smooth:.3g} m'"
+            )
+
+    @property
+    def relative(self) -> bool:
+        """Whether the width is a share of the spread, without which it does not smooth."""
+        return self.smooth is not None and not isinstance(self.smooth, Measured)
 
     def sampled(self, motion: Result) -> Result:
-        scalar_measure(motion, self)  # which names the response where there is no such measure
+        measure = scalar_measure(motion, self)  # names the response where there is no such measure
         if self.smooth is None:
             return motion.analysis.peaks(motion, self.measure, self.sign)
-        return motion.analysis.over_peaks(motion, self.measure, self.smooth, self.sign)
+        width = self._smooth().width(motion.time, motion.values(measure))
+        if not width:
+            return motion
+        return motion.analysis.over_peaks(motion, self.measure, 1 / width, self.sign)
 
     def searches(self, motion: Result) -> bool:
         return self.sampled(motion) is not motion
@@ -109,35 +97,44 @@ class Maximum(Response):
         return end_by_event(self.sampled(motion))
 
     def over(self, motion: Result) -> Response:
-        if self.smooth is None or not self.searches(motion):
+        if self.smooth is None:
             return self
-        rule = rule_over(self.sampled(motion))
-        mean = Weighted(self.measure, self.label, rule=rule, over_span=True)
+        if isinstance(self.smooth, Measured):
+            unit = motion.expression(self.measure).unit
+            check_measured([self.smooth], unit, f"{self.label}.smooth")
+        seen = self.sampled(motion)
+        if seen is motion:
+            return self._smooth()
+        return self._smooth(
+            Weighted(self.measure, self.label, rule=rule_over(seen), over_span=True)
+        )
+
+    def _smooth(self, mean: Weighted | None = None) -> SmoothExtreme:
         return SmoothExtreme(
-            self.measure, self.label, mean=mean, smooth=self.smooth, sign=self.sign
+            self.measure,
+            self.label,
+            smooth=float(self.smooth or 0.0),
+            relative=self.relative,
+            sign=self.sign,
+            mean=mean,
         )
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
-        m = self.sign * samples
-        top = m.max()
         if self.smooth is not None:
-            top += np.log(np.mean(np.exp(self.smooth * (m - top)))) / self.smooth
-        return float(self.sign * top)
+            return self._smooth().reduce(times, samples)
+        return float(self.sign * (self.sign * samples).max())
 
     def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        m = self.sign * samples
-        if self.smooth is None:
-            return np.eye(1, m.size, int(np.argmax(m))).ravel()
-        parts = np.exp(self.smooth * (m - m.max()))
-        return parts / parts.sum()
+        if self.smooth is not None:
+            return self._smooth().weights(times, samples)
+        return np.eye(1, samples.size, int(np.argmax(self.sign * samples))).ravel()
 
     def weights_change(
         self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
     ) -> np.ndarray:
-        if self.smooth is None:
-            return np.zeros_like(samples)
-        weights = self.weights(times, samples)
-        return self.sign * self.smooth * weights * (change - weights @ change)
+        if self.smooth is not None:
+            return self._smooth().weights_change(times, samples, change)
+        return np.zeros_like(samples)
 
 
 @dataclass(frozen=True)
@@ -163,13 +160,16 @@ class Minimum(Maximum):
 
 
 @spelled
-def maximum(measure: str | Expression, smooth: float | None = None, name: str = "") -> Maximum:
+def maximum(
+    measure: str | Expression, smooth: float | str | None = None, name: str = ""
+) -> Maximum:
     """Largest value of a measure over the run.
 
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    smooth : ``ρ`` of ``Maximum``, one over the unit of the measure; None for the maximum itself
+    smooth : width as in ``Maximum``: a share of the spread of the measure, such as 0.02, or with
+        the unit of the measure, such as ``"5 N"``; None for the maximum itself
     name : label; made from the measure if empty
 
     Examples
@@ -182,17 +182,20 @@ def maximum(measure: str | Expression, smooth: float | None = None, name: str = 
     >>> round(da.evaluate(motion, da.maximum("stone.y")), 6)  # v²/(2 g)
     5.0
     """
-    return Maximum(measure, name, smooth)
+    return Maximum(measure, name, smooth)  # type: ignore[arg-type]  # texts are read
 
 
 @spelled
-def minimum(measure: str | Expression, smooth: float | None = None, name: str = "") -> Minimum:
+def minimum(
+    measure: str | Expression, smooth: float | str | None = None, name: str = ""
+) -> Minimum:
     """Smallest value of a measure over the run.
 
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    smooth : ``ρ`` of ``Maximum``, one over the unit of the measure; None for the minimum itself
+    smooth : width as in ``Maximum``: a share of the spread of the measure, such as 0.02, or with
+        the unit of the measure, such as ``"5 N"``; None for the minimum itself
     name : label; made from the measure if empty
 
     Examples
@@ -205,4 +208,4 @@ def minimum(measure: str | Expression, smooth: float | None = None, name: str = 
     >>> round(da.evaluate(motion, da.minimum("hypot(stone.vx, stone.vy)")), 6)  # at the top
     3.0
     """
-    return Minimum(measure, name, smooth)
+    return Minimum(measure, name, smooth)  # type: ignore[arg-type]

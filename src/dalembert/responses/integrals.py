@@ -40,6 +40,11 @@ class Weighted(Response):
         change = self.reduce(times, samples) * self.rule.span_weights
         return (found - change) / self.rule.span
 
+    def jump_weight(
+        self, times: np.ndarray, samples: np.ndarray, before: float, after: float
+    ) -> float:
+        return (before - after) / (self.rule.span if self.over_span else 1.0)
+
     def shares(self, times: np.ndarray) -> np.ndarray:
         return self.rule.shares
 
@@ -75,6 +80,14 @@ class RootOfSquares(Response):
         if value == 0.0:
             return np.zeros_like(samples)
         return self.mean.time_weights(times, samples**2) / (2 * value)
+
+    def jump_weight(
+        self, times: np.ndarray, samples: np.ndarray, before: float, after: float
+    ) -> float:
+        value = self.reduce(times, samples)
+        if value == 0.0:
+            return 0.0
+        return self.mean.jump_weight(times, samples**2, before**2, after**2) / (2 * value)
 
     def shares(self, times: np.ndarray) -> np.ndarray:
         return self.mean.shares(times)

@@ -6,16 +6,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.base import Response
+from dalembert.results.numbered import Numbered
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import spelled
 
+ALIKE = 1e-12
+"""Relative difference of values that count as one."""
+
 
 @dataclass(frozen=True)
 class Final(Response):
-    """Value at the end of the run.
+    """Value at the end of the run, or of the only load case or mode.
+
+    Raises
+    ------
+    AnalysisError
+        A result has several load cases or modes with different values: none is the last one.
 
     Examples
     --------
@@ -28,6 +38,23 @@ class Final(Response):
     >>> landed.label, round(da.evaluate(motion, landed), 6)
     ('width', 6.0)
     """
+
+    def over(self, motion: Result) -> Response:
+        if motion.in_sequence or motion.time.size <= 1:
+            return self
+        values = motion.values(self.measure)
+        if np.ptp(values) <= ALIKE * np.abs(values).max(initial=0.0):  # as a mass is
+            return self
+        known = getattr(motion, "cases", None)
+        kind = "modes" if isinstance(motion, Numbered) else "load cases"
+        first = f"{motion.time[0]:g}"
+        listed = ", ".join(f"{k:g}" for k in motion.time[:8])
+        named = f" ({', '.join(repr(name) for name in known[:8])})" if known else ""
+        raise AnalysisError(
+            f"response {self.label}: the result has {motion.time.size} {kind}, {listed}{named}, "
+            f"and none of them is final; take one by its number, da.at({first}, …), or a mean or "
+            "an extreme over all"
+        )
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         return float(samples[-1])

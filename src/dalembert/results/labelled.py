@@ -45,6 +45,12 @@ class LabelledRecording(Recording):
             coords[dimension] = list(names)
         return self.labelled(measure, coords)
 
+    def __contains__(self, measure: object) -> bool:
+        return (isinstance(measure, str) and measure in DATA_ONLY) or super().__contains__(measure)
+
+    def keys(self) -> list[str]:
+        return list(dict.fromkeys([*super().keys(), *sorted(DATA_ONLY)]))
+
     @cached_property
     def contents(self) -> Contents:
         """Everything: poses, speeds, reactions, efforts, energies, violations."""

@@ -50,6 +50,8 @@ class Numbered(Result):
     statistics: dict[str, Any] = field(default_factory=dict)
     warnings: Sequence[str] = ()
 
+    in_sequence: ClassVar[bool] = False
+
     continuous = False
     """There is nothing between two numbers: integrals over them are sums."""
     named: ClassVar[dict[str, Expression]] = {}
@@ -94,6 +96,9 @@ class Numbered(Result):
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, or a formula of measures and parameters."""
         return self.formula(self.model, measure)
+
+    def keys(self) -> list[str]:
+        return [*self.told, *self.model.parameters]
 
     @property
     def told(self) -> list[str]:

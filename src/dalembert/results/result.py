@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVa
 
 import numpy as np
 
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.errors import AnalysisError, ExpressionError, UnsupportedError
 from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
@@ -44,6 +44,7 @@ class Result(Protocol):
     warnings : doubts about the choices made
     events : what happened
     continuous : whether there is something between the instants; integrals are sums where not
+    in_sequence : whether the states follow one another; load cases and modes do not
     has_page : whether there is a report of it
     """
 
@@ -56,6 +57,7 @@ class Result(Protocol):
     warnings: Sequence[str] = ()
     events: Sequence[Any] = ()
     continuous: ClassVar[bool] = True
+    in_sequence: ClassVar[bool] = True
     has_page: ClassVar[bool] = True
 
     if TYPE_CHECKING:  # results have it as a property or as a field
@@ -79,6 +81,23 @@ class Result(Protocol):
     def over_steps(self) -> Self:
         """The same where integrals look at it."""
         return self
+
+    def __contains__(self, measure: object) -> bool:
+        """Whether ``result[measure]`` exists: the name of a measure, or a formula of names."""
+        if not isinstance(measure, (str, Expression)):
+            return False
+        try:
+            self.expression(measure)
+        except (ExpressionError, AnalysisError):  # the latter: known, and no measure of this result
+            return False
+        return True
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def keys(self) -> list[str]:
+        """Names of the measures and parameters; vectors have components ``.x``, ``.y``, ``.z``."""
+        return self.model.keys()  # type: ignore[no-any-return]
 
     def labelled(self, measure: str | Expression, coords: Mapping[str, Any]) -> xr.DataArray:
         """Values of a measure or formula along named coordinates, in their order.
@@ -267,9 +286,7 @@ class Analysis(ABC, Generic[M, R]):
         instants; else the result."""
         return result
 
-    def over_peaks(
-        self, result: R, measure: str | Expression, sharpness: float, sign: float
-    ) -> R:
+    def over_peaks(self, result: R, measure: str | Expression, sharpness: float, sign: float) -> R:
         """The result where integrals of ``exp(± sharpness m)`` look at it, where that is known."""
         return result
 

@@ -67,6 +67,29 @@ class Engine:
         raise NotImplementedError
 
 
+class CombinedEngine(Engine):
+    """Linear combinations of responses.
+
+    Parameters
+    ----------
+    engine : of their terms
+    combine : (responses, terms) weights
+    """
+
+    def __init__(self, engine: Engine, combine: np.ndarray):
+        super().__init__(engine.samples)
+        self.engine, self.combine = engine, combine
+
+    def direct(self, columns: Sequence[int]) -> np.ndarray:
+        return np.asarray(self.combine @ self.engine.direct(columns))
+
+    def adjoint(self) -> np.ndarray:
+        return np.asarray(self.combine @ self.engine.adjoint())
+
+    def hessian_product(self, direction: np.ndarray) -> np.ndarray:
+        return np.asarray(self.combine @ self.engine.hessian_product(direction))
+
+
 class RowEngine(Engine):
     """Responses one after the other, each by an object with ``direct(columns)``, ``adjoint()``.
 

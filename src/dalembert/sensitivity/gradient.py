@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, as_responses, evaluate
+from dalembert.responses.combination import expanded
 from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result
 from dalembert.sensitivity.batch import batch_gradients, labelled_gradients
@@ -17,7 +18,6 @@ from dalembert.sensitivity.checks.diagnosis import Findings, diagnose
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference
 from dalembert.sensitivity.checks.kinks import refuse_kinks
 from dalembert.sensitivity.methods import METHODS, Adjoint, Automatic, Direct, Method, Strategy
-from dalembert.sensitivity.moving_times import of_moving_times
 from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
@@ -34,8 +34,9 @@ def sensitivity(
 ) -> xr.DataArray:
     """Gradient of responses with respect to parameters, ``response × parameter``.
 
-    The gradient is the exact derivative of the steps taken (step lengths frozen); where times of
-    the run are formulas of parameters, the instants that responses look at move with these. Its
+    The gradient is the exact derivative of the steps taken. Where times of the run are formulas of
+    parameters, outputs and the ends of fixed steps move with these; lengths of adaptive steps are
+    held, and divided where their tangents would grow beyond what the motion explains. Its
     coordinates carry units, values and bounds; ``attrs["notes"]`` tells what is worth knowing.
 
     Parameters
@@ -73,12 +74,13 @@ def sensitivity(
         return _of_batch(motion, listed, wrt, method, certificate)
     refuse_unfinished(motion)
     columns = chosen_columns(motion, wrt)
-    strategy = _strategy(method, len(listed), len(columns))
+    strategy = _strategy(method, len(expanded(listed)[0]), len(columns))
     refuse_unknown_values(motion, listed)
-    refuse_kinks(motion, listed, columns)
-    found = _values(motion, listed, columns, strategy)
-    table = _labelled(motion, listed, columns, found, strategy)
-    table.attrs["notes"] = diagnose(Findings(motion, listed, columns, found))
+    terms, weights = expanded(listed)
+    refuse_kinks(motion, terms, columns)
+    found = _values(motion, terms, columns, strategy)
+    table = _labelled(motion, listed, columns, weights @ found, strategy)
+    table.attrs["notes"] = diagnose(Findings(motion, terms, columns, found))
     if isinstance(strategy, FiniteDifference):
         table.attrs["notes"] += strategy.notes(motion, columns)
     if certificate:
@@ -93,7 +95,8 @@ def _of_batch(
         raise AnalysisError("a certificate is of one design; take that of batch[k]")
     columns = chosen_columns(batch, wrt)
     strategy = _strategy(method, len(responses), len(columns))
-    values = batch_gradients(batch, responses, columns, strategy)
+    terms, weights = expanded(responses)
+    values = np.matmul(weights, batch_gradients(batch, terms, columns, strategy))
     return labelled_gradients(batch, responses, columns, values, type(strategy).__name__)
 
 
@@ -109,7 +112,9 @@ def gradient_values(
     """
     refuse_unfinished(motion)
     columns = chosen_columns(motion, wrt)
-    return _values(motion, responses, columns, _strategy(method, len(responses), len(columns)))
+    terms, weights = expanded(responses)
+    strategy = _strategy(method, len(terms), len(columns))
+    return np.asarray(weights @ _values(motion, terms, columns, strategy))
 
 
 def chosen_columns(motion: Result | Batch, wrt: Sequence[str] | None) -> list[int]:
@@ -135,7 +140,6 @@ def chosen_columns(motion: Result | Batch, wrt: Sequence[str] | None) -> list[in
 
 def _values(motion: Result, responses, columns: list[int], strategy) -> np.ndarray:
     values = strategy.gradient(motion, responses, columns).reshape(len(responses), len(columns))
-    values = values + of_moving_times(motion, responses, columns)
     if not np.all(np.isfinite(values)):
         r, i = (int(k[0]) for k in np.nonzero(~np.isfinite(values)))
         name = list(motion.model.parameters)[columns[i]]
@@ -178,7 +182,7 @@ def _strategy(
 
 
 def _unit(motion: Result, response: Response) -> str:
-    return response.over(motion).unit(motion.expression(response.measure).unit)
+    return response.over(motion).unit_of(motion)
 
 
 def refuse_unfinished(motion: Result) -> None:

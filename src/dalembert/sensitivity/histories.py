@@ -12,6 +12,7 @@ import numpy as np
 from dalembert.responses.values import At
 from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import chosen_columns, refuse_unfinished
+from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 from dalembert.sensitivity.registry import engine_for
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.formulas.expression import Expression
@@ -28,13 +29,14 @@ def history_gradients(
         A run that failed, or an unknown parameter.
     """
     refuse_unfinished(motion)
-    columns = chosen_columns(motion, wrt)
+    columns, motion = chosen_columns(motion, wrt), with_stable_steps(motion)
     samples = [_history(motion, measure) for measure in measures]
     return engine_for(motion)(samples).of_samples(columns)
 
 
 def history_rates(motion: Result, measure: str | Expression) -> np.ndarray:
     """(K,) ``ṁ`` at the outputs of a result."""
+    motion = with_stable_steps(motion)
     sample = _history(motion, measure)
     engine = engine_for(motion)([sample])
     return np.array([engine.rate(sample, k) for k in range(motion.time.size)])

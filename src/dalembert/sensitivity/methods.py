@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference
+from dalembert.sensitivity.moving_times import of_moving_times
 from dalembert.sensitivity.registry import engine_of
 
 
@@ -37,7 +38,8 @@ class Direct:
         self, motion: Result, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
         """(responses, columns) derivatives."""
-        return engine_of(motion, responses).direct(columns)
+        found = engine_of(motion, responses).direct(columns)
+        return found + of_moving_times(motion, responses, columns)
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,8 @@ class Adjoint:
         self, motion: Result, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
         """(responses, columns) derivatives."""
-        return engine_of(motion, responses).adjoint()[:, list(columns)]
+        found = engine_of(motion, responses).adjoint()[:, list(columns)]
+        return found + of_moving_times(motion, responses, columns)
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,9 @@ makes them,
 
     dR/dp = (dR/dp at fixed times) + Σ (∂R/∂t_k + w_k ṁ_k) dt_k/dp,
 
-with the dot along the motion, which does not depend on where it is looked at. The steps that led
-there stay as they were: their lengths change the error of an integrator and nothing else.
+with the dot along the motion, which does not depend on where it is looked at. Where
+steps are fixed their ends move with the times that they are formulas of (see ``moving_steps``);
+lengths of adaptive steps are held, for they change the error of an integrator and nothing else.
 """
 
 from __future__ import annotations
@@ -18,12 +19,16 @@ import numpy as np
 
 from dalembert.analysis.dynamics.instants import end_by_event
 from dalembert.analysis.kinematics.kinematics import Kinematics
+from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
+from dalembert.analysis.structural.transient import Transient
 from dalembert.analysis.timeline import checked_span
 from dalembert.analysis.times import follow_parameters, slopes
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.marching.moving_steps import step_slopes
+from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 from dalembert.sensitivity.registry import engine_for
 from dalembert.sensitivity.samples import Sample, take_sample
 
@@ -41,6 +46,7 @@ def of_moving_times(
     found = np.zeros((len(responses), len(columns)))
     if not follow_parameters(motion.analysis):
         return found
+    motion = with_stable_steps(motion)
     moving = MovingTimes(motion, columns)
     if moving.none:
         return found
@@ -76,11 +82,21 @@ class MovingTimes:
         self.step = slope(analysis.step)
         given = analysis.outputs
         self.listed = [slope(t) for t in given] if np.ndim(given) else None
-        self.none = not any(np.any(s) for s in (self.start, self.end, *(self.listed or ())))
+        ends = step_slopes(motion)
+        self.ends = None if ends is None else ends[:, wanted]
+        moves = self.start, self.end, *(self.listed or ()), self.ends
+        self.none = not any(s is not None and np.any(s) for s in moves)
         if np.any(self.start) and not isinstance(analysis, Kinematics):
             raise UnsupportedError(
                 "a gradient by parameters that the start of the run follows is not available: the "
                 "whole motion moves with it; let the run start at a fixed time"
+            )
+        fixed = isinstance(analysis, (Transient, Nonsmooth))
+        if fixed and (np.any(self.step) or (analysis.step is None and np.any(self.end))):
+            kind = type(analysis).__name__
+            raise UnsupportedError(
+                f"a gradient by parameters that the step of a {kind} follows is not available; "
+                "give step= as a number"
             )
         self.ended = end_by_event(motion) is not None
 
@@ -91,6 +107,8 @@ class MovingTimes:
         times = sample.motion.time
         if np.array_equal(times, self.motion.time):
             instants = samples = self.of_outputs(times)
+        elif self.ends is not None:  # over the steps of the run, all of which may move
+            instants = samples = self.of_steps(times)
         else:  # over the steps of the run, of which the last one grows
             end = np.zeros_like(self.end) if self.ended else self.end
             instants = np.outer(np.eye(1, times.size, times.size - 1), end)
@@ -108,12 +126,21 @@ class MovingTimes:
         made = (1 - shares) * self.start + shares * self.end
         if self.listed is not None:
             made[:] = np.array(self.listed)[: times.size]
+        elif analysis.outputs is None and self.ends is not None:
+            made = self.of_steps(times)
         elif analysis.outputs is None and not self._divides:
             made = self.start + np.arange(times.size)[:, None] * self.step
             made[-1] = self.end
         if self.ended:  # there the event says when
             made[-1] = 0.0
         return made
+
+    def of_steps(self, times: np.ndarray) -> np.ndarray:
+        """(K, columns) of places that lie at fixed shares of their steps."""
+        assert self.ends is not None
+        steps = self.motion.record.steps  # type: ignore[attr-defined]
+        ends = np.append(steps.t[: steps.count], steps.end)
+        return np.column_stack([np.interp(times, ends, column) for column in self.ends.T])
 
     @property
     def _divides(self) -> bool:

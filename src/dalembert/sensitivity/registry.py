@@ -17,11 +17,13 @@ from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient import Transient
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
+from dalembert.responses.combination import expanded
 from dalembert.results.result import Result
 from dalembert.sensitivity.eigenvalues import EigenvalueEngine
-from dalembert.sensitivity.engine import Engine
+from dalembert.sensitivity.engine import CombinedEngine, Engine
 from dalembert.sensitivity.events import EventEngine
 from dalembert.sensitivity.marching.dynamics import DynamicsEngine
+from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 from dalembert.sensitivity.nonsmooth.contact_march import ContactEngine
 from dalembert.sensitivity.pointwise import PointwiseEngine
 from dalembert.sensitivity.samples import take_sample
@@ -55,6 +57,10 @@ def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
         The analysis has none.
     """
     kind = engine_for(motion)
+    terms, weights = expanded(responses)
+    if terms != list(responses):
+        return CombinedEngine(engine_of(motion, terms), weights)
+    motion = with_stable_steps(motion)
     samples = [take_sample(motion, r) for r in responses]
     if any(sample.moves_with for sample in samples):
         return EventEngine(motion, kind, samples)

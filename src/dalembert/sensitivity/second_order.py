@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.times import follow_parameters
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, as_responses
-from dalembert.responses.extremes import SmoothExtreme
+from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import (
     chosen_columns,
@@ -83,16 +83,18 @@ def hessian_product(
             "formulas of parameters; give numbers"
         )
     engine = engine_of(result, [response])
-    if engine.samples[0].moves_with:
+    if any(sample.moves_with for sample in engine.samples):
         raise UnsupportedError(
             f"{response.label} looks at the instant of an event; second derivatives are available "
             "at fixed times only"
         )
-    if response.searches(result) and not isinstance(engine.samples[0].response, SmoothExtreme):
-        raise UnsupportedError(
-            f"{response.label} looks at the instant of an extreme, which moves with the parameters; "
-            "second derivatives are available at fixed times only; smooth=ρ has them"
-        )
+    for sample, (_, term) in zip(engine.samples, response.terms, strict=True):
+        if term.searches(result) and not isinstance(sample.response, SmoothExtreme):
+            raise UnsupportedError(
+                f"{term.label} looks at the instant of an extreme, which moves with the "
+                "parameters; second derivatives are available at fixed times only; a smooth= "
+                "extreme has them"
+            )
     listed = list(result.model.parameters.values())
     found = engine.hessian_product(along)[0, columns]
     if not np.all(np.isfinite(found)):

@@ -16,6 +16,7 @@ from dalembert.structures.loads.spread_loads import (
     LineLoad,
     Spread,
     Weight,
+    check_expansion,
     elements_of,
     heating,
     lines,
@@ -116,6 +117,7 @@ class StructureDescription(StructureParts):
                 if name in known.setdefault(part.name, {}):
                     raise ModelError(f"is given twice in load case {case!r}", f"{part.name}.{name}")
                 known[part.name][name] = value
+        check_expansion(elements_of(parts, "heat"))
 
     def traction(self, elements: Elements, nodes: Nodes, case: str = "", **values) -> None:
         """Load edges or faces of cells by a traction ``tx, ty, tz`` or a ``pressure`` [Pa].

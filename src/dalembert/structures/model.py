@@ -99,6 +99,11 @@ class StructuralModel(ParametricModel):
         return self if self.linear else StructuralModel(self.structure, linear=True)
 
     # supports and loads -------------------------------------------------------------------
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{block.count} {block.kind.cls.__name__}" for block in self.blocks)
+        counted = f"{len(self.degrees.nodes)} nodes, {kinds or 'no elements'}"
+        return f"<StructuralModel {self.name!r}: {counted}, {len(self.degrees)} displacements>"
+
     def _repr_html_(self) -> str:
         rows = [(block.kind.cls.__name__, block.count) for block in self.blocks]
         rows += [("load cases", ", ".join(name or "unnamed" for name in self.loads) or "none")]
@@ -144,6 +149,8 @@ class StructuralModel(ParametricModel):
 
     def _check_formula(self, formula: ca.SX, entity: str) -> None:
         foreign = free_symbols(formula) - set(self.parameters) - {"t"}
+        if "t" in self.parameters and ca.depends_on(formula, t.sx):
+            raise ModelError("depends on time, but 't' is a parameter here; rename it", entity)
         if foreign:
             raise ModelError(f"depends on {', '.join(sorted(foreign))}, no parameters here", entity)
 
@@ -220,7 +227,7 @@ class StructuralModel(ParametricModel):
         return Names(self._find, lambda: [*self.measures.names(), *self.parameters])
 
     def _find(self, name: str) -> Expression | None:
-        own = t if name == "t" else self.parameters.get(name)
+        own = self.parameters.get(name, t if name == "t" else None)
         return self.measures.find(name) if own is None else own
 
     def measure(self, symbol: str) -> Measure:

@@ -12,14 +12,18 @@ from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
 from dalembert.structures.evaluation.elements import Elements
+from dalembert.structures.loads.spread_loads import check_temperature
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.spans import Spans
 from dalembert.symbolic.formulas.declared import Declared
 from dalembert.symbolic.formulas.expression import Expression, as_expression
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter
+from dalembert.text.cards import card, table
 from dalembert.text.wording import plain_text
 
+MOST = 20
+"""Elements that a notebook lists."""
 S = TypeVar("S", bound=StructuralElement)
 
 
@@ -40,6 +44,20 @@ class StructureParts(Declared):
         self.nodes: dict[str, Node | Nodes] = {}
         self.numbers = Spans()
         self.elements: dict[str, StructuralElement | Elements] = {}
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.name!r}: {self._counted}>"
+
+    def _repr_html_(self) -> str:
+        rows = [(part.name, _kind(part)) for part in self.elements.values()]
+        listed = table(rows[:MOST], ("element", "kind"))
+        return card(f"{type(self).__name__} {self.name}", self._counted, listed)
+
+    @property
+    def _counted(self) -> str:
+        nodes = sum(len(n) if isinstance(n, Nodes) else 1 for n in self.nodes.values())
+        elements = sum(len(e) if isinstance(e, Elements) else 1 for e in self.elements.values())
+        return f"{nodes} nodes, {elements} elements, {len(self.parameters)} parameters"
 
     def node(self, name: str, *position) -> Node:
         """Add a node at the given coordinates [m]; all nodes have the same number of them."""
@@ -71,6 +89,7 @@ class StructureParts(Declared):
                     "structure.node(...)",
                     element.name,
                 )
+        check_temperature(element)
         self.elements[element.name] = element
         return element
 
@@ -90,6 +109,7 @@ class StructureParts(Declared):
         self._claim(name)
         self._known(nodes)
         made = Elements(name, cls, nodes, cells, **numbers)
+        check_temperature(made)
         self.elements[name] = made
         return made
 
@@ -150,5 +170,9 @@ class StructureParts(Declared):
         return tuple(as_expression(v, entity, unit) for v in values)
 
     @property
-    def _named(self) -> tuple[Mapping[str, Any], ...]:
-        return self.parameters, self.tables, self.nodes, self.elements
+    def _parts(self) -> tuple[Mapping[str, Any], ...]:
+        return self.nodes, self.elements
+
+
+def _kind(part: StructuralElement | Elements) -> str:
+    return f"{len(part)} {part.cls.__name__}" if isinstance(part, Elements) else type(part).__name__

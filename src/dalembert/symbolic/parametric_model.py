@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -77,6 +77,16 @@ class ParametricModel(ABC):
             A ``KeyError`` that tells the nearest names.
         """
         return self.names.named(name)
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and self.names.find(name) is not None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def keys(self) -> list[str]:
+        """Names of all measures and parameters; vectors have components ``.x``, ``.y``, ``.z``."""
+        return list(dict.fromkeys(self.names.known()))
 
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, a formula of measures, parameters and ``t``, or an expression.

@@ -35,19 +35,30 @@ def check_keywords(owner: str, given: Iterable[str], known: Iterable[str]) -> No
 def check_complete(
     owner: str, wanted: Sequence[inspect.Parameter], given: int, named: Iterable[str]
 ) -> None:
-    """Refuse a call that leaves out an argument without default.
+    """Refuse a call that leaves out an argument without default, or has too many without keyword.
 
     Raises
     ------
     KeywordError
-        Names the owner, what is missing and all that is needed.
+        Names the owner, what is missing and all that is needed, or what needs a keyword.
     """
     ordered = [one.name for one in wanted if one.kind in POSITIONAL]
     there = {*ordered[:given], *named}
     needed = [one.name for one in wanted if one.default is one.empty and one.kind not in OPEN]
     missing = [name for name in needed if name not in there]
+    if given > len(ordered) and not any(one.kind is one.VAR_POSITIONAL for one in wanted):
+        rest = [one.name for one in wanted if one.kind is one.KEYWORD_ONLY]
+        by_name = missing or [name for name in rest if name not in named]
+        cure = f"; write {by_name[0]}=…" if by_name else ""
+        raise KeywordError(
+            f"{given} argument(s) without a keyword, at most {len(ordered)} can be "
+            f"({listed(ordered)}){cure}",
+            owner,
+        )
     if missing:
-        raise KeywordError(f"missing {listed(missing)}; needed: {listed(needed)}", owner)
+        optional = [name for name in ordered[:given] if name not in needed]
+        read = f" (without a keyword, the order is {listed(ordered)})" if optional else ""
+        raise KeywordError(f"missing {listed(missing)}{read}; needed: {listed(needed)}", owner)
 
 
 def spelled_fields(cls: type, *given: Any, **named: Any) -> Any:

@@ -80,6 +80,14 @@ class Unit:
         own = {base: n for base, n in self.dimension.items() if n}
         return any(own in ({**w}, _without_angle(w)) for w in wanted)
 
+    def without_angle(self) -> Unit:
+        """The coherent unit with angles taken as plain numbers."""
+        return made_unit(_without_angle(self.dimension))
+
+
+LONGEST = 200
+"""Characters of a unit."""
+
 
 @functools.lru_cache(maxsize=1000)
 def unit(text: str) -> Unit:
@@ -92,6 +100,10 @@ def unit(text: str) -> Unit:
     ExpressionError
         A name that is no unit, a text that is none, or degrees of a temperature scale.
     """
+    if len(text) > LONGEST:
+        raise ExpressionError(
+            f"{text[:60]!r}… is no unit: it has {len(text)} characters, {LONGEST} at most"
+        )
     factor, dimension, spelled, simple = 1.0, dict[str, float](), "", True
     place, sign, rest = 0, 1, text.strip()
     while place < len(rest):
@@ -182,7 +194,7 @@ def _without_angle(dimension: Mapping[str, float]) -> dict[str, float]:
 
 def shown_in(si: str, wanted: Sequence[str]) -> tuple[float, str]:
     """Factor and name of the first wanted unit of the same dimension; 1 and its own if none is."""
-    if not wanted or " or " in si:  # of a variable that holds forces and moments, say
+    if not wanted or not si or " or " in si:  # of a variable that holds forces and moments, say
         return 1.0, si
     own = unit(si)
     for text in wanted:

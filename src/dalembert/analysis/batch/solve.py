@@ -6,10 +6,10 @@ import time as clock
 from collections.abc import Mapping
 from typing import Any
 
+from dalembert.analysis.batch.elastic_states import elastic_doubts_of_many
 from dalembert.analysis.batch.one_by_one import OneByOne
-from dalembert.analysis.batch.workers import checked_workers
 from dalembert.analysis.batch.states import States
-from dalembert.analysis.elastic_range import elastic_doubts_of_many
+from dalembert.analysis.batch.workers import checked_workers
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs, are_designs
@@ -53,9 +53,10 @@ def solve_batch(
     with progress_reporter(progress, f"{len(designs)} designs of {model.name}") as report:
         if analysis.batched is not None and analysis.batched.serves(analysis, model):
             found: Batch = analysis.batched(analysis, model, designs, workers).execute(report)
-            if isinstance(found.samples, States):
-                found.warnings += elastic_doubts_of_many(found.samples)
-            found.warnings += warnings_of(found.results)
+            own = found.samples if isinstance(found.samples, States) else None
+            more = elastic_doubts_of_many(own) if own is not None else []
+            listed = [*found.warnings, *more, *warnings_of(found.results)]
+            found.warnings = list(dict.fromkeys(listed))
             return found
         runs = OneByOne(analysis, model, designs)
         runs.run(range(len(designs)), workers, report)

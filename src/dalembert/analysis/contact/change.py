@@ -55,7 +55,7 @@ class ContactChange(Variant):
         together: tuple[int, ...] = (),
     ):
         strategies = before.formulation, before.stabilization, before.integrator
-        super().__init__(before.view, before.rows, *strategies, before.phases)
+        super().__init__(before.view, before.rows, *strategies, before.phases, before.bare)
         self.before, self.after, self.guard = before, after, guard
         self.sudden, self.struck = sudden, struck
         self.closes, self.together = closes, together
@@ -91,6 +91,17 @@ class ContactChange(Variant):
         for each in self.sudden:
             there = each.function.call([t + delay, there, p])[0]
         return delay, before, there
+
+    @cached_property
+    def instant(self) -> ca.Function:
+        """``(t, x, p) → δ`` to first order, whose derivative is that of the instant."""
+        assert self.guard is not None
+        t, x, p = self.rate.inputs
+        values, rates = self._guards(t, x, p)
+        value, rate = values[self.guard], rates[self.guard]
+        grazed = rate == 0
+        delay = ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
+        return ca.Function("instant", [t, x, p], [delay])
 
     @property
     def _guards(self) -> ca.Function:

@@ -19,7 +19,7 @@ from dalembert.analysis.contact.zeros import HALVINGS, cubic, first_zero, lowest
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.passage import NOW, Passage
 from dalembert.analysis.events import locate
-from dalembert.errors import UnsolvedPart
+from dalembert.errors import SingularityError, UnsolvedPart, UnsupportedError
 from dalembert.formulations.base import state_symbols
 from dalembert.integrators.marching.steps import Crossing
 from dalembert.model.contacts import Phase, Phases
@@ -69,7 +69,7 @@ class ContactSearch:
         """The mode at the start, with gaps that touch and rest there closed."""
         ruling = self.choice.at_start(self.start, x0[: self.size], mode)
         self._told(ruling, self.start)
-        return self.modes.phased(mode, begun(ruling))
+        return self._phased(mode, begun(ruling), self.start, x0)
 
     def statistics(self, end: float) -> dict[str, Any]:
         """What happened up to a time, for people."""
@@ -208,12 +208,25 @@ class ContactSearch:
                 "restitution=0, or a compliant contact"
             )
             return mode
-        change = self.modes.change(mode, ruling, number if moving else None)
+        after_mode = self._phased(mode, ruling.phases, passage.time, passage.x)
+        if self.trouble:
+            return mode
+        change = self.modes.change(mode, after_mode, ruling, number if moving else None)
         after = self._state(change, passage.time, 0.0, passage.x)
         passage.add(0.0, after, change)
         if ruling.impulse is not None:
             self._record(passage.time, ruling, ruling.impulse)
-        return self.modes.phased(mode, ruling.phases)
+        return after_mode
+
+    def _phased(self, mode: int, phases: Phases, t: float, x: np.ndarray) -> int:
+        """The mode with gaps in these phases; the same one where none can be chosen."""
+        try:
+            return self.modes.phased(mode, phases, t, x[: self.size], self.p)
+        except (SingularityError, UnsupportedError) as error:  # closed gaps are constraints as well
+            pairs = zip(self.kernel.equations.contacts, phases, strict=True)
+            closed = ", ".join(gap.name for gap, phase in pairs if phase is not Phase.APART)
+            self.trouble = f"with {closed} closed at t = {t:.9g} s: {error}; use formulation=Kkt()"
+            return mode
 
     def _record(self, time: float, ruling: Ruling, impulse: np.ndarray) -> None:
         gaps, slips = self.kernel.equations.contacts, self.choice.slips

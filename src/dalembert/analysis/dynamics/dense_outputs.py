@@ -76,7 +76,8 @@ class DenseOutputs:
     def _add_ends(self) -> None:
         """Outputs just before switches, where forces jump and formulas cannot tell the sides."""
         steps = self.steps
-        found = [k - 1 for k, change in self.kernel.crossings(steps) if isinstance(change, Transition)]
+        crossings = self.kernel.crossings(steps)
+        found = [k - 1 for k, change in crossings if isinstance(change, Transition)]
         index = np.array([k for k in found if k >= 0 and steps.h[k] > 0], dtype=int)
         times = steps.t[index] + (1 - INSIDE) * steps.h[index]
         inside = (times > self.span[0]) & (times < self.span[1])
@@ -113,7 +114,7 @@ class DenseOutputs:
         new = ~known & (times > begin) & (times < end)
         if not new.any() or np.count_nonzero(new) > self.left:
             return False
-        self.left -= np.count_nonzero(new)
+        self.left -= int(np.count_nonzero(new))
         self.parts[longer] = parts[longer]
         self._add(times[new], Branches(index[new], length[new]))
         return True

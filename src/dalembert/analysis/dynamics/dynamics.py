@@ -12,12 +12,13 @@ from dalembert.analysis.batch.adaptive_steps import AdaptiveSteps
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.contact.start import refuse_overlap
 from dalembert.analysis.dynamics.continued_run import ContinuedRun, refuse_ended
+from dalembert.analysis.dynamics.dense_motion import peak_quadrature
 from dalembert.analysis.dynamics.energy_balance import check_balance
 from dalembert.analysis.dynamics.extension import extended
 from dalembert.analysis.dynamics.instants import end_by_event, ended_again, instant_of
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.merits import merits_of
-from dalembert.analysis.dynamics.peaks import peak_quadrature, peaks
+from dalembert.analysis.dynamics.peaks import peaks
 from dalembert.analysis.dynamics.record import DynamicsRecord
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature

@@ -80,7 +80,7 @@ class EventSearch:
     ) -> list[Crossed]:
         """Crossings within a step at whose ends the measure has one sign.
 
-        Steps are examined in which the cubic through values and rates at their ends comes near zero.
+        Steps are examined where the cubic through values and rates at their ends comes near zero.
         """
         event, measure, h = self.events[name], self.measures[name], steps.h
 

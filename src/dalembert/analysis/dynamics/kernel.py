@@ -88,7 +88,7 @@ class DynamicsKernel(StepOutputs):
         self.contacts: ContactModes | None = None
         if self.equations.contacts:
             check_contacts(self.equations, formulation)
-            self.contacts = ContactModes(self.view, self.variants, self._mode)
+            self.contacts = ContactModes(self.view, self.variants, self.choose)
         self._transitions: dict[tuple[int, int, bool], int] = {}
         self._sides: dict[tuple[int, bool], int] = {}
         self.fixed = FixedMarch(
@@ -125,17 +125,26 @@ class DynamicsKernel(StepOutputs):
         rows = self._rows(t, y, p) if rows is None else rows
         if phases is None:
             phases = (Phase.APART,) * len(self.equations.contacts)
-        chosen = self.formulation.choose(touching(self.view.with_rows(rows), phases), t, y, p)
-        return self._mode(rows, chosen, phases, method or self.methods[0])
+        e = self.view.with_rows(rows)
+        bare = chosen = self.formulation.choose(e, t, y, p)
+        if any(phase is not Phase.APART for phase in phases):
+            chosen = self.formulation.choose(touching(e, phases), t, y, p)
+        return self._mode(rows, chosen, phases, method or self.methods[0], bare)
 
     def _mode(
-        self, rows: tuple[int, ...], chosen: Formulation, phases: Phases, method: Integrator
+        self,
+        rows: tuple[int, ...],
+        chosen: Formulation,
+        phases: Phases,
+        method: Integrator,
+        bare: Formulation,
     ) -> int:
         wanted = (rows, chosen, phases, method)
         for mode, v in enumerate(self.variants):
             if (v.rows, v.formulation, v.phases, v.integrator) == wanted:
                 return mode
-        self.variants.append(Variant(self.view, rows, chosen, self.stabilization, method, phases))
+        strategies = chosen, self.stabilization, method
+        self.variants.append(Variant(self.view, rows, *strategies, phases, bare))
         return len(self.variants) - 1
 
     @property
@@ -147,7 +156,7 @@ class DynamicsKernel(StepOutputs):
         """The mode of the same equations with the other of two methods, if it suits them."""
         now = self.variants[mode]
         (other,) = (method for method in self.methods if method != now.integrator)
-        following = self._mode(now.rows, now.formulation, now.phases, other)
+        following = self._mode(now.rows, now.formulation, now.phases, other, now.bare)
         try:
             other.check(self.variants[following].problem)
         except UnsupportedError:

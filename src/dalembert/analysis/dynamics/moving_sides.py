@@ -93,7 +93,8 @@ class MovingMeasure:
 
     def tangents(self, count: int) -> ca.Function:
         """``(t, x, p, dx, dp) → dm`` in ``count`` columns."""
-        t, x, p = inputs = self._symbols("")
+        inputs = self._symbols("")
+        _, x, p = inputs
         dx, dp = (ca.MX.sym(f"d{i}", s.numel(), count) for i, s in enumerate((x, p)))
         forward = self.function.forward(count)
         found = forward(*inputs, self.function(*inputs), ca.MX(1, count), dx, dp)

@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.analysis.choices import doubts
 from dalembert.analysis.contact.search import ContactSearch
+from dalembert.analysis.contact.start import touching_model
 from dalembert.analysis.contact.unseen import refuse_collisions
 from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes
 from dalembert.analysis.dynamics.event_search import EventSearch
@@ -54,6 +55,9 @@ REFUSED = (Outcome.VIOLATED, Outcome.UNBALANCED)
 """Runs to the end that are no motion of the model: which steps would do is told there too."""
 PASSING = ", or use formulation=AugmentedLagrangian(), which passes through such positions"
 
+COPIES = 8
+"""Memory of a run in units of its states: trajectory, measures and what they are computed from."""
+
 
 class DynamicsRun:
     """One execution of a dynamic analysis.
@@ -73,6 +77,8 @@ class DynamicsRun:
         self.requested = output_times(analysis.outputs, self.start, self.end)
         self._afford()
         self.p = model.values(parameters)
+        model, self.closed_gaps = touching_model(model, self.p, self.start)
+        self.model = model
         model.diagnosis.refuse_massless()
         refuse_collisions(model)
         if not analysis.formulation.every_equation:
@@ -93,7 +99,8 @@ class DynamicsRun:
         step = min(longest, self.end - self.start) if integrator.adaptive else self.step
         count = step_count(self.start, self.end, step)
         count = count if self.requested is None else self.requested.size
-        afford_states(count, 3 * (e.coordinate_count + 2 * e.speed_count + e.constraint_count))
+        numbers = e.coordinate_count + 2 * e.speed_count + e.constraint_count
+        afford_states(count, COPIES * numbers)
 
     def _refuse_lost_mass(self) -> None:
         """A mass that was not zero when the model was built must not become zero."""
@@ -192,6 +199,8 @@ class DynamicsRun:
         )
         if self.contacts:
             motion.statistics |= self.contacts.statistics(steps.end)
+            if self.closed_gaps:
+                motion.statistics["overlaps closed at the start"] = self.closed_gaps
             motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
         motion.warnings = Warnings(self.doubts(motion, truth), lambda: self.of_accuracy(motion))
         timing.lap("checks")

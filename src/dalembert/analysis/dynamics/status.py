@@ -80,15 +80,15 @@ class Ending:
             return self._ends(Outcome.DIVERGED, text)
         left = self.left_open() if steps.message else None
         if left is not None:
-            cure = ", or look for a singular position there"
+            joined = self.kernel.equations.constraint_count
+            cure = ", or look for a singular position there" if joined else ""
             return replace(unsolved(steps.end, left, residual, cure), time=self.time)
         lost = steps.message or not residual <= self.lost
         singular = self.singular_position() if lost else ""
         if singular:
             return self._ends(Outcome.SINGULAR, singular)
         if steps.message:
-            hint = "the mechanism may be at a singular position, or the step too long"
-            text = f"{steps.message} after t = {steps.end:.9g} s; {hint}"
+            text = f"{steps.message} after t = {steps.end:.9g} s; {self.reason}"
             return self._ends(Outcome.DIVERGED, text)
         finite = np.isfinite(s.a).all(axis=0) & np.isfinite(s.multiplier).all(axis=0)
         if not finite.all():
@@ -103,6 +103,24 @@ class Ending:
             text = f"{ended_by.name} at t = {ended_by.time:.9g} s"
             return self._ends(Outcome.TERMINATED, text)
         return reached(self.time, residual)
+
+    @property
+    def reason(self) -> str:
+        """Why a run ended whose steps became too short, or whose state is not finite."""
+        kernel, rates = self.kernel, self.s.a[:, -1:]
+        singular = "the mechanism may be at a singular position"
+        if kernel.adaptive is None:
+            joined = kernel.equations.constraint_count
+            return f"{singular}, or the step too long" if joined else "the step may be too long"
+        known = np.flatnonzero(np.isfinite(rates[:, 0]))
+        if not known.size:
+            return "accelerations are not finite there"
+        shares = np.abs(rates[known, 0]) / kernel.model.scales.speeds[known]
+        k = int(known[np.argmax(shares)])
+        name = kernel.model.guesses.speed_names[k]
+        text = f"{name} changes by {rates[k, 0]:.3g} per second there, the fastest of all speeds; "
+        text += "a force may jump or grow without bound"
+        return f"{text}, or {singular}" if kernel.equations.constraint_count else text
 
     def left_table(self) -> str:
         """Which table ends where the run does; empty if none does."""

@@ -59,7 +59,9 @@ class StepOutputs:
             return np.full(branches.index.size, self.latest)
         following = np.minimum(branches.index + 1, steps.count - 1)
         modes = steps.mode[np.where(branches.ends_of(steps), following, branches.index)]
-        return modes if branches.modes is None else np.where(branches.modes < 0, modes, branches.modes)
+        if branches.modes is None:
+            return modes
+        return np.where(branches.modes < 0, modes, branches.modes)
 
     def mapped(
         self,

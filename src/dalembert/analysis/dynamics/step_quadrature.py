@@ -75,6 +75,16 @@ class StepQuadrature:
         index += np.isin(index, switched)
         return Branches(np.append(0, index), np.append(0.0, length))
 
+    def beside(self, first: int, last: int) -> tuple[int, int]:
+        """Numbers of the points right before and right after transitions."""
+        return int(self._ends[first]), int(self._ends[last + 1])
+
+    @property
+    def _ends(self) -> np.ndarray:
+        """Numbers of the points at the start and at the ends of all steps."""
+        parts = np.bincount(self._pieces[0], minlength=self.steps.count)
+        return np.append(0, np.cumsum(parts)) * (self._rule[0].size - 1)
+
     @property
     def times(self) -> np.ndarray:
         branches = self.branches
@@ -103,9 +113,12 @@ class StepQuadrature:
         return np.eye(1, self.weights.size, self.weights.size - 1).ravel()
 
     def time_weights(self, samples: np.ndarray) -> np.ndarray:
-        """By the last time, with which the length of the last step grows."""
+        """By the ends of the steps, with which the lengths of the steps beside them change."""
         b, (piece, _, share), found = self._rule[1], self._pieces, np.zeros(samples.size)
-        for k in np.flatnonzero(piece == piece[-1]):
-            begin = k * (b.size - 1)
-            found[-1] += share[k] * (b @ samples[begin : begin + b.size])
+        inside = (np.arange(piece.size) * (b.size - 1))[:, None] + np.arange(b.size)
+        means = np.bincount(piece, share * (samples[inside] @ b), self.steps.count)
+        means[self.steps.h == 0] = 0.0
+        ends = self._ends
+        found[ends[1:]] += means
+        found[ends[:-1]] -= means
         return found

@@ -80,6 +80,13 @@ class Transition(Variant):
         return ca.Function("delay", [e.t, x, e.p, rate], [delay])
 
     @cached_property
+    def instant(self) -> ca.Function:
+        """``(t, x, p) → δt``, whose derivative is that of the instant."""
+        t, x, p = self.variant.rate.inputs
+        rate = self.variant.rate.function(t, x, p)
+        return ca.Function("instant", [t, x, p], [self.delay(t, x, p, rate)])
+
+    @cached_property
     def pace(self) -> ca.Function:
         """``(t, x, p)`` → speed at which the switch is crossed, in natural units."""
         e, x = self.variant.equations, state_symbols(self.variant.equations)

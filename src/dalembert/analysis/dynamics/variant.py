@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import casadi as ca
+import numpy as np
 
 from dalembert.analysis.contact.guards import Guards, guards_of
 from dalembert.formulations.base import (
@@ -38,6 +39,8 @@ class Variant:
     formulation : as ``Formulation.choose`` made it
     stabilization, integrator : of the run
     phases : of rigid gaps
+    bare : as ``Formulation.choose`` made it for the equations with all gaps apart, which impacts
+        take; ``formulation`` by default
     """
 
     def __init__(
@@ -48,7 +51,9 @@ class Variant:
         stabilization: Stabilization,
         integrator: Integrator,
         phases: Phases = (),
+        bare: Formulation | None = None,
     ):
+        self.bare = bare or formulation
         self.view, self.rows, self.phases = view, rows, phases
         self.equations = touching(view.with_rows(rows), phases)
         self.formulation, self.stabilization = formulation, stabilization
@@ -145,6 +150,13 @@ class Variant:
         watched = guards_of(e, self.phases)
         values = self._seen(e, [stack(g.value for g in watched)], "guards").function
         return Guards(e, watched, values, self.rate.function)
+
+    def is_conditioned(self, t: float, x: np.ndarray, p: np.ndarray) -> bool:
+        """Equations and formulation are well conditioned at a state."""
+        if self.conditioning is None:
+            return True
+        shares = self.conditioning(t, x[: self.equations.coordinate_count], p)
+        return all(float(share) <= 1 for share in shares)
 
     @cached_property
     def conditioning(self) -> ca.Function | None:

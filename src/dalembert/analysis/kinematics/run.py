@@ -70,7 +70,8 @@ class KinematicsRun:
         self.chosen = requested is not None and analysis.step is None and not analysis.efforts
         grid = uniform_grid(self.start, self.end, step)
         e = model.equations
-        afford_states(grid.size, 3 * (e.coordinate_count + 2 * e.speed_count))
+        n = e.speed_count  # matrices of all instants are solved at once
+        afford_states(grid.size, 11 * (e.coordinate_count + 2 * n) + 6 * n * n)
         if requested is not None:  # a time right beside one of the grid is that one
             near = grid[np.clip(np.searchsorted(grid, requested - step / 2), 0, grid.size - 1)]
             requested = np.where(abs(near - requested) < NEAR * step, near, requested)

@@ -105,14 +105,15 @@ class ContactStep:
         """A step of length ``h`` after another one, whose impulses are near."""
         theta, go = self.scheme.theta, self.model.equations.manifold.go
         free, multiplier, solve = self.smooth.step(t, y, v, self.p, h, theta)
-        ahead = AHEAD * h
+        ahead, begins = AHEAD * h, before is None
         for _ in range(WIDENINGS):
             contacts = self.near(t, y, ahead * np.column_stack([v, free]))
-            approach = Approach(contacts, contacts.speeds(v), contacts.speeds(free), h)
+            approach = Approach(contacts, contacts.speeds(v), contacts.speeds(free), h, begins)
             acting = self.scheme.acting(approach)
             if not acting.all():
                 contacts = contacts.some(acting)
-                approach = Approach(contacts, approach.before[acting], approach.free[acting], h)
+                speeds = approach.before[acting], approach.free[acting]
+                approach = Approach(contacts, *speeds, h, begins)
             mobility, joints = self._mobility(contacts, solve)
             found = self._impulses(approach, mobility, before)
             push = found.impulses.ravel()

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from dalembert.analysis.contact.start import ROUNDED
 from dalembert.analysis.dynamics.energy_balance import EnergyBalance
 from dalembert.analysis.dynamics.truth import DRIFT, TOLD
 from dalembert.analysis.model_residuals import Gap
@@ -38,9 +39,12 @@ class ContactTruth(ModelTruth):
 
     @cached_property
     def deepest(self) -> Gap:
-        """The gap that is closed furthest, by the natural length."""
-        k, model = int(np.argmax(self.record.penetration)), self.step.model
-        depth = float(self.record.penetration[k])
+        """The gap that is closed furthest, by the natural length; not by rounding of the start."""
+        model, penetration = self.step.model, np.array(self.record.penetration)
+        if penetration[0] <= ROUNDED * model.scales.length:
+            penetration[0] = 0.0
+        k = int(np.argmax(penetration))
+        depth = float(penetration[k])
         if depth == 0:
             return Gap(0.0)
         t, none = float(self.record.t[k]), np.zeros((model.equations.speed_count, 1))

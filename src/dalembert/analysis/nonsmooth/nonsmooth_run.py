@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.contact.start import touching_model
 from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
 from dalembert.analysis.nonsmooth.contact_truth import ContactTruth
@@ -55,6 +56,10 @@ class NonsmoothRun:
             step_count(self.start, self.end, self.h), 3 * (e.coordinate_count + e.speed_count)
         )
         self.p = model.values(parameters)
+        self.closed_gaps = ""
+        if analysis.integrator.projection:  # else gaps stay as they are throughout
+            model, self.closed_gaps = touching_model(model, self.p, self.start)
+            self.model = model
         model.diagnosis.refuse_massless()
         check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
         sources = gap_sources(model)
@@ -149,7 +154,9 @@ class NonsmoothRun:
 
     def statistics(self, record: ContactRecord, elapsed: float) -> dict[str, Any]:
         count = max(record.loss.size, 1)
-        return {
+        key = "overlaps closed at the start"
+        told = {key: self.closed_gaps} if self.closed_gaps else {}
+        return told | {
             "integrator": type(self.analysis.integrator).__name__,
             "steps": record.loss.size,
             "integration time [s]": round(elapsed, 6),

@@ -26,6 +26,7 @@ from dalembert.errors import AnalysisError, SingularityError
 from dalembert.sparse.solver import Factors
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.factors import factors_of
+from dalembert.structures.loads.configuration_load import ConfigurationLoad
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.reduction.rigid import node_places, rigid_motions
 
@@ -34,7 +35,7 @@ RELATIVE = 0.05
 SHORT = 1e-3
 """Rotation at which second differences of internal forces are taken [rad]."""
 QUIET = 0.02
-"""Rotation [rad], and share of the forces that is of second order, that need no closer look."""
+"""Rotation [rad], and change of a shape's stiffness by stress, that need no closer look."""
 MEASURED = NonlinearStatics(steps=4, tolerance=1e-6)
 
 
@@ -54,7 +55,8 @@ class HeldStructure(StaticEquations):
         self.model, self.p, self.case = model, p, ""
         self.assembly = Assembly(whole.blocks, whole.size, held, whole.pattern)
         self.free, self.held = self.assembly.free, self.assembly.prescribed
-        self.applied, self.moving = forces, None
+        self.applied = forces
+        self.moving = ConfigurationLoad([], [], whole.size, held, model.linear)
         self.given, self.balance = np.zeros(self.held.size), Balance(model, p)
 
     def factor(self, stiffness) -> Factors | None:
@@ -125,18 +127,6 @@ class LinearRange:
         return (ahead + behind - 2 * forces(0 * self.u, self.p)) / (2 * share**2)
 
     @cached_property
-    def coupling(self) -> float:
-        """Work of the forces of second order on the displacements, by that of the linear ones."""
-        share = SHORT / max(self.turned[0], 1e-300)
-        linear = self.model.assembly.internal_forces(share * self.u, self.p) @ self.u / share
-        return float(2 * abs(self.second_order @ self.u) / linear) if linear > 0 else 0.0
-
-    @property
-    def narrow(self) -> bool:
-        """Whether rotations and axial forces are too small to need a closer look."""
-        return self.turned[0] < QUIET and self.coupling < QUIET
-
-    @cached_property
     def estimate(self) -> float:
         """Error of second order, relative to the largest displacement.
 
@@ -159,7 +149,7 @@ class LinearRange:
             factor = path.record().factor
         except (SingularityError, AnalysisError):
             return np.inf
-        stable = factor is None or factor.negative == 0
+        stable = not isinstance(factor, Factors) or factor.negative == 0
         return self._error(path.u) if stable and not path.lost else np.inf
 
     def _moved(self, u: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ from dalembert.options import options
 from dalembert.results.result import Analysis, Given
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
+from dalembert.sparse.solver import Factors
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.equations.newton import Ending, Equations, Residual, solve
 from dalembert.timing import Timing
@@ -180,8 +181,8 @@ class LoadPath:
         return self.equations.forces(self.u, self.reached)
 
     def unstable(self, record: StaticsRecord) -> str:
-        """Warning about an equilibrium whose tangent stiffness is not positive definite, or none."""
-        negative = record.factor.negative if record.factor is not None else 0
+        """Warning about an equilibrium whose stiffness is not positive definite; empty if it is."""
+        negative = record.factor.negative if isinstance(record.factor, Factors) else 0
         if not negative:
             return ""
         where = f"load case {self.case!r}" if self.case else "the load"

@@ -117,6 +117,11 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
         SingularityError
             The run cannot begin.
         """
+        if "t" in model.parameters:
+            raise AnalysisError(
+                f"{model.name}: 't' is a parameter, but the time in transient analyses; rename the "
+                "parameter"
+            )
         p = model.values(parameters)
         return TransientRun(retimed(self, model, p), model, p).execute(progress)
 

@@ -23,6 +23,7 @@ from dalembert.analysis.timeline import (
     step_count,
     uniform_grid,
 )
+from dalembert.budget import afford
 from dalembert.integrators.marching.checkpoints import Recorder
 from dalembert.integrators.marching.steps import Steps
 from dalembert.integrators.newmark.rule import Moving
@@ -32,6 +33,9 @@ from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.evaluation.factors import factors_of
 from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
+
+ROUNDS = 3
+"""Rounds of work for each step, as the budget counts them."""
 
 
 class March:
@@ -177,7 +181,10 @@ class TransientRun:
         a, timing = self.analysis, Timing()
         start, end = checked_span(a.duration, None)
         step, n = checked_step(a.step, start, end), len(self.model.degrees)
-        afford_states(step_count(start, end, step), 4 * n)
+        count = step_count(start, end, step)
+        cure = "use a longer step or a shorter run"
+        afford(f"{count} steps of a structure", rounds=ROUNDS * count, cure=cure)
+        afford_states(count, 4 * n)
         times = uniform_grid(start, end, step)
         requested = output_times(a.outputs, start, end)
         afford_states(times.size if requested is None else requested.size, 8 * n)

@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.interrupts import searching
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -155,10 +156,11 @@ def evolved(
     algorithm.setup(problem, termination=("n_gen", generations), seed=rng, verbose=False)
     made = 0
     try:
-        while algorithm.has_next():
-            algorithm.next()
-            made += 1
-            report(made / generations)
+        with searching():
+            while algorithm.has_next():
+                algorithm.next()
+                made += 1
+                report(made / generations)
     except KeyboardInterrupt:
         if not made:
             raise

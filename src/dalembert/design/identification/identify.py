@@ -15,12 +15,14 @@ from dalembert.design.identification.misfit import Misfit
 from dalembert.design.identification.unknowns import Delays, Unknowns, unknowns_of
 from dalembert.design.methods.spread import counted, refuse_open, spread
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
 
 
 @spelled
+@interruptible
 def identify(
     model: ParametricModel,
     data: Any,
@@ -91,6 +93,7 @@ def identify(
     begins = other_starts(misfit.unknowns, starts, rng)
     minima = solver.minima([first, *begins]) if begins else []
     fit, levels, estimated = solver.with_noise(minima[0][1] if minima else first)
+    defer_ctrl_c()
     found = _identified(misfit, solver, fit, levels, estimated)
     labels = misfit.unknowns.labels
     for cost, x in minima:

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.identification.misfit import Misfit
+from dalembert.design.methods.stop import check_stop
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.interrupts import raising_ctrl_c
 
 LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
 NORMAL = 1.4826
@@ -49,6 +51,7 @@ class LeastSquares:
     progress: bool | Callable[[int, float], None] = False
 
     def __post_init__(self) -> None:
+        check_stop(self.max_iterations, self.tolerance)
         if self.loss not in LOSSES:
             raise UnsupportedError(f"unknown loss {self.loss!r}; known: {', '.join(LOSSES)}")
         self._count = 0
@@ -59,7 +62,8 @@ class LeastSquares:
         """The nearest minimum from a start; the best unknowns so far where it is interrupted."""
         self._reached = None
         try:
-            return self._solved(x)
+            with raising_ctrl_c():
+                return self._solved(x)
         except KeyboardInterrupt:
             if self._reached is None:
                 raise

@@ -20,6 +20,7 @@ from dalembert.design.inverse.history import History
 from dalembert.design.inverse.inverted import Inversion
 from dalembert.design.inverse.smoothing import Curve, balanced, chosen, curve, inverse_of
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -29,6 +30,7 @@ ROUNDS = 6
 
 
 @spelled
+@interruptible
 def invert(
     model: ParametricModel,
     data: Any,
@@ -102,6 +104,7 @@ def invert(
     refuse_bad_start(misfit, x)
     problem = _Smoothed(solver, _blocks(histories, misfit, order), smoothing, given)
     fit, mu, seen = problem.solved(x)
+    defer_ctrl_c()
     found = _inversion(misfit, histories, fit, mu, seen, problem)
     found.interrupted = solver.interrupted
     return found

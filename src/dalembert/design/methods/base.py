@@ -13,21 +13,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from dalembert.design.methods.stop import Stop
 from dalembert.design.optimize.program import Program
-
-
-@dataclass
-class Stop:
-    """When to stop.
-
-    Parameters
-    ----------
-    max_iterations : of the optimiser
-    tolerance : on the relative change of the scaled objective
-    """
-
-    max_iterations: int = 100
-    tolerance: float = 1e-8
 
 
 @dataclass
@@ -58,6 +45,10 @@ class Optimizer(ABC):
     @abstractmethod
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         """The best design from ``z`` on."""
+
+    def finishing(self) -> Optimizer:
+        """Method that sharpens the design at which this one ends."""
+        return self
 
     def rescue(self) -> Optimizer | None:
         """What goes on where this one is stuck short of an optimum."""

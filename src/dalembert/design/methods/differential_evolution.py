@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
-from dalembert.design.methods.discrete import fix_sizes
 from dalembert.design.methods.slsqp import Slsqp
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
@@ -78,7 +77,7 @@ def polished(program: Program, z: np.ndarray, local: Optimizer, stop: Stop, mess
     """A gradient method from a design on, its sizes held, where that makes it better."""
     if not program.begin(z):
         return Ended(z, False, f"{message}; the best design fails")
-    fix_sizes(program, program.unscale(z))
+    program.fix_sizes(program.unscale(z))
     ended = local.solve(program, z, stop)
     return Ended(ended.z, ended.success, f"{message}, then {ended.message}")
 

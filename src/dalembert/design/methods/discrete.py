@@ -1,4 +1,4 @@
-"""Sizes out of catalogues and whole numbers, held or branched on."""
+"""Branch and bound over whole numbers and sizes out of catalogues."""
 
 from __future__ import annotations
 
@@ -9,16 +9,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.enumeration import Enumeration
 from dalembert.design.methods.slsqp import Slsqp
 from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.options import options
 
-
-def fix_sizes(program: Program, x: np.ndarray) -> None:
-    """Hold each discrete variable at its size nearest to ``x``."""
-    at = program.variables.snapped(x)
-    for k in program.variables.sizes:
-        program.lower[k] = program.upper[k] = at[k]
+PAIRS = 16
+"""Pairs of designs between which convexity is tested."""
+DIFFERENT = 1e-5
+"""Relative difference of objectives beyond which two relaxed optima are distinct."""
 
 
 @dataclass(order=True)
@@ -34,14 +33,19 @@ class _Node:
 
 @options
 class BranchAndBound(Optimizer):
-    """Whole numbers and catalogues: gradient solutions with sizes relaxed, in ranges that halve.
+    """Whole numbers and catalogues: relaxed problems in ranges of sizes that are halved.
 
-    Exact where the relaxed problems are convex; a good heuristic elsewhere (Land & Doig 1960).
+    Where all variables are discrete and few enough, every design is compared instead
+    (``Enumeration``). Otherwise the bound of a range is the best optimum of its relaxed problem
+    from several starts. That bound is exact where the relaxed problems are convex (Land & Doig
+    1960). Convexity is tested; the message says where the result is not proved to be global.
 
     Parameters
     ----------
     local : gradient method of the relaxed problems
-    max_nodes : relaxed problems at most
+    max_nodes : relaxed problems at most; also designs at most that are compared by their runs
+    starts : starts of each relaxed problem, once the problem is known not to be convex
+    rng : seed of the starts
 
     Examples
     --------
@@ -62,8 +66,18 @@ class BranchAndBound(Optimizer):
 
     local: Optimizer = Slsqp()
     max_nodes: int = 400
+    starts: int = 3
+    rng: int = 0
+
+    def finishing(self) -> Optimizer:
+        """The local method: sizes are held at the end, and searching them again would find one."""
+        return self.local
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+        every = Enumeration(max_runs=self.max_nodes)
+        if every.covers(program):
+            return every.solve(program, z, stop)
+        can_enumerate = Enumeration().covers(program)
         search = _Search(self, program, stop)
         lower, upper = program.lower.copy(), program.upper.copy()
         search.branch(_Node(-np.inf, 0, z, lower, upper))
@@ -74,13 +88,20 @@ class BranchAndBound(Optimizer):
         program.lower, program.upper = lower, upper
         if search.design is None:
             return Ended(z, False, f"no sizes keep the limits ({search.nodes} relaxed problems)")
-        fix_sizes(program, program.unscale(search.design))
+        program.fix_sizes(program.unscale(search.design))
         left = [n.bound for n in search.open if n.bound < search.best]
         message = f"branch and bound: {search.nodes} relaxed problems"
         if left:
-            message += f", {len(left)} ranges of sizes are left unexplored; raise max_nodes"
-            if set(range(program.n)) <= set(program.variables.sizes):
+            message += (
+                f", stopped early: {len(left)} ranges of sizes are left unexplored; raise max_nodes"
+            )
+            if can_enumerate:
                 message += ", or take method='enumeration'"
+        if not search.is_convex:
+            message += (
+                "; the relaxed problems are not convex, so the best design is not proved to be "
+                "the global optimum"
+            )
         return Ended(search.design, not left, message, is_whole=not left)
 
 
@@ -93,12 +114,47 @@ class _Search:
         self.numbers = itertools.count(1)
         self.nodes, self.best = 0, np.inf
         self.design: np.ndarray | None = None
+        self.generator = np.random.default_rng(method.rng)
+        self.is_convex = self._is_convex()
+
+    def _drawn(self) -> np.ndarray:
+        """A design between the bounds, or near the start where they are open."""
+        low, high = (np.clip(z, -1.0, 1.0) for z in (self.program.z_lower, self.program.z_upper))
+        return np.asarray(self.generator.uniform(low, np.maximum(low, high)))
+
+    def _is_convex(self) -> bool:
+        """Whether objective and limits at the middle of random pairs are those of convex ones."""
+        program = self.program
+        for _ in range(PAIRS):
+            one, other = self._drawn(), self._drawn()
+            found = [program.value(z) for z in (one, other, (one + other) / 2)]
+            if any(values is None for values in found):
+                continue
+            (f, c), (g, d), (middle, between) = (values for values in found if values is not None)
+            if middle > (f + g) / 2 + DIFFERENT * (abs(f) + abs(g)):
+                return False
+            bend, size = between - (c + d) / 2, DIFFERENT * (abs(c) + abs(d))
+            upper, lower = np.isfinite(program.c_upper), np.isfinite(program.c_lower)
+            if np.any(bend[upper] > size[upper]) or np.any(bend[lower] < -size[lower]):
+                return False
+        return True
 
     def relaxed(self, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Ended | None:
-        """Optimum of a range; None where limits cannot be kept in it."""
+        """Best optimum of a range; None where limits cannot be kept in it."""
         program = self.program
         program.lower, program.upper = lower.copy(), upper.copy()
         self.nodes += 1
+        first = self._local(z)
+        sizes = list(program.variables.sizes)
+        is_held = not np.any(program.is_free()[sizes])
+        more = 0 if self.is_convex or is_held else self.method.starts - 1
+        found = [first, *(self._local(self._drawn()) for _ in range(more))]
+        ends = [(self.objective(one.z), k) for k, one in enumerate(found) if one is not None]
+        return found[min(ends)[1]] if ends else None
+
+    def _local(self, z: np.ndarray) -> Ended | None:
+        """An optimum within the range; None where it breaks limits."""
+        program = self.program
         z = np.clip(z, program.z_lower, program.z_upper)
         ended = self.method.local.solve(program, z, self.stop)
         found = program.problem.evaluate(program.unscale(ended.z), gradient=False)
@@ -116,6 +172,8 @@ class _Search:
         if ended is None:
             return
         x, bound = self.program.unscale(ended.z), self.objective(ended.z)
+        if bound < node.bound - DIFFERENT * abs(node.bound):  # a part is better than the whole
+            self.is_convex = False
         if bound >= self.best - 1e-9 * abs(self.best):
             return
         snapped = self.program.variables.snapped(x)

@@ -11,7 +11,6 @@ import casadi as ca
 import numpy as np
 
 from dalembert.design.methods.base import Ended, Optimizer, Stop
-from dalembert.design.methods.discrete import fix_sizes
 from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.errors import AnalysisError
 from dalembert.options import options
@@ -60,6 +59,15 @@ class Enumeration(Optimizer):
 
     is_global = True
 
+    def covers(self, program: Program) -> bool:
+        """Whether every design can be compared: all variables are discrete, and few enough."""
+        free = np.flatnonzero(program.is_free())
+        if not set(free) <= set(program.variables.sizes):
+            return False
+        count = _Table.of(program).count
+        limit = self.max_runs if _formulas(program) is None else self.max_designs
+        return count <= limit
+
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
         table = _Table.of(program)
         formulas = _formulas(program)
@@ -77,7 +85,7 @@ class Enumeration(Optimizer):
             found = program.problem.evaluate(x, gradient=False)
             if found is not None and program.violation(found.values) <= FEASIBLE:
                 program.keep(z)
-                fix_sizes(program, x)
+                program.fix_sizes(x)
                 return Ended(z, True, f"enumeration: the best of {table.count:,} designs")
         return Ended(z, False, f"none of {table.count:,} designs keeps the limits and runs")
 
@@ -130,8 +138,10 @@ def _formulas(program: Program) -> ca.Function | None:
     p = stack(s.sx for s in symbols)
     terms = []
     for _, response in problem.terms:
+        if not isinstance(response, Final):
+            return None
         found = model.expression(response.measure).sx
-        if not isinstance(response, Final) or not _is_of(found, p):
+        if not _is_of(found, p):
             return None
         terms.append(found)
     return ca.Function("terms", [p], [stack(terms)])

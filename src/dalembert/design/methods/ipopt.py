@@ -8,9 +8,14 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Ended, Optimizer
+from dalembert.design.methods.stop import Stop
 from dalembert.design.optimize.program import Program
+from dalembert.interrupts import check_ctrl_c
 from dalembert.options import options
+
+MOST = 2**31 - 1
+"""Iterations that Ipopt can count."""
 
 
 @options
@@ -41,7 +46,7 @@ class Ipopt(Optimizer):
         found = values(asked)
         settings: dict[str, Any] = {
             "hessian_approximation": "limited-memory",
-            "max_iter": stop.max_iterations,
+            "max_iter": min(stop.max_iterations, MOST),
             "tol": max(stop.tolerance, 1e-10),
             "acceptable_iter": 0,
             "bound_relax_factor": 0.0,
@@ -64,6 +69,7 @@ class Ipopt(Optimizer):
         ended = solver(x0=z, lbx=program.z_lower, ubx=program.z_upper, **limits)
         if values.stopped is not None:
             raise values.stopped
+        check_ctrl_c()
         told = solver.stats()
         message = str(told["return_status"]).replace("_", " ").lower()
         return Ended(np.array(ended["x"]).ravel(), bool(told["success"]), f"Ipopt: {message}")

@@ -11,6 +11,8 @@ from dalembert.design.optimize.program import Point, Program
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
 
+SUFFICIENT = 0.1
+"""Share of the predicted fall of the merit function from which a trial is accepted."""
 ELASTIC = 1e4
 """Cost of a limit's violation in subproblems that cannot keep it."""
 
@@ -41,8 +43,8 @@ class Approximation:
         z = (self.low * p + self.high * q) / np.maximum(p + q, 1e-300)
         return np.clip(z, self.move_low, self.move_high)
 
-    def solve(self) -> np.ndarray:
-        """(n,) least objective within the limits, by their dual."""
+    def solve(self) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) minimum of the objective within the limits, by their dual, and (m,) multipliers."""
         from scipy.optimize import minimize
 
         limits = self.r.size - 1
@@ -58,7 +60,7 @@ class Approximation:
             bounds = [(0.0, ELASTIC)] * limits
             start = np.ones(limits)
             found = minimize(dual, start, jac=True, bounds=bounds, options=options).x
-        return self.minimiser(np.concatenate([[1.0], found]))
+        return self.minimiser(np.concatenate([[1.0], found])), found
 
 
 @options
@@ -110,18 +112,24 @@ class Mma(Optimizer):
             still = still + 1 if quiet and np.max(abs(z - old)) < 1e-3 else 0
             if still >= 2:
                 return Ended(z, True, "the objective no longer changes")
-        return Ended(z, False, f"{stop.max_iterations} iterations did not suffice")
+        count = stop.used + stop.max_iterations
+        return Ended(z, False, f"{count} iterations did not suffice")
 
     def _step(
         self, program: Program, rows: _Sides, z: np.ndarray, here: Point, places: _Asymptotes
     ) -> np.ndarray | None:
-        """The next design: approximations are bent up until they are not below the functions."""
+        """The next design: approximations are made more convex until a trial is acceptable.
+
+        A trial is acceptable where all approximations are conservative (Svanberg 2002, 4.1), or
+        where the merit function, objective and weighted violations, falls by a share of what the
+        approximations predict.
+        """
         values, slopes = rows.values(here.f, here.c), rows.slopes(here)
-        bend = np.maximum(1e-5, 0.1 / z.size * np.sum(abs(slopes), axis=1))
+        bend = np.maximum(1e-5, 0.1 / z.size * np.sum(abs(slopes) * places.range, axis=1))
         move = self.move
         for _ in range(30):
             model = places.approximation(z, values, slopes, bend, move)
-            trial = model.solve()
+            trial, multipliers = model.solve()
             found = program.value(trial)
             if found is None:
                 move = 0.3 * min(move, float(np.max(abs(trial - z) / places.range)))
@@ -129,9 +137,18 @@ class Mma(Optimizer):
             told, real = model.values(trial), rows.values(*found)
             if np.all(told + 1e-9 * (1 + abs(real)) >= real):
                 return trial
+            weights = rows.weights(multipliers)
+            fall, predicted = (_merit(values, weights) - _merit(v, weights) for v in (real, told))
+            if predicted > 0 and fall >= SUFFICIENT * predicted:
+                return trial
             lack = (real - told) / max(places.distance(z, trial), 1e-12)
             bend = np.where(lack > 0, np.minimum(10 * bend, 1.1 * (bend + lack)), bend)
         return None
+
+
+def _merit(values: np.ndarray, weights: np.ndarray) -> float:
+    """Objective and weighted violations of the limits."""
+    return float(values[0] + weights @ np.maximum(values[1:], 0.0))
 
 
 class _Sides:
@@ -141,9 +158,15 @@ class _Sides:
         self.low = np.flatnonzero(np.isfinite(program.c_lower))
         self.high = np.flatnonzero(np.isfinite(program.c_upper))
         self.c_lower, self.c_upper = program.c_lower[self.low], program.c_upper[self.high]
+        self.largest = np.zeros(self.low.size + self.high.size)
 
     def values(self, f: float, c: np.ndarray) -> np.ndarray:
         return np.concatenate([[f], self.c_lower - c[self.low], c[self.high] - self.c_upper])
+
+    def weights(self, multipliers: np.ndarray) -> np.ndarray:
+        """(m,) weights of violations in the merit function; they never fall."""
+        self.largest = np.maximum(self.largest, 2 * multipliers + 1e-3)
+        return self.largest
 
     def slopes(self, point: Point) -> np.ndarray:
         return np.vstack([point.g, -point.J[self.low], point.J[self.high]])

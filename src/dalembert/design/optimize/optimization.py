@@ -23,6 +23,7 @@ from dalembert.design.quantity import Quantity, bound
 from dalembert.design.telling import Told, teller
 from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -192,13 +193,15 @@ def fingerprint(problem: DesignProblem) -> dict[str, Any]:
     }
 
 
+@interruptible
 def solve(program: Program, method: Optimizer, stop: Stop) -> Optimum:
     """The optimum of a program; the best design so far where it is interrupted."""
-    z = program.scaled(program.origin)
+    z, interrupted = program.scaled(program.origin), False
     try:
-        return judged(program, settled(program, method, stop, z))
+        with searching():
+            ended = settled(program, method, stop, z)
     except KeyboardInterrupt:
-        number = len(program.history) - 1
+        interrupted, number = True, len(program.history) - 1
         best = program.scaled(program.best[0])
-        message = f"interrupted after {number} iteration(s)"
-        return judged(program, Ended(best, False, message), interrupted=True)
+        ended = Ended(best, False, f"interrupted after {number} iteration(s)")
+    return judged(program, ended, interrupted)

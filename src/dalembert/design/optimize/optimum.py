@@ -148,6 +148,11 @@ class Optimum(Decision):
         ax.spines[["top", "right"]].set_visible(False)
         return ax
 
+    def _repr_html_(self) -> str:
+        from dalembert.report.inline import InlinePage
+
+        return self.table_html() + InlinePage(self.page())._repr_html_()
+
     def table_html(self) -> str:
         from dalembert.design.optimize.optimum_table import optimum_table
 

@@ -26,7 +26,10 @@ def judged(program: Program, ended: Ended, interrupted: bool = False) -> Optimum
     found = program.problem.evaluate(x) or found
     program.record(x, found)
     factors = multipliers(program, z, point)
+    failed = bool(note)
     doubts = [] if interrupted else _doubts(program, z, point, factors, found)
+    if not (ended.success or doubts or failed or interrupted) and ended.is_whole:
+        note += "; first-order optimality holds"
     results = program.problem.results(x)
     first = program.problem.results(program.origin)
     case = program.problem.quantities[0].terms[0].case
@@ -36,7 +39,7 @@ def judged(program: Program, ended: Ended, interrupted: bool = False) -> Optimum
     return Optimum(
         x=program.variables.parameters(x),
         fun=float(found.values[0]),
-        success=ended.is_whole and not doubts and not note and not interrupted,
+        success=ended.is_whole and not doubts and not failed and not interrupted,
         message=ended.message + note + "".join(f"; {text}" for text in doubts),
         gradient=dict(
             zip(program.variables.names, map(float, program.problem.slope(found, 0)), strict=True)

@@ -13,6 +13,7 @@ from dalembert.design.optimize.evaluation_log import LogPart
 from dalembert.design.quantity import Quantity
 from dalembert.design.variables import Variables
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.interrupts import check_ctrl_c
 from dalembert.responses.base import Response, evaluate
 from dalembert.results.result import Result
 from dalembert.results.status import Outcome
@@ -163,6 +164,7 @@ class DesignProblem:
                     raise KeyboardInterrupt
                 if not result.status.success:
                     raise AnalysisError(str(result.status))
+                check_ctrl_c()
                 rows, responses = self.responses(case)
                 terms[rows] = [evaluate(result, r) for r in responses]
                 if not np.all(np.isfinite(terms[rows])):
@@ -217,9 +219,8 @@ class DesignProblem:
         units = []
         for term in self.quantities[row].terms:
             result: Any = results.get(term.case)
-            measure = term.response.measure
-            unit = result.expression(measure).unit if result is not None else ""
-            units.append(term.response.over(result).unit(unit) if result is not None else "")
+            known = result is not None
+            units.append(term.response.over(result).unit_of(result) if known else "")
         return self.quantities[row].unit(units)
 
 

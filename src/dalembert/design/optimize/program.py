@@ -231,6 +231,12 @@ class Program:
         if found is not None:
             self.record(x, found)
 
+    def fix_sizes(self, x: np.ndarray) -> None:
+        """Hold each discrete variable at its size nearest to ``x``."""
+        at = self.variables.snapped(x)
+        for k in self.variables.sizes:
+            self.lower[k] = self.upper[k] = at[k]
+
     def is_free(self) -> np.ndarray:
         """(n,) whether a variable has room between its bounds."""
         return self.upper > self.lower

@@ -30,8 +30,12 @@ def settled(program: Program, method: Optimizer, stop: Stop, z: np.ndarray) -> E
         if left <= 0 or _is_settled(program, ended.z) or not program.begin(ended.z):
             break
         before = program.last
-        sharper = Stop(left, max(stop.tolerance * 0.01**number, 1e-15))
-        found = method.solve(program, ended.z, sharper)
+        spent = stop.used + stop.max_iterations - left
+        sharper = Stop(left, max(stop.tolerance * 0.01**number, 1e-15), spent)
+        finishing = method.finishing()
+        found = finishing.solve(program, ended.z, sharper)
+        if finishing is not method:  # what was searched is said by the search
+            found = replace(found, message=ended.message, is_whole=ended.is_whole)
         after = program.objective(found.z)
         if after < before or found.success:
             ended = found
@@ -41,7 +45,9 @@ def settled(program: Program, method: Optimizer, stop: Stop, z: np.ndarray) -> E
     if rescue is None or not _is_stuck(program, ended.z):
         return ended
     left = stop.max_iterations - (len(program.history) - used)
-    return _rescued(program, rescue, Stop(max(left, 1), stop.tolerance), ended)
+    return _rescued(
+        program, rescue, Stop(max(left, 1), stop.tolerance, stop.max_iterations - left), ended
+    )
 
 
 def _rescued(program: Program, method: Optimizer, stop: Stop, ended: Ended) -> Ended:

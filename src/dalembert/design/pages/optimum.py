@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -9,6 +10,8 @@ import numpy as np
 
 from dalembert.design.pages.plain import plain_page, verdict
 from dalembert.report import views
+from dalembert.results.files.headings import checked_units
+from dalembert.units.unit import shown_in
 
 FLAT = 1e-6
 """Change of the objective, relative, that is none: an optimum inside of its bounds."""
@@ -17,12 +20,15 @@ STILL = ("name", "node", "shapes")
 
 def optimum_page(best: Any, **first_view: Any) -> dict[str, Any]:
     """What the report of an ``Optimum`` shows, as plain data."""
+    units = checked_units(first_view.get("units") or ())
     if not best.motion.has_page:
-        return plain_page(best) | {"optimum": told(best)}
+        return plain_page(best) | {"optimum": told(best, units)}
     page = best.motion.page(**first_view)
     page["title"] = f"{page['title']}: optimum"
-    page["optimum"] = told(best)
-    page["views"], page["verdict"] = best.views(), verdict(best)
+    page["optimum"] = told(best, units)
+    page["views"], page["verdict"] = optimum_views(best, units), verdict(best)
+    if units:
+        page["verdict"]["text"] = _sentence(page["optimum"])
     first = best.initial.page() if best.initial.has_page else {}
     if "scene" in page and page.get("time"):
         page["scene"]["ghosts"] = _ghosts(first, np.array(page["time"]))
@@ -31,23 +37,36 @@ def optimum_page(best: Any, **first_view: Any) -> dict[str, Any]:
     return page
 
 
-def told(best: Any) -> dict[str, Any]:
-    """Objective, limits, prices and the way there."""
+def told(best: Any, units: Sequence[str] = ()) -> dict[str, Any]:
+    """Objective, limits, prices and the way there, each in the first of ``units`` that fits."""
+    factor, unit = shown_in(best.unit, units)
+    variables = [one.shown_in(units, (factor, unit)) for one in best.variables]
+    limits = [one.shown_in(units, (factor, unit)) for one in best.limits]
+    prices = [one.cost(unit) for one in (*limits, *variables)]
     return {
         "label": best.label,
-        "unit": best.unit,
-        "start": best.history[0].objective,
-        "value": best.fun,
+        "unit": unit,
+        "start": best.history[0].objective / factor,
+        "value": best.fun / factor,
         "success": best.success,
         "message": best.message,
-        "variables": [asdict(one) for one in best.variables],
-        "limits": [asdict(one) for one in best.limits],
-        "prices": best.prices,
-        "history": [{"objective": i.objective, "violation": i.violation} for i in best.history],
+        "variables": [asdict(one) for one in variables],
+        "limits": [asdict(one) for one in limits],
+        "prices": [text for text in prices if text],
+        "history": [
+            {"objective": i.objective / factor, "violation": i.violation} for i in best.history
+        ],
     }
 
 
-def optimum_views(best: Any) -> list[dict[str, Any]]:
+def _sentence(told: dict[str, Any]) -> str:
+    """How it ended, as ``Optimum.sentence`` in the units of the page."""
+    unit = f" {told['unit']}" if told["unit"] else ""
+    state = "optimal" if told["success"] else "not optimal"
+    return f"{told['label']} {told['start']:.4g} → {told['value']:.4g}{unit}, {state}"
+
+
+def optimum_views(best: Any, units: Sequence[str] = ()) -> list[dict[str, Any]]:
     """What each parameter still does to the objective, the way there, and other optima."""
     width = {one.name: _room(one) for one in best.variables}
     reach = {n: slope * width[n] for n, slope in best.gradient.items()}
@@ -55,7 +74,8 @@ def optimum_views(best: Any) -> list[dict[str, Any]]:
     if max(map(abs, reach.values()), default=0.0) > FLAT * abs(best.fun):
         title = f"What each parameter does to {best.label}"
         note = "Slope at the best design, times a tenth of the range of the parameter."
-        made.append(views.bars(title, reach, best.unit, note))
+        factor, unit = shown_in(best.unit, units)
+        made.append(views.bars(title, {n: r / factor for n, r in reach.items()}, unit, note))
     if len(best.history) > 1:
         names = list(best.history[0].parameters)
         way = np.array([[i.parameters[n] for n in names] for i in best.history])

@@ -40,6 +40,8 @@ def trajectory_views(best: Any) -> list[dict[str, Any]]:
         ("residual", f"{best.status.residual:.2g}"),
         ("defect", f"{best.defect:.2g}"),
         ("deviation of plan and run", f"{best.deviation:.2g}"),
+        ("change with half of the steps", f"{best.step_error:.2g}"),
+        ("intervals", best.intervals),
         ("iterations", best.iterations),
     ]
     note = "Defect: of intervals that are run one by one. Deviation: of the whole run."

@@ -18,6 +18,7 @@ from dalembert.design.pareto.front import Front, best_of
 from dalembert.design.quantity import Quantity
 from dalembert.design.weighted import Weighted
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import searching
 
 STEEP = 1e-3
 """Slope over the range of a variable, of the range of an aim, from which on it counts."""
@@ -122,7 +123,9 @@ class FrontSearch:
             There is no best design in one of the aims.
         """
         try:
-            return self.result(method, self._along(method, points, report))
+            with searching():
+                note = self._along(method, points, report)
+            return self.result(method, note)
         except KeyboardInterrupt:
             if not self.found:
                 raise

@@ -16,6 +16,7 @@ from dalembert.design.methods.spread import counted, refuse_open, spread
 from dalembert.design.pareto.front import Front
 from dalembert.design.pareto.front_search import FrontSearch, make_front
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.interrupts import interruptible
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -27,6 +28,7 @@ METHODS = ("normal-constraint", "epsilon-constraint", *EVOLUTIONS)
 
 
 @spelled
+@interruptible
 def pareto(
     model: ParametricModel | None = None,
     minimize: Sequence[Any] = (),

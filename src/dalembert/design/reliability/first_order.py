@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dalembert.design.methods.stop import check_stop
 from dalembert.design.reliability.limit_state import LimitStates
 from dalembert.design.reliability.nataf import Nataf
 from dalembert.design.reliability.quasi_newton import LagrangianHessian
@@ -81,6 +82,7 @@ class Search:
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
+        check_stop(self.max_iterations, self.tolerance)
         if self.method not in METHODS:
             known = ", ".join(METHODS)
             raise UnsupportedError(f"unknown method {self.method!r}; known: {known}")

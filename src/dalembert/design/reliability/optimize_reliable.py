@@ -28,6 +28,7 @@ from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
 from dalembert.design.telling import Told
 from dalembert.design.variables import varied_names
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -38,6 +39,7 @@ SETTLED = 1e-5
 
 
 @spelled
+@interruptible
 def optimize_reliable(
     model: ParametricModel,
     minimize: Any = None,
@@ -104,7 +106,8 @@ def optimize_reliable(
     how = Searched(method, gradient, Stop(max_iterations, tolerance), progress)
     walk = _Rounds(task, how, sign, objective, vary, dict(start or {}), history)
     try:
-        walk.walk(max(rounds, 1))
+        with searching():
+            walk.walk(max(rounds, 1))
     except KeyboardInterrupt:
         if walk.best is None:
             raise

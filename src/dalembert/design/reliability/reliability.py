@@ -16,6 +16,7 @@ from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.reliable import SAMPLINGS, Reliability
 from dalembert.design.reliability.validity import curvature_warnings, layer_warnings
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -26,6 +27,7 @@ FORMULA_STARTS, MODEL_STARTS = 10, 3
 
 
 @spelled
+@interruptible
 def reliability(
     model: ParametricModel | None,
     limit_state: Any,
@@ -113,15 +115,16 @@ def reliability(
     found = Reliability([], system, searches, nataf)
     with progress_reporter(progress, "reliability") as report:
         try:
-            for k, search in enumerate(searches):
-                searched = design_points(search, starts, generator)
-                found.points += searched.points
-                found.warnings += [searched.warning] if searched.warning else []
-                report((k + 1) / (len(searches) + bool(samples)))
-            found.warnings += curvature_warnings(found)
-            found.warnings += layer_warnings(found)
-            if samples:
-                found.sampled = found.sample(sampling, samples, generator)
+            with searching():
+                for k, search in enumerate(searches):
+                    searched = design_points(search, starts, generator)
+                    found.points += searched.points
+                    found.warnings += [searched.warning] if searched.warning else []
+                    report((k + 1) / (len(searches) + bool(samples)))
+                found.warnings += curvature_warnings(found)
+                found.warnings += layer_warnings(found)
+                if samples:
+                    found.sampled = found.sample(sampling, samples, generator)
         except KeyboardInterrupt:
             if not found.points:
                 raise

@@ -111,6 +111,9 @@ class ReliableOptimum(Decision):
     def interrupted(self) -> bool:  # type: ignore[override]
         return self.stopped
 
+    def interrupt(self) -> None:
+        self.stopped = True
+
     @property
     def name(self) -> str:  # type: ignore[override]
         return self.optimum.name

@@ -5,18 +5,19 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
-import numpy as np
-
+from dalembert.design.studies.tables import table_format
 from dalembert.design.studies.task import Answer
-from dalembert.errors import FileError, UnsupportedError
+from dalembert.errors import FileError
 from dalembert.files.atomic import atomic_path
+from dalembert.files.readable import readable
 
-if TYPE_CHECKING:
-    import pyarrow as pa
-
-ABOUT, LOCK, TABLE = "study.json", ".lock", "table.parquet"
+ABOUT, LOCK, TABLE = "study.json", ".lock", "table"
+DAMAGED = ".damaged"
+"""Ending of the name of a part that could not be read."""
+UNPACKED = 20.0
+"""Bytes of memory that a byte of a part takes."""
 
 
 class StudyFolder:
@@ -30,11 +31,10 @@ class StudyFolder:
     FileError
         It belongs to another study, or one is at work in it.
     UnsupportedError
-        There is no pyarrow.
+        Its answers are Parquet, and there is no pyarrow.
     """
 
     def __init__(self, path: str | Path, identity: str, about: dict[str, Any]):
-        _arrow()
         self.path = Path(path)
         self.parts = self.path / "parts"
         self.responses: Sequence[str] = about["responses"]
@@ -43,6 +43,7 @@ class StudyFolder:
         except OSError as error:
             reason = error.strerror or error
             raise FileError(f"{path}: cannot be written ({reason}); choose another") from None
+        self.format = table_format(self.parts)
         self._lock = _locked(self.path / LOCK)
         try:
             self._claim(identity, about)
@@ -75,9 +76,12 @@ class StudyFolder:
         self._lock.close()
 
     def answers(self) -> dict[int, Answer]:
-        """All that is there, by number of the design."""
+        """All that is there, by number of the design.
+
+        A damaged part is renamed, so that its designs are evaluated again.
+        """
         found: dict[int, Answer] = {}
-        for path in sorted(self.parts.glob("part-*.parquet")):
+        for path in sorted(self.parts.glob(f"part-*{self.format.suffix}")):
             for answer in self._read(path):
                 if answer.number in found:
                     raise FileError(f"{path}: design {answer.number} is in two parts")
@@ -85,64 +89,42 @@ class StudyFolder:
         return found
 
     def _read(self, path: Path) -> list[Answer]:
-        import pyarrow.parquet as parquet
-
+        names = [f"r{k}" for k in range(len(self.responses))]
         try:
-            table = parquet.read_table(path)
-            columns = [
-                table[f"r{k}"].to_numpy().tolist()  # null becomes not a number
-                for k in range(len(self.responses))
+            readable(path, UNPACKED)
+            found = self.format.read(path, names)
+            rows = zip(*(found[name] for name in names), strict=True)
+            return [
+                Answer(*row) for row in zip(found["design"], rows, found["reason"], strict=True)
             ]
-            numbers, reasons = table["design"].to_pylist(), table["reason"].to_pylist()
-        except Exception as error:
-            raise FileError(f"{path}: cannot be read ({error}); remove it to redo it") from None
-        rows = zip(*columns, strict=True)
-        return [Answer(*row) for row in zip(numbers, rows, reasons, strict=True)]
+        except Exception:  # Parquet has errors of many kinds
+            self._set_aside(path)
+            return []
+
+    @staticmethod
+    def _set_aside(path: Path) -> None:
+        try:
+            path.replace(path.with_name(f"{path.name}{DAMAGED}"))
+        except OSError as error:
+            reason = error.strerror or error
+            raise FileError(f"{path}: is damaged and cannot be renamed ({reason})") from None
 
     def add(self, answers: Sequence[Answer]) -> None:
         """Write the answers of a chunk."""
-        arrow = _arrow()
         columns: dict[str, Any] = {
-            "design": arrow.array([a.number for a in answers], arrow.int64()),
-            "reason": arrow.array([a.reason for a in answers], arrow.string()),
+            "design": [a.number for a in answers],
+            "reason": [a.reason for a in answers],
         }
         for k in range(len(self.responses)):
-            columns[f"r{k}"] = _numbers([a.values[k] for a in answers])
+            columns[f"r{k}"] = [float(a.values[k]) for a in answers]
         first = min(a.number for a in answers)
-        self._write(arrow.table(columns), self.parts / f"part-{first:09d}.parquet")
+        self.format.write(columns, self.parts / f"part-{first:09d}{self.format.suffix}")
 
     def finish(self, columns: dict[str, Any]) -> Path:
         """Write the table of the whole study."""
-        target = self.path / TABLE
-        made = {
-            name: _numbers(values) if np.asarray(values).dtype.kind == "f" else values
-            for name, values in columns.items()
-        }
-        self._write(_arrow().table(made), target)
+        target = self.path / f"{TABLE}{self.format.suffix}"
+        self.format.write(columns, target)
         return target
-
-    @staticmethod
-    def _write(table: pa.Table, target: Path) -> None:
-        import pyarrow.parquet as parquet
-
-        with atomic_path(target) as path:
-            parquet.write_table(table, path)
-
-
-def _arrow() -> Any:
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise UnsupportedError(
-            "a study in a folder needs pyarrow: pip install 'dalembert[study]'"
-        ) from None
-    return pyarrow
-
-
-def _numbers(values: Any) -> Any:
-    """A column; null where there is no number, so that equal tables compare equal."""
-    return _arrow().array(np.asarray(values, dtype=float), from_pandas=True)
 
 
 def _locked(path: Path) -> IO[str]:

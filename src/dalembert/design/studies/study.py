@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.design.decision import Decision
 from dalembert.design.studies.design import Design
+from dalembert.design.studies.tables import CSV_NOTE
 from dalembert.errors import AnalysisError
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ class Study(Decision):
     folder : where it is kept
     reused : how many answers were in the folder already
     units : of parameters and responses, by name
+    stored : file of the whole table in the folder
 
     Examples
     --------
@@ -59,6 +61,7 @@ class Study(Decision):
     folder: Path | None = None
     reused: int = 0
     units: Mapping[str, str] = field(default_factory=dict)
+    stored: Path | None = None
 
     @property
     def message(self) -> str:  # type: ignore[override]
@@ -124,7 +127,8 @@ class Study(Decision):
                 if (column := self.column(name)[self.success]).size
             },
             "folder": str(self.folder),
-            "table": str(self.folder / "table.parquet") if self.folder else None,
+            "table": None if self.stored is None else str(self.stored),
+            "note": CSV_NOTE if self.stored is not None and self.stored.suffix == ".csv" else "",
         }
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -49,7 +50,7 @@ def sweep(
     analysis : ``Dynamics(...)``, ``Kinematics(...)`` and so on
     responses : what is kept of each run
     folder : where answers are written as they come; a study that was ended, even killed, goes on
-        there, with any number of workers
+        there, with any number of workers; Parquet, without pyarrow CSV
     workers : processes; None for all cores
     scheduler : address of a Dask scheduler, instead of processes here
     chunk : designs that a worker is given at once
@@ -115,7 +116,7 @@ def run_study(
                 report(len(found) / len(design))
         study = _study(task, design, tuple(labels), found, folder, reused)
         if kept:
-            kept.finish(study.columns)
+            study = replace(study, stored=kept.finish(study.columns))
     finally:
         if kept:
             kept.close()

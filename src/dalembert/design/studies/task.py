@@ -60,8 +60,7 @@ class StudyTask:
         """Unit of every parameter and response."""
         made = {name: p.unit for name, p in self.model.parameters.items()}
         for response in self.responses:
-            unit = self.model.expression(response.measure).unit
-            made[response.label] = response.unit(unit)
+            made[response.label] = response.unit_of(self.model)
         return made
 
     def failed(self, number: int, reason: str) -> Answer:

@@ -60,6 +60,8 @@ class Atlas:
             _, off = fitted(self.curves[:, samples[pick]], z[pick])
             for k in np.argsort(off)[: max(4, count // 4)]:
                 found.append((off[k], k, sense, samples, 2 * np.pi * places))
+        if target.crank_angles is None:
+            found += self._by_length(z, pick, count)
         found.sort(key=lambda entry: entry[0])
         return self._distinct(found, z, count)
 
@@ -72,13 +74,30 @@ class Atlas:
         even = np.linspace(0, 1, size)
         return [(s, b + s * even * piece) for b in begins for piece in PIECES for s in (1, -1)]
 
+    def _by_length(self, z: np.ndarray, pick: np.ndarray, count: int) -> list:
+        """Pieces of curves on which the entries are as far apart as those of the target."""
+        along = np.concatenate([[0.0], np.cumsum(abs(np.diff(z)))])
+        along /= along[-1] or 1.0
+        curves, theta = self._even
+        found = []
+        for begin in np.arange(0, 1, 1 / 24):
+            for piece in PIECES:
+                for sense in (1, -1):
+                    places = begin + sense * piece * along
+                    samples = np.rint(places * SAMPLES).astype(int) % SAMPLES
+                    _, off = fitted(curves[:, samples[pick]], z[pick])
+                    for k in np.argsort(off)[: max(4, count // 4)]:
+                        angles = np.unwrap(theta[k][samples], period=2 * np.pi)
+                        found.append((off[k], k, sense, samples, angles))
+        return found
+
     def _closed(self, target: Target, count: int) -> list[Start]:
         z = target.complex_points
         steps = np.abs(np.diff(np.append(z, z[0])))
         along = np.concatenate([[0.0], np.cumsum(steps)[:-1]]) / steps.sum()
         _, near = self._tree.query(descriptors(by_length(z[None, :])[0])[0], k=96)
         found = []
-        curves, theta = by_length(self.curves[near])
+        curves, theta = (each[near] for each in self._even)
         for sense in (1, -1):
             for shift in np.arange(0, 1, 1 / 36):
                 samples = np.rint((shift + sense * along) * SAMPLES).astype(int) % SAMPLES
@@ -105,6 +124,10 @@ class Atlas:
             placed = type(made)(**{**made.numbers, "angle": turned}, branch=made.branch)
             taken[k] = Start(placed, theta + turned, sense, float(off))
         return list(taken.values())
+
+    @property
+    def _even(self) -> tuple[np.ndarray, np.ndarray]:
+        return _even(self.kind)
 
     @property
     def _tree(self) -> Any:
@@ -163,4 +186,10 @@ def atlas_of(kind: type[Linkage]) -> Atlas:
 def _tree(kind: type[Linkage]) -> Any:
     from scipy.spatial import cKDTree
 
-    return cKDTree(descriptors(by_length(atlas_of(kind).curves)[0]))
+    return cKDTree(descriptors(_even(kind)[0]))
+
+
+@lru_cache(maxsize=4)
+def _even(kind: type[Linkage]) -> tuple[np.ndarray, np.ndarray]:
+    """Curves at equal steps of their length, and the crank angles there."""
+    return by_length(atlas_of(kind).curves)

@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.design.synthesis.linkage import Linkage, Numbers
+from dalembert.design.synthesis.linkage import EDGE, Direction, Linkage, Numbers, least_squares
 from dalembert.elements import planar
 from dalembert.errors import AnalysisError
 from dalembert.model.system import System
@@ -47,12 +47,22 @@ class FourBar(Linkage):
     lengths = ("crank", "coupler", "follower", "ground")
 
     @staticmethod
-    def closure(q: Numbers, theta: ca.SX, phi: ca.SX, output: ca.SX) -> list[ca.SX]:
-        d, c, f, g, gamma = (q[n] for n in ("crank", "coupler", "follower", "ground", "angle"))
-        return [
-            d * turn(theta) + c * turn(phi) - g * turn(gamma) - f * turn(output)
-            for turn in (ca.cos, ca.sin)
-        ]
+    def closed(q: Numbers, branch: ca.SX, theta: ca.SX) -> tuple[Direction, Direction | ca.SX]:
+        x, y = _line(q, theta)
+        c, f = q["coupler"], q["follower"]
+        far = ca.sqrt(x**2 + y**2)
+        inner = (c**2 + far**2 - f**2) / (2 * c * far)
+        cos_in = ca.fmin(ca.fmax(inner, -EDGE), EDGE)
+        sin_in = branch * ca.sqrt(1 - cos_in**2)
+        along, square = (x * cos_in - y * sin_in) / far, (y * cos_in + x * sin_in) / far
+        return (along, square), ((c * along - x) / f, (c * square - y) / f)
+
+    @staticmethod
+    def closes(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
+        x, y = _line(q, theta)
+        c, f = q["coupler"], q["follower"]
+        edge, far = 2 * c * f * np.cos(least), x**2 + y**2
+        return [far - (c**2 + f**2 - edge), c**2 + f**2 + edge - far]
 
     @staticmethod
     def transmission_sine(q: Numbers, phi: Any, output: Any) -> Any:
@@ -80,6 +90,21 @@ class FourBar(Linkage):
         return phi, np.angle(pin + q["coupler"] * np.exp(1j * phi) - ground)
 
     @classmethod
+    def fitted(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
+        """``K₁ cos ψ − K₂ cos θ + K₃ = cos(θ − ψ)`` (Freudenstein 1955), ``K₁ = g/d``,
+        ``K₂ = g/f``, ``K₃ = (d² − c² + f² + g²)/(2 d f)``."""
+        rows = np.stack([np.cos(output), -np.cos(theta), np.ones_like(theta)], axis=-1)
+        k1, k2, k3 = least_squares(rows, np.cos(theta - output))
+        with np.errstate(all="ignore"):
+            d, f = (np.where(k > 0, 1 / k, np.nan) for k in (k1, k2))
+            c = np.sqrt(d**2 + f**2 + 1 - 2 * d * f * k3)
+        zero = np.zeros_like(d)
+        return {
+            **{"crank": d, "coupler": c, "follower": f, "ground": zero + 1},
+            **{"x": zero, "y": zero, "angle": zero, "u": zero, "v": zero},
+        }
+
+    @classmethod
     def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
         zero = np.zeros(count)
         crank, coupler = rng.uniform(0.1, 0.9, count), rng.uniform(0.4, 2.5, count)
@@ -93,6 +118,27 @@ class FourBar(Linkage):
             **{"crank": crank, "coupler": coupler, "follower": follower, "ground": zero + 1},
             **{"x": zero, "y": zero, "angle": zero, "u": point.real, "v": point.imag},
         }
+
+    @staticmethod
+    def circuits(q: Numbers, theta: Any, phi: Any, output: Any) -> np.ndarray:
+        """By Grashof's rule the joints away from the shortest link never straighten."""
+        sizes = {name: float(q[name]) for name in FourBar.lengths}
+        least = min(sizes, key=lambda name: sizes[name])
+        if 2 * (sizes[least] + max(sizes.values())) >= sum(sizes.values()):
+            return np.zeros(np.shape(theta))
+        angle = {"coupler": theta - q["angle"], "follower": phi - theta}.get(least, output - phi)
+        return np.asarray(np.sign(np.sin(angle)))
+
+    def joints(self, theta: float) -> np.ndarray:
+        """Crank pivot and pin, follower pivot and pin, coupler point."""
+        phi = self.coupler_angle(theta)
+        pivot = complex(self.x, self.y)
+        pin = pivot + self.crank * np.exp(1j * theta)
+        far, end = (
+            pivot + self.ground * np.exp(1j * self.angle),
+            pin + self.coupler * np.exp(1j * phi),
+        )
+        return np.array([pivot, pin, far, end, pin + complex(self.u, self.v) * np.exp(1j * phi)])
 
     @property
     def kind(self) -> str:
@@ -174,3 +220,9 @@ class FourBar(Linkage):
         made.add(planar.Revolute("O2", far, follower.start))
         made.add(planar.RotationalDriver("motor", ground, crank, start + speed * t))
         return made
+
+
+def _line(q: Numbers, theta: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """From the crank pin to the pivot of the follower."""
+    d, g, gamma = q["crank"], q["ground"], q["angle"]
+    return g * ca.cos(gamma) - d * ca.cos(theta), g * ca.sin(gamma) - d * ca.sin(theta)

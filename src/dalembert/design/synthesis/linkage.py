@@ -20,6 +20,10 @@ from dalembert.symbolic.formulas.parameter import Parameter
 
 Numbers = Mapping[str, Any]
 """Dimension → number, array or graph."""
+Direction = tuple[Any, Any]
+"""Cosine and sine of an angle."""
+EDGE = 1 - 1e-7
+"""Largest cosine or sine of an angle inside the loop, whose derivatives are finite."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,8 +68,16 @@ class Linkage(ABC):
     # what a kind of linkage states ---------------------------------------------------------
     @staticmethod
     @abstractmethod
-    def closure(q: Numbers, theta: ca.SX, phi: ca.SX, output: ca.SX) -> list[ca.SX]:
-        """Two equations of the loop, zero where it is closed."""
+    def closed(q: Numbers, branch: ca.SX, theta: ca.SX) -> tuple[Direction, Direction | ca.SX]:
+        """Direction of the coupler, and direction of the follower or place of the slider.
+
+        Where the loop is open they are those of the nearest closed one.
+        """
+
+    @staticmethod
+    @abstractmethod
+    def closes(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
+        """Not negative where the loop closes with no transmission angle below ``least`` [rad]."""
 
     @staticmethod
     @abstractmethod
@@ -85,8 +97,26 @@ class Linkage(ABC):
 
     @classmethod
     @abstractmethod
+    def fitted(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
+        """Dimensions (k,) of unit frame for outputs (k, n) at crank angles (k, n).
+
+        Least squares of the equation of the linkage without its coupler angle, which is linear in
+        three coefficients: exact for three entries. Lengths that are not real are NaN.
+        """
+
+    @classmethod
+    @abstractmethod
     def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
         """Random linkages of unit size whose crank turns."""
+
+    @staticmethod
+    @abstractmethod
+    def circuits(q: Numbers, theta: Any, phi: Any, output: Any) -> np.ndarray:
+        """Number of the circuit of each position, ±1; 0 where all positions are on one circuit."""
+
+    @abstractmethod
+    def joints(self, theta: float) -> np.ndarray:
+        """Places of pivots, pins and coupler point as complex numbers, the crank's first."""
 
     @abstractmethod
     def system(self, name: str = "linkage", speed: float = 1.0) -> System:
@@ -140,3 +170,8 @@ class Linkage(ABC):
         free = {n: v * size for n, v in self.numbers.items() if n != "angle"}
         free["x"], free["y"] = free["x"] + at.real, free["y"] + at.imag
         return type(self)(**{**self.numbers, **free}, branch=self.branch)
+
+
+def least_squares(rows: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """(3, k) solutions of many systems ``(k, n, 3)``."""
+    return np.asarray((np.linalg.pinv(rows) @ right[..., None])[..., 0]).T

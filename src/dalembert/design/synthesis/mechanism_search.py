@@ -16,6 +16,7 @@ import numpy as np
 
 from dalembert.design.synthesis.found_mechanism import FoundMechanism
 from dalembert.design.synthesis.mechanism_task import SAMPLES, MechanismTask
+from dalembert.interrupts import check_ctrl_c
 from dalembert.results.motion import Motion
 from dalembert.symbolic.formulas.expression import stack
 
@@ -120,6 +121,7 @@ class MechanismSearch:
             lbg=0.0,
             ubg=np.concatenate([np.zeros(equations), np.full(limits, np.inf)]),
         )
+        check_ctrl_c()  # Ipopt ends without an exception
         x = np.array(found["x"]).ravel()
         if not np.all(np.isfinite(x)):
             return None

@@ -1,16 +1,16 @@
 """The nonlinear programme that polishes a linkage, its derivatives exact.
 
-Crank, coupler and output at every entry of the target are variables and the loop is an equation,
-so that a linkage may be open on the way. The sign of the sine of the transmission angle keeps the
-branch, and with it, where the crank turns all the way, the circuit; angles of the crank that grow
-keep the order.
+The loop is closed explicitly, so that only dimensions and crank angles are unknown; where it is
+open, the nearest closed one stands for it. Coupler and output angles count from their means, which
+solves for their starts. The branch is that of the start. Where the crank turns all the way, the
+branch keeps the circuit; crank angles that increase keep the order.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -18,14 +18,19 @@ import casadi as ca
 import numpy as np
 
 from dalembert.design.synthesis.atlas import Start
-from dalembert.design.synthesis.linkage import Linkage
+from dalembert.design.synthesis.linkage import Direction, Linkage
 from dalembert.design.synthesis.target import Target
+from dalembert.interrupts import check_ctrl_c
 
 QUIET: dict[str, Any] = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes"}
 APART = 1e-3
 """Least turn of the crank between entries [rad]."""
+ROUGH = 40
+"""Iterations by which starts are compared."""
+ALIKE = 1e-2
+"""Relative difference of sums of squares up to which two starts count as one."""
 HELD = 1e-8
-"""Violation of equations and limits, in the size of the target, that counts as none."""
+"""Violation of limits, in the size of the target, that counts as none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +53,6 @@ class Polish:
     transmission: float
     order: bool
     max_iterations: int = 300
-    _parts: dict[str, Any] = field(default_factory=dict)
 
     @property
     def free_timing(self) -> bool:
@@ -61,31 +65,33 @@ class Polish:
 
     @cached_property
     def solver(self) -> ca.Function:
-        n = len(self.target)
+        """The programme."""
+        return self._solver(self.max_iterations)
+
+    @cached_property
+    def rough(self) -> ca.Function:
+        """The programme, ended after a few iterations."""
+        return self._solver(ROUGH)
+
+    def _solver(self, max_iterations: int) -> ca.Function:
         q = {name: ca.SX.sym(name) for name in self.kind.names()}
-        theta = ca.SX.sym("theta", n if self.free_timing else 1)
-        phi, output = ca.SX.sym("phi", n), ca.SX.sym("output", n)
-        turned, start = ca.SX.sym("turned"), ca.SX.sym("start")
+        theta = ca.SX.sym("theta", len(self.target) if self.free_timing else 1)
         branch, sense = ca.SX.sym("branch"), ca.SX.sym("sense")
         crank = theta if self.free_timing else theta + self._given
-        x = ca.vertcat(*q.values(), theta, phi, output, turned, start)
-        limits = [branch * self.kind.transmission_sine(q, phi, output) - self._least]
+        limits = [] if self.crank_turns else self.kind.closes(q, crank, self._least)
         if self.order and self.free_timing:
             limits.append(sense * ca.diff(theta) - APART)
             limits.append(2 * math.pi - APART - sense * (theta[-1] - theta[0]))
         if self.crank_turns:
-            limits += self.kind.turns(q, max(self.transmission, 1e-3))
-        equations = ca.vertcat(*self.kind.closure(q, crank, phi, output))
-        inequalities = ca.vertcat(*limits)
-        self._parts.update(equations=equations.numel(), limits=inequalities.numel())
+            limits += self.kind.turns(q, self._least)
         problem = {
-            "x": x,
+            "x": ca.vertcat(*q.values(), theta),
             "p": ca.vertcat(branch, sense),
-            "f": self._distance(q, crank, phi, output, turned, start),
-            "g": ca.vertcat(equations, inequalities),
+            "f": self._distance(q, branch, crank),
+            "g": ca.vertcat(*limits),
         }
         own: dict[str, Any] = {
-            "ipopt.max_iter": self.max_iterations,
+            "ipopt.max_iter": max_iterations,
             "ipopt.tol": 1e-10,
             "error_on_fail": False,
         }
@@ -93,62 +99,98 @@ class Polish:
 
     @property
     def _least(self) -> float:
-        return math.sin(max(self.transmission, 1e-3))
+        return max(self.transmission, 1e-3)
 
-    def _distance(
-        self, q: Any, crank: ca.SX, phi: ca.SX, output: ca.SX, turned: ca.SX, start: ca.SX
-    ) -> ca.SX:
+    def _distance(self, q: Any, branch: ca.SX, crank: ca.SX) -> ca.SX:
         """Sum of squares; angles count as lengths on a circle of unit radius."""
         target, total = self.target, ca.SX(0)
+        (c, s), output = self.kind.closed(q, branch, crank)
         if target.points is not None:
-            c, s = ca.cos(phi), ca.sin(phi)
             x = q["x"] + q["crank"] * ca.cos(crank) + q["u"] * c - q["v"] * s
             y = q["y"] + q["crank"] * ca.sin(crank) + q["u"] * s + q["v"] * c
             total += ca.sumsqr(x - target.points[:, 0]) + ca.sumsqr(y - target.points[:, 1])
         if target.coupler_angles is not None:
-            total += ca.sumsqr(phi - turned - target.coupler_angles)
+            total += _scatter(_angles((c, s), target.coupler_angles))
         if target.outputs is not None:
-            total += ca.sumsqr(output - start - target.outputs)
+            off = (
+                _angles(output, target.outputs)
+                if isinstance(output, tuple)
+                else output - target.outputs
+            )
+            total += _scatter(off)
         return total
 
-    def _holds(self, g: ca.DM) -> bool:
-        """Whether equations and limits hold where a search has come to no end.
+    def _value(self, x: np.ndarray, signs: list[int]) -> float:
+        """The sum of squares; infinite where limits do not hold."""
+        value, limits = (self.solver.get_function(f"nlp_{name}")(x, signs) for name in "fg")
+        least = np.min(np.array(limits), initial=np.inf)
+        return float(value) if np.isfinite(float(value)) and least >= -HELD else np.inf
 
-        A target may be met better and better by ever longer links; what was reached is a linkage.
-        """
-        left, count = g.full().ravel(), self._parts["equations"]
-        return bool(np.all(abs(left[:count]) < HELD) and np.all(left[count:] > -HELD))
+    def selected(self, starts: list[Start], count: int) -> list[Start]:
+        """The most promising starts, as they are after a few iterations."""
+        if len(starts) <= count:
+            return starts
+        found = [one for one in (self._improved(start) for start in starts) if one is not None]
+        found.sort(key=lambda one: one.distance)
+        alike = [k for k in range(1, len(found)) if _alike(found[k], found[k - 1])]
+        distinct = [one for k, one in enumerate(found) if k not in alike]
+        return (distinct + [found[k] for k in alike])[:count]
 
-    def __call__(self, start: Start) -> tuple[Linkage, np.ndarray] | None:
+    def _improved(self, start: Start) -> Start | None:
+        ended = self(start, self.rough)
+        if ended is None:
+            return None
+        linkage, theta = ended
+        crank = theta if self.free_timing else theta[:1] - self._given[0]
+        x = np.concatenate([list(linkage.numbers.values()), crank])
+        value = self._value(x, [linkage.branch, start.sense])
+        return Start(linkage, theta, start.sense, value)
+
+    def __call__(
+        self, start: Start, solver: ca.Function | None = None
+    ) -> tuple[Linkage, np.ndarray] | None:
         """The linkage that the programme leads to, and its crank angles; None where it fails."""
-        guess, target = start.linkage, self.target
-        solver, n = self.solver, len(target)
-        phi, output = guess.loop(guess.numbers, guess.branch, start.theta)
-        phi = np.unwrap(np.nan_to_num(phi))
-        output = np.nan_to_num(output)
-        output = np.unwrap(output) if self.kind.output_is_angle else output
-        turned = 0.0 if target.coupler_angles is None else np.mean(phi - target.coupler_angles)
-        begin = 0.0 if target.outputs is None else np.mean(output - target.outputs)
+        guess, solver = start.linkage, solver or self.solver
         names = self.kind.names()
         ends = np.array([self.bounds[name] for name in names], dtype=float)
         q0 = np.clip([guess.numbers[name] for name in names], ends[:, 0], ends[:, 1])
         theta = start.theta if self.free_timing else start.theta[:1] - self._given[0]
-        x0 = np.concatenate([q0, theta, phi, output, [turned, begin]])
-        away = np.full(x0.size - len(names), np.inf)
+        away = np.full(theta.size, np.inf)
+        begin, signs = np.concatenate([q0, theta]), [guess.branch, start.sense]
         found = solver(
-            x0=x0,
-            p=[guess.branch, start.sense],
+            x0=begin,
+            p=signs,
             lbx=np.concatenate([ends[:, 0], -away]),
             ubx=np.concatenate([ends[:, 1], away]),
             lbg=0.0,
-            ubg=np.concatenate(
-                [np.zeros(self._parts["equations"]), np.full(self._parts["limits"], np.inf)]
-            ),
+            ubg=np.inf,
         )
-        x = np.array(found["x"]).ravel()
-        if not np.all(np.isfinite(x)) or not (solver.stats()["success"] or self._holds(found["g"])):
+        check_ctrl_c()  # Ipopt ends without an exception
+        # a target may be met better and better by ever longer links: what is reached is a linkage;
+        # a start that is an optimum already may be left for a worse one
+        ended = np.array(found["x"]).ravel()
+        x = min(ended, begin, key=lambda one: self._value(one, signs))
+        if not np.isfinite(self._value(x, signs)):
             return None
         made = dict(zip(names, x[: len(names)].tolist(), strict=True))
-        crank = x[len(names) :][: n if self.free_timing else 1]
-        crank = crank if self.free_timing else crank + self._given
+        crank = x[len(names) :] if self.free_timing else x[len(names)] + self._given
         return self.kind(**made, branch=guess.branch), crank
+
+
+def _alike(one: Start, other: Start) -> bool:
+    """Whether two starts lead to one optimum, by their sums of squares."""
+    return abs(one.distance - other.distance) <= ALIKE * max(one.distance, other.distance)
+
+
+def _angles(direction: Direction, target: np.ndarray) -> ca.SX:
+    """Angles less those of the target, without jumps, the first counted from any start."""
+    cosine, sine = direction
+    c = cosine * np.cos(target) + sine * np.sin(target)
+    s = sine * np.cos(target) - cosine * np.sin(target)
+    turned = ca.atan2(c[:-1] * s[1:] - s[:-1] * c[1:], c[:-1] * c[1:] + s[:-1] * s[1:])
+    return ca.vertcat(0, ca.cumsum(turned))
+
+
+def _scatter(values: ca.SX) -> ca.SX:
+    """Sum of squares about the mean."""
+    return ca.sumsqr(values - ca.sum1(values) / values.numel())

@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.design.synthesis.linkage import Linkage, Numbers
+from dalembert.design.synthesis.linkage import EDGE, Direction, Linkage, Numbers, least_squares
 from dalembert.elements import planar
 from dalembert.model.system import System
 from dalembert.symbolic.formulas.expression import t
@@ -45,10 +45,19 @@ class SliderCrank(Linkage):
     output_is_angle = False
 
     @staticmethod
-    def closure(q: Numbers, theta: ca.SX, phi: ca.SX, output: ca.SX) -> list[ca.SX]:
+    def closed(q: Numbers, branch: ca.SX, theta: ca.SX) -> tuple[Direction, Direction | ca.SX]:
         d, c, e, gamma = (q[n] for n in ("crank", "coupler", "offset", "angle"))
-        along = d * ca.cos(theta - gamma) + c * ca.cos(phi - gamma) - output
-        return [along, d * ca.sin(theta - gamma) + c * ca.sin(phi - gamma) - e]
+        sin_in = ca.fmin(ca.fmax((e - d * ca.sin(theta - gamma)) / c, -EDGE), EDGE)
+        cos_in = branch * ca.sqrt(1 - sin_in**2)
+        cos_g, sin_g = ca.cos(gamma), ca.sin(gamma)
+        coupler = cos_in * cos_g - sin_in * sin_g, sin_in * cos_g + cos_in * sin_g
+        return coupler, d * ca.cos(theta - gamma) + c * cos_in
+
+    @staticmethod
+    def closes(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
+        off = q["offset"] - q["crank"] * ca.sin(theta - q["angle"])
+        edge = q["coupler"] * np.cos(least)
+        return [edge - off, edge + off]
 
     @staticmethod
     def transmission_sine(q: Numbers, phi: Any, output: Any) -> Any:
@@ -69,6 +78,22 @@ class SliderCrank(Linkage):
         return lean + q["angle"], place
 
     @classmethod
+    def fitted(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
+        """``s² = K₁ s cos θ + K₂ sin θ + K₃``, ``K₁ = 2 d``, ``K₂ = 2 d e``,
+        ``K₃ = c² − d² − e²``."""
+        rows = np.stack([output * np.cos(theta), np.sin(theta), np.ones_like(theta)], axis=-1)
+        k1, k2, k3 = least_squares(rows, output**2)
+        with np.errstate(all="ignore"):
+            d = np.where(k1 > 0, k1 / 2, np.nan)
+            e = k2 / k1
+            c = np.sqrt(k3 + d**2 + e**2)
+        zero = np.zeros_like(d)
+        return {
+            **{"crank": d, "coupler": c, "offset": e},
+            **{"x": zero, "y": zero, "angle": zero, "u": zero, "v": zero},
+        }
+
+    @classmethod
     def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
         zero = np.zeros(count)
         crank = rng.uniform(0.1, 0.9, count)
@@ -78,6 +103,23 @@ class SliderCrank(Linkage):
             **{"crank": crank, "coupler": zero + 1, "offset": offset},
             **{"x": zero, "y": zero, "angle": zero, "u": 0.5 + reach.real, "v": reach.imag},
         }
+
+    @staticmethod
+    def circuits(q: Numbers, theta: Any, phi: Any, output: Any) -> np.ndarray:
+        """Where crank or rod turns all the way, the other one never is square to the rail."""
+        gap, off = float(q["coupler"]) - float(q["crank"]), abs(float(q["offset"]))
+        if abs(gap) <= off:
+            return np.zeros(np.shape(theta))
+        return np.asarray(np.sign(np.cos((phi if gap > 0 else theta) - q["angle"])))
+
+    def joints(self, theta: float) -> np.ndarray:
+        """Crank pivot and pin, slider pin, coupler point, and the foot of the rail."""
+        phi = self.coupler_angle(theta)
+        pivot = complex(self.x, self.y)
+        pin = pivot + self.crank * np.exp(1j * theta)
+        point = pin + complex(self.u, self.v) * np.exp(1j * phi)
+        foot = pivot + 1j * self.offset * np.exp(1j * self.angle)
+        return np.array([pivot, pin, pin + self.coupler * np.exp(1j * phi), point, foot])
 
     def system(self, name: str = "slider-crank", speed: float = 1.0) -> System:
         made = System(name)

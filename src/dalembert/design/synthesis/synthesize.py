@@ -4,23 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from dalembert.analysis.progress import Reported, progress_reporter
-from dalembert.design.synthesis.atlas import Start, atlas_of
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.problem import Polish
+from dalembert.design.synthesis.starts import starts_of
 from dalembert.design.synthesis.synthesis import Solution, Synthesis
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import interruptible, searching
 from dalembert.text.spelling import spelled
 from dalembert.text.wording import unknown
 
+CANDIDATES = 6
+"""Starts of open paths that are compared, for each that is polished."""
+
 
 @spelled
+@interruptible
 def synthesize(
     target: Target,
     linkage: type[Linkage] = FourBar,
@@ -73,25 +77,25 @@ def synthesize(
         )
     size, at = _frame(target)
     scaled = _scaled(target, size, at)
-    polish = Polish(
-        linkage,
-        scaled,
-        _bounds(linkage, target, bounds, size, at),
-        crank_turns,
-        transmission,
-        order,
-    )
+    ends = _bounds(linkage, target, bounds, size, at)
+    polish = Polish(linkage, scaled, ends, crank_turns, transmission, order)
+    generator = np.random.default_rng(rng)
+    many = CANDIDATES * starts if _is_open_path(target) else starts
+    chosen = starts_of(linkage, scaled, ends, crank_turns, many, generator)
     found: list[Solution] = []
-    chosen = _starts(linkage, scaled, starts, np.random.default_rng(rng))
+    free = target.crank_angles is None and target.outputs is None
     done = 0
     with progress_reporter(progress, f"{linkage.__name__}s") as report:
         try:
-            for start in chosen:
-                made = polish(start)
-                if made is not None:
-                    _keep(found, _solution(target, made[0].scaled(size, at), made[1], crank_turns))
-                done += 1
-                report(done / len(chosen))
+            with searching():
+                chosen = polish.selected(chosen, starts)
+                for start in chosen:
+                    made = polish(start)
+                    if made is not None:
+                        bar = made[0].scaled(size, at)
+                        _keep(found, _solution(target, bar, made[1], crank_turns), free)
+                    done += 1
+                    report(done / len(chosen))
         except KeyboardInterrupt:
             if not found:
                 raise
@@ -102,6 +106,12 @@ def synthesize(
         )
     found.sort(key=lambda solution: solution.error)
     return Synthesis(target, found, done, interrupted=done < len(chosen))
+
+
+def _is_open_path(target: Target) -> bool:
+    """Whether entries have neither timing nor angles, so that starts tell little of their ends."""
+    free = target.crank_angles is None and target.coupler_angles is None
+    return free and target.points is not None and not target.closed
 
 
 def _frame(target: Target) -> tuple[float, complex]:
@@ -148,25 +158,6 @@ def _bounds(
     return usual
 
 
-def _starts(
-    kind: type[Linkage], target: Target, count: int, rng: np.random.Generator
-) -> list[Start]:
-    if target.points is not None:
-        return atlas_of(kind).nearest(target, count)
-    q, branch = kind.drawn(rng, count), rng.choice([-1, 1], count)
-    given = np.zeros(len(target)) if target.crank_angles is None else target.crank_angles
-    begins = rng.uniform(0, 2 * np.pi, count)
-    return [
-        Start(
-            kind(**{n: float(v[k]) for n, v in q.items()}, branch=int(branch[k])),
-            given + begins[k],
-            1,
-            np.inf,
-        )
-        for k in range(count)
-    ]
-
-
 def _solution(
     target: Target, linkage: Linkage, theta: np.ndarray, crank_turns: bool
 ) -> Solution | None:
@@ -193,14 +184,25 @@ def _from_mean(values: np.ndarray, angles: bool) -> np.ndarray:
     return values - values.mean()
 
 
-def _keep(found: list[Solution], made: Solution | None) -> None:
-    """Take a solution unless it is there already."""
+def _keep(found: list[Solution], made: Solution | None, free: bool) -> None:
+    """Take a solution unless the same linkage is there already."""
     if made is None:
         return
-    mine: Any = np.array([*made.linkage.numbers.values(), made.linkage.branch])
     for k, other in enumerate(found):
-        theirs = np.array([*other.linkage.numbers.values(), other.linkage.branch])
-        if np.allclose(mine, theirs, rtol=1e-4, atol=1e-6):
+        if _same(made, other, free):
             found[k] = min(made, other, key=lambda solution: solution.error)
             return
     found.append(made)
+
+
+def _same(one: Solution, other: Solution, free: bool) -> bool:
+    """Whether the joints are at the same places at the first entry, whatever the angles count.
+
+    Where crank angles are free, crank and follower may have changed their names.
+    """
+    a, b = (s.linkage.joints(float(s.crank_angles[0])) for s in (one, other))
+    near = 1e-4 * np.ptp(np.abs(a - a[0])) + 1e-9
+    if np.all(abs(a - b) < near):
+        return True
+    swaps = free and isinstance(one.linkage, FourBar)
+    return bool(swaps and np.all(abs(a - b[[2, 3, 0, 1, 4]]) < near))

@@ -12,10 +12,12 @@ from dalembert.design.synthesis.mechanism_search import MechanismSearch
 from dalembert.design.synthesis.mechanism_task import MechanismTask, mechanism_task
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import interruptible, searching
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 
 
+@interruptible
 def synthesize_mechanism(
     target: Target,
     model: Model,
@@ -73,13 +75,14 @@ def synthesize_mechanism(
     generator = np.random.default_rng(rng)
     with progress_reporter(progress, "mechanisms") as report:
         try:
-            for k in range(starts):
-                drawn = _start(task, generator, k)
-                made = None if drawn is None else search.solved(*drawn)
-                begun += drawn is not None
-                found += [] if made is None else [made]
-                done += 1
-                report(done / starts)
+            with searching():
+                for k in range(starts):
+                    drawn = _start(task, generator, k)
+                    made = None if drawn is None else search.solved(*drawn)
+                    begun += drawn is not None
+                    found += [] if made is None else [made]
+                    done += 1
+                    report(done / starts)
         except KeyboardInterrupt:
             if not found:
                 raise

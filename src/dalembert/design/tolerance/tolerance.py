@@ -17,6 +17,7 @@ from dalembert.design.optimize.optimization import design_problem
 from dalembert.design.optimize.problem import DesignProblem
 from dalembert.design.tolerance.toleranced import Toleranced
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.interrupts import interruptible, searching
 from dalembert.responses.base import Response, as_responses
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -96,6 +97,7 @@ class Box:
 
 
 @spelled
+@interruptible
 def tolerance(
     model: ParametricModel,
     response: Response,
@@ -176,18 +178,19 @@ def tolerance(
     )
     with progress_reporter(progress, "tolerances") as report:
         try:
-            if second_order:
-                found.hessian = box.hessian()
-            report(0.2)
-            if worst_case:
-                found.worst = box.extreme(-1), box.extreme(1)
-            report(0.3)
-            if samples:
-                generator = np.random.default_rng(rng)
-                found.sampled = np.zeros(0)
-                for values in _sampled(box, sigmas, samples, generator):
-                    found.sampled = np.append(found.sampled, values)
-                    report(0.3 + 0.7 * found.sampled.size / samples)
+            with searching():
+                if second_order:
+                    found.hessian = box.hessian()
+                report(0.2)
+                if worst_case:
+                    found.worst = box.extreme(-1), box.extreme(1)
+                report(0.3)
+                if samples:
+                    generator = np.random.default_rng(rng)
+                    found.sampled = np.zeros(0)
+                    for values in _sampled(box, sigmas, samples, generator):
+                        found.sampled = np.append(found.sampled, values)
+                        report(0.3 + 0.7 * found.sampled.size / samples)
         except KeyboardInterrupt:
             found.interrupted = True
     if found.sampled is not None and not found.sampled.size:

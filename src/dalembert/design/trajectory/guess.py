@@ -45,6 +45,30 @@ def guessed(
     return _sampled(physics, given, intervals)
 
 
+def from_plan(physics: Physics, plan: Any, intervals: int) -> Guess:
+    """A plan as the beginning of the search for the next one, on other intervals."""
+    made = _sampled(physics, plan.planned, intervals)
+    times = np.linspace(0, plan.duration, 2 * intervals + 1)
+    u = np.array([control(times) for control in plan.controls.values()]).reshape(-1, times.size)
+    q = np.array(list(plan.x.values()))
+    y, v = made["y"], made["v"]
+    forces = [
+        physics.accelerations(t, y[:, k], v[:, k], u[:, 2 * k], q) for k, t in enumerate(times[::2])
+    ]
+    a, multiplier = (
+        np.array(part).T.reshape(-1, intervals + 1) for part in zip(*forces, strict=True)
+    )
+    return made | {
+        "a": a,
+        "multiplier": multiplier,
+        "a_middle": (a[:, 1:] + a[:, :-1]) / 2,
+        "multiplier_middle": (multiplier[:, 1:] + multiplier[:, :-1]) / 2,
+        "u": u[:, ::2],
+        "u_middle": u[:, 1::2],
+        "q": q[:, None],
+    }
+
+
 def _sampled(physics: Physics, motion: Any, intervals: int) -> Guess:
     """A motion at the knots."""
     if motion.model.equations.y.numel() != physics.equations.y.numel():

@@ -12,6 +12,7 @@ import numpy as np
 from dalembert.design.telling import Told
 from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.transcription import Rows, Transcription
+from dalembert.interrupts import searching
 from dalembert.results.status import Outcome, Status
 
 SOLVED = 1e-6
@@ -39,11 +40,12 @@ class Solution:
 
 @dataclass(frozen=True, eq=False)
 class Programme:
-    """``min objective`` subject to rows of equations and limits."""
+    """``min objective + penalty`` subject to rows of equations and limits."""
 
     transcription: Transcription
     objective: ca.MX
     rows: list[Rows]
+    penalty: ca.MX | float = 0.0
 
     def solved(
         self, x0: np.ndarray, method: TrajectoryMethod, told: Told | None = None
@@ -58,7 +60,7 @@ class Programme:
         settings: dict[str, Any] = {
             "iteration_callback": watch,
             "ipopt.max_iter": method.max_iterations,
-            "ipopt.tol": method.tolerance,
+            "ipopt.tol": max(method.tolerance, 1e-14),
             "ipopt.print_level": 0,
             "ipopt.sb": "yes",
             "ipopt.mu_strategy": "adaptive",
@@ -67,12 +69,13 @@ class Programme:
             "show_eval_warnings": False,
             "expand": method.expands,
         }
-        problem = {"x": unknowns, "f": self.objective / size, "g": rows}
+        problem = {"x": unknowns, "f": (self.objective + self.penalty) / size, "g": rows}
         solver = ca.nlpsol("trajectory", "ipopt", problem, settings)
         lower, upper = self.transcription.bounds()
         try:
-            found = solver(x0=x0, lbx=lower, ubx=upper, lbg=self._ends(0), ubg=self._ends(1))
-            x, ended = np.array(found["x"]).ravel(), str(solver.stats()["return_status"])
+            with searching():
+                found = solver(x0=x0, lbx=lower, ubx=upper, lbg=self._ends(0), ubg=self._ends(1))
+                x, ended = np.array(found["x"]).ravel(), str(solver.stats()["return_status"])
         except KeyboardInterrupt:
             watch.stopped = True
         if watch.stopped:

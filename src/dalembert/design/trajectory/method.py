@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
+from dalembert.design.methods.stop import check_stop
 from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.transcription import Transcription
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -41,12 +42,17 @@ class TrajectoryMethod(Analysis[Model, Motion]):
         inherit_texts(cls)
 
     def __post_init__(self) -> None:
+        check_stop(self.max_iterations, self.tolerance)
         if self.intervals < 2:
             raise AnalysisError(f"intervals is {self.intervals}; give two at least")
 
     def transcription(self, physics: Physics, duration: tuple[float, float]) -> Transcription:
         """The unknowns of the motion and the equations between them."""
         raise NotImplementedError
+
+    def finer(self, steps: bool) -> TrajectoryMethod:
+        """The method on twice as many intervals, or where its steps are too long, with more."""
+        return replace(self, intervals=2 * self.intervals)
 
     @property
     def expands(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,7 +38,10 @@ class OptimalTrajectory(Decision):
         natural sizes (lengths of the mechanism, radians): how fine the intervals are
     deviation : largest distance of ``planned`` and ``motion`` at a knot, likewise; large where the
         mechanism is unstable and needs feedback
-    iterations : of the solver
+    step_error : largest distance of ``motion`` and a run with half of its steps, likewise
+    intervals : of the plan, after refinement
+    iterations : of the solver, in all refinements
+    warnings : chattering controls, and what was changed because of them
     label, unit : of the objective
 
     Examples
@@ -69,7 +72,10 @@ class OptimalTrajectory(Decision):
     motion: Motion | None = field(default=None, repr=False)
     defect: float = float("nan")
     deviation: float = float("nan")
+    step_error: float = float("nan")
+    intervals: int = 0
     iterations: int = 0
+    warnings: list[str] = field(default_factory=list)
     label: str = "objective"
     unit: str = ""
     start: dict[str, float] = field(default_factory=dict)
@@ -85,6 +91,11 @@ class OptimalTrajectory(Decision):
     @property
     def interrupted(self) -> bool:  # type: ignore[override]
         return self.status.outcome is Outcome.INTERRUPTED
+
+    def interrupt(self) -> None:
+        if not self.interrupted:
+            message = f"interrupted after the search; {self.status.message}"
+            self.status = replace(self.status, outcome=Outcome.INTERRUPTED, message=message)
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -151,6 +162,8 @@ class OptimalTrajectory(Decision):
             "residual": self.status.residual,
             "defect": self.defect,
             "deviation": self.deviation,
+            "step_error": self.step_error,
+            "intervals": self.intervals,
             "iterations": self.iterations,
         }
 

@@ -7,6 +7,7 @@ both ends (Betts 2010; Kelly, *An introduction to trajectory optimization*, SIAM
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -15,9 +16,10 @@ import numpy as np
 from dalembert.analysis.served import need_mechanism
 from dalembert.design.limit import Limit
 from dalembert.design.telling import Told, teller
+from dalembert.design.trajectory.chattering import WEIGHT, roughness
 from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.control import Control
-from dalembert.design.trajectory.guess import guessed
+from dalembert.design.trajectory.guess import Guess, from_plan, guessed
 from dalembert.design.trajectory.ipopt import Programme, Solution
 from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.optimal import OptimalTrajectory
@@ -30,9 +32,11 @@ from dalembert.design.trajectory.quantities import (
     number_of,
     unit_of,
 )
+from dalembert.design.trajectory.refinement import REFINEMENTS, agrees, exploits_nodes, judged
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.design.trajectory.verification import verified
 from dalembert.errors import AnalysisError
+from dalembert.interrupts import interruptible
 from dalembert.model.model import Model
 from dalembert.model.scheduled import ScheduledModel
 from dalembert.results.motion import Motion
@@ -41,6 +45,7 @@ from dalembert.results.status import Status
 from dalembert.text.wording import unknown
 
 
+@interruptible
 def optimize_trajectory(
     model: Model,
     minimize: Any,
@@ -56,6 +61,7 @@ def optimize_trajectory(
     guess: Any = None,
     method: TrajectoryMethod | None = None,
     verify: bool = True,
+    accuracy: float = 1e-3,
     progress: bool | Told = False,
 ) -> OptimalTrajectory:
     """Best motion of a mechanism, and the controls that make it.
@@ -76,7 +82,10 @@ def optimize_trajectory(
     guess : a motion, ``"simulate"``, or ``"line"``, which leads evenly to the places demanded at
         the end; the line where there are such
     method : ``DirectCollocation(intervals=...)`` or ``MultipleShooting(...)``
-    verify : run it forward under the controls found
+    verify : run it forward under the controls; only a run that agrees with the plan is success
+    accuracy : largest distance of plan and run, in natural sizes (lengths of the mechanism,
+        radians). A plan that is farther away is refined, up to eight times the intervals; one whose
+        control chatters gets a small penalty on the second differences of its controls
     progress : True prints each iteration, or a function of its number and objective
 
     Raises
@@ -105,24 +114,78 @@ def optimize_trajectory(
     _refuse_names(model, [*controls, *vary])
     if not controls and not vary:
         raise AnalysisError("nothing to find; name controls=[...], parameters of forces")
+    if not (np.isfinite(accuracy) and accuracy > 0):
+        raise AnalysisError(f"accuracy is {accuracy!r}; give a number above zero, such as 1e-3")
     physics = Physics(model, controls, vary, model.values(parameters))
-    transcription = method.transcription(physics, span)
-    n = method.intervals
-    rows = [
-        *transcription.equations(),
-        *(_at_start(transcription) if begin is None else []),
-        *condition_rows(transcription, begin or {}, 0, "at the beginning"),
-        *condition_rows(transcription, end or {}, n, "at the end"),
-        *cyclic_rows(transcription, cyclic),
-        *limit_rows(transcription, subject_to),
-    ]
-    objective = number_of(transcription, minimize)
-    programme = Programme(transcription, objective, [*rows, *transcription.peaks])
-    x0 = transcription.pack(guessed(physics, guess, end or {}, span, n))
-    made = _made(programme, programme.solved(x0, method, teller(progress)), method)
-    made.label = getattr(minimize, "label", made.label)
-    made.unit = unit_of(model, minimize)
-    return verified(made, physics, method, begin is None) if verify and made.success else made
+    task = _Task(physics, minimize, span, begin, end or {}, cyclic, subject_to, teller(progress))
+    first = guessed(physics, guess, end or {}, span, method.intervals)
+    plan = task.plan(method, first, 0.0)
+    if not verify:
+        plan.warnings.append("no run under the controls has verified the plan (verify=False)")
+    if not verify or not plan.success:
+        return plan
+    return _refined(task, method, verified(plan, physics, method, begin is None), accuracy)
+
+
+@dataclass
+class _Task:
+    """What a trajectory is asked for, on whatever intervals."""
+
+    physics: Physics
+    minimize: Any
+    span: tuple[float, float]
+    begin: Conditions | None
+    end: Conditions
+    cyclic: Sequence[str]
+    subject_to: Sequence[Limit]
+    told: Told | None
+
+    def plan(self, method: TrajectoryMethod, guess: Guess, penalty: float) -> OptimalTrajectory:
+        """The plan to which the search leads from a guess, with a penalty on rough controls."""
+        transcription = method.transcription(self.physics, self.span)
+        begin, n = self.begin, method.intervals
+        rows = [
+            *transcription.equations(),
+            *(_at_start(transcription) if begin is None else []),
+            *condition_rows(transcription, begin or {}, 0, "at the beginning"),
+            *condition_rows(transcription, self.end, n, "at the end"),
+            *cyclic_rows(transcription, self.cyclic),
+            *limit_rows(transcription, self.subject_to),
+        ]
+        objective = number_of(transcription, self.minimize)
+        smooth = penalty * roughness(transcription) if penalty else 0.0
+        programme = Programme(transcription, objective, [*rows, *transcription.peaks], smooth)
+        x0 = transcription.pack(guess)
+        made = _made(programme, programme.solved(x0, method, self.told), method)
+        made.label = getattr(self.minimize, "label", made.label)
+        made.unit = unit_of(self.physics.model, self.minimize)
+        made.intervals = n
+        return made
+
+
+def _refined(
+    task: _Task, method: TrajectoryMethod, plan: OptimalTrajectory, accuracy: float
+) -> OptimalTrajectory:
+    """The plan on finer intervals, or smoother, until the run under its controls agrees with it."""
+    penalty, smoothed = 0.0, False
+    for _ in range(REFINEMENTS):
+        chatters = not smoothed and exploits_nodes(plan)
+        if plan.motion is None or (agrees(plan, accuracy) and not chatters):
+            break
+        if chatters:
+            penalty, smoothed = WEIGHT * max(abs(plan.fun), 1e-6), True
+        else:
+            method = method.finer(steps=plan.deviation <= accuracy)
+        guess = from_plan(task.physics, plan, method.intervals)
+        try:
+            following = task.plan(method, guess, penalty)
+        except KeyboardInterrupt:
+            break
+        if not following.success:
+            break
+        following.iterations += plan.iterations
+        plan = verified(following, task.physics, method, task.begin is None)
+    return judged(plan, accuracy, smoothed)
 
 
 def duration_of(duration: Any) -> tuple[float, float]:

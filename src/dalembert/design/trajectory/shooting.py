@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cached_property
 
 import casadi as ca
@@ -71,6 +71,9 @@ class MultipleShooting(TrajectoryMethod):
             stabilization=self.stabilization,
             integrator=self.integrator,
         )
+
+    def finer(self, steps: bool) -> MultipleShooting:
+        return replace(self, steps=4 * self.steps) if steps else super().finer(steps)  # type: ignore[return-value]
 
     @property
     def expands(self) -> bool:

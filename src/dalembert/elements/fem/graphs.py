@@ -6,10 +6,14 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import casadi as ca
+import numpy as np
 
 from dalembert.elements.fem.energies import Energies, Named
 from dalembert.elements.fem.inertia_graphs import InertiaGraphs
 from dalembert.elements.fem.nodal import ROTATIONS
+
+STRESSLESS = 1e-9
+"""Energy of first order in random displacements, by that of second order, that is rounding."""
 
 
 class ElementGraphs(InertiaGraphs):
@@ -62,7 +66,7 @@ class ElementGraphs(InertiaGraphs):
     @cached_property
     def energy(self) -> ca.SX:
         """Strain energy."""
-        return self._expanded(self.exact, 2) if self.linear else self.exact
+        return self._quadratic(self.exact) if self.linear else self.exact
 
     @property
     def whole_energy(self) -> ca.SX:
@@ -79,14 +83,33 @@ class ElementGraphs(InertiaGraphs):
         return named | self.cls.derived({name: sx for name, (sx, _) in named.items()}, self._q)
 
     def _expanded(self, value: ca.SX, order: int) -> ca.SX:
-        """Taylor polynomial in the displacements, along a line from zero."""
+        """Taylor's polynomial by displacements, about none."""
+        return sum(self._terms(value, order), ca.SX(0))
+
+    def _terms(self, value: ca.SX, order: int) -> list[ca.SX]:
+        """Parts of Taylor's polynomial, by their order in the displacements from zero."""
         share = ca.SX.sym("share")
         along = ca.substitute(value, self.u, share * self.u)
-        total, factorial = ca.substitute(along, share, ca.SX(0)), 1
+        found, factorial = [ca.substitute(along, share, ca.SX(0))], 1
         for k in range(1, order + 1):
             along, factorial = ca.jacobian(along, share), factorial * k
-            total += ca.substitute(along, share, ca.SX(0)) / factorial
-        return total
+            found.append(ca.substitute(along, share, ca.SX(0)) / factorial)
+        return found
+
+    def _quadratic(self, energy: ca.SX) -> ca.SX:
+        """A strain energy up to the second order.
+
+        Elements that are free of stress at rest have no energy of lower orders. Its rounding would
+        be a force at rest, beside which small loads are lost.
+        """
+        terms = self._terms(energy, 2)
+        inputs = [self.u, self.data, self.at]
+        sizes = ca.Function("sizes", inputs, [ca.vertcat(*terms)])
+        free = all(
+            abs(first) <= STRESSLESS * abs(second)
+            for _, first, second in (_drawn(sizes, seed) for seed in range(3))
+        )
+        return terms[2] if free else sum(terms, ca.SX(0))
 
     def slope(self, energy: ca.SX) -> ca.SX:
         """Internal forces of an energy."""
@@ -226,6 +249,13 @@ class ElementGraphs(InertiaGraphs):
 
     def _checks(self):
         return [self.data], [ca.vertcat(*(value for value, _ in self.checks))]
+
+
+def _drawn(function: ca.Function, seed: int) -> np.ndarray:
+    """Values of a function at random arguments."""
+    draws = np.random.default_rng(seed)
+    inputs = [draws.uniform(0.1, 0.4, function.size_in(k)) for k in range(function.n_in())]
+    return function(*inputs).full().ravel()
 
 
 class ThermalGraphs(ElementGraphs):

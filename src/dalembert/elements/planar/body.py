@@ -15,7 +15,7 @@ from dalembert.elements.bar import SlenderBar
 from dalembert.elements.base import Scalar, Vector, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.point import components
-from dalembert.elements.point_mass import PointMass
+from dalembert.elements.point_mass import PointMass, nothing
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression, as_expression
 from dalembert.symbolic.rotation import about_z
@@ -176,7 +176,7 @@ class Body(MovingFrame):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given = dict(self.points or {})
+        given = self.named("points")
         self.initial = (self.position, self.angle, self.velocity, self.angular_velocity)
         if self.rotates and self.mass is not None and self.inertia is None:
             raise ModelError(
@@ -272,4 +272,6 @@ class Particle(PointMass, Body):
     array([10.,  0.])
     """
 
-    needless = ("inertia", "angle", "angular_velocity")
+    inertia: Any = nothing()
+    angle: Any = nothing()
+    angular_velocity: Any = nothing()

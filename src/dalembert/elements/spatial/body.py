@@ -10,12 +10,13 @@ A point fixed in the body is at ``r_P = r_C + R(e) (s' − c')``. By Newton and 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, Vector, option, quantity
 from dalembert.elements.frame import Frames
-from dalembert.elements.point_mass import PointMass
+from dalembert.elements.point_mass import PointMass, nothing
 from dalembert.elements.rotation import Orientation, as_orientation
 from dalembert.elements.spatial.frame import SpatialFrame
 from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
@@ -94,7 +95,7 @@ class Body(SpatialFrame):
                 "centre, or use a Particle",
                 self.name,
             )
-        points, frames = dict(self.points or {}), dict(self.frames or {})
+        points, frames = self.named("points"), self.named("frames")
         self.initial = (self.position, self.rotation, self.velocity, self.angular_velocity)
         self.mass = self.mass if self.mass is not None else Expression(0)
         self.inertia = self.inertia if self.inertia is not None else Expression(ca.SX.zeros(6))
@@ -138,4 +139,8 @@ class Particle(PointMass, Body):
     array([3.   , 4.   , 4.905])
     """
 
-    needless = ("inertia", "rotation", "angular_velocity", "center_of_mass", "frames")
+    inertia: Any = nothing()
+    center_of_mass: Any = nothing()
+    rotation: Any = nothing()
+    angular_velocity: Any = nothing()
+    frames: Any = nothing()

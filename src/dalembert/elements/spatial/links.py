@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Condition, Look, Scalar, quantity
+from dalembert.elements.base import Condition, Look, Rate, Scalar, quantity
 from dalembert.elements.look import Rod
 from dalembert.elements.rigid_link import ConstantDistance
 from dalembert.elements.spatial.joint import FrameJoint, FramePointJoint
@@ -36,11 +37,28 @@ class RigidLink(ConstantDistance):
     """
 
 
+class Jointed:
+    """A link without mass, whose ends have moments of their own.
+
+    ``moment`` is that on body j at the end there, ``moment_i`` that on body i at its hinge:
+    ``M_i = −(M_j + d × F)`` with the force ``F`` on body j and ``d`` from the hinge to the end.
+    """
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        link: Any = self
+        force, moment = link.reaction()
+        arm = link.place() - link.frame_i.position.sx
+        found: dict[str, tuple[ca.SX, str]] = super().measures(rate)  # type: ignore[misc]
+        return found | {"moment_i": (-(moment + ca.cross(arm, force)), "N m")}
+
+
 @dataclass(eq=False)
-class RevoluteSphericalLink(FramePointJoint):
+class RevoluteSphericalLink(Jointed, FramePointJoint):
     """Link on a hinge of body i, with a ball at body j: ``Φ = [|d| − length; z_iᵀ d] = 0``.
 
-    The link lies across the axis of the hinge; its force [N] is the first multiplier.
+    The link lies across the axis of the hinge; its force [N] is the first multiplier. Measures are
+    ``force``, the ``moment`` on body j at the ball, which is zero, and the ``moment_i`` on body i
+    at the hinge.
 
     Parameters
     ----------
@@ -71,8 +89,11 @@ class RevoluteSphericalLink(FramePointJoint):
 
 
 @dataclass(eq=False)
-class RevoluteRevoluteLink(FrameJoint):
+class RevoluteRevoluteLink(Jointed, FrameJoint):
     """Link with a hinge at each end; it is the common normal of both axes.
+
+    Measures are ``force``, and the moments on the bodies at their ends, ``moment`` on body j and
+    ``moment_i`` on body i.
 
     Parallel axes: ``Φ = [|d| − length; z_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0``. With a ``twist``:
     ``Φ = [|d| − length; z_iᵀ d; z_jᵀ d; angle of z_i and z_j − twist] = 0``.

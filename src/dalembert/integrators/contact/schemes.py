@@ -25,12 +25,14 @@ class Approach:
     contacts : Contacts
     before, free : (n, k) relative velocities at the start, and at the end without impulses
     h : step [s]
+    begins : whether it is the first step, so that none before could anticipate an impact
     """
 
     contacts: Contacts
     before: np.ndarray
     free: np.ndarray
     h: float
+    begins: bool = False
 
     def newton(self) -> Offsets:
         """Restitution, ``u_N⁺ ≥ −e u_N⁻`` and ``u_T⁺ + e_T u_T⁻`` (Newton; Moreau 1988)."""
@@ -129,10 +131,11 @@ class AnticipatedImpacts(ContactScheme):
     (gaps at the end of the step: Stewart & Trinkle 1996, Anitescu & Potra 1997). An impact, which
     would leave no room for the half step it still goes on, is taken while there is room:
     ``u_N⁺ ≥ max(−e u_N⁻, s)``. What comes no faster than forces can change in two steps rests, and
-    is let on to the surface slowly. The work ``P·(u⁺ + u⁻)/2`` of an impact is not positive. A
-    contact does work where it stops what a force turns back within the step; if all contacts
-    together would, ``u⁺ + u⁻`` takes the place of ``u⁺`` there, against which they do none, so that
-    contacts never create energy.
+    is let on to the surface slowly. An impact at the very start, before which there is no step, may
+    close its gap within the first step; the gap is opened after it. The work ``P·(u⁺ + u⁻)/2`` of
+    an impact is not positive. A contact does work where it stops what a force turns back within the
+    step; if all contacts together would, ``u⁺ + u⁻`` takes the place of ``u⁺`` there, against which
+    they do none, so that contacts never create energy.
 
     Examples
     --------
@@ -197,7 +200,9 @@ def _bounce(approach: Approach) -> np.ndarray:
     forced = float(np.abs(approach.free[:, 0] - before).max(initial=0.0))
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
     resting = np.where(before > 0, _room(approach, 0.0), -np.minimum(closing, forced))
-    return np.maximum(np.where(before < -SLOW * forced, -e * before, resting), _open(approach))
+    impact = before < -SLOW * forced
+    least = np.where(impact & approach.begins, -np.inf, _open(approach))  # opened after the step
+    return np.maximum(np.where(impact, -e * before, resting), least)
 
 
 def check_share(owner: str, name: str, value: float) -> None:

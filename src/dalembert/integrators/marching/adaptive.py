@@ -107,7 +107,7 @@ class AdaptiveMarch:
                 crossing = None
                 whole = out.shape[1] == made and self.crossed is not None
                 if (whole or self.changes) and not message:
-                    crossing = watch.cross(ends, np.column_stack([last, columns]), following)
+                    crossing = watch.cross(ends, np.column_stack([last, columns]), mode)
                 if crossing is not None:
                     t, h, columns, modes = _replaced(crossing, t, h, columns, modes)
                     ends = np.append(t, t[-1] + h[-1])
@@ -119,8 +119,9 @@ class AdaptiveMarch:
                     following, length, message = watch.choice.after(record, mode, message)
                     if length is not None:
                         state = np.r_[state[0], length, memory, state[head:]]
-                mode = following
-                if crossing is not None and crossing.after is not None:
+                if crossing is None:
+                    mode = following
+                elif crossing.after is not None:
                     mode = crossing.after
                 if message or not out.shape[1]:
                     continue

@@ -95,6 +95,14 @@ class ExplicitStep(Step):
         return states, slopes
 
     @property
+    def rate(self) -> ImplicitFunction:
+        return self.rhs
+
+    @property
+    def stability(self) -> Callable[[np.ndarray], np.ndarray]:
+        return self.tableau.stability
+
+    @property
     def needed(self) -> int:
         """Stages the new state depends on."""
         return max(self.used) + 1

@@ -5,19 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from dalembert.errors import ModelError
+import casadi as ca
+
+from dalembert.errors import ExpressionError, ModelError
 from dalembert.io.analyses import given_options
 from dalembert.io.measures import measure_reader
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import RESPONSES
 from dalembert.responses.base import Response
+from dalembert.responses.combination import combined_terms
 from dalembert.responses.events import AtEvent
-from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression, stack
+from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.text.wording import nearest, unknown
 
 
 def make_responses(file: ModelFile, model: Any) -> dict[str, Response]:
     """The responses of the run that the file asks for, by name; not those of its cases.
+
+    Combinations that are sums of these, with factors, are among them.
 
     Raises
     ------
@@ -27,11 +33,32 @@ def make_responses(file: ModelFile, model: Any) -> dict[str, Response]:
     tables: dict[str, Any] = file.document.responses
     read = measure_reader(file.document)
     analysis = file.document.analysis
-    return {
+    made = {
         name: make_response(file, model, name, table, read, analysis)
         for name, table in tables.items()
         if getattr(table, "case", None) is None
     }
+    return made | _linear_combinations(file, made)
+
+
+def _linear_combinations(file: ModelFile, made: dict[str, Response]) -> dict[str, Response]:
+    """Those of the file's combinations that are sums of responses of its own run."""
+    symbols = {name: Expression(ca.SX.sym(name), name) for name in made}
+    x = stack(symbol.sx for symbol in symbols.values())
+    found: dict[str, Response] = {}
+    for name, table in getattr(file.document, "combined", {}).items():
+        try:
+            formula = parse_formula(table.formula, symbols.get, lambda: list(symbols)).sx
+        except ExpressionError:  # of other cases or of other combinations; designs know them
+            continue
+        slopes, rest = ca.Function("f", [x], [ca.gradient(formula, x), formula])(0.0)
+        if name in made or not ca.is_linear(formula, x):
+            continue
+        terms = [(float(slopes[k]), made[own]) for k, own in enumerate(made) if float(slopes[k])]
+        if terms:
+            total = combined_terms([*terms, (1.0, float(rest))])
+            found[name] = total.named(name)
+    return found
 
 
 def make_response(

@@ -152,6 +152,7 @@ def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
                 if measure not in DATA_ONLY:
                     model.expression(measure)
     points = [p.name for body in model.bodies for p in body.points.values()]
+    points += [body.name for body in model.bodies]
     for k, point in enumerate(report.trace):
         if point not in points:
             raise file.located.error(unknown("point", point, points), "report", "trace", k)

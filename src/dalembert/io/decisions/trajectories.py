@@ -52,7 +52,7 @@ def make_trajectory(file: ModelFile, model: Any) -> dict[str, Any]:
         method.transcription(physics, duration)
     return {
         **_judged(file, model, asked),
-        **{"controls": controls, "vary": vary, "duration": duration},
+        **{"controls": controls, "vary": vary, "duration": duration, "accuracy": asked.accuracy},
         **{"guess": asked.guess, "method": method},
         "begin": _conditions(file, model, "begin", asked.begin) or None,
         "end": _conditions(file, model, "end", asked.end),

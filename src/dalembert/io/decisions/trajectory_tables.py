@@ -8,7 +8,7 @@ from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
 from dalembert.io.choices import Record
 from dalembert.io.decisions.tables import LIMITS, LimitTable, Names
 from dalembert.io.tables import named
-from dalembert.io.values import NumberOrBounds, Text
+from dalembert.io.values import Number, NumberOrBounds, Text
 
 GUESSES = ("line", "simulate")
 """Where a search may begin."""
@@ -38,5 +38,9 @@ class TrajectoryTable(Record):
         default=None,
         description='`"line"` to the places demanded at the end, by default where there are some, '
         'or `"simulate"`',
+    )
+    accuracy: Number = Field(
+        default=1e-3,
+        description="largest distance of the plan and the run under its controls, natural sizes",
     )
     method: named(TRAJECTORY_METHODS) = "DirectCollocation"  # type: ignore[valid-type]

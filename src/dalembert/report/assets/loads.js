@@ -9,7 +9,7 @@ const LOADS = {
 const LENGTHS = 1.5;  // decades that a slider makes arrows longer, or shorter
 
 const newSizes = () => Object.fromEntries(Object.keys(LOADS).map((kind) => [kind, 1]));
-const loadText = (kind, value) => `${number(value, 3)} ${LOADS[kind].unit}`;
+const loadText = (kind, value) => inUnits([value], LOADS[kind].unit.replace("·", " "), { digits: 3 });
 const READABLE = 16;  // loads of one kind up to which each is labelled with its value
 
 // A slider for each kind of arrow there is.

@@ -3,7 +3,7 @@
 function optimumPanel(optimum) {
   if (!optimum) return null;
   const unit = optimum.unit ? ` ${optimum.unit}` : "";
-  const all = [...list(optimum.limits), ...list(optimum.variables)], priced = all.some((one) => one.active && one.price);
+  const all = [...list(optimum.variables), ...list(optimum.limits)], priced = all.some((one) => one.active && one.price);
   const rows = all.map((one) => optimumRow(one, optimum.unit, priced));
   return panel("Optimum", "optimum",
     el("p", { class: "objective" }, el("span", {}, `${optimum.label}: `), el("span", { class: "was" }, `${tidy(optimum.start)}${unit}`), " → ", el("b", {}, `${tidy(optimum.value)}${unit}`)),

@@ -6,6 +6,7 @@ byId("subtitle").textContent = payload.subtitle || "";
 byId("subtitle").hidden = !payload.subtitle;
 
 Theme.read();
+chooseUnits(payload.units);
 const motion = readMotion(payload);
 const player = new Player(motion);
 const scene = drawScene(motion);

@@ -246,7 +246,7 @@ class Scene extends SceneMarks {
     if (tip.hidden) return;
     const { kind, item } = hover;
     const rows = [];
-    const position = (p) => { if (p) rows.push(["x", `${number(p[0])} m`], ["y", `${number(p[1])} m`]); };
+    const position = (p) => { if (p) p.forEach((v, k) => rows.push(["xy"[k], inUnits([v], "m", { scale: this.w / this.view.s })])); };
     let what = kind;
     if (kind === "body") {
       const pose = this.poses.get(item);
@@ -255,15 +255,15 @@ class Scene extends SceneMarks {
     } else if (kind === "link") {
       what = item.what;
       const [p, q] = [item.i, item.j].map((end) => toWorld(this.poses.get(end.body), end.point));
-      rows.push(["length", `${number(Math.hypot(q[0] - p[0], q[1] - p[1]))} m`]);
+      rows.push(["length", inUnits([Math.hypot(q[0] - p[0], q[1] - p[1])], "m")]);
     } else {
       position(motion.at(item.body, item.point));
       if (kind === "point") rows.push(["on", item.body.name], ...item.names.slice(1).map((name) => ["also", name]));
       if (kind === "joint" || kind === "symbol") {
         what = item.what;
         const { fx, fy, m } = this.load(item);
-        if (item.fx || item.fy) rows.push(["force", `${number(Math.hypot(fx, fy))} N`], ["Fx, Fy", `${number(fx)}, ${number(fy)} N`]);
-        if (item.m) rows.push(["moment", `${number(m)} N·m`]);
+        if (item.fx || item.fy) rows.push(["force", inUnits([Math.hypot(fx, fy)], "N")], ["Fx, Fy", inUnits([fx, fy], "N")]);
+        if (item.m) rows.push(["moment", inUnits([m], "N m")]);
       }
     }
     tip.replaceChildren(el("strong", {}, item.name || what), el("span", { class: "what" }, item.name ? what : ""),

@@ -93,16 +93,16 @@ class SceneMarks extends ScenePainter {
     };
     if (this.greatest.load > 0) {
       const n = niceAbove(this.greatest.load * 0.2), length = n * this.loadScale();
-      legend(`${number(n, 2)} N applied`, (p) => arrow(ctx, p, [length, 0], this.colours.load, Theme.surface, 2.8), length);
+      legend(`${inUnits([n], "N", { digits: 2 })} applied`, (p) => arrow(ctx, p, [length, 0], this.colours.load, Theme.surface, 2.8), length);
     }
     if (!this.show.forces) return;
     if (this.greatest.force > 0) {
       const n = niceAbove(this.greatest.force * 0.2);
-      legend(`${number(n, 2)} N`, (p) => arrow(ctx, p, [n * this.forceScale(), 0], Theme.force, Theme.surface), n * this.forceScale());
+      legend(inUnits([n], "N", { digits: 2 }), (p) => arrow(ctx, p, [n * this.forceScale(), 0], Theme.force, Theme.surface), n * this.forceScale());
     }
     if (this.greatest.moment > 0) {
       const n = niceAbove(this.greatest.moment * 0.2), r = 8;
-      legend(`${number(n, 2)} N·m`, (p) => momentArc(ctx, [p[0] + r, p[1] + 1], r, this.sweep("moment", n), Theme.moment, Theme.surface), 2 * r);
+      legend(inUnits([n], "N m", { digits: 2 }), (p) => momentArc(ctx, [p[0] + r, p[1] + 1], r, this.sweep("moment", n), Theme.moment, Theme.surface), 2 * r);
     }
   }
 

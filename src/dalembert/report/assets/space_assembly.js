@@ -101,7 +101,7 @@ class Assembly {
 
   // The role of an ellipsoid of inertia: it is no shape, and lets be seen what is in it.
   inertiaOf(body) {
-    body.inertia ??= { of: body, shapes: [], index: body.index, name: `inertia of ${body.name}` };
+    body.inertia ??= { of: body, shapes: [], index: body.index, name: `inertia of ${body.name}`, ellipsoid: true };
     Object.assign(this.material(body.inertia), { transparent: true, opacity: FAINT, depthWrite: false });
     return body.inertia;
   }

@@ -96,12 +96,13 @@ class Overlay {
 
   drawScales() {
     const { ctx, w, h, scene } = this, { greatest } = scene, ink = mix(Theme.ink, Theme.surface, 0.2);
-    const rows = [["force", "N", Theme.force], ["moment", "N·m", Theme.moment]].filter(([key]) => greatest[key] > 0);
+    const rows = [["force", "N", Theme.force], ["moment", "N m", Theme.moment]].filter(([key]) => greatest[key] > 0);
     ctx.font = `12px ${Theme.font}`;
     rows.forEach(([key, unit, colour], k) => {
       const y = h - 18 - 20 * (rows.length - 1 - k);
-      label(ctx, `largest ${key} ${number(greatest[key], 3)} ${unit}`, [w - 16, y], ink, Theme.surface, "right");
-      const wide = ctx.measureText(`largest ${key} ${number(greatest[key], 3)} ${unit}`).width;
+      const text = `largest ${key} ${inUnits([greatest[key]], unit, { digits: 3 })}`;
+      label(ctx, text, [w - 16, y], ink, Theme.surface, "right");
+      const wide = ctx.measureText(text).width;
       arrow(ctx, [w - 28 - wide - 30, y], [30, 0], colour, Theme.surface, 2.6);
     });
   }

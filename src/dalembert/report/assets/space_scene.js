@@ -56,6 +56,12 @@ class SpatialScene extends Assembly {
     this.invalidate();
   }
 
+  // Ellipsoids of inertia are no shapes of bodies, and may be hidden.
+  showInertia(on) {
+    for (const [key, m] of this.bodyMaterials()) if ((m.role ?? key).ellipsoid) m.visible = on;
+    this.invalidate();
+  }
+
   // A section: what lies on the far side of the plane along an axis is left out; null for none.
   setSection(axis, share, flip) {
     const on = axis !== null;
@@ -142,15 +148,15 @@ class SpatialScene extends Assembly {
     this.hover = hover;
     tip.hidden = !hover;
     if (tip.hidden) return;
-    const { kind, item } = hover, rows = [], triple = (v, unit) => v.map((x) => number(x)).join(", ") + unit;
+    const { kind, item } = hover, rows = [];
     const place = motion.at(item.body ?? item, item.point ?? [0, 0, 0]);
-    if (kind === "link") rows.push(["length", `${number(apart(...[item.i, item.j].map((end) => motion.at(end.body, end.point))))} m`]);
-    else if (place) rows.push(["x, y, z", triple(place, " m")]);
-    if (kind === "body") rows.push(["Euler parameters", triple(motion.turned(item), "")]);
+    if (kind === "link") rows.push(["length", inUnits([apart(...[item.i, item.j].map((end) => motion.at(end.body, end.point)))], "m")]);
+    else if (place) rows.push(["x, y, z", inUnits(place, "m", { scale: this.radius })]);
+    if (kind === "body") rows.push(["Euler parameters", inUnits(motion.turned(item), "")]);
     if (kind === "point") rows.push(["on", item.body.name]);
-    for (const [key, unit] of [["force", " N"], ["moment", " N·m"]]) {
+    for (const [key, unit] of [["force", "N"], ["moment", "N m"]]) {
       const v = motion.vectorOf(item[key]);
-      if (v?.every(Number.isFinite)) rows.push([key, `${number(Math.hypot(...v))}${unit}`], ["", triple(v, unit)]);
+      if (v?.every(Number.isFinite)) rows.push([key, inUnits([Math.hypot(...v)], unit)], ["", inUnits(v, unit)]);
     }
     const what = item.what ?? kind;
     tip.replaceChildren(el("strong", {}, item.name || what), el("span", { class: "what" }, item.name ? what : ""),

@@ -7,6 +7,8 @@ function buildSpaceTools(scene, toolbar) {
     el("button", { type: "button", class: "icon axis", id: "look-all", title: "Look from obliquely above (4)", "aria-label": "Look from obliquely above", onclick: () => scene.look(null) }, "3D"));
   const box = sectionBox(scene);
   view.append(box.node);
+  const inertia = scene.motion.bodies.some((body) => body.shapes.some((s) => s.kind === "ellipsoid"));
+  if (inertia) toolbar.append(toggleButton("Inertia", true, (on) => scene.showInertia(on), { id: "inertia", title: "Ellipsoids of inertia of bodies without a shape" }));
   toolbar.append(
     toggleButton("See-through", false, (on) => scene.setClear(on), { id: "clear", title: "Bodies let what is behind them be seen" }),
     toggleButton("Section", false, (on) => box.show(on), { id: "section", title: "Cut the bodies open" }));

@@ -17,7 +17,7 @@ class Structure {
     [this.lines, this.faces, this.points] = ["lines", "faces", "points"].map(this.shapes);
     this.outline = list(drawing.outline);
     this.ghost = payload.ghost ? this.otherDesign(payload.ghost) : null;
-    Object.entries(payload.units || {}).forEach(([si, told]) => chosenUnits.set(si, list(told)));
+    chooseUnits(payload.units);
     this.nodes = list(payload.nodes);
     this.elements = list(payload.elements);
     const table = list(payload.table), names = list(payload.directions);
@@ -158,9 +158,6 @@ class Ramp {
     return this.steps[clamp(Math.round((255 * (value - this.lo)) / (this.hi - this.lo)), 0, 255)];
   }
 }
-
-// SI unit → [factor, name] of the unit chosen for it.
-const chosenUnits = new Map();
 
 // Factor and unit for a size: as chosen, else kN, MPa, mm, where the unit takes prefixes.
 function prefixed(size, unit) {

@@ -75,9 +75,23 @@ const fixed = (x, decimals) => {
 // Time with just the decimals that the span asks for.
 const clock = (t, span) => fixed(t, span > 0 ? clamp(Math.ceil(3 - Math.log10(span)), 0, 9) : 3);
 
+// SI unit → [factor, name] of the unit chosen for it.
+const chosenUnits = new Map();
+const chooseUnits = (units) => Object.entries(units || {}).forEach(([si, told]) => chosenUnits.set(si, told));
+
 function metres(x) {
+  if (chosenUnits.has("m")) {
+    const [factor, name] = chosenUnits.get("m");
+    return withUnit(tidy(x / factor, 4), name);
+  }
   const [k, unit] = x >= 1000 ? [1e-3, "km"] : x >= 0.9999 ? [1, "m"] : x >= 0.9999e-3 ? [1e3, "mm"] : [1e6, "µm"];
   return `${+(x * k).toPrecision(4)} ${unit}`;
+}
+
+// Numbers in the unit chosen for theirs; what is round-off beside the largest or a scale is zero.
+function inUnits(values, si, { scale = 0, digits = 4 } = {}) {
+  const [factor, name] = chosenUnits.get(si) ?? [1, si.replace(" ", "·")], size = Math.max(scale, ...values.map(Math.abs));
+  return withUnit(values.map((x) => number(Math.abs(x) < 1e-12 * size ? 0 : x / factor, digits)).join(", "), name);
 }
 
 const degrees = (a) => `${number((a * 360) / TAU, 4)}°`;

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.results.batch.designs import Designs
 from dalembert.results.batch.samples import Samples
 from dalembert.results.components import COMPONENTS
@@ -124,6 +124,18 @@ class Batch:
         if isinstance(wanted, (int, np.integer)):
             return self.design(int(wanted))
         return self.labelled(wanted)
+
+    def __contains__(self, wanted: object) -> bool:
+        """Whether a measure or formula exists, or a design of this number."""
+        if isinstance(wanted, (int, np.integer)):
+            return -len(self) <= int(wanted) < len(self)
+        if not isinstance(wanted, (str, Expression)):
+            return False
+        try:
+            self.expression(wanted)
+        except ExpressionError:
+            return False
+        return True
 
     def labelled(self, measure: str | Expression) -> xr.DataArray:
         """Values of a measure, labelled by design and time."""

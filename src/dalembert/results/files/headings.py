@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from dalembert.errors import AnalysisError, ModelError
@@ -27,6 +27,12 @@ def checked_units(units: Sequence[str]) -> tuple[str, ...]:
         except ModelError as error:
             raise AnalysisError(f"units: {error.message}") from None
     return listed
+
+
+def chosen_units(known: Iterable[str], wanted: Sequence[str]) -> dict[str, tuple[float, str]]:
+    """SI unit → factor and name of the unit wanted for it, where one is."""
+    found = {si: shown_in(si, checked_units(wanted)) for si in sorted(known)}
+    return {si: told for si, told in found.items() if told[1] != si}
 
 
 def headed(table: pd.DataFrame, si: Mapping[str, str], units: Sequence[str]) -> pd.DataFrame:

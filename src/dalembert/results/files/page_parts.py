@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from dalembert.results.files.headings import checked_units
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.parameter import Parameter
+from dalembert.units.unit import shown_in
 
 
 def diagnosis(
@@ -35,16 +37,14 @@ def statistics(rows: Iterable[tuple[Any, Any]]) -> list[dict[str, str]]:
     ]
 
 
-def parameter_rows(parameters: Mapping[str, Parameter], values: np.ndarray) -> list[dict[str, Any]]:
-    """Parameters with their values and bounds."""
-    return [
-        {
-            "name": parameter.name,
-            "value": float(value),
-            "unit": parameter.unit,
-            "lower": parameter.bounds[0],
-            "upper": parameter.bounds[1],
-            "description": parameter.description,
-        }
-        for parameter, value in zip(parameters.values(), values, strict=False)
-    ]
+def parameter_rows(
+    parameters: Mapping[str, Parameter], values: np.ndarray, units: Sequence[str] = ()
+) -> list[dict[str, Any]]:
+    """Parameters with their values and bounds, each in the first of ``units`` that fits."""
+    rows = []
+    for parameter, value in zip(parameters.values(), values, strict=False):
+        factor, unit = shown_in(parameter.unit, checked_units(units))
+        lower, upper = (None if b is None else b / factor for b in parameter.bounds)
+        row = {"name": parameter.name, "value": float(value) / factor, "unit": unit}
+        rows.append(row | {"lower": lower, "upper": upper, "description": parameter.description})
+    return rows

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.files.headings import checked_units
+from dalembert.results.files.headings import checked_units, chosen_units
 from dalembert.results.files.page_parts import diagnosis, parameter_rows, statistics
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pictures.scene import is_spatial, motion_scene
@@ -19,6 +19,8 @@ MAX_FRAMES = 20_000
 MAX_NUMBERS = 6_000_000
 """Of all series of a page together; of a large mechanism fewer instants are shown."""
 LEAST_FRAMES = 2000
+ROUNDED = 1e-14
+"""Part of the largest value of a unit that is round-off."""
 
 
 def report_payload(
@@ -32,7 +34,7 @@ def report_payload(
     Parameters
     ----------
     plots : groups of series names, one plot each; a sensible choice if None
-    trace : names of points whose paths are drawn from the start
+    trace : names of points, or of bodies for their origins, whose paths are drawn from the start
     units : that plots show, each for what has its dimension
     """
     count = motion.time.size
@@ -42,6 +44,7 @@ def report_payload(
     for name in dict.fromkeys(n for group in plots or () for n in group if n not in names):
         series.append(_asked(motion, name, keep))
         names.add(name)
+    _without_rounding(series)
     for one in series if units else ():
         factor, one["unit"] = shown_in(str(one["unit"]), checked_units(units))
         one["values"] = one["values"] / factor
@@ -58,12 +61,37 @@ def report_payload(
         "events": [event.row for event in motion.events],
         "diagnosis": _diagnosis(motion),
         "statistics": _statistics(motion),
-        "parameters": parameter_rows(motion.model.parameters, motion.parameters),
+        "parameters": parameter_rows(motion.model.parameters, motion.parameters, units),
+        "units": chosen_units({"m", "rad", "N", "N m"}, units),
     }
     if trace is not None:
+        _add_origins(payload["scene"], motion.model, trace)
         payload["trace"] = list(trace)
         payload["scene"]["points"].sort(key=lambda point: point["name"] not in trace)
     return payload
+
+
+def _without_rounding(series: list[dict[str, Any]]) -> None:
+    """Values that are round-off beside the largest one of their unit are zero; errors are kept."""
+    largest: dict[str, float] = {}
+    errors = ("violation", "_error")
+    shown = [one for one in series if not one["name"].endswith(errors)]
+    for one in shown:
+        size = np.abs(one["values"][np.isfinite(one["values"])]).max(initial=0.0)
+        largest[one["unit"]] = max(largest.get(one["unit"], 0.0), float(size))
+    for one in shown:
+        small = np.abs(one["values"]) < ROUNDED * largest[one["unit"]]
+        one["values"] = np.where(small, 0.0, one["values"])
+
+
+def _add_origins(scene: dict[str, Any], model: Any, trace: Sequence[str]) -> None:
+    """Points of bodies that a trace names by the body alone: their origins."""
+    known = {point["name"] for point in scene["points"]}
+    dimension = 3 if is_spatial(model) else 2
+    for body in model.bodies:
+        if body.name in trace and body.name not in known:
+            place = {"body": body.name, "point": [0.0] * dimension}
+            scene["points"].append({"name": body.name, **place})
 
 
 def _frames(motion: LabelledRecording) -> int:

@@ -6,11 +6,11 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dalembert.budget import afford
 from dalembert.errors import DalembertError, FileError
 from dalembert.files.atomic import atomic_path
 from dalembert.files.readable import readable
 from dalembert.results.files.contents import Contents
+from dalembert.results.files.inspection import check_seal, inspect, seal
 from dalembert.results.files.netcdf import write_netcdf
 from dalembert.text.spelling import spelled
 
@@ -23,6 +23,8 @@ OTHERS = {".csv": "to_csv", ".html": "report"} | dict.fromkeys(
     (".txt", ".json", ".toml", ".xlsx", ".parquet", ".mat", ".pkl", ".png", ".pdf"), ""
 )
 """Endings of files that hold something else, and who writes it."""
+LONGEST = 300
+"""Characters of a message of a library that are shown."""
 
 
 def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
@@ -39,12 +41,15 @@ def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
         raise FileError(f"{path}: results are saved as NetCDF, in a file such as x.nc{writer}")
     with atomic_path(path) as temporary:
         write_netcdf(data if isinstance(data, Contents) else Contents.of(data), temporary)
+        seal(temporary)
     return Path(path)
 
 
 @spelled
 def load_results(path: str | Path) -> xr.Dataset:
     """Read a result file written by ``save`` as an ``xarray.Dataset``.
+
+    The file is compared with its checksum, and refused where it refers to other files.
 
     Parameters
     ----------
@@ -53,7 +58,7 @@ def load_results(path: str | Path) -> xr.Dataset:
     Raises
     ------
     FileError
-        Missing file, or not a result of this program.
+        Missing file, a damaged one, or not a result of this program.
     BudgetError
         It unpacks to more than a task may take.
 
@@ -75,24 +80,20 @@ def load_results(path: str | Path) -> xr.Dataset:
 
     readable(path, 1.0)
     try:
-        unpacked = _unpacked(path)
-        afford(f"{path}: to unpack it", memory=unpacked, cure="check that it is the file you mean")
-        with xr.open_dataset(path, engine="h5netcdf") as opened:
+        check_seal(path)
+        inspect(path)
+        with xr.open_dataset(path, engine="h5netcdf", phony_dims="sort") as opened:
             return opened.load()
     except DalembertError:
         raise
     except Exception as error:  # HDF5 and its readers have errors of many kinds
-        raise FileError(f"{path}: cannot be read as a result file ({error})") from None
+        raise FileError(f"{path}: cannot be read as a result file ({_brief(error)})") from None
 
 
-def _unpacked(path: str | Path) -> int:
-    """Bytes of all arrays in a file, which may be compressed."""
-    import h5py
-
-    sizes: list[int] = []
-    with h5py.File(path) as file:
-        file.visititems(lambda _, item: sizes.append(getattr(item, "nbytes", 0)))
-    return sum(sizes)
+def _brief(error: Exception) -> str:
+    """The beginning of a message of a library."""
+    told = str(error) or type(error).__name__
+    return told if len(told) <= LONGEST else told[:LONGEST] + " …"
 
 
 def report_of(data: xr.Dataset) -> dict:

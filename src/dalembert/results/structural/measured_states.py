@@ -8,6 +8,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.errors import AnalysisError
 from dalembert.results.result import Result
 from dalembert.structures.measuring.measures import Measure, State, Weights
 from dalembert.structures.model import StructuralModel
@@ -43,6 +44,20 @@ class MeasuredStates(Result):
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, or a formula of measures."""
         return self.model.expression(measure)
+
+    def __contains__(self, measure: object) -> bool:
+        if not super().__contains__(measure):
+            return False
+        try:  # the measures of a motion have names in statics, too, and no values
+            self.values(measure)  # type: ignore[arg-type]
+        except AnalysisError:
+            return False
+        return True
+
+    def keys(self) -> list[str]:
+        energy = ["kinetic_energy"]
+        names = super().keys()
+        return [name for name in names if name not in energy or name in self]
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """(K,) values of a scalar measure or formula."""

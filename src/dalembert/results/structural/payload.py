@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.results.files.headings import checked_units
+from dalembert.results.files.headings import chosen_units
 from dalembert.results.files.page_parts import diagnosis, parameter_rows, statistics
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.fields import element_field, field_names
@@ -15,7 +15,6 @@ from dalembert.results.structural.plot import automatic_scale
 from dalembert.results.structural.shapes import Shapes
 from dalembert.results.structural.states import StructuralStates
 from dalembert.results.structural.symbols import arrows, moments, support_symbols
-from dalembert.units.unit import shown_in
 
 MOST_NUMBERS = 3_000_000
 """Numbers in a page; of more cases than fit some are left out, evenly."""
@@ -61,13 +60,13 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
         "displacements": [result.displacements[:, k] for k in keep],
         "elements": drawing.element_names,
         "fields": fields,
-        "units": _chosen({"m", "rad", "N", "N m", *(one["unit"] for one in fields)}, units),
+        "units": chosen_units({"m", "rad", "N", "N m", *(one["unit"] for one in fields)}, units),
         "supports": _supports(drawing),
         "loads": [_loads(drawing, result.applied(int(k))) for k in keep],
         "reactions": _reactions(result, keep),
         "diagnosis": _diagnosis(result, count - len(keep)),
         "statistics": _statistics(result),
-        "parameters": parameter_rows(model.parameters, result.parameters),
+        "parameters": parameter_rows(model.parameters, result.parameters, units),
     }
 
 
@@ -99,12 +98,6 @@ def _fields(
             values = [one.values for one in fields]
             found.append({"name": name, "unit": fields[0].unit, "values": values})
     return found
-
-
-def _chosen(known: set[str], wanted: Sequence[str]) -> dict[str, tuple[float, str]]:
-    """SI unit → factor and name of the unit wanted for it, where one is."""
-    found = {si: shown_in(si, checked_units(wanted)) for si in sorted(known)}
-    return {si: told for si, told in found.items() if told[1] != si}
 
 
 def _supports(drawing: StructuralDrawing) -> list[dict[str, Any]]:

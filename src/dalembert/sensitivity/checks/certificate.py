@@ -18,6 +18,7 @@ from dalembert.sensitivity.checks.replays import Replays
 from dalembert.sensitivity.checks.scales import parameter_scales
 from dalembert.sensitivity.checks.stencils import EPS, place
 from dalembert.sensitivity.checks.taylor import TaylorTest, taylor_test
+from dalembert.sensitivity.moving_times import of_moving_times
 from dalembert.sensitivity.registry import engine_of
 
 if TYPE_CHECKING:
@@ -137,6 +138,9 @@ def certify(
 
     engine, values = engine_of(motion, responses), Replays(motion, responses)
     direct, adjoint = engine.direct(columns), engine.adjoint()[:, columns]
+    if values.reruns:
+        moves = of_moving_times(motion, responses, columns)
+        direct, adjoint = direct + moves, adjoint + moves
     scales = parameter_scales(motion, columns)
     largest = np.abs(adjoint * scales).max(axis=1, keepdims=True)
     size = _sizes(motion, responses, values(motion.parameters))[:, None]
@@ -158,7 +162,7 @@ def certify(
     }
     agreed = np.maximum(agreement, ROUNDED * EPS * size / largest)
     cells["verdict"] = _verdicts(cells, np.abs(adjoint) * shares, agreement, agreed)
-    rough = [_sees_kinks(motion, r) for r in responses]
+    rough = [not values.reruns and _sees_kinks(motion, r) for r in responses]
     of_differences = np.array(rough)[:, None] & (cells["disagreement"] <= agreed)
     cells["verdict"][of_differences & (cells["verdict"] == CONTRADICTED)] = UNCONFIRMED
     names = list(motion.model.parameters)
@@ -172,7 +176,8 @@ def certify(
     found = [_taylor_verdict(taylor, r, rough[r]) for r in range(len(responses))]
     data["taylor_verdict"] = ("response", np.array(found, dtype=object))
     data["taylor_remainder"] = (("response", "taylor_step"), taylor.remainders)
-    about = {"model": motion.model.name, "times_follow": follow_parameters(motion.analysis)}
+    held = follow_parameters(motion.analysis) and not values.reruns
+    about = {"model": motion.model.name, "times_follow": held}
     return Certificate(xr.Dataset(data, coordinates, attrs=about))
 
 
@@ -186,7 +191,11 @@ def _sizes(motion: Result, responses: Sequence[Response], values: np.ndarray) ->
 
     A crank that lies along the x axis has no height to which influences could be compared.
     """
-    reach = [np.abs(motion.values(scalar_measure(motion, r))).max(initial=0.0) for r in responses]
+
+    def largest(response: Response) -> float:
+        return float(np.abs(motion.values(scalar_measure(motion, response))).max(initial=0.0))
+
+    reach = [max(abs(w) * largest(term) for w, term in r.terms) for r in responses]
     return np.where(np.abs(values) > BARELY * np.array(reach), np.abs(values), reach)
 
 
@@ -243,8 +252,9 @@ def _verdicts(
 
 
 def _sees_kinks(motion: Result, response: Response) -> bool:
-    """Whether repeats are rough, for their steps are held: integrals over kinks that move."""
-    return isinstance(response, OverRun) and motion.statistics.get("switches", 0) > 0
+    """Whether repeats are rough, for their steps are held: kinks and impacts move."""
+    moves = motion.statistics.get("switches", 0) > 0 or bool(getattr(motion, "impacts", ()))
+    return moves and (isinstance(response, OverRun) or not response.stays(motion))
 
 
 def _taylor_verdict(taylor: TaylorTest, response: int, rough: bool) -> str:

@@ -9,14 +9,18 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
+from dalembert.responses.integrals import Total
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.contacts import through_contacts
 from dalembert.sensitivity.checks.kinks import ties
+from dalembert.sensitivity.checks.roughness import over_rough_steps
 from dalembert.sensitivity.checks.scales import parameter_scales
 from dalembert.sensitivity.checks.switches import over_switches
+from dalembert.sensitivity.marching.stable_steps import described, growth_of
 from dalembert.symbolic.once import once
 
 NEGLIGIBLE = 1e-10
@@ -92,12 +96,18 @@ def at_bounds(f: Findings) -> list[str]:
 
 def changes_of_variant(f: Findings) -> list[str]:
     """Switches between sets of independent speeds, which the gradient takes as given."""
-    steps = getattr(f.motion.record, "steps", None)
-    if steps is None:
+    kernel = getattr(getattr(f.motion, "record", None), "kernel", None)
+    if not isinstance(kernel, DynamicsKernel):
         return []
+    steps = f.motion.record.steps  # type: ignore[attr-defined]
     lasting = steps.lasting
     changes = lasting[np.flatnonzero(np.diff(steps.mode[lasting]))]
     changes = changes[~np.isin(changes + 1, np.flatnonzero(steps.h == 0))]  # those are contacts
+    variants = kernel.variants
+    after = lasting[np.searchsorted(lasting, changes) + 1]
+    pairs = zip(steps.mode[changes], steps.mode[after], strict=True)
+    same = [variants[a].integrator == variants[b].integrator for a, b in pairs]
+    changes = changes[np.array(same, dtype=bool)]  # others are changes of the method
     if not changes.size:
         return []
     return [
@@ -152,8 +162,38 @@ def one_sided(f: Findings) -> list[str]:
 
 
 def switches_of_forces(f: Findings) -> list[str]:
-    """What moving instants of switches add, and where that is not known."""
-    return over_switches(f.motion, f.responses)
+    """Switches that fixed steps went over, or that were only grazed."""
+    return over_switches(f.motion)
+
+
+def divided_steps(f: Findings) -> list[str]:
+    """Growth of step tangents at the limit of stability, which shorter steps avoid."""
+    growth = growth_of(f.motion) if isinstance(f.motion, Recording) else None
+    if growth is None or growth.harmless:
+        return []
+    return [
+        f"{described(growth)}: the gradient is that of the same run with these steps in up to "
+        f"{growth.parts.max()} parts; Radau() or Bdf() take fewer steps"
+    ]
+
+
+def sums_over_steps(f: Findings) -> list[str]:
+    """Sums over the ends of adaptive steps, which have no derivative."""
+    kernel = getattr(getattr(f.motion, "record", None), "kernel", None)
+    adaptive = isinstance(kernel, DynamicsKernel) and kernel.adaptive is not None
+    if not adaptive or getattr(f.motion.analysis, "outputs", None) is not None:
+        return []
+    return [
+        f"{response.label} sums over the ends of adaptive steps, whose number and times change "
+        "with the parameters; give outputs="
+        for response in f.responses
+        if isinstance(response, Total)
+    ]
+
+
+def roughness(f: Findings) -> list[str]:
+    """Gradients over switches that depend on the lengths of the steps."""
+    return over_rough_steps(f.motion, f.responses, f.columns, f.values)
 
 
 def rigid_contacts(f: Findings) -> list[str]:
@@ -163,6 +203,9 @@ def rigid_contacts(f: Findings) -> list[str]:
 
 NOTES: tuple[Callable[[Findings], list[str]], ...] = (
     one_sided,
+    divided_steps,
+    sums_over_steps,
+    roughness,
     without_influence,
     at_bounds,
     changes_of_variant,

@@ -1,4 +1,4 @@
-"""Finite differences of the discrete run: same steps, same branch, other parameters."""
+"""Finite differences of the discrete run at other parameters; see ``Replays``."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.replays import Replays
 from dalembert.sensitivity.checks.stencils import Quotient, best_step, checked_step, place
+from dalembert.sensitivity.moving_times import of_moving_times
 
 
 @options
@@ -64,7 +65,8 @@ class FiniteDifference:
         """
         values = Replays(motion, responses)
         rows = [q.evaluate(motion.parameters, values) for q in self.quotients(motion, columns)]
-        return np.array(rows).T.reshape(len(responses), len(columns))
+        found = np.array(rows).T.reshape(len(responses), len(columns))
+        return found if values.reruns else found + of_moving_times(motion, responses, columns)
 
     def quotients(self, motion: Result, columns: Sequence[int]) -> list[Quotient]:
         """One for each of these parameters."""

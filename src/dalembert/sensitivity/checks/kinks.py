@@ -11,14 +11,18 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.responses.extremes import Maximum
 from dalembert.responses.integrals import Rms
+from dalembert.responses.smooth_extreme import SAME
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.scales import parameter_scales
 from dalembert.sensitivity.registry import engine_of
 
-SAME = 1e-10
-"""Difference of samples, relative to the largest, that is round-off."""
 DIFFERENT = 1e-6
 """Difference of gradients, relative to the largest entry, that is one."""
+CURES = {
+    False: "this is that of the first. A width smooth= makes it smooth",
+    True: "this is the mean. An absolute width, such as smooth='5 N', makes it smooth",
+}
+"""What to do about ties, of a width relative to the spread of the samples or of none."""
 PICKED = 6
 """Samples whose gradients are compared."""
 
@@ -46,12 +50,12 @@ def _slopes(motion: Result, response: Response, samples: np.ndarray, columns) ->
 
 def ties(motion: Result, response: Response, columns: Sequence[int]) -> str:
     """What to say where several samples are the largest and change differently; else nothing."""
-    if not isinstance(response, Maximum) or response.smooth is not None:
+    if not isinstance(response, Maximum) or not (response.smooth is None or response.relative):
         return ""
     motion = response.sampled(motion)
     m = response.sign * motion.values(scalar_measure(motion, response))
     tied = np.flatnonzero(m >= m.max() - SAME * np.abs(m).max())
-    if tied.size < 2:
+    if tied.size < (m.size if response.relative else 2) or m.size < 2:
         return ""
     try:
         slopes = _slopes(motion, response, tied, columns)
@@ -64,8 +68,7 @@ def ties(motion: Result, response: Response, columns: Sequence[int]) -> str:
     return (
         f"{response.label}: {tied.size} samples share the {word} value (first at "
         f"{_instant(motion, tied[0])}, last at {_instant(motion, tied[-1])}) and change "
-        "differently, so that only one-sided derivatives exist; this is that of the first. "
-        "smooth=ρ makes it smooth"
+        f"differently, so that only one-sided derivatives exist; {CURES[response.relative]}"
     )
 
 

@@ -1,4 +1,9 @@
-"""Responses of a run at other parameter values: same steps, same branch."""
+"""Responses of a run at other parameter values.
+
+Runs of fixed steps whose times are formulas of parameters, or that stop at impacts, are run anew,
+as a user does. All others are repeated: same steps, same branch, which is the same thing where
+steps are fixed, and free of the noise of step control where they are not.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +12,24 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.times import follow_parameters
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate
 from dalembert.results.result import Result
+from dalembert.sensitivity.marching.stable_steps import with_stable_steps
+
+SAME = 1e-9
+"""Relative difference of responses of the same run."""
+
+
+def _can_rerun(motion: Result) -> bool:
+    """Whether runs of their own differ from repeats, and show no noise of step control."""
+    analysis, kernel = motion.analysis, getattr(getattr(motion, "record", None), "kernel", None)
+    if getattr(getattr(analysis, "integrator", None), "controls_error", False):
+        return False
+    stops = isinstance(kernel, DynamicsKernel) and kernel.contacts is not None
+    return stops or follow_parameters(analysis)
 
 
 @dataclass
@@ -20,11 +40,29 @@ class Replays:
     ----------
     motion : the run that is repeated
     responses : what is drawn from it
+
+    Attributes
+    ----------
+    reruns : each point is a run of its own, whose times follow parameters
     """
 
     motion: Result
     responses: Sequence[Response]
+    reruns: bool = field(init=False, default=False)
     _known: dict[bytes, np.ndarray] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        self.motion = with_stable_steps(self.motion)
+        self.reruns = _can_rerun(self.motion) and self._same_again()
+
+    def _same_again(self) -> bool:
+        """Whether a run of its own has the same responses; one that was continued has not."""
+        motion = self.motion
+        again = motion.analysis.run(motion.model, motion.parameters)
+        if not again.status.success:
+            return False
+        first, other = ([evaluate(m, r) for r in self.responses] for m in (motion, again))
+        return bool(np.allclose(other, first, rtol=SAME, atol=0))
 
     @property
     def parameters(self) -> np.ndarray:
@@ -49,7 +87,7 @@ class Replays:
         if np.array_equal(p, self.parameters):
             return np.array([evaluate(self.motion, r) for r in self.responses])
         try:
-            repeated = self.motion.analysis.replay(self.motion, p)
+            repeated = self._at(p)
             values = np.array([evaluate(repeated, r) for r in self.responses])
         except AnalysisError as error:
             raise AnalysisError(f"{self._where(p)}: {error}; give a shorter step") from error
@@ -64,6 +102,10 @@ class Replays:
                 f"{self._where(p)}: no finite value of {', '.join(wrong)}; give a shorter step"
             )
         return values
+
+    def _at(self, p: np.ndarray) -> Result:
+        motion, analysis = self.motion, self.motion.analysis
+        return analysis.run(motion.model, p) if self.reruns else analysis.replay(motion, p)
 
     def _where(self, p: np.ndarray) -> str:
         listed = zip(self.motion.model.parameters, p, self.parameters, strict=False)

@@ -42,6 +42,10 @@ class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
         parameters is added to theirs.
         """
         injected = np.zeros((self.size, last - first + 1))
+        for instant in self.instants:
+            if first <= instant.number <= last:
+                injected[:, instant.number - first] += instant.x
+                self.p_bar += instant.p
         chosen = self.seen(first, last)
         if not chosen.size:
             return injected
@@ -57,6 +61,9 @@ class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
         )
         x_bar[: seen.shape[0]] = seen
         self.p_bar += more.sum(axis=1)
+        if self.moving is not None:
+            rates, slopes = self.held(chosen)
+            self.p_bar[: slopes.shape[1]] += (rates * x_bar).sum(axis=0) @ slopes
         for mode, part in self.parts_of_steps(chosen):
             x_bar[:, part], more = self.kernel.over(self.step_of(mode).adjoint, part.size)(
                 *self.partial(chosen[part]), x_bar[:, part]
@@ -76,7 +83,12 @@ class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
         values = prelude.values(p).full()
         columns = self.kernel.marched(single, (6,))
         columns.announce(end)
-        last = columns(count, first, *given, values)[0][:, -1]
+        (out,) = columns(count, first, *given, values)
+        last = out[:, -1]
+        if self.moving is not None:
+            weights = np.column_stack([first, out[:, :-1]])[:n, ::-1]
+            more = self.moving.pulled(begin, end, weights)
+            self.p_bar[: more.size] += more
         return np.append(last[:n], carried[n:] + prelude.adjoint(p, last[n:]).full().ravel())
 
     def _through_start(self, x_bar: np.ndarray) -> np.ndarray:

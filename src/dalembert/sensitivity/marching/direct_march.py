@@ -15,6 +15,7 @@ from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
 Take = Callable[[int, int, np.ndarray], None]
+Pass = Callable[[int, np.ndarray, np.ndarray], None]
 
 
 class DirectMarch:
@@ -38,7 +39,14 @@ class DirectMarch:
         def add(row: int, k: int, rates: np.ndarray) -> None:
             gradient[row] += self.seen[row].sample.weights[k] * rates
 
-        self._march(add)
+        def add_instants(first: int, changes: np.ndarray, unit: np.ndarray) -> None:
+            for row, sample in enumerate(self.seen):
+                for instant in sample.instants:
+                    if 0 <= instant.number - first < len(changes):
+                        gradient[row] += changes[instant.number - first] @ instant.x
+                        gradient[row] += instant.p @ unit
+
+        self._march(add, add_instants)
         return gradient
 
     def samples(self) -> list[np.ndarray]:
@@ -51,14 +59,20 @@ class DirectMarch:
         self._march(keep)
         return found
 
-    def _march(self, take: Take) -> None:
-        """One march over the steps; ``take`` is told row, sample and its derivatives."""
+    def _march(self, take: Take, pass_states: Pass | None = None) -> None:
+        """One march over the steps.
+
+        ``take`` is called with row, sample and its derivatives, ``pass_states`` with the number of
+        a state, the changes (states, columns, n) from it on and the directions.
+        """
         if not (self.seen and self.width):
             return
         run = self.seen[0]
         unit = run.model.tangents(run.p, self.columns)
 
         def look(first: int, changes: np.ndarray) -> None:
+            if pass_states is not None:
+                pass_states(first, changes, unit)
             for row, sample in enumerate(self.seen):
                 chosen = sample.seen(first, first + len(changes) - 1)
                 if chosen.size:

@@ -47,4 +47,6 @@ class DynamicsEngine(Engine):
         record = sample.motion.record
         flow = Flow(record.kernel, record.steps, sample.motion.parameters)
         step, length = int(record.branches.index[k]), float(record.branches.length[k])
+        if length == 0.0 and step > 0 and record.steps.h[step - 1] > 0:
+            step, length = step - 1, float(record.steps.h[step - 1])  # its end
         return flow.rate(sample.measure, step, length)

@@ -15,6 +15,8 @@ from dalembert.analysis.kinematics.branches import Branches
 from dalembert.integrators.marching.march import CHUNK
 from dalembert.integrators.marching.steps import even_length, run_length
 from dalembert.integrators.step import Step
+from dalembert.sensitivity.marching.moving_instants import MovingInstant, moving_instants
+from dalembert.sensitivity.marching.moving_steps import MovingSteps, by_times, step_slopes
 from dalembert.sensitivity.marching.sightings import Sightings
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.equations.implicit import ImplicitFunction
@@ -75,6 +77,33 @@ class MarchedSample(Sightings):
         """(n, …) states at some of the outputs."""
         part = Branches(self.branches.index[chosen], self.branches.length[chosen])
         return self.kernel.branch_states(self.steps, part, self.p)
+
+    @cached_property
+    def moving(self) -> MovingSteps | None:
+        """The ends of steps, where they are formulas of parameters."""
+        slopes = step_slopes(self.motion)
+        if slopes is None:
+            return None
+        return MovingSteps(self.kernel, self.steps, self.p, slopes)
+
+    @cached_property
+    def instants(self) -> list[MovingInstant]:
+        """Impacts and switches that move with the parameters."""
+        return moving_instants(self.sample)
+
+    def held(self, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What outputs lack at fixed times: rates of states (n, …) and slopes (…, np) of times.
+
+        An output branches from a state that moves in time, the output itself does not.
+        """
+        assert self.moving is not None
+        number = self.number[chosen]
+        rates = -self.moving.by_length[:, np.maximum(number - 1, 0)]  # those of ends of steps
+        for mode, part in self.parts_of_steps(chosen):
+            function = self.kernel.over(by_times(self.step_of(mode)), part.size)
+            by_time, by_length = function(*self.partial(chosen[part]))
+            rates[:, part] = by_time - by_length
+        return rates, self.moving.slopes[number]
 
     def step_of(self, mode: int) -> Step:
         return self.kernel.variants[mode].step

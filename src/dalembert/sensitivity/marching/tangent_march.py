@@ -44,6 +44,8 @@ class TangentMarch(ForwardWalk[np.ndarray]):
         return self.run.count
 
     def ahead(self, begin: int) -> int:
+        if self.run.moving is not None:
+            return begin + 1
         return self.run.ahead(begin, int(np.clip(MOST // (self.run.size * self.width), 1, CHUNK)))
 
     @cached_property
@@ -71,6 +73,8 @@ class TangentMarch(ForwardWalk[np.ndarray]):
 
     def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
         out = self._forward(begin, end, change)
+        if self.run.moving is not None:
+            out = out + self.run.moving.pushed(begin, end, self.unit).transpose(1, 2, 0)
         self.take(begin, np.concatenate([change.T[None], out[:-1]]))
         return out[-1].T
 
@@ -87,6 +91,9 @@ class TangentMarch(ForwardWalk[np.ndarray]):
             along = beside(moved[part]), np.tile(self.unit, part.size)
             dx = tangents(*sample.partial(chosen[part]), *along)[0]
             moved[part] = dx.reshape(-1, part.size, self.width).transpose(1, 2, 0)
+        if sample.moving is not None:
+            rates, slopes = sample.held(chosen)
+            moved = moved + rates.T[:, None] * (slopes @ self.unit[: slopes.shape[1]])[..., None]
         return moved
 
     def _forward(self, begin: int, end: int, dx: np.ndarray) -> np.ndarray:

@@ -143,12 +143,19 @@ class EigenpairGradient:
         turned = np.abs(h - h.T).max() > ALIKE * size
         if turned or told_apart(values, float(np.abs(values).max())):
             numbers = [k + 1 for k in group.places]
-            said = coincidence(numbers, f"eigenvalue {group.eigenvalues.mean():.9g}")
+            said = coincidence(numbers, self._value(group))
             raise SingularityError(
                 f"{self.sample.response.label}: {said}; take a response that does not tell them "
                 "apart, such as the mean over these modes (solve for all of them), or "
                 "eigenvalue_slopes for their one-sided derivatives"
             )
+
+    def _value(self, group: Group) -> str:
+        """The main measure of these modes, such as a frequency or a load factor, with its unit."""
+        main = self.modes.named[self.modes.main]
+        k = int(np.flatnonzero(np.isin(self.modes.positions, group.places))[0])
+        value = f"{self.modes.values(self.modes.main)[k]:.9g}"
+        return " ".join([self.modes.main.replace("_", " "), value, main.unit]).strip()
 
     def adjoint(self) -> np.ndarray:
         """(np,) gradient by one solution for each group of modes whose shapes count."""

@@ -20,7 +20,7 @@ from dalembert.structures.evaluation.kind import ElementKind
 from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.loads.temperatures import CHANGES
 from dalembert.structures.spans import Spans
-from dalembert.symbolic.formulas.expression import Expression, free_symbols
+from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.parametric_array import ArrayEntries
 
 
@@ -174,6 +174,8 @@ class BlockMaker:
 
     def _check(self, formulas: list[ca.SX], entity: str, known: Set[str] = frozenset()) -> None:
         foreign = {name for formula in formulas for name in free_symbols(formula)}
+        if "t" in self._known and formulas and ca.depends_on(stack(formulas), t.sx):
+            raise ModelError("depends on time, but 't' is a parameter here; rename it", entity)
         foreign -= self._known | known
         if foreign:
             raise ModelError(f"depends on {', '.join(sorted(foreign))}, no parameters here", entity)

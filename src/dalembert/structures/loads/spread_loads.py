@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -102,6 +103,44 @@ def heating(part: Part, changes: dict[str, Any]) -> dict[str, Any]:
         else:
             found[name] = as_expression(value, entity, unit)
     return found
+
+
+def check_expansion(parts: Sequence[Part]) -> None:
+    """A change of temperature that cannot strain anything is an input that lacks a number.
+
+    Raises
+    ------
+    ModelError
+        No element has a coefficient of thermal expansion.
+    """
+    if parts and all(_is_zero(part, "expansion") for part in parts):
+        raise ModelError(
+            "has no thermal expansion, so that a change of temperature does nothing; give "
+            "expansion= [1/K], e.g. 1.2e-5 for steel",
+            ", ".join(part.name for part in parts[:5]),
+        )
+
+
+def check_temperature(part: Part) -> None:
+    """An element with a change of temperature of its own needs thermal expansion, too.
+
+    Raises
+    ------
+    ModelError
+        It has none.
+    """
+    own = [name for name in CHANGES if name in _fields(part)]
+    if not all(_is_zero(part, name) for name in own):
+        check_expansion([part])
+
+
+def _is_zero(part: Part, quantity: str) -> bool:
+    """Whether a quantity of an element, or of all of a set, is zero whatever the parameters."""
+    given = part.quantities[quantity] if isinstance(part, Elements) else getattr(part, quantity)
+    if isinstance(given, np.ndarray) and given.dtype.kind in "iuf":
+        return not given.any()
+    each = given.ravel() if isinstance(given, np.ndarray) else [given]
+    return all(as_expression(value, part.name).sx.is_zero() for value in each)
 
 
 def tractions(name: str, elements: Elements, nodes: Nodes, numbers: dict[str, Any]) -> Elements:

@@ -19,12 +19,21 @@ class LdlFactor:
     def __init__(self, matrix: ca.SX):
         self.size = matrix.shape[0]
         if self.size:
-            self.d, self.lt, self.order = ca.ldl(ca.sparsify(matrix), True)
+            self.d, self.lt, self.order = ca.ldl(symmetric(ca.sparsify(matrix)), True)
 
     def solve(self, rhs: ca.SX) -> ca.SX:
         return ca.ldl_solve(ca.densify(rhs), self.d, self.lt, self.order) if self.size else rhs
 
     solve_transposed = solve
+
+
+def symmetric(matrix: ca.SX) -> ca.SX:
+    """The matrix with a symmetric sparsity pattern.
+
+    An entry of a product such as ``Dᵀ M D`` may cancel in its expression while its transpose, equal
+    in value, does not. Then the lower triangle stands for both.
+    """
+    return matrix if matrix.sparsity().is_symmetric() else ca.tril2symm(ca.tril(matrix))
 
 
 class QrFactor:

@@ -9,11 +9,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.budget import LARGEST
+from dalembert.budget import LARGEST, numeral
 from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.formulas.ufuncs import FUNCTIONS, OPERATORS
 from dalembert.units.amounts import Amount, check_unit
 from dalembert.units.grammar import amount_of
+from dalembert.units.unit import unit as unit_of
 
 
 class Expression:
@@ -44,7 +45,7 @@ class Expression:
 
     __slots__ = ("name", "splines", "sx", "unit")
     is_parameter = False
-    """Its unit was given by who made it, and is held to."""
+    """Its unit is known, and is checked where a number of another dimension is expected."""
 
     def __init__(self, sx, name: str = "", unit: str = "", splines: tuple = ()):
         self.sx = ca.SX(sx)
@@ -172,6 +173,13 @@ class Expression:
         return f"<{label}{str(self.sx)[:80]}{' ' + self.unit if self.unit else ''}>"
 
 
+class Dimensioned(Expression):
+    """A formula in text whose parts have units, from which its own follows."""
+
+    __slots__ = ()
+    is_parameter = True
+
+
 def _binary(a, b, operate) -> Any:
     try:
         return Expression(operate(as_sx(a), as_sx(b)), splines=splines_of(a, b))
@@ -193,8 +201,8 @@ def as_sx(value) -> ca.SX:
 def as_expression(value, entity: str, unit: str | None = None, size: int = 1) -> Expression:
     """Check that ``value`` is a finite number or a formula of the right size and dimension.
 
-    A text is a number with its unit, ``"45 mm"``; formulas of parameters are written with the
-    parameters themselves.
+    A text is a number with its unit, ``"45 mm"``, or a function of time, ``"10 deg + 45 rpm*t"``;
+    formulas of parameters are written with the parameters themselves.
 
     Parameters
     ----------
@@ -206,9 +214,9 @@ def as_expression(value, entity: str, unit: str | None = None, size: int = 1) ->
         Wrong type, wrong number of components, a unit that does not fit, NaN or infinity.
     """
     if isinstance(value, str):
-        value = _amount(value, entity)
+        value = _read(value, entity)
     elif isinstance(value, (list, tuple)):
-        value = [_amount(v, entity) if isinstance(v, str) else v for v in value]
+        value = [_read(v, entity) if isinstance(v, str) else v for v in value]
     if isinstance(value, (bool, bytes)) or value is None:
         raise ExpressionError(
             f"expected {'a number' if size == 1 else f'{size} numbers'} or a formula, "
@@ -220,6 +228,8 @@ def as_expression(value, entity: str, unit: str | None = None, size: int = 1) ->
             _check_unit(one, unit, entity)
     try:
         sx = as_sx(value)
+    except OverflowError:
+        raise ExpressionError(f"is {_first_huge(value)}, not a finite number", entity) from None
     except (TypeError, ValueError, NotImplementedError):
         raise ExpressionError(
             f"expected a number or a formula, got {type(value).__name__} {value!r}", entity
@@ -241,20 +251,38 @@ def splines_of(*values: Any) -> tuple:
     return tuple(s for v in values if isinstance(v, Expression) for s in v.splines)
 
 
-def _amount(text: str, entity: str) -> Amount:
-    """The number, with its unit, in a text."""
+def _first_huge(value: Any) -> str:
+    """The first whole number that no float can hold."""
+    if isinstance(value, (list, tuple, np.ndarray)):
+        told = (_first_huge(item) for item in value)
+        return next((text for text in told if text), "")
     try:
-        amount = amount_of(text)
-        if isinstance(amount, Amount):
-            return amount
-        told = f"expected a number or a formula, got {text!r}; write it without quotes"
-    except ExpressionError as error:
-        told = error.message
-        if isinstance(error, UnknownNameError):
-            told = (
-                f"expected a number or a formula, got {text!r:.60}; a text is a number with its "
-                "unit, and formulas of parameters are written without quotes"
-            )
+        as_sx(value)
+    except OverflowError:
+        return numeral(value)
+    except (TypeError, ValueError, NotImplementedError):
+        pass
+    return ""
+
+
+def _read(text: str, entity: str) -> Amount | Expression | float:
+    """The number in a text, with its unit, or the function of time."""
+    from dalembert.symbolic.formulas.parser import parse_formula  # which makes expressions
+
+    try:
+        return amount_of(text)
+    except ExpressionError:
+        pass
+    try:
+        return parse_formula(text, {"t": t}.get)
+    except UnknownNameError as unknown:
+        told = (
+            f"expected a number or a formula, got {text!r:.60}; {unknown.name!r} is unknown: a "
+            "text has numbers, units, t and functions, and formulas of parameters and measures are "
+            "written without quotes"
+        )
+    except ExpressionError as fault:
+        told = fault.message
     raise ExpressionError(told, entity)
 
 
@@ -267,6 +295,8 @@ def _check_unit(value: Any, unit: str, entity: str) -> None:
         return
     if value.is_parameter or (not value.name and value.sx.is_constant()):
         shown = f"{value.name} [{value.unit}]" if value.name else f"{value.sx} {value.unit}"
+        if isinstance(value, Dimensioned) and unit_of(value.unit).without_angle().fits(unit):
+            return
         check_unit(value.unit, unit, entity, shown)
 
 

@@ -10,8 +10,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import ExpressionError, ModelError
+from dalembert.symbolic.formulas.end_conditions import ENDS
 from dalembert.symbolic.formulas.expression import Expression, as_expression
-from dalembert.symbolic.formulas.spline import ENDS, SLACK, CubicSpline, reached
+from dalembert.symbolic.formulas.spline import SLACK, CubicSpline, reached
 from dalembert.text.spelling import Spelled, spelled
 from dalembert.text.wording import unknown
 from dalembert.units.amounts import check_unit

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import parse_formula
+from dalembert.text.wording import listed
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,13 @@ class Names:
         """
         found = self.find(name)
         if found is None:
-            close = difflib.get_close_matches(name, self.known(), 3, 0.4)
+            known = self.known()
+            own = [each for each in known if each.startswith(f"{name}.")]
+            if own:
+                raise UnknownNameError(
+                    f"{name!r} has several measures; name one of them: {listed(own)}", name
+                )
+            close = difflib.get_close_matches(name, known, 3, 0.4)
             nearest = ", ".join(close) or "none"
             raise UnknownNameError(f"no measure {name!r}; nearest: {nearest}", name)
         return found

@@ -9,6 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.budget import numeral
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.symbolic.formulas.expression import Expression, refuse_unusable
 from dalembert.text.spelling import Spelled
@@ -59,6 +60,9 @@ class Parameter(Spelled, Expression):
 
     __slots__ = ("bounds", "description", "given_unit", "value")
     is_parameter = True
+
+    def __repr__(self) -> str:
+        return f"<Parameter {self.name!r} = {self.value:.6g}{' ' + self.unit if self.unit else ''}>"
 
     def __init__(
         self,
@@ -155,6 +159,8 @@ def si_value(value: float | str, meant: Unit, name: str, what: str, endless: boo
 def _finite(value, name: str, what: str) -> float:
     try:
         number = float(value)
+    except OverflowError:
+        raise ModelError(f"{what} {numeral(value)} is not a finite number", name) from None
     except (TypeError, ValueError):
         raise ModelError(f"{what} {value!r} is not a number", name) from None
     if isinstance(value, bool) or not math.isfinite(number):

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from dalembert.errors import ExpressionError
-from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.expression import Dimensioned, Expression
 from dalembert.symbolic.formulas.functions import FORMULA_FUNCTIONS
 from dalembert.symbolic.formulas.interpolation import Interpolation, interp
 from dalembert.units.amounts import Amount
@@ -49,4 +49,6 @@ def parse_formula(
     kind = grammar.dimension
     if kind is None or made.unit or any(abs(n) > MOST_POWER for n in kind.values()):
         return made
-    return Expression(made.sx, made.name, si_unit(kind))
+    if not grammar.amounts:  # such as -body.vx, which stands for a force of 1 N s/m, too
+        return Expression(made.sx, made.name, si_unit(kind))
+    return Dimensioned(made.sx, text.strip()[:60], si_unit(kind))

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import ExpressionError, ModelError
+from dalembert.symbolic.formulas.end_conditions import ENDS, second_derivatives
 from dalembert.symbolic.formulas.expression import as_expression
 from dalembert.symbolic.formulas.lookup import Lookup
 from dalembert.text.wording import unknown
@@ -18,9 +19,6 @@ LARGE = 16
 """Rows beyond which a table of constants is looked up instead of written out: about as many cost
 the virtual machine as much as a call."""
 
-ENDS = ("not-a-knot", "clamped", "natural")
-"""End conditions: the cubics of the first two pieces are one, the slope is zero, or the second
-derivative is zero."""
 SLACK = 1e-9
 """Share of the range beyond its ends in which the first and last cubics go on."""
 COARSE = 0.05
@@ -94,7 +92,9 @@ class CubicSpline:
     def _made(self) -> tuple[Inside, tuple[Scalar, Scalar]]:
         """The curve between its ends, and its slopes there."""
         h, v = self.steps, self.values
-        m = self.second_derivatives = _curvatures(h, v, "periodic" if self.periodic else self.ends)
+        m = self.second_derivatives = second_derivatives(
+            h, v, "periodic" if self.periodic else self.ends
+        )
 
         def slope(k: int, left: float, right: float) -> Scalar:
             return (v[k + 1] - v[k]) / h[k] + h[k] * (left * m[k] + right * m[k + 1]) / 6
@@ -142,7 +142,7 @@ class CubicSpline:
         constant = all(isinstance(x, float) for x in (*self.knots, *self.values))
         if self.periodic or self.least < 3 or not constant or len(self.knots) < 4:
             return ""
-        better = np.array(_curvatures(self.steps, self.values, "not-a-knot"))
+        better = np.array(second_derivatives(self.steps, self.values, "not-a-knot"))
         largest = float(np.abs(better).max())
         if self.ends == "not-a-knot":
             return self._coarse(largest)
@@ -163,7 +163,9 @@ class CubicSpline:
             return ""
         for side, label in ((1, "first"), (-1, "last")):
             knots = np.array(self.knots)[::side][::2] * side
-            coarse = _curvatures(list(np.diff(knots)), self.values[::side][::2], "not-a-knot")
+            coarse = second_derivatives(
+                list(np.diff(knots)), self.values[::side][::2], "not-a-knot"
+            )
             value = self.second_derivatives[::side][0]
             change = abs(coarse[0] - value) / 3
             if change > COARSE * largest:
@@ -229,76 +231,3 @@ def _scalars(given: Sequence, entity: str, what: str) -> list[Scalar]:
             raise type(error)(f"{what} in row {k + 1}: {error.message}", entity) from None
         found.append(float(sx) if sx.is_constant() else sx)
     return found
-
-
-def _curvatures(h: list[Scalar], v: list[Scalar], ends: str) -> list[Scalar]:
-    """Second derivatives at the knots: continuity of the slope, and the end conditions."""
-    rise = [(b - a) / step for a, b, step in zip(v, v[1:], h, strict=False)]
-    n = len(h)
-    if ends == "periodic":
-        lower = [h[k - 1] / 6 for k in range(n)]  # of row 0: its last column
-        diagonal = [(h[k - 1] + h[k]) / 3 for k in range(n)]
-        upper = [h[k] / 6 for k in range(n)]  # of the last row: its first column
-        change = [rise[k] - rise[k - 1] for k in range(n)]
-        found = _cyclic(lower, diagonal, upper, change)
-        return [*found, found[0]]
-    rows = range(1, n)
-    a = [h[k - 1] / 6 for k in rows]
-    b = [(h[k - 1] + h[k]) / 3 for k in rows]
-    c = [h[k] / 6 for k in rows]
-    d = [rise[k] - rise[k - 1] for k in rows]
-    if ends == "natural":
-        return [0.0, *_tridiagonal(a, b, c, d), 0.0]
-    if ends == "clamped":
-        return _tridiagonal(
-            [0.0, *a, h[-1] / 6],
-            [h[0] / 3, *b, h[-1] / 3],
-            [h[0] / 6, *c, 0.0],
-            [rise[0], *d, -rise[-1]],
-        )
-    return _not_a_knot(h, a, b, c, d)
-
-
-def _not_a_knot(h: list, a: list, b: list, c: list, d: list) -> list[Scalar]:
-    """The first two pieces are one cubic, and the last two: ``(m₁ − m₀)/h₀ = (m₂ − m₁)/h₁``.
-
-    Three knots have one parabola.
-    """
-    if len(h) == 2:
-        return [2 * d[0] / (h[0] + h[1])] * 3
-    first, last = h[0] / h[1], h[-1] / h[-2]
-    b[0], c[0] = b[0] + a[0] * (1 + first), c[0] - a[0] * first
-    b[-1], a[-1] = b[-1] + h[-1] / 6 * (1 + last), a[-1] - h[-1] / 6 * last
-    inner = _tridiagonal(a, b, c, d)
-    begin = inner[0] + first * (inner[0] - inner[1])
-    end = inner[-1] + last * (inner[-1] - inner[-2])
-    return [begin, *inner, end]
-
-
-def _tridiagonal(a: list[Scalar], b: list[Scalar], c: list[Scalar], d: list[Scalar]) -> list:
-    """``a_k x_{k−1} + b_k x_k + c_k x_{k+1} = d_k`` by elimination without pivots (Thomas)."""
-    n, pivot, right = len(b), list(b), list(d)
-    for k in range(1, n):
-        factor = a[k] / pivot[k - 1]
-        pivot[k] = b[k] - factor * c[k - 1]
-        right[k] = d[k] - factor * right[k - 1]
-    x = list(right)
-    for k in reversed(range(n)):
-        x[k] = (right[k] - (c[k] * x[k + 1] if k + 1 < n else 0.0)) / pivot[k]
-    return x
-
-
-def _cyclic(a: list[Scalar], b: list[Scalar], c: list[Scalar], d: list[Scalar]) -> list:
-    """The same with ``a_0`` in the last column and ``c_{n−1}`` in the first (Sherman–Morrison)."""
-    n = len(b)
-    if n == 2:
-        off0, off1 = a[0] + c[0], a[1] + c[1]
-        size = b[0] * b[1] - off0 * off1
-        return [(d[0] * b[1] - off0 * d[1]) / size, (b[0] * d[1] - off1 * d[0]) / size]
-    turned = list(b)
-    turned[0] = 2 * b[0]
-    turned[-1] = b[-1] + a[0] * c[-1] / b[0]
-    y = _tridiagonal(a, turned, c, d)
-    z = _tridiagonal(a, turned, c, [-b[0], *([0.0] * (n - 2)), c[-1]])
-    share = (y[0] - a[0] / b[0] * y[-1]) / (1 + z[0] - a[0] / b[0] * z[-1])
-    return [p - share * q for p, q in zip(y, z, strict=True)]

@@ -1,0 +1,105 @@
+"""Starts that overlap by the rounding of published numbers run as those that touch."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, spatial
+
+kit, solid = planar.contact, spatial.contact
+R = 0.1
+INSIDE = 1e-6
+
+
+def ball(kind: str, inside: float, speed: float = 0.0) -> da.System:
+    """A ball of 0.1 m on the floor, ``inside`` deep, whose height is the parameter h."""
+    space = kind.partition(" ")[0]
+    there, up = (0.5,) if space == "planar" else (0.5, 0.0), (0.0, -9.81)
+    system = da.System(kind, gravity=up if space == "planar" else (0.0, *up))
+    h = system.parameter("h", R - inside, "m")
+    go = (0.0,) * len(there)
+    if space == "planar":
+        body = planar.Body("b", mass=1.0, inertia=0.01, position=(*there, h), velocity=(*go, speed))
+        shapes = kit.HalfPlane(system.ground.center), kit.Circle(body.center, R)
+    else:
+        place = (*there, h)
+        body = spatial.Sphere("b", radius=R, mass=1.0, position=place, velocity=(*go, speed))
+        shapes = solid.HalfSpace(system.ground.frame()), solid.Sphere(body.center, R)
+    system.add(body)
+    module = planar if space == "planar" else spatial
+    if kind.endswith("gap"):
+        height = body.y if space == "planar" else body.z
+        system.add(module.UnilateralConstraint("floor", height - R, restitution=0.5))
+    else:
+        law = kit.Restitution(0.5) if kind.endswith("rigid") else kit.Hertz(stiffness=1e7)
+        system.add(module.Contact("floor", *shapes, law=law))
+    return system
+
+
+RIGID = ["planar gap", "spatial gap", "planar rigid", "spatial rigid"]
+
+
+@pytest.mark.parametrize("kind", RIGID)
+@pytest.mark.parametrize("speed", [0.0, -1.0, 1.0, -1e-5])
+def test_a_rounded_start_is_the_touching_one(kind: str, speed: float) -> None:
+    """Same motion as of the ball that touches; the height is no more a freedom of the start."""
+    exact, rounded = (
+        da.solve_dynamics(ball(kind, inside, speed).build(), 0.3, step=0.01)
+        for inside in (0.0, INSIDE)
+    )
+    assert exact.status.success and rounded.status.success and not rounded.warnings
+    name = "b.y" if kind.startswith("planar") else "b.z"
+    np.testing.assert_allclose(rounded[name].values, exact[name].values, atol=1e-9)
+    assert len(rounded.impacts) == len(exact.impacts)
+    told = rounded.statistics["overlaps closed at the start"]
+    assert told.startswith("floor by 1e-06 m") and told not in exact.statistics.values()
+    for method in ("direct", "adjoint"):
+        slope = da.sensitivity(rounded, da.final(name), method=method).item()
+        assert slope == pytest.approx(0.0, abs=1e-9)
+
+
+def test_beyond_the_tolerance_and_prescribed_starts_are_refused() -> None:
+    with pytest.raises(da.AnalysisError, match=r"floor: its gap is -0\.001 m at the start.*apart"):
+        da.solve_dynamics(ball("planar rigid", 1e-3).build(), 0.1, step=0.01)
+    system = ball("planar gap", INSIDE)
+    system.initial(system.elements["b"].y, R - INSIDE)
+    with pytest.raises(da.AnalysisError, match="floor: its gap is -1e-06 m at the start"):
+        da.solve_dynamics(system.build(), 0.1, step=0.01)
+
+
+@pytest.mark.parametrize("kind", ["planar soft", "spatial soft"])
+def test_compliant_contact_presses_by_the_overlap(kind: str) -> None:
+    motion = da.solve_dynamics(ball(kind, INSIDE).build(), 0.01, integrator=da.DormandPrince())
+    assert motion.status.success
+    assert motion["floor.force"].values[0] == pytest.approx(1e7 * INSIDE**1.5, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["planar rigid", "spatial gap", "planar collisions"])
+def test_nonsmooth_contact_takes_a_rounded_start(kind: str) -> None:
+    speed = -1.0 if kind.endswith("collisions") else 0.0  # else its weight is all that does work
+    system = ball(kind, INSIDE, speed)
+    if kind.endswith("collisions"):
+        del system.elements["floor"]
+        balls, walls = [(system.elements["b"], R)], [(system.ground.center, (0.0, 1.0))]
+        system.add(planar.Collisions("floor", balls, walls, restitution=0.5))
+    motion = da.solve_nonsmooth(system.build(), 0.1, step=1e-3)
+    name = "b.z" if kind.startswith("spatial") else "b.y"
+    assert motion.status.success
+    assert motion[name].values.min() > R - 2 * INSIDE
+    assert motion[name].values.max() < R + (2 * INSIDE if speed == 0 else 0.05)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("gap", [0.0, 1e-9, 1e-5])
+def test_an_impact_at_the_start_bounces_by_its_restitution(restitution: float, gap: float) -> None:
+    """Before the first step there is none that could slow down what touches already."""
+    system = da.System("start", gravity=(0.0, -9.81))
+    body = system.add(planar.Particle("b", mass=1.0, position=(0.5, R + gap), velocity=(0.0, -1.0)))
+    walls = [(system.ground.center, (0.0, 1.0))]
+    system.add(planar.Collisions("floor", [(body, R)], walls, restitution=restitution))
+    motion = da.solve_nonsmooth(system.build(), 0.01, step=1e-4)
+    assert motion.status.success
+    assert motion["b.vy"].values[1] == pytest.approx(restitution, abs=1e-3)
+    assert motion["b.y"].values.min() > R - 1e-9

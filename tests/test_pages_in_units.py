@@ -1,0 +1,67 @@
+"""Units of pages: drawing, parameters, optima; traces by body; round-off; ellipsoids."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from browser import visit
+
+import dalembert as da
+from dalembert import planar, spatial, structures
+
+
+def test_units_reach_the_drawing_and_a_body_is_traced(browser, tmp_path) -> None:
+    """Drawing and parameters in the units given; round-off is zero; a body is its origin."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    length = system.parameter("length", 0.5, "m", bounds=(0.1, 1.0))
+    bar = system.add(planar.Bar("bar", length=length, mass=2.0, angle=-np.pi / 2))
+    system.add(planar.Revolute("O", system.ground.center, bar.start))
+    motion = da.solve_dynamics(system.build(), 0.1, step=0.01)
+    page = motion.page(units=["mm", "kN"], trace=["bar"])
+    assert page["units"] == {"N": (1e3, "kN"), "m": (1e-3, "mm")}
+    assert page["parameters"][0] | {"description": ""} == {
+        **{"name": "length", "value": 500.0, "unit": "mm"},
+        **{"lower": 100.0, "upper": 1000.0, "description": ""},
+    }
+    assert {"name": "bar", "body": "bar", "point": [0.0, 0.0]} in page["scene"]["points"]
+    sideways = next(s for s in page["series"] if s["name"] == "bar.x")
+    assert np.abs(motion["bar.x"].values).max() > 0 and not np.any(sideways["values"])
+    with visit(browser, motion.report(tmp_path / "page.html", units=["mm", "kN"])) as seen:
+        assert not seen.errors
+        assert "500" in seen.js('document.querySelector("#parameters tbody").textContent')
+
+
+def test_ellipsoids_of_inertia_can_be_hidden(browser, tmp_path) -> None:
+    system = da.System("free")
+    system.add(spatial.Body("top", mass=1.0, inertia=(0.01, 0.02, 0.03)))
+    motion = da.solve_dynamics(system.build(), 0.1, step=0.05)
+    with visit(browser, motion.report(tmp_path / "page.html")) as seen:
+        seen.frames(3)
+        shown = seen.picture("#scene")
+        seen.js('document.getElementById("inertia").click()')
+        seen.frames(3)
+        assert seen.picture("#scene") != shown and not seen.errors
+
+
+def test_the_page_of_an_optimum_has_its_units_and_variables_first(browser, tmp_path) -> None:
+    made = da.Structure("spring")
+    k = made.parameter("k", 50.0, "N/m", bounds=(1, 1e3))
+    end = made.node("end", 0.0)
+    made.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    made.load(end, fx=1.0)
+    give = da.final("end.ux", name="give")
+    limits = [da.Limit(da.final("k").named(f"stiffness {i}" * 6), upper=200.0) for i in range(3)]
+    best = da.optimize(made.build(), give, subject_to=limits, analysis=da.Statics())
+    told = best.page(units=["mm", "N/mm"])["optimum"]
+    assert told["unit"] == "mm" and told["value"] == pytest.approx(1e3 * best.fun)
+    assert told["variables"][0]["unit"] == "N/mm" and told["variables"][0]["upper"] == 1.0
+    assert told["limits"][0]["value"] == pytest.approx(0.2)
+    price = best.limits[0].price * 1e3 * 1e3  # mm per N/mm
+    assert told["limits"][0]["price"] == pytest.approx(price)
+    assert "mm per N/mm" in told["prices"][0] if price else True
+    with visit(browser, best.report(tmp_path / "page.html", units=["mm", "N/mm"])) as seen:
+        first = 'document.querySelector("#optimum tbody th").textContent'
+        assert seen.js(first).startswith("k")
+        table = 'document.querySelector("#optimum .scroll")'
+        assert seen.js(f"{table}.scrollWidth <= {table}.clientWidth + 1")
+    assert "Convergence" in best._repr_html_() or "convergence" in best._repr_html_()
