@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.progress import Reported, progress_reporter
+from dalembert.design.methods.spread import counted
+from dalembert.design.methods.stop import check_stop
 from dalembert.design.reliability.design_points import design_points
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.first_order import Search
@@ -17,6 +19,7 @@ from dalembert.design.reliability.reliable import SAMPLINGS, Reliability
 from dalembert.design.reliability.validity import curvature_warnings, layer_warnings
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible, searching
+from dalembert.options import is_whole
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -107,7 +110,11 @@ def reliability(
     nataf = Nataf(dict(random), correlation)
     limits = limit_states(model, limit_state, list(random), analysis)
     generator = np.random.default_rng(rng)
-    starts = starts or (FORMULA_STARTS if model is None else MODEL_STARTS)
+    if starts is None:
+        starts = FORMULA_STARTS if model is None else MODEL_STARTS
+    check_stop(max_iterations, tolerance)
+    if not is_whole(samples) or samples < 0:
+        raise AnalysisError(f"samples = {samples!r:.60}: give a whole number of 0 or more")
     searches = [
         Search(limits, nataf, row, method, tolerance, max_iterations)
         for row in range(len(limits.labels))
@@ -117,7 +124,7 @@ def reliability(
         try:
             with searching():
                 for k, search in enumerate(searches):
-                    searched = design_points(search, starts, generator)
+                    searched = design_points(search, counted(starts), generator)
                     found.points += searched.points
                     found.warnings += [searched.warning] if searched.warning else []
                     report((k + 1) / (len(searches) + bool(samples)))

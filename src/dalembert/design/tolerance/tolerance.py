@@ -18,7 +18,8 @@ from dalembert.design.optimize.problem import DesignProblem
 from dalembert.design.tolerance.toleranced import Toleranced
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
-from dalembert.responses.base import Response, as_responses
+from dalembert.responses.base import Response
+from dalembert.responses.several import as_responses
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
