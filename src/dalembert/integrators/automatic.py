@@ -8,7 +8,7 @@ from dalembert.integrators.runge_kutta.radau import Radau
 from dalembert.integrators.tolerances import check_tolerances
 from dalembert.options import options
 
-OF_STEP = 1e-2
+OF_STEP = 1e-3
 """Tolerance of an explicit step, relative to that of the run."""
 INTERVALS = 200
 """Minimum number of steps of a run without ``max_step``."""
@@ -26,7 +26,7 @@ class AutomaticIntegrator(Integrator):
 
     Parameters
     ----------
-    rtol : relative tolerance of the run [-]; explicit steps keep a hundredth of it, because errors
+    rtol : relative tolerance of the run [-]; explicit steps keep a thousandth of it, because errors
         of steps accumulate and the motion may amplify them. The estimate of implicit steps is
         pessimistic by more than that
     atol : absolute tolerance of the run [m, rad, m/s, rad/s]; by default a hundredth of rtol,
