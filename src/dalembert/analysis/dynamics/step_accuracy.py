@@ -51,6 +51,9 @@ class ErrorEstimate:
     name: str
     time: float
 
+    def __str__(self) -> str:
+        return self.text
+
     @property
     def text(self) -> str:
         of_motion = f"{self.share:.2g} times" if self.share >= 10 else f"{self.share:.2g} of"
@@ -107,7 +110,7 @@ class StepAccuracy:
         text = f"the estimated error of the run is {self.estimate.text}, above rtol = {rtol:g}"
         if self.estimate.share > ALLOWED:
             return [f"{text}: the motion amplifies small differences"]
-        return [f"{text}, for errors accumulate; use a smaller rtol"]
+        return [f"{text}, because errors of the steps accumulate; use a smaller rtol"]
 
     # all steps ---------------------------------------------------------------------
     @property
