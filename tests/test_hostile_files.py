@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 import dalembert as da
 from dalembert.cli import main
 from dalembert.errors import FileError, ModelError
+from dalembert.results.files.inspection import SEAL
 from dalembert.text.wording import HIDDEN, plain_text, visible
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -132,6 +133,19 @@ def test_a_bit_that_flips_is_noticed(tmp_path):
         path.write_bytes(content[:at] + bytes([content[at] ^ 1 << at % 8]) + content[at + 1 :])
         with contextlib.suppress(FileError):
             assert da.load_results(path).identical(expected), at
+    damaged = bytearray(content)
+    path.write_bytes(content)
+    with h5py.File(path) as file:
+        damaged[file["position"].id.get_offset()] ^= 0x40
+    for appended in (b"\n", b"\0" * 1000):  # as transfers leave them
+        path.write_bytes(content + appended)
+        assert da.load_results(path).identical(expected)
+        path.write_bytes(bytes(damaged) + appended)
+        with pytest.raises(FileError, match="checksum"):
+            da.load_results(path)
+    path.write_bytes(content[: content.rfind(SEAL)])  # as earlier versions wrote it
+    with pytest.warns(UserWarning, match="no checksum"):
+        assert da.load_results(path).identical(expected)
     path.write_bytes(content)
     with h5py.File(path, "a") as file:  # who changes a file otherwise leaves no checksum
         file["time"][0] = 0.5

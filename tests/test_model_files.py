@@ -332,7 +332,7 @@ def test_forces_may_name_later_ones(tmp_path):
 
 
 def test_the_centre_of_a_body_has_a_name(tmp_path):
-    """``"b.center"`` is the point that ``"b"`` is, unless the body has its own point of that name."""
+    """``"b.center"`` is the point that ``"b"`` is."""
     text = '[joints.new]\ntype = "Revolute"\nconnect = ["ground.center", "b.center"]\n'
     joint = load(written(tmp_path, HEAD + text)).elements["new"]
     assert [p.body.name for p in (joint.point_i, joint.point_j)] == ["ground", "b"]

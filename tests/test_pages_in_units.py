@@ -59,7 +59,9 @@ def test_an_optimum_in_declared_units_marks_broken_limits(browser, tmp_path) -> 
     assert one["value"] == pytest.approx(best.x["k"] / 100)
     assert "N/cm" in best._repr_html_()
     with visit(browser, best.report(tmp_path / "page.html")) as seen:
-        rows = seen.js('[...document.querySelectorAll("#optimum tbody th")].map(e => e.textContent)')
+        rows = seen.js(
+            '[...document.querySelectorAll("#optimum tbody th")].map(e => e.textContent)'
+        )
     assert [row.split(" ")[0] for row in rows if "✗" in row] == ["b"]
 
 

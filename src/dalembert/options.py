@@ -109,6 +109,22 @@ def is_whole(value: Any) -> bool:
     return whole and abs(value) <= MOST
 
 
+def random_generator(rng: Any) -> np.random.Generator:
+    """The generator of random numbers that an argument ``rng`` stands for.
+
+    Raises
+    ------
+    UnsupportedError
+        It is neither a generator nor a whole number from which one starts.
+    """
+    try:
+        return np.random.default_rng(rng)
+    except (TypeError, ValueError):
+        raise UnsupportedError(
+            f"rng is {rng!r:.60}; give a whole number from 0 on, or numpy.random.default_rng(…)"
+        ) from None
+
+
 def are_names(value: Any) -> bool:
     """A name, or several."""
     listed = value if isinstance(value, (list, tuple)) else [value]

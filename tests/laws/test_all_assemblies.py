@@ -221,3 +221,10 @@ def test_command_line_lists_assemblies(tmp_path, capsys):
     told = json.loads(capsys.readouterr().out)["assemblies"]
     assert told["count"] == 2 and told["completeness"]["missing"] == 0.0
     assert len(told["assemblies"]) == 2 and "crank.angle" in told["assemblies"][0]["coordinates"]
+
+
+@pytest.mark.parametrize("wrong", [{"count": 0}, {"count": "two"}, {"time": float("nan")}])
+def test_options_of_the_search_are_checked(wrong):
+    (name,) = wrong
+    with pytest.raises(da.AnalysisError, match=f"{name} = .*: give a"):
+        da.solve_assembly(three_legs((0.1, 0.2), 0.3), all=True, **wrong)

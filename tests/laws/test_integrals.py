@@ -55,6 +55,29 @@ def test_outputs_do_not_matter(integrator, kind):
     np.testing.assert_allclose(values, values[0], rtol=1e-13)
 
 
+def test_measures_may_vary_faster_than_the_motion():
+    """A throw takes few steps; kinks and oscillations of measures between them count."""
+    system = da.System("throw", gravity=(0, -10))
+    rise = system.parameter("rise", 7.0)
+    system.add(planar.Particle("stone", mass=2.0, position=(0, 1), velocity=(3, rise)))
+    motion = da.solve_dynamics(system.build(), 2.0)
+    assert motion.statistics["steps"] < 20
+    t = np.linspace(0, 2, 200_001)
+    y, vy = 1 + 7 * t - 5 * t**2, 7 - 10 * t
+    exact = {
+        "sin(50*time)**2": np.sin(50 * t) ** 2,
+        "sin(20*stone.y)": np.sin(20 * y),
+        "abs(stone.vy)": np.abs(vy),
+        "stone.y**6": y**6,
+    }
+    for measure, values in exact.items():
+        size = np.trapezoid(np.abs(values), t)
+        error = da.evaluate(motion, da.integral(measure)) - np.trapezoid(values, t)
+        assert abs(error) < 1e-5 * size, measure
+    slope = da.sensitivity(motion, da.integral("sin(20*stone.y)")).item()
+    assert slope == pytest.approx(np.trapezoid(20 * t * np.cos(20 * y), t), abs=1e-4)
+
+
 ORDERS = {"Euler": 1, "Heun": 2, "RK4": 4, "Trapezoidal": 2, "GeneralizedAlpha": 2, "Radau": 5}
 
 

@@ -226,3 +226,28 @@ def test_what_cannot_be_is_told(more, tells):
 def test_distributions_that_cannot_be(make):
     with pytest.raises(da.ModelError):
         make()
+
+
+def test_the_upper_tail_of_gumbel_neither_underflows_nor_warns():
+    """``1 − F(x) → Φ(−u)``: ``x = mode − s ln Φ(−u)`` far out, and the slope is its derivative."""
+    law, scale = da.Gumbel(10.0, 1.0), math.sqrt(6) / math.pi
+    mode, u = 10.0 - np.euler_gamma * scale, np.array([8.5, 9.5, 20.0, 37.0, 39.0, 100.0])
+    with np.errstate(divide="raise", over="raise", invalid="raise"):
+        x, slope = law.from_normal(u), law.slope(u)
+        near = (law.from_normal(u + 1e-4) - law.from_normal(u - 1e-4)) / 2e-4
+    np.testing.assert_allclose(x, mode - scale * stats.norm.logsf(u), rtol=1e-13)
+    np.testing.assert_allclose(slope, near, rtol=1e-7)
+
+
+def test_numbers_of_searches_and_samples_are_checked():
+    random = {"x": da.Normal(0.0, 1.0)}
+    for wrong in ({"starts": 0}, {"starts": "a"}, {"samples": -1}, {"max_iterations": 2.5}):
+        with pytest.raises(da.DalembertError, match=f"{next(iter(wrong))} .*give a whole number"):
+            da.reliability(None, "3 - x", random, **wrong)
+
+
+def test_a_sphere_of_failure_has_no_second_order_estimate():
+    """Curvature −1/β: ``Π(1 + βκ)`` is zero up to rounding; the warning shows no number of it."""
+    random = {"x": da.Normal(0.0, 1.0), "y": da.Normal(0.0, 1.0)}
+    (warning,) = da.reliability(None, "6.25 - x**2 - y**2", random).warnings
+    assert "no second-order estimate" in warning

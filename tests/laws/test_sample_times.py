@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, structures
 from dalembert.responses.integrals import Quadrature
 
 
@@ -97,3 +97,41 @@ def test_few_outputs_of_a_driven_motion_take_as_many_steps_as_the_way_asks_for(t
         np.testing.assert_allclose(
             getattr(seldom.trajectory, name), expected, atol=1e-9 * (1 + np.abs(expected).max())
         )
+
+
+WRONG_TIMES = [[0.2, 9.0, 0.1], [0.1, float("nan"), 0.2], [-1.0], [], [[0.1, 0.2]], "x", None, [1j]]
+
+
+@pytest.mark.parametrize("solve", [da.solve_dynamics, da.solve_nonsmooth, da.solve_kinematics])
+def test_samples_lie_within_the_run(solve):
+    """Times in any order, each checked; wrong ones are one clear error of every analysis."""
+    system = da.System("crank", gravity=(0.0, -9.81))
+    crank = system.add(planar.Bar("crank", length=0.5, mass=1.0))
+    system.add(planar.Revolute("O", system.ground.center, crank.start))
+    if solve is da.solve_kinematics:
+        system.add(planar.RotationalDriver("motor", system.ground, crank, 3 * da.t))
+    else:
+        system.add(planar.UnilateralConstraint("floor", crank.end.y + 2.0, restitution=0.0))
+    motion = solve(system.build(), 0.5, step=0.1)
+    backwards = motion.at([0.35, 0.15])["crank.angle"].values
+    assert backwards[::-1] == pytest.approx(motion.at([0.15, 0.35])["crank.angle"].values, abs=0)
+    for wrong in WRONG_TIMES:
+        with pytest.raises(da.AnalysisError, match=r"leave the run|outside the run|times are"):
+            motion.at(wrong)
+    with pytest.raises(da.AnalysisError, match="speed is 0"):
+        motion.animate(speed=0)
+
+
+@pytest.mark.parametrize("wrong", [0.7, 2, -3, [], "x", None, float("nan")])
+def test_load_cases_are_whole_numbers(wrong):
+    bar = da.Structure("bar")
+    ends = bar.node("a", 0.0, 0.0), bar.node("b", 1.0, 0.0)
+    bar.add(structures.Truss("ab", *ends, area=1e-4, modulus=2e11))
+    bar.support(ends[0])
+    bar.support(ends[1], uy=0)
+    bar.load(ends[1], fx=1.0, case="one")
+    bar.load(ends[1], fx=2.0, case="two")
+    result = da.solve_statics(bar.build())
+    assert result.at(-1)["b.ux"] == pytest.approx(2 * result.at(0)["b.ux"])
+    with pytest.raises(da.AnalysisError, match="do not exist"):
+        result.at(wrong)

@@ -98,6 +98,17 @@ def test_what_cannot_be_is_told():
         da.optimize_trajectory(model, da.minimum("torque"), ["torque"], 1.0)
     with pytest.raises(AnalysisError, match="guess"):
         da.optimize_trajectory(model, goal, ["torque"], 1.0, guess="somehow")
+    with pytest.raises(AnalysisError, match="give a list of names"):
+        da.optimize_trajectory(model, goal, "torque", 1.0)
+    with pytest.raises(AnalysisError, match="accuracy is 'fine'"):
+        da.optimize_trajectory(model, goal, ["torque"], 1.0, accuracy="fine")
+    for side in ("begin", "end"):
+        wrong = {"is above": (3, 1), "give a number": math.nan, "with None": "far"}
+        for words, value in wrong.items():
+            with pytest.raises(AnalysisError, match=words):
+                da.optimize_trajectory(model, goal, ["torque"], 1.0, **{side: {"bar.angle": value}})
+        with pytest.raises(AnalysisError, match="give a dict"):
+            da.optimize_trajectory(model, goal, ["torque"], 1.0, **{side: [1.0]})
 
 
 def test_a_goal_out_of_reach_is_no_success():

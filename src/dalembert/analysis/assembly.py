@@ -9,11 +9,12 @@ from typing import Any, Literal, overload
 import numpy as np
 
 from dalembert.analysis.served import need_mechanism
-from dalembert.errors import AssemblyError
+from dalembert.errors import AnalysisError, AssemblyError
 from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.assembly.assemblies import Assemblies
 from dalembert.model.assembly.completeness import Completeness
 from dalembert.model.model import Model
+from dalembert.options import is_number, is_whole, random_generator
 from dalembert.text.spelling import spelled
 
 
@@ -170,6 +171,8 @@ def solve_assembly(
     ------
     AssemblyError
         It cannot be assembled; names the worst joint and its residual.
+    AnalysisError
+        ``time`` is no finite number, ``count`` no whole number of 1 or more.
 
     Examples
     --------
@@ -185,6 +188,7 @@ def solve_assembly(
     [-2.0, 2.0]
     """
     need_mechanism(model, "solve_assembly", "it needs no assembly, take solve_statics")
+    _check_options(time, count)
     p = model.values(parameters)
     if not all:
         return _assembly(model, time, model.assemble(p, time))
@@ -196,7 +200,7 @@ def solve_assembly(
             raise
         note = f"none is on the branch of the nominal assembly: {str(error).partition(';')[0]}"
     search = Assemblies(model.closure, time, p)
-    seed = np.random.default_rng(0 if rng is None else rng)
+    seed = random_generator(0 if rng is None else rng)
     completeness = search.search(None if first is None else first.y, count, seed)
     states = [model.closure.state(y, p, time) for y in search.known]
     if first is not None:
@@ -204,6 +208,13 @@ def solve_assembly(
     return AllAssemblies(
         tuple(_assembly(model, time, state) for state in states), completeness, note
     )
+
+
+def _check_options(time: Any, count: Any) -> None:
+    if not is_number(time):
+        raise AnalysisError(f"time = {time!r:.60}: give a finite number of seconds")
+    if count is not None and (not is_whole(count) or count < 1):
+        raise AnalysisError(f"count = {count!r:.60}: give a whole number of 1 or more, or None")
 
 
 def _assembly(model: Model, time: float, s: AssembledState) -> Assembly:

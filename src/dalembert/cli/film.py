@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from dalembert.cli.console import DONE, AsJson, emit, tell, wrong_input
-from dalembert.cli.loading import refuse_replacing
+from dalembert.cli.loading import refuse_replacing, shown_warnings
 
 
 def film(
@@ -43,7 +43,7 @@ def film(
     from dalembert.results.files.store import load_results, report_of
     from dalembert.results.pictures.film import write_film
 
-    with wrong_input():
+    with wrong_input(), shown_warnings():
         page = report_of(load_results(results))
         made = output or results.with_suffix(".gif")
         refuse_replacing(results, [made])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 import tempfile
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,9 +13,20 @@ from typing import TYPE_CHECKING, Any
 from dalembert.cli.console import wrong_input
 from dalembert.cli.teller import Teller
 from dalembert.errors import AssemblyError, FileError, ModelError
+from dalembert.text.wording import visible
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
+
+
+@contextmanager
+def shown_warnings() -> Iterator[None]:
+    """Warnings inside go to standard error, unless it ends in an error."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", UserWarning)
+        yield
+    for warning in caught:
+        print(f"Warning: {visible(str(warning.message))}", file=sys.stderr)
 
 
 def loaded(

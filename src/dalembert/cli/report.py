@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from dalembert.cli.console import DONE, AsJson, emit, tell, wrong_input
-from dalembert.cli.loading import refuse_replacing
+from dalembert.cli.loading import refuse_replacing, shown_warnings
 from dalembert.cli.opening import Open, opened
 
 
@@ -33,7 +33,7 @@ def report(
     from dalembert.report.page import write_page
     from dalembert.results.files.store import load_results, report_of
 
-    with wrong_input():
+    with wrong_input(), shown_warnings():
         payload = report_of(load_results(results))
         if other is not None:
             payload = compared(payload, report_of(load_results(other)), str(other))

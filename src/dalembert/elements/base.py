@@ -28,7 +28,8 @@ from dalembert.elements.brief import brief, fields_of
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression, stack
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression, stack
 from dalembert.text.spelling import Spelled
 
 Scalar = Any  # number or Expression

@@ -10,7 +10,8 @@ import numpy as np
 
 from dalembert.elements.base import Rows, Scalar, option, quantity
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression, as_sx
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression, as_sx
 from dalembert.symbolic.formulas.spline import CubicSpline
 from dalembert.text.spelling import Spelled
 

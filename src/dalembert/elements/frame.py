@@ -11,7 +11,8 @@ from dalembert.elements.base import Vector
 from dalembert.elements.point import Carrier, Point
 from dalembert.elements.rotation import as_orientation, off_orthonormal, orthonormal, unit, within
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import as_expression, as_sx
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import as_sx
 from dalembert.symbolic.rotation import across, from_matrix, product
 
 PARALLEL = 1e-9

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from dalembert.elements.base import Condition
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import Spelled
 
 

@@ -10,7 +10,8 @@ from dalembert.elements.base import Vector
 from dalembert.elements.brief import brief, short, spot
 from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression, t
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression, t
 from dalembert.text.spelling import Spelled
 
 AXES = "xyz"

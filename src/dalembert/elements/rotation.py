@@ -12,7 +12,8 @@ import numpy as np
 from dalembert.elements.base import Condition
 from dalembert.errors import ModelError
 from dalembert.symbolic import rotation as turning
-from dalembert.symbolic.formulas.expression import Expression, as_expression, as_sx
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression, as_sx
 from dalembert.text.spelling import spelled
 
 __all__ = ["Orientation", "axis_angle", "bryant", "euler", "from_matrix", "identity"]

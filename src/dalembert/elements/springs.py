@@ -13,7 +13,8 @@ from dalembert.elements.base import ForceElement, Look, Powers, Rate, Scalar, op
 from dalembert.elements.look import Coil, Cylinder, Dashpot
 from dalembert.elements.pair import BetweenPoints
 from dalembert.errors import DalembertError, ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 
 SMALLEST_LENGTH = 1e-30
 ForceLaw = Callable[[Expression, Expression], Any]
@@ -44,6 +45,8 @@ def called_law(law: ForceLaw, entity: str, extension: Expression, rate: Expressi
     except Exception as error:
         told = f"the law fails for extension and rate: {type(error).__name__}: {error!s:.200}"
         raise ModelError(told, entity) from error
+
+
 """Force of an extension and its rate."""
 
 

@@ -52,7 +52,8 @@ from dalembert.io.structures.mesh_reader import MeshReader
 from dalembert.io.structures.schema import StructureDocument
 from dalembert.model.system import System
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import visible
 
 NAME = 25

@@ -7,7 +7,8 @@ from enum import Enum
 from typing import Any, Protocol
 
 from dalembert.errors import ExpressionError
-from dalembert.symbolic.formulas.expression import Expression, as_expression, t
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression, t
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parser import parse_formula
 

@@ -15,7 +15,8 @@ from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
 from dalembert.model.measures import element_measures, find_measure
 from dalembert.model.parameter_space import ParameterSpace
-from dalembert.symbolic.formulas.expression import Expression, as_expression, stack, t
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression, stack, t
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.symbolic.formulas.parser import parse_formula

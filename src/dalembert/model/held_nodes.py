@@ -12,7 +12,8 @@ from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
 from dalembert.elements.fem.node_bodies import NodeBody
 from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 
 Held = NodeBody | Sequence[NodeBody]
 

@@ -14,8 +14,9 @@ from dalembert.model.model import Model
 from dalembert.structures.elastic_structure import ElasticStructure
 from dalembert.structures.meshes.mesh import Classes
 from dalembert.structures.structure import Structure
+from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.declared import VARIABLES, Declared, check_free
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parameter import coherent
 from dalembert.text.spelling import Spelled, spelled
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, overload
 
 from dalembert.responses import base
 from dalembert.responses.base import Response
+from dalembert.responses.several import as_responses
 from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result
 from dalembert.text.spelling import spelled
@@ -61,6 +62,6 @@ def evaluate(
 
         if isinstance(response, Response):
             return batch_response(result, response)
-        return batch_responses(result, base.as_responses(response))
+        return batch_responses(result, as_responses(response))
     assert isinstance(response, Response)
     return base.evaluate(result, response)

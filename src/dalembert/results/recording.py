@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.model.model import Model
 from dalembert.results.result import Analysis, Instants, Result
+from dalembert.results.sampling import checked_instants
 from dalembert.results.status import Status
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import Expression
@@ -161,7 +162,7 @@ class Recording(Result):
 
     def at(self, times: Instants) -> Self:
         """The same motion sampled at other times, by the steps that were taken."""
-        return self.analysis.resample(self, np.atleast_1d(np.asarray(times, dtype=float)))
+        return self.analysis.resample(self, checked_instants(times))
 
     @cached_property
     def over_steps(self) -> Self:

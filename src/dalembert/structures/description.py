@@ -24,7 +24,8 @@ from dalembert.structures.loads.spread_loads import (
 )
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.parts import StructureParts
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 
 UNITS = {"u": "m", "r": "rad", "v": "m/s", "vr": "rad/s", "f": "N", "m": "N m"}
 """First letters of a direction → unit of what is prescribed along or about it."""

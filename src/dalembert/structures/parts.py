@@ -15,8 +15,9 @@ from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.loads.spread_loads import check_temperature
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.spans import Spans
+from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.declared import Declared
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.text.cards import card, table

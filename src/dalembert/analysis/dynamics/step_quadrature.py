@@ -2,7 +2,9 @@
 
 Gauss–Lobatto points in each step, ``∫ m dt ≈ Σ_k h_k Σ_i b_i m(t_k + c_i h_k)``: its ends and
 parts of it. With n points the quadrature has order 2n − 2, taken no less than that of the
-steps, so that the integral is as exact as the motion.
+steps, so that the integral of a measure as smooth as the motion is as exact as the motion. Steps
+are long where the motion is simple. A measure need not be simple there, so that long steps are
+divided.
 """
 
 from __future__ import annotations
@@ -26,6 +28,10 @@ def lobatto(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 INSIDE = 1e-9
 """Share of a step by which a point keeps away from a switch, where measures may jump."""
+LEAST = 200
+"""Intervals in which integrals take a run at least; plots of a run show as many."""
+SAME = 1e-6
+"""Relative difference of lengths that are equal up to rounding."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +49,13 @@ class StepQuadrature:
     order: int
     parts: np.ndarray | None = None
     continuous = True
+
+    @classmethod
+    def fine(cls, steps: Steps, order: int) -> StepQuadrature:
+        """The quadrature with parts of steps that are no longer than a share of the run."""
+        longest = (steps.end - float(steps.t[0])) / LEAST
+        parts = np.maximum(np.ceil((1 - SAME) * steps.h / longest), 1).astype(int)
+        return cls(steps, order, parts)
 
     @cached_property
     def _rule(self) -> tuple[np.ndarray, np.ndarray]:

@@ -48,9 +48,10 @@ def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
     """
     count = steps.count
     slack = steps.instant
-    if not (times[0] >= steps.t[0] - slack and times[-1] <= steps.end + slack):
+    first, last = times.min(), times.max()
+    if not (first >= steps.t[0] - slack and last <= steps.end + slack):
         raise AnalysisError(
-            f"times {times[0]:g}…{times[-1]:g} s leave the run {steps.t[0]:g}…{steps.end:g} s"
+            f"times {first:g}…{last:g} s leave the run {steps.t[0]:g}…{steps.end:g} s"
         )
     index = np.clip(np.searchsorted(steps.t[:count], times, side="right") - 1, 0, count - 1)
     length = np.clip(times - steps.t[index], 0.0, steps.h[index])

@@ -228,7 +228,8 @@ class KinematicsRun:
         """Configuration at ``high`` where just this instant is a branch point.
 
         The motion is smooth there but the Jacobian singular: step a little over it and
-        interpolate, which is exact to the fourth power of that little.
+        interpolate, which is exact to the fourth power of that little. Where the Jacobian is
+        regular, as beside a knot of a driver law, the constraints correct the interpolation.
         """
         for fraction in (0.1, 0.5, 0.02):
             little = fraction * self.typical
@@ -237,8 +238,20 @@ class KinematicsRun:
             after = self.advance(last, low, high + little)
             before = self.advance(last, low, high - little)
             if after is not None and before is not None:
-                return self.between(before, after, 2 * little)
+                return self.corrected(before, after, 2 * little, high)
         return None
+
+    def corrected(
+        self, before: np.ndarray, after: np.ndarray, gap: float, time: float
+    ) -> np.ndarray:
+        """The interpolation between two positions, solved where the Jacobian is regular."""
+        middle = self.between(before, after, gap)
+        y = self.parts[0]
+        way = np.abs(self.manifold.lead(before[y], after[y]) / self.sizes.displacements).max()
+        new = self.kernel.single(middle, time, 0.0, self.p).full().ravel()
+        regular, residual, change = new[-3:]
+        sound = np.all(np.isfinite(new)) and regular > REGULAR and residual < TOLERANCE
+        return new if sound and change <= LARGEST_TURN * way else middle
 
     def between(self, before: np.ndarray, after: np.ndarray, gap: float) -> np.ndarray:
         """Half way between two positions, by cubic Hermite polynomials of positions and speeds."""

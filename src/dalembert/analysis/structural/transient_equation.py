@@ -20,7 +20,8 @@ from dalembert.sparse.solver import Factors
 from dalembert.structures.evaluation.pattern import combined
 from dalembert.structures.loads.configuration_load import ConfigurationLoad, Expansion
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.formulas.expression import as_expression, free_symbols
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
 from dalembert.text.spelling import Spelled
 

@@ -12,7 +12,7 @@ from dalembert.design.methods.base import Ended, Optimizer, Stop
 from dalembert.design.methods.enumeration import Enumeration
 from dalembert.design.methods.slsqp import Slsqp
 from dalembert.design.optimize.program import FEASIBLE, Program
-from dalembert.options import options
+from dalembert.options import options, random_generator
 
 PAIRS = 16
 """Pairs of designs between which convexity is tested."""
@@ -114,7 +114,7 @@ class _Search:
         self.numbers = itertools.count(1)
         self.nodes, self.best = 0, np.inf
         self.design: np.ndarray | None = None
-        self.generator = np.random.default_rng(method.rng)
+        self.generator = random_generator(method.rng)
         self.is_convex = self._is_convex()
 
     def _drawn(self) -> np.ndarray:

@@ -218,7 +218,10 @@ class Gumbel(Distribution):
         from scipy.special import log_ndtr
 
         mode, scale = self._mode_scale
-        return mode - scale * np.log(-log_ndtr(np.asarray(u)))
+        u = np.asarray(u, dtype=float)
+        # −ln Φ(u) equals Φ(−u) to rounding above 9, and underflows above 37
+        power = log_ndtr(np.minimum(u, 9.0))
+        return mode - scale * np.where(u > 9.0, log_ndtr(-u), np.log(-power))
 
     def to_normal(self, x: Any) -> Any:
         from scipy.special import ndtri, ndtri_exp
@@ -230,8 +233,11 @@ class Gumbel(Distribution):
     def slope(self, u: Any) -> Any:
         from scipy.special import log_ndtr
 
-        log = log_ndtr(np.asarray(u))
-        return self._mode_scale[1] * density(u) * np.exp(-log) / -log
+        u = np.asarray(u, dtype=float)
+        log = log_ndtr(np.minimum(u, 9.0))
+        near = density(u) * np.exp(-log) / -log
+        far = np.exp(-(u**2) / 2 - log_ndtr(-u)) / math.sqrt(2 * math.pi)
+        return self._mode_scale[1] * np.where(u > 9.0, far, near)
 
     @property
     def moments(self) -> tuple[float, float]:

@@ -12,7 +12,8 @@ import numpy as np
 from dalembert.design.limit import Limit
 from dalembert.design.optimize.optimization import design_problem
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.responses.base import Response, as_responses
+from dalembert.responses.base import Response
+from dalembert.responses.several import as_responses
 from dalembert.results.result import Analysis
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import parse_formula

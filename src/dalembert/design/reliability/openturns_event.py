@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.design.reliability.sampling import Estimate
 from dalembert.errors import UnsupportedError
+from dalembert.options import random_generator
 
 NEVER = 1e30
 """``G`` where a run fails: far from failure."""
@@ -51,7 +52,7 @@ def subsets(
         failed[0] += int(np.count_nonzero(~np.isfinite(g)))
         return g
 
-    ot.RandomGenerator.SetSeed(int(np.random.default_rng(rng).integers(2**31)))
+    ot.RandomGenerator.SetSeed(int(random_generator(rng).integers(2**31)))
     block = min(BLOCK, samples)
     algorithm = ot.SubsetSampling(event_of(counted, size))
     algorithm.setBlockSize(block)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from dalembert.analysis.progress import Reported, progress_reporter
+from dalembert.design.methods.spread import counted
+from dalembert.design.methods.stop import check_stop
 from dalembert.design.reliability.design_points import design_points
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.first_order import Search
@@ -17,6 +17,7 @@ from dalembert.design.reliability.reliable import SAMPLINGS, Reliability
 from dalembert.design.reliability.validity import curvature_warnings, layer_warnings
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible, searching
+from dalembert.options import is_whole, random_generator
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -106,8 +107,12 @@ def reliability(
             distribution.check_units(model.parameters[name].unit, name)
     nataf = Nataf(dict(random), correlation)
     limits = limit_states(model, limit_state, list(random), analysis)
-    generator = np.random.default_rng(rng)
-    starts = starts or (FORMULA_STARTS if model is None else MODEL_STARTS)
+    generator = random_generator(rng)
+    if starts is None:
+        starts = FORMULA_STARTS if model is None else MODEL_STARTS
+    check_stop(max_iterations, tolerance)
+    if not is_whole(samples) or samples < 0:
+        raise AnalysisError(f"samples = {samples!r:.60}: give a whole number of 0 or more")
     searches = [
         Search(limits, nataf, row, method, tolerance, max_iterations)
         for row in range(len(limits.labels))
@@ -117,7 +122,7 @@ def reliability(
         try:
             with searching():
                 for k, search in enumerate(searches):
-                    searched = design_points(search, starts, generator)
+                    searched = design_points(search, counted(starts), generator)
                     found.points += searched.points
                     found.warnings += [searched.warning] if searched.warning else []
                     report((k + 1) / (len(searches) + bool(samples)))

@@ -22,6 +22,7 @@ from dalembert.design.reliability.sampling import (
     subset_simulation,
 )
 from dalembert.design.reliability.second_order import SecondOrder, second_order
+from dalembert.options import random_generator
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -169,18 +170,18 @@ class Reliability(Decision):
     # by sampling ----------------------------------------------------------------------------
     def monte_carlo(self, samples: int = 10_000, rng: Any = 0) -> Estimate:
         """Probability of failure by samples of all random parameters."""
-        generator = np.random.default_rng(rng)
+        generator = random_generator(rng)
         return monte_carlo(self._system, self.nataf.size, samples, generator)
 
     def importance_sampling(self, samples: int = 1000, rng: Any = 0) -> Estimate:
         """Probability of failure by samples about the design points."""
         chosen = self.points if self.system == "series" else self._nearest()
         centres = np.array([one.u for one in chosen])
-        return importance_sampling(self._system, centres, samples, np.random.default_rng(rng))
+        return importance_sampling(self._system, centres, samples, random_generator(rng))
 
     def subset_simulation(self, samples: int = 1000, rng: Any = 0) -> Estimate:
         """Probability of failure by subsets, with so many samples on each level."""
-        generator = np.random.default_rng(rng)
+        generator = random_generator(rng)
         return subset_simulation(self._system, self.nataf.size, samples, generator)
 
     def openturns_subset(self, samples: int = 1000, rng: Any = 0) -> Estimate:

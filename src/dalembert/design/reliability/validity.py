@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from dalembert.design.reliability.first_order import DesignPoint
 from dalembert.design.reliability.reliable import Reliability
 from dalembert.design.reliability.second_order import second_order
@@ -33,7 +31,7 @@ def curvature_warnings(found: Reliability) -> list[str]:
             continue
         told = (
             "the surface bends around the median there, so that there is no second-order estimate"
-            if np.isnan(bent)
+            if not (bent <= 1 and 0 <= other <= 1)
             else f"to second order {bent:.3g} (Breitung) or {other:.3g} (Tvedt)"
         )
         made.append(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ExpressionError
+from dalembert.options import random_generator
 from dalembert.text.spelling import Spelled
 from dalembert.units.measured import measured
 
@@ -81,7 +82,7 @@ class Design(Spelled):
         """One design in each of ``count`` slices of every range (McKay, Beckman, Conover 1979)."""
         from scipy.stats import qmc
 
-        sampler = qmc.LatinHypercube(len(ranges), rng=np.random.default_rng(rng))
+        sampler = qmc.LatinHypercube(len(ranges), rng=random_generator(rng))
         return cls._stretched(ranges, sampler.random(_counted(count)))
 
     @classmethod
@@ -89,14 +90,14 @@ class Design(Spelled):
         """Scrambled Sobol' points; best where ``count`` is a power of two."""
         from scipy.stats import qmc
 
-        sampler = qmc.Sobol(len(ranges), rng=np.random.default_rng(rng))
+        sampler = qmc.Sobol(len(ranges), rng=random_generator(rng))
         whole = 2 ** int(np.ceil(np.log2(_counted(count))))
         return cls._stretched(ranges, sampler.random(whole)[:count])
 
     @classmethod
     def monte_carlo(cls, distributions: Mapping[str, Any], count: int, rng: Any = None) -> Design:
         """Independent random values; each a frozen distribution of ``scipy.stats``, or a range."""
-        generator = np.random.default_rng(rng)
+        generator = random_generator(rng)
         columns = []
         for name, given in distributions.items():
             if hasattr(given, "rvs"):

@@ -130,8 +130,13 @@ class StudyTask:
         ModelError
             Names the nearest parameters.
         AnalysisError
-            A response is called like a column of the table.
+            A response is called like a column of the table, or the design is no ``Design``.
         """
+        if not isinstance(design, Design):
+            raise AnalysisError(
+                f"design is {design!r:.60}; give a da.Design, such as "
+                "da.Design.grid({'length': [1.0, 2.0]})"
+            )
         taken = {"design", "reason", *design.names}
         for response in self.responses:
             if response.label in taken:

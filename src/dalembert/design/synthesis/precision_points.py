@@ -22,6 +22,7 @@ import numpy as np
 
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.errors import AnalysisError
+from dalembert.options import random_generator
 
 GENERIC = 36
 """Solutions for points in general position."""
@@ -218,7 +219,7 @@ def _tangent(z: np.ndarray, d: np.ndarray, rate: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=2)
 def general_solutions(rng: int) -> tuple[np.ndarray, np.ndarray]:
     """Random points, and all solutions for them."""
-    generator = np.random.default_rng(rng)
+    generator = random_generator(rng)
 
     def drawn(*shape: int) -> np.ndarray:
         return generator.normal(size=shape) + 1j * generator.normal(size=shape)

@@ -16,6 +16,7 @@ from dalembert.design.synthesis.synthesis import Solution, Synthesis
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
+from dalembert.options import random_generator
 from dalembert.text.spelling import spelled
 from dalembert.text.wording import unknown
 
@@ -79,7 +80,7 @@ def synthesize(
     scaled = _scaled(target, size, at)
     ends = _bounds(linkage, target, bounds, size, at)
     polish = Polish(linkage, scaled, ends, crank_turns, transmission, order)
-    generator = np.random.default_rng(rng)
+    generator = random_generator(rng)
     many = CANDIDATES * starts if _is_open_path(target) else starts
     chosen = starts_of(linkage, scaled, ends, crank_turns, many, generator)
     found: list[Solution] = []

@@ -14,6 +14,7 @@ from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
 from dalembert.model.model import Model
+from dalembert.options import random_generator
 from dalembert.results.motion import Motion
 
 
@@ -72,7 +73,7 @@ def synthesize_mechanism(
     """
     task = mechanism_task(target, model, point, body, output, vary, bounds, speed, order)
     search, found, begun, done = MechanismSearch(task), list[FoundMechanism](), 0, 0
-    generator = np.random.default_rng(rng)
+    generator = random_generator(rng)
     with progress_reporter(progress, "mechanisms") as report:
         try:
             with searching():

@@ -18,7 +18,9 @@ from dalembert.design.optimize.problem import DesignProblem
 from dalembert.design.tolerance.toleranced import Toleranced
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
-from dalembert.responses.base import Response, as_responses
+from dalembert.options import random_generator
+from dalembert.responses.base import Response
+from dalembert.responses.several import as_responses
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -186,7 +188,7 @@ def tolerance(
                     found.worst = box.extreme(-1), box.extreme(1)
                 report(0.3)
                 if samples:
-                    generator = np.random.default_rng(rng)
+                    generator = random_generator(rng)
                     found.sampled = np.zeros(0)
                     for values in _sampled(box, sigmas, samples, generator):
                         found.sampled = np.append(found.sampled, values)

@@ -26,6 +26,7 @@ from dalembert.design.trajectory.optimal import OptimalTrajectory
 from dalembert.design.trajectory.physics import Physics, speed_basis
 from dalembert.design.trajectory.quantities import (
     Conditions,
+    check_conditions,
     condition_rows,
     cyclic_rows,
     limit_rows,
@@ -39,6 +40,7 @@ from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible
 from dalembert.model.model import Model
 from dalembert.model.scheduled import ScheduledModel
+from dalembert.options import is_number
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Status
@@ -111,10 +113,15 @@ def optimize_trajectory(
     need_mechanism(model, "optimize_trajectory", "optimise it by da.optimize")
     method = method or DirectCollocation()
     span = duration_of(duration)
+    for name, listed in (("controls", controls), ("vary", vary)):
+        if isinstance(listed, str):
+            raise AnalysisError(f"{name} is {listed!r}; give a list of names, [{listed!r}]")
     _refuse_names(model, [*controls, *vary])
     if not controls and not vary:
         raise AnalysisError("nothing to find; name controls=[...], parameters of forces")
-    if not (np.isfinite(accuracy) and accuracy > 0):
+    check_conditions(begin, "begin")
+    check_conditions(end, "end")
+    if not (is_number(accuracy) and accuracy > 0):
         raise AnalysisError(f"accuracy is {accuracy!r}; give a number above zero, such as 1e-3")
     physics = Physics(model, controls, vary, model.values(parameters))
     task = _Task(physics, minimize, span, begin, end or {}, cyclic, subject_to, teller(progress))

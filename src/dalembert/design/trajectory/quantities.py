@@ -12,6 +12,7 @@ from dalembert.design.quantity import Combined
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.model import Model
+from dalembert.options import is_number
 from dalembert.responses.base import Response
 from dalembert.responses.extremes import Maximum, Minimum
 from dalembert.responses.integrals import Integral, Mean, Rms
@@ -112,6 +113,29 @@ def _refuse_other_side(limit: Limit) -> None:
         raise UnsupportedError(
             f"{limit.response.label}: a {kind} of a trajectory cannot be held by its {side} side"
         )
+
+
+def check_conditions(given: Any, when: str) -> None:
+    """Refuse conditions at an end that are no bounds of measures.
+
+    Raises
+    ------
+    AnalysisError
+        No mapping, or a value that is neither a number nor a pair of a lower and an upper one.
+    """
+    if given is not None and not isinstance(given, Mapping):
+        raise AnalysisError(f"{when} is {given!r:.60}; give a dict, measure → value or bounds")
+    for name, value in (given or {}).items():
+        pair = value if isinstance(value, tuple) else (value, value)
+        if len(pair) != 2 or not all(b is None or is_number(b) for b in pair):
+            raise AnalysisError(
+                f"{when}[{name!r}] is {value!r:.60}; give a number, or (lower, upper) with None "
+                "for an open side"
+            )
+        if None not in pair and pair[0] > pair[1]:
+            raise AnalysisError(
+                f"{when}[{name!r}] is {value!r:.60}: the lower bound is above the upper one"
+            )
 
 
 def condition_rows(

@@ -16,7 +16,8 @@ from dalembert.elements.look import Disc, Rail
 from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ from dalembert.elements.fem.energies import Energies
 from dalembert.elements.fem.nodal import Nodal
 from dalembert.elements.fem.node_bodies import NodeBody
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
 
 
 @dataclass(eq=False)

@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Element, Vector
 from dalembert.elements.fem.nodal import DIMENSIONS, Nodal
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
 
 
 @dataclass(eq=False)

@@ -16,7 +16,8 @@ from dalembert.elements.flexible.shape_numbers import ShapeNumbers, constant_sha
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.point import Point
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
 
 MEAN = "mean"

@@ -13,7 +13,8 @@ import casadi as ca
 from dalembert.elements.base import Condition, Scalar, option, quantity
 from dalembert.elements.ingredient import Ingredient
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression, t
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression, t
 
 
 @dataclass(eq=False)

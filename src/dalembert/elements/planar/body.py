@@ -17,7 +17,8 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.point import components
 from dalembert.elements.point_mass import PointMass, nothing
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.rotation import about_z
 
 

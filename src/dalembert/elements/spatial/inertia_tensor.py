@@ -9,7 +9,8 @@ import numpy as np
 
 from dalembert.elements.base import Condition
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression, as_sx
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression, as_sx
 from dalembert.symbolic.formulas.template import template
 
 ROUNDING = 1e-9

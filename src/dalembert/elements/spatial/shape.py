@@ -11,7 +11,8 @@ import casadi as ca
 from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.spatial.body import Body
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(eq=False)

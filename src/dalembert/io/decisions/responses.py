@@ -12,8 +12,7 @@ from dalembert.io.analyses import given_options
 from dalembert.io.measures import measure_reader
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import RESPONSES
-from dalembert.responses.base import Response
-from dalembert.responses.combination import combined_terms
+from dalembert.responses.base import Response, combined_terms
 from dalembert.responses.events import AtEvent
 from dalembert.symbolic.formulas.expression import Expression, stack
 from dalembert.symbolic.formulas.parser import parse_formula

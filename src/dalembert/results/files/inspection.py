@@ -17,6 +17,8 @@ from dalembert.errors import FileError
 
 SEAL = b"\ndalembert sha256\n"
 BLOCK = 1 << 20
+APPENDED = 1 << 16
+"""Bytes at the end of a file among which its seal is looked for."""
 FILTERS = {1: "deflate", 2: "shuffle", 3: "fletcher32"}
 """Filters of HDF5 that are read; others may load code."""
 ROUNDS = 100
@@ -35,25 +37,28 @@ def seal(path: str | Path) -> None:
         stream.write(SEAL + digest)
 
 
-def check_seal(path: str | Path) -> None:
-    """Compare a file with its seal, if it has one.
+def check_seal(path: str | Path) -> bool:
+    """Compare a file with its seal; whether it has one. Bytes appended to a file do not hide it.
 
     Raises
     ------
     FileError
         The file has changed since it was written.
     """
-    size = os.path.getsize(path) - len(SEAL) - hashlib.sha256().digest_size
-    if size < 0:
-        return
+    begin = max(os.path.getsize(path) - APPENDED, 0)
     with open(path, "rb") as stream:
-        stream.seek(size)
-        mark, digest = stream.read(len(SEAL)), stream.read()
-    if mark == SEAL and digest != _digest(path, size):
+        stream.seek(begin)
+        end = stream.read(APPENDED)
+    mark = end.rfind(SEAL)
+    if mark < 0:
+        return False
+    digest = end[mark + len(SEAL) :][: hashlib.sha256().digest_size]
+    if digest != _digest(path, begin + mark):
         raise FileError(
             f"{path}: is damaged: its content differs from its checksum; run the model again, or "
             "take a copy of the file"
         )
+    return True
 
 
 def _digest(path: str | Path, size: int) -> bytes:

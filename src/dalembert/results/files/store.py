@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,11 @@ OTHERS = {".csv": "to_csv", ".html": "report"} | dict.fromkeys(
 """Endings of files that hold something else, and who writes it."""
 LONGEST = 300
 """Characters of a message of a library that are shown."""
+UNSEALED = (
+    "has no checksum, as an earlier version or another program wrote it; damage of its numbers "
+    "would not be noticed"
+)
+"""What is said of a file that cannot be compared with a checksum."""
 
 
 def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
@@ -49,7 +55,8 @@ def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
 def load_results(path: str | Path) -> xr.Dataset:
     """Read a result file written by ``save`` as an ``xarray.Dataset``.
 
-    The file is compared with its checksum, and refused where it refers to other files.
+    The file is compared with its checksum, and refused where it refers to other files. A file
+    without a checksum is read, with a ``UserWarning``.
 
     Parameters
     ----------
@@ -80,14 +87,17 @@ def load_results(path: str | Path) -> xr.Dataset:
 
     readable(path, 1.0)
     try:
-        check_seal(path)
+        sealed = check_seal(path)
         inspect(path)
         with xr.open_dataset(path, engine="h5netcdf", phony_dims="sort") as opened:
-            return opened.load()
+            data = opened.load()
     except DalembertError:
         raise
     except Exception as error:  # HDF5 and its readers have errors of many kinds
         raise FileError(f"{path}: cannot be read as a result file ({_brief(error)})") from None
+    if not sealed:
+        warnings.warn(f"{path}: {UNSEALED}", stacklevel=3)
+    return data
 
 
 def _brief(error: Exception) -> str:

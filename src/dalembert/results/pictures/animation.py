@@ -43,6 +43,9 @@ def animate(
     speed : times real time; by default what makes a film of five seconds at most
     """
     _need_outputs(motion)
+    for name, value in (("fps", fps), ("speed", speed)):
+        if value is not None and not 0 < value < np.inf:
+            raise AnalysisError(f"{name} is {value!r:.60}; give a positive number")
     span = motion.time[-1] - motion.time[0]
     frames = int(np.clip(fps * (min(span, SHORT) if speed is None else span / speed), 2, 600))
     wanted = np.linspace(motion.time[0], motion.time[-1], frames)

@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.results.files.contents import Contents
 from dalembert.results.result import Instants
+from dalembert.results.sampling import checked_numbers
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.measuring.measures import State
 
@@ -72,7 +73,7 @@ class LoadPathResult(StructuralResult):
 
     def at(self, cases: Instants) -> LoadPathResult:
         """The result of some points, by number."""
-        index = np.atleast_1d(np.asarray(cases, dtype=int))
+        index = checked_numbers(cases, len(self.planes), "points of the path")
         found = cast(LoadPathResult, super().at(index))
         places = np.arange(len(self.planes))[index]
         kept = [int(np.flatnonzero(places == k)[0]) for k in self.limits if k in places]

@@ -11,6 +11,7 @@ import scipy
 
 from dalembert.results.files.contents import Contents
 from dalembert.results.result import Instants
+from dalembert.results.sampling import checked_instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
@@ -82,7 +83,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
 
     def at(self, times: Instants) -> StructuralMotion:
         """The same motion at other times, by the steps that were taken."""
-        return self.analysis.resample(self, np.atleast_1d(np.asarray(times, dtype=float)))
+        return self.analysis.resample(self, checked_instants(times))
 
     def state(self, k: int) -> MovingState:
         return MovingState(

@@ -12,6 +12,7 @@ import numpy as np
 
 from dalembert.results.files.contents import Contents
 from dalembert.results.result import Analysis, Instants
+from dalembert.results.sampling import checked_numbers
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
@@ -62,7 +63,7 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
 
     def at(self, cases: Instants) -> StructuralResult:
         """The result of some load cases, by number."""
-        index = np.atleast_1d(np.asarray(cases, dtype=int))
+        index = checked_numbers(cases, len(self.cases), "load cases")
         return replace(
             self,
             cases=[self.cases[k] for k in index],

@@ -10,7 +10,8 @@ import numpy as np
 from dalembert.elements.fem.base import StructuralElement, check_options
 from dalembert.errors import ModelError
 from dalembert.structures.nodes import Nodes
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 class Elements:

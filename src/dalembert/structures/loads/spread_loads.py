@@ -18,7 +18,8 @@ from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.loads.temperatures import CHANGES
 from dalembert.structures.loads.tractions import TRACTIONS
 from dalembert.structures.nodes import Nodes
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 
 Part = StructuralElement | Elements
 

@@ -10,8 +10,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import ExpressionError, ModelError
+from dalembert.symbolic.formulas.checked import checked_expression
 from dalembert.symbolic.formulas.end_conditions import ENDS
-from dalembert.symbolic.formulas.expression import Expression, as_expression
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.spline import SLACK, CubicSpline, reached
 from dalembert.text.spelling import Spelled, spelled
 from dalembert.text.wording import unknown
@@ -110,7 +111,7 @@ class Interpolation(Spelled):
         spoken = f"table {self.name}".rstrip()
         if isinstance(x, Expression) and x.unit and self.units[0]:
             check_unit(x.unit, self.units[0], spoken, f"{x.name or 'its argument'} [{x.unit}]")
-        at = as_expression(x, spoken, self.units[0] or None).sx
+        at = checked_expression(x, spoken, self.units[0] or None).sx
         first, last = self.range
         slack, splines = SLACK * (last - first), (self._curve,)
         if self.ends == "periodic":
@@ -197,13 +198,13 @@ def interp(x: Any, curve: Any) -> Expression:
 
 def _unit_of(listed: Sequence[Any] | np.ndarray) -> str:
     """The unit of SI of the texts among the rows."""
-    found = (as_expression(value, "row").unit for value in listed if isinstance(value, str))
+    found = (checked_expression(value, "row").unit for value in listed if isinstance(value, str))
     return next(found, "")
 
 
 def _in_si(value: Any, factor: float, entity: str) -> Any:
     if isinstance(value, (Expression, str)):
-        return as_expression(value, entity)
+        return checked_expression(value, entity)
     try:
         return float(value) * factor
     except (TypeError, ValueError):

@@ -10,8 +10,8 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import ExpressionError, ModelError
+from dalembert.symbolic.formulas.checked import checked_expression
 from dalembert.symbolic.formulas.end_conditions import ENDS, second_derivatives
-from dalembert.symbolic.formulas.expression import as_expression
 from dalembert.symbolic.formulas.lookup import Lookup
 from dalembert.text.wording import unknown
 
@@ -226,7 +226,7 @@ def _scalars(given: Sequence, entity: str, what: str) -> list[Scalar]:
             found.append(float(value))
             continue
         try:
-            sx = as_expression(value, entity).sx
+            sx = checked_expression(value, entity).sx
         except ExpressionError as error:
             raise type(error)(f"{what} in row {k + 1}: {error.message}", entity) from None
         found.append(float(sx) if sx.is_constant() else sx)

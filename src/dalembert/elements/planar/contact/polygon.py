@@ -16,7 +16,7 @@ from dalembert.elements.look import Path
 from dalembert.elements.pair import need_body
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import as_expression
+from dalembert.symbolic.formulas.conversion import as_expression
 
 
 class Cornered(Spotted):
