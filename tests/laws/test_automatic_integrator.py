@@ -176,3 +176,33 @@ def test_batches_of_default_runs_are_the_single_runs():
     stiff = buffered(1e6, 1e6, push=100.0)
     batch = da.solve_dynamics(stiff, 1.0, parameters={"k": [1e6, 2e6]})
     assert batch.succeeded.all() and batch.statistics["designs run on their own"] == 2
+
+
+def test_what_acts_for_a_short_time_is_not_stepped_over():
+    """A mass in uniform motion crosses a narrow barrier and many marks; another one is faster."""
+    system = da.System("barrier")
+    mass = system.add(planar.Particle("mass", mass=1.0, velocity=(1, 0)))
+    system.add(planar.Particle("other", mass=1.0, velocity=(10, 0)))
+    push = 10 * da.exp(-(((mass.x - 7.3) / 0.02) ** 2))
+    system.add(planar.Force("barrier", mass.center, (push, 0)))
+    marks = da.Event("sin(20*mass.x)", direction=1)
+    motion = da.solve_dynamics(system.build(), 10.0, events={"marks": marks})
+    work = 10 * 0.02 * np.sqrt(np.pi)
+    assert motion.values("mass.vx")[-1] == pytest.approx(np.sqrt(1 + 2 * work), rel=10 * RTOL)
+    assert len(motion.events) == int(20 * motion.values("mass.x")[-1] / (2 * np.pi))
+
+
+def test_a_small_motion_below_the_absolute_tolerance_is_reported_with_a_remedy():
+    def vibration(**options):
+        system = da.System("small")
+        mass = system.add(planar.Particle("mass", mass=1.0, velocity=(1e-4, 0)))
+        system.add(planar.Particle("other", mass=1.0, velocity=(0, 1e-4)))
+        system.add(planar.Force("spring", mass.center, (-1e4 * mass.x, 0)))
+        motion = da.solve_dynamics(system.build(), 10.0, **options)
+        return motion, np.abs(motion.values("mass.vx") / 1e-4 - np.cos(100 * motion.time)).max()
+
+    motion, error = vibration()
+    (text,) = motion.warnings or [""]
+    assert error < 10 * RTOL or "smaller rtol and atol" in text
+    fine, error = vibration(integrator=da.AutomaticIntegrator(1e-8, 1e-16))
+    assert error < 10 * RTOL and not fine.warnings

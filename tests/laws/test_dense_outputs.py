@@ -9,6 +9,7 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
 import dalembert as da
 from dalembert import planar
@@ -205,3 +206,22 @@ def test_few_short_steps_tell_nothing_about_the_rest():
     refused = [pace.exceeds(times[a : b + 1]) for a, b in pairwise(range(0, times.size, 50))]
     assert any(refused) and not any(refused[: FEW // 50 - 1])
     assert "at the pace of the last" in pace.excess
+
+
+@pytest.mark.parametrize("rate", [100.0, 1500.0])
+def test_a_surface_that_moves_faster_than_the_steps_is_met_when_it_is_reached(rate):
+    """A particle falls on a vibrating floor; the first meeting is a root of the closed form."""
+    system = da.System("table", gravity=(0, -G))
+    ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3)))
+    gap = ball.y - 0.02 * da.sin(rate * da.t)
+    system.add(planar.UnilateralConstraint("floor", gap, restitution=0.6))
+    motion = da.solve_dynamics(system.build(), 0.6)
+
+    def distance(t):
+        return 0.3 - G * t**2 / 2 - 0.02 * np.sin(rate * t)
+
+    times = np.linspace(0, 0.4, 40001)
+    k = int(np.argmax(distance(times) < 0))
+    first = brentq(distance, *times[k - 1 : k + 1], xtol=1e-13)
+    assert motion.status.success and motion.impacts[0].time == pytest.approx(first, abs=1e-9)
+    assert distance(0.0) > 0 and (motion.values(gap) > -1e-9).all()

@@ -217,7 +217,7 @@ def test_a_surface_that_moves_by_itself_gives_energy():
 
 
 REFUSED = {
-    "inside": (lambda: ball(height=-0.1), {}, AnalysisError, "gap is -0.1 at the start"),
+    "inside": (lambda: ball(height=-0.1), {}, AnalysisError, "gap is -0.1 m at the start"),
     "restitution": (lambda: ball(restitution=1.2), {}, ModelError, "restitution is above 1"),
     "friction": (lambda: ball(friction=-0.1), {}, ModelError, "floor.friction: is -0.1"),
     "speed": (lambda: ball(lambda b: b.y + b.vy), {}, ExpressionError, "floor: depends on"),

@@ -44,7 +44,7 @@ def test_steps_that_are_too_long_are_told_with_those_that_do(name):
     integrator, step, trials = INTEGRATORS[name], 5e-3, 0
     while trials < 8:  # 2.5 rad a step at first
         motion = run(step, integrator, outputs=2)
-        told = [re.search("; steps of (.*) s or", text) for text in motion.warnings]
+        told = [re.search("use steps below (.*) s, or", text) for text in motion.warnings]
         wanted = [float(found[1]) for found in told if found]
         if motion.status.success and not wanted:
             break
@@ -57,13 +57,26 @@ def test_steps_that_are_too_long_are_told_with_those_that_do(name):
 def test_the_number_is_about_the_error(memory):
     """And the same where few states are kept."""
     motion = run(1e-3, da.Trapezoidal(), outputs=2, memory=memory)
-    (text,) = (told for told in motion.warnings if "add up" in told)
-    share = float(re.search("about (.*)% of", text)[1]) / 100  # type: ignore[index]
+    assert any("long for this motion" in text for text in motion.warnings)
     found = abs(motion.values("arm.angle")[-1] - exact()) / np.ptp([0, exact()])
-    assert found / 10 < share < 100 * found
+    assert found / 10 < motion.error_estimate.share < 100 * found
 
 
 def test_short_steps_and_error_control_are_not_doubted():
     assert not run(2e-5, da.RK4()).warnings
     assert not run(None, da.DormandPrince()).warnings
     assert not run(1e-2, da.Cvodes()).warnings
+
+
+@pytest.mark.parametrize("coordinates", [da.AbsoluteCoordinates(), da.JointCoordinates()])
+def test_small_motions_are_judged_by_their_own_unit(coordinates):
+    """A rotor turns by 10,000 rad while a mass vibrates by a millimetre."""
+    system = da.System("rotor and mass")
+    rotor = system.add(planar.Body("rotor", mass=1.0, inertia=1.0, angular_velocity=1e3))
+    mass = system.add(planar.Particle("mass", mass=1.0, velocity=(0.1, 0)))
+    system.add(planar.Revolute("bearing", system.ground.center, rotor.center))
+    system.add(planar.Force("spring", mass.center, (-1e4 * mass.x, 0)))
+    motion = da.solve_dynamics(system.build(), 10.0, step=0.002, coordinates=coordinates)
+    error = np.abs(motion.values("mass.vx") - 0.1 * np.cos(100 * motion.time)).max() / 0.1
+    assert error > 0.01 and error / 3 < motion.error_estimate.share < 3 * error
+    assert "mass.x" in motion.error_estimate.name and len(motion.warnings) == 1

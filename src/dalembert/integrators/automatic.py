@@ -8,8 +8,10 @@ from dalembert.integrators.runge_kutta.radau import Radau
 from dalembert.integrators.tolerances import check_tolerances
 from dalembert.options import options
 
-OF_STEP = 1e-2
+OF_STEP = 1e-3
 """Tolerance of an explicit step, relative to that of the run."""
+INTERVALS = 200
+"""Minimum number of steps of a run without ``max_step``."""
 
 
 @options
@@ -24,12 +26,14 @@ class AutomaticIntegrator(Integrator):
 
     Parameters
     ----------
-    rtol : relative tolerance of the run [-]; explicit steps keep a hundredth of it, because errors
+    rtol : relative tolerance of the run [-]; explicit steps keep a thousandth of it, because errors
         of steps accumulate and the motion may amplify them. The estimate of implicit steps is
         pessimistic by more than that
     atol : absolute tolerance of the run [m, rad, m/s, rad/s]; by default a hundredth of rtol,
         at least 1e-10, times the natural sizes
-    max_step : longest step [s]; a quarter of the run if None
+    max_step : longest step [s]; a 200th of the run if None, so that forces, switches, contacts and
+        events that act for a short time are not stepped over. Those much shorter than a step
+        still need a ``max_step``
 
     Raises
     ------
@@ -73,6 +77,9 @@ class AutomaticIntegrator(Integrator):
     @property
     def longest_step(self) -> float | None:
         return self.max_step
+
+    def longest_in(self, span: float) -> float:
+        return self.max_step or span / INTERVALS
 
     def check(self, problem: Problem) -> None:
         explicit, implicit = self.methods

@@ -138,6 +138,10 @@ class Integrator:
         """Longest step of an adaptive method [s], if limited."""
         return None
 
+    def longest_in(self, span: float) -> float:
+        """Upper limit of the steps of an adaptive method in a run of that length [s]."""
+        return self.longest_step or span / 4
+
     @property
     def stability(self) -> Callable[[np.ndarray], np.ndarray] | None:
         """``R(z)`` with ``x⁺ = R(hλ) x`` for ``ẋ = λx``, None where it is not a one-step method."""

@@ -24,6 +24,7 @@ class CoordinateView:
     choosing : the same with switches that formulas choose, where those of ``whole`` are held
     rows : those of its constraint equations that are solved at the start
     names : names of the coordinates
+    units, speed_units : units of the coordinates, and of the displacements that speeds count
     """
 
     model: Model
@@ -31,6 +32,8 @@ class CoordinateView:
     choosing: Equations
     rows: tuple[int, ...]
     names: list[str]
+    units: list[str]
+    speed_units: list[str]
 
     @property
     def speed_names(self) -> list[str]:
@@ -123,6 +126,7 @@ class AbsoluteView(CoordinateView):
         self.whole, every = model.all_equations, range(model.all_equations.constraint_count)
         self.rows = tuple(every if every_equation else model.closure.rows)
         self.names = list(model.guesses.names)
+        self.units, self.speed_units = model.guesses.units, model.guesses.speed_units
 
     @property
     def speed_names(self) -> list[str]:

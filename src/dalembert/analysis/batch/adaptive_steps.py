@@ -74,7 +74,7 @@ class AdaptiveSteps(FixedSteps):
         columns = kernel.backend.columns(function, True, (1,))
         work = USUAL * known.size
         self.marching = march = LaneMarch(function, columns, kernel.backend, work)
-        longest = kernel.integrator.longest_step or (run.end - self.start) / 4
+        longest = kernel.integrator.longest_in(run.end - self.start)
         head = np.array([self.start, min(run.first_step, longest), *attempt.memory])
         begins = np.full((self.count, times.size, size + 2), np.nan)
         self._taken = np.zeros(self.count, dtype=int)

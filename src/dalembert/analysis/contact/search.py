@@ -28,6 +28,9 @@ from dalembert.symbolic.evaluation.kernel import Kernel
 
 PARTS = np.arange(1, 8)[:, None, None] / 8
 """Of a step, where it is looked for a guard that becomes negative and positive again."""
+UNEVEN = 0.02
+"""Distance of a guard from its cubic in the middle of a step, by its values and their changes at
+the ends, from which on it is evaluated inside."""
 MANY = 25
 """Changes at one time that are recognised as chattering."""
 
@@ -126,6 +129,7 @@ class ContactSearch:
         led = values[:, :-1] + h * rates[:, :-1] < -near
         beyond |= led & guards.stiff[:, None]
         dips = cubic(parts, *ends_of) < -near
+        dips[:-1] |= self._dips_between(times, states, mode, ends_of)
         for k in np.flatnonzero(beyond.any(axis=0) | dips.any(axis=(0, 1))):
             ends: dict[int, float] = {int(i): float(h[k]) for i in np.flatnonzero(beyond[:, k])}
             low = {
@@ -140,6 +144,28 @@ class ContactSearch:
                 number = min(roots, key=lambda i: roots[i])
                 return int(k), roots[number], number
         return None
+
+    def _dips_between(
+        self, times: np.ndarray, states: np.ndarray, mode: int, ends_of: tuple[np.ndarray, ...]
+    ) -> np.ndarray:
+        """(parts, guards, steps) where guards are negative inside steps that no cubic follows.
+
+        A surface may move faster than the body, whose motion alone determines the steps.
+        """
+        guards, count = self._guards(mode), times.size - 1
+
+        def inside(parts: np.ndarray) -> np.ndarray:
+            at, x = self.kernel.between(times, states[: self.size], mode, self.p, parts)
+            looked = self.kernel.over(guards.function, at.size)
+            values = looked(at, x, np.tile(self.p[:, None], at.size))[0]
+            return values.reshape(values.shape[0], -1, parts.size)[:, :count]
+
+        middle, cubics = inside(np.array([0.5]))[..., 0], cubic(0.5, *ends_of)
+        sizes = sum(np.abs(each) for each in ends_of)
+        if not np.any(np.abs(middle - cubics) > UNEVEN * sizes + guards.near[:, None]):
+            return np.zeros((PARTS.size, *middle.shape), dtype=bool)
+        values = inside(PARTS.ravel())
+        return np.moveaxis(values < -guards.near[:, None, None], 2, 0)
 
     def _roots(
         self, mode: int, t: float, x: np.ndarray, ends: dict[int, float], low: dict[int, float]

@@ -171,6 +171,24 @@ class DynamicsKernel(StepOutputs):
         share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_share(whole, rows)])
         return rows if float(share(t, y, p)) <= TRUSTED else best_rows(whole, rows, t, y, p)
 
+    def between(
+        self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray, parts: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Times and states at parts of steps, by cubics through their ends.
+
+        They are filled up to a power of two of steps, for few sizes need few functions.
+        """
+        count = times.size - 1
+        whole = np.minimum(np.arange((1 << (count - 1).bit_length()) + 1), count)
+        t, x = times[whole], states[:, whole]
+        rate = self.over(self.variants[mode].rate.function, t.size)
+        (slope,) = rate(t, x, np.tile(p[:, None], t.size))
+        h, c = np.diff(t)[:, None], parts
+        ends = [a[:, :, None] for a in (x[:, :-1], x[:, 1:], slope[:, :-1], slope[:, 1:])]
+        inside = (1 + 2 * c) * (1 - c) ** 2 * ends[0] + c**2 * (3 - 2 * c) * ends[1]
+        inside += h * (c * (1 - c) ** 2 * ends[2] - c**2 * (1 - c) * ends[3])
+        return (t[:-1, None] + h * c).ravel(), inside.reshape(x.shape[0], -1)
+
     @cached_property
     def distances(self) -> ca.Function:
         """``(t, x, p)`` → distance to each switch, negative beyond it."""

@@ -246,7 +246,7 @@ class DynamicsRun:
             return ChangingMarch(kernel.fixed).run(self.grid, x0, self.p, mode, watch)
         if kernel.adaptive is None:
             return kernel.fixed.run(self.grid, x0, self.p, mode, watch)
-        longest = kernel.integrator.longest_step or (self.end - self.start) / 4
+        longest = kernel.integrator.longest_in(self.end - self.begin)
         first = min(self.first_step, longest)
         return kernel.adaptive.run(self.begin, self.end, x0, self.p, first, longest, mode, watch)
 

@@ -20,8 +20,9 @@ from dalembert.errors import SolverFailure
 from dalembert.integrators.marching.checkpoints import Checkpoints
 from dalembert.integrators.marching.steps import Steps
 
-ALLOWED = 1e-2
-"""Estimated error, relative to the motion, up to which fixed steps raise no warning."""
+ALLOWED, TARGET = 1e-2, 5e-3
+"""Estimated error, relative to the motion, up to which fixed steps raise no warning; that of the
+steps that a warning proposes."""
 ENOUGH = 10.0
 """A stated tolerance is kept up to this factor."""
 ENTRIES, OPERATIONS = 2e7, 1e9
@@ -31,7 +32,7 @@ FASTEST, EVEN = 24, 16
 CANDIDATES = 20_000
 """Steps among which the fastest are looked for."""
 SMALL = 1e-2
-"""Way or speed, relative to the largest, by which an entry is measured at least."""
+"""Way or speed, relative to the largest of the same unit: minimum size of an entry."""
 REST = 1e-8
 """The same by natural sizes, for what stands still: rounding moves it, too."""
 
@@ -96,7 +97,7 @@ class StepAccuracy:
             return []
         lasting = self.steps.lasting
         h, order = float(np.median(self.steps.h[lasting])), self._order(int(lasting[0]))
-        shorter = h * (ALLOWED / min(self.estimate.share, 1.0)) ** (1 / order)
+        shorter = h * (TARGET / min(self.estimate.share, 1.0)) ** (1 / order)
         return [
             f"steps of {h:.3g} s are long for this motion: their estimated error is "
             f"{self.estimate.text}; use steps below {shorter:.2g} s, or an integrator with error "
@@ -109,8 +110,11 @@ class StepAccuracy:
             return []
         text = f"the estimated error of the run is {self.estimate.text}, above rtol = {rtol:g}"
         if self.estimate.share > ALLOWED:
-            return [f"{text}: the motion amplifies small differences"]
-        return [f"{text}, because errors of the steps accumulate; use a smaller rtol"]
+            return [
+                f"{text}: the motion amplifies small differences, or it is as small as the "
+                "absolute tolerance; use a smaller rtol and atol"
+            ]
+        return [f"{text}, because errors of the steps accumulate; use a smaller rtol and atol"]
 
     # all steps ---------------------------------------------------------------------
     @property
@@ -153,14 +157,15 @@ class StepAccuracy:
         row, k = np.unravel_index(int(np.argmax(share)), share.shape)
         names = [*self.kernel.view.names, *self.kernel.view.speed_names]
         speed = "" if moving[row] < self.positions else "speed of "
-        name = names[moving[row]]
-        return ErrorEstimate(float(share[row, k]), speed + name, float(times[k]))
+        name = speed + names[moving[row]]
+        return ErrorEstimate(float(share[row, k]), name, float(times[k]))
 
     def _sizes(self, seen: np.ndarray) -> np.ndarray:
         """(n,) range of each coordinate, largest magnitude of each speed."""
+        view = self.kernel.view
         way = np.ptp(seen[: self.positions], axis=1)
         speed = np.abs(seen[self.positions :]).max(axis=1)
-        found = np.concatenate([np.maximum(w, SMALL * w.max(initial=0.0)) for w in (way, speed)])
+        found = np.concatenate([_at_least(way, view.units), _at_least(speed, view.speed_units)])
         scales = self.kernel.equations.scales
         natural = REST * np.concatenate([scales.coordinates, scales.speeds])
         return np.maximum(found, np.where(found > 0, natural, 0.0))
@@ -213,3 +218,10 @@ class StepAccuracy:
                 step = self.kernel.over(self.kernel.variants[mode].step.function, some.size)
                 (x[:, some],) = step(t[some] + i * h[some], h[some], x[:, some], p)
         return x[: self.size]
+
+
+def _at_least(sizes: np.ndarray, units: list[str]) -> np.ndarray:
+    """Sizes of entries, no smaller than a share of the largest one of the same unit."""
+    kinds = np.array(units)
+    largest = [sizes[kinds == unit].max() for unit in units]
+    return np.maximum(sizes, SMALL * np.array(largest))

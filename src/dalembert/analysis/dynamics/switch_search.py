@@ -95,19 +95,11 @@ class SwitchSearch:
         count, size = times.size - 1, self.size
         if not count:
             return None
-        most = 1 << (count - 1).bit_length()  # of few sizes, for few functions
-        whole = np.minimum(np.arange(most + 1), count)
-        t, x = times[whole], states[:size, whole]
-        p, rate = self.p[:, None], self.kernel.variants[mode].rate.function
-        (slope,) = self.kernel.over(rate, t.size)(t, x, np.tile(p, t.size))
-        h = np.diff(t)[:, None]
-        ends = [a[:, :, None] for a in (x[:, :-1], x[:, 1:], slope[:, :-1], slope[:, 1:])]
-        c = PARTS
-        between = (1 + 2 * c) * (1 - c) ** 2 * ends[0] + c**2 * (3 - 2 * c) * ends[1]
-        between += h * (c * (1 - c) ** 2 * ends[2] - c**2 * (1 - c) * ends[3])
-        at = (t[:-1, None] + h * c).ravel()
+        c, p = PARTS, self.p[:, None]
+        h = np.diff(times)[:, None]
+        at, between = self.kernel.between(times, states[:size], mode, self.p, c)
         looked = self.kernel.over(self.kernel.crossed, at.size)
-        (beyond,) = looked(at, between.reshape(size, -1), np.tile(p, at.size))
+        (beyond,) = looked(at, between, np.tile(p, at.size))
         for place in np.flatnonzero((beyond[:, : count * c.size] > 0).any(axis=0)):
             k, part = divmod(int(place), c.size)
             length = float(h[k, 0] * c[part])

@@ -54,7 +54,10 @@ class JointView(CoordinateView):
         self.model, self.reactions = model, reactions
         self.bodies = model.all_equations
         self.links = self._as_at_start(links_of(model.parts, cut, absolute_angles))
-        self.names = [name for link in self.links for name in link.space.coordinate_names]
+        spaces = [link.space for link in self.links]
+        self.names = [name for space in spaces for name in space.coordinate_names]
+        self.units = [unit for space in spaces for unit in space.coordinate_units]
+        self.speed_units = [unit for space in spaces for unit in space.speed_units]
         self.motion = TreeMotion(self.links, model.coordinates)
         self.manifold = Manifold.of([link.space for link in self.links])
         first: dict[str, int] = {}
