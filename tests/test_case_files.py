@@ -32,8 +32,8 @@ bearing = { type = "Maximum", measure = "O.force_norm" }
 stress = { type = "Final", measure = "rod.stress", case = "post" }
 mass = { type = "Final", measure = "mass", case = "post" }
 reach = { type = "Final", measure = "sqrt(crank.end.x**2 + crank.end.y**2)", case = "fast" }
-[combined.cost]
-formula = "mass - 60*reach"
+[combined]
+cost = "mass - 60*reach"
 [optimize]
 minimize = "cost"
 vary = ["radius", "area"]

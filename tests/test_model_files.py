@@ -331,6 +331,16 @@ def test_forces_may_name_later_ones(tmp_path):
     assert set(load(written(tmp_path, text)).elements) >= {"first", "Spring"}
 
 
+def test_the_centre_of_a_body_has_a_name(tmp_path):
+    """``"b.center"`` is the point that ``"b"`` is."""
+    text = '[joints.new]\ntype = "Revolute"\nconnect = ["ground.center", "b.center"]\n'
+    joint = load(written(tmp_path, HEAD + text)).elements["new"]
+    assert [p.body.name for p in (joint.point_i, joint.point_j)] == ["ground", "b"]
+    assert [float(x) for p in (joint.point_i, joint.point_j) for x in p.local] == [0.0] * 4
+    with pytest.raises(da.ModelError, match=r"unknown point 'b.centre' \(did you mean 'b.center'"):
+        load(written(tmp_path, HEAD + text.replace("b.center", "b.centre")))
+
+
 def test_inline_points(tmp_path):
     text = HEAD + (
         '[joints.new]\ntype = "Revolute"\n'

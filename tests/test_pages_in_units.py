@@ -43,6 +43,28 @@ def test_ellipsoids_of_inertia_can_be_hidden(browser, tmp_path) -> None:
         assert seen.picture("#scene") != shown and not seen.errors
 
 
+def test_an_optimum_in_declared_units_marks_broken_limits(browser, tmp_path) -> None:
+    """Without units of the page, parameters are in those of their declaration."""
+    made = da.Structure("spring")
+    k = made.parameter("k", 50.0, "N/cm", bounds=(1, 1e3))
+    end = made.node("end", 0.0)
+    made.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    made.load(end, fx=1.0)
+    kept, broken = (da.Limit(da.final("k").named(n), upper=b) for n, b in (("a", 1e6), ("b", 50.0)))
+    limits = [kept, broken]
+    best = da.optimize(made.build(), da.final("end.ux"), subject_to=limits, analysis=da.Statics())
+    assert best.motion.page()["parameters"][0]["unit"] == "N/cm"
+    (one,) = best.summary()["variables"]
+    assert (one["unit"], one["upper"]) == ("N/cm", 1e3)
+    assert one["value"] == pytest.approx(best.x["k"] / 100)
+    assert "N/cm" in best._repr_html_()
+    with visit(browser, best.report(tmp_path / "page.html")) as seen:
+        rows = seen.js(
+            '[...document.querySelectorAll("#optimum tbody th")].map(e => e.textContent)'
+        )
+    assert [row.split(" ")[0] for row in rows if "✗" in row] == ["b"]
+
+
 def test_the_page_of_an_optimum_has_its_units_and_variables_first(browser, tmp_path) -> None:
     made = da.Structure("spring")
     k = made.parameter("k", 50.0, "N/m", bounds=(1, 1e3))

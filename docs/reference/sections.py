@@ -33,7 +33,7 @@ FIXED = {
             "compare": "what `dalembert compare` combines",
             "responses": "name → response",
             "cases": "name → another run that a design is judged by",
-            "combined": "name → formula of responses",
+            "combined": "name → formula of responses, or a table as below",
             "robust": "name → response with its scatter",
             "pareto": "between which aims `dalembert pareto` lets choose",
             "random": "list of random parameters",

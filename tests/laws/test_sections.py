@@ -64,3 +64,20 @@ def test_elements_take_what_they_need_and_follow_parameters():
     assert set(section.of(structures.Frame)) == {"area", "second_moment"}
     with pytest.raises(da.ModelError, match="AxialSpring: has no area"):
         section.of(structures.AxialSpring)
+
+
+def test_texts_with_units():
+    """Numbers of shapes and materials may be texts, as those of elements; others are refused."""
+    steel, same = structures.Material("210 GPa", 0.3, "7.85 g/cm^3"), structures.Material(210e9)
+    assert steel.shear_modulus == same.shear_modulus and steel.density == pytest.approx(7850)
+    for text, number in (
+        (structures.rectangle("10 mm", "2 cm"), structures.rectangle(0.01, 0.02)),
+        (structures.circle("10 mm"), structures.circle(0.01)),
+        (structures.tube("10 mm", "1 mm"), structures.tube(0.01, 0.001)),
+        (structures.i_section("1 m", 2, "1 cm", 0.02), structures.i_section(1, 2, 0.01, 0.02)),
+    ):
+        np.testing.assert_allclose(list(vars(text).values()), list(vars(number).values()))
+    with pytest.raises(da.ExpressionError, match=r"Material.modulus: 210 mm does not fit"):
+        structures.Material("210 mm")
+    with pytest.raises(da.ExpressionError, match=r"tube: wall: .*unknown name 'thin'"):
+        structures.tube(0.1, "thin")

@@ -4,6 +4,7 @@ import math
 import subprocess
 import sys
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -348,6 +349,9 @@ def test_measurements_with_units_are_read_in_si(tmp_path):
     read = read_table(path)
     assert read["time"] == pytest.approx([0.0, 0.01])
     assert read["bob.angle"] == pytest.approx([0.0, math.pi / 2])
+    columns = {"time [ms]": [0, 10], "bob.angle [deg]": [0.0, 90.0]}  # a mapping is read alike
+    for name, values in read_table(columns).items():
+        assert values == pytest.approx(read[name])
 
 
 def test_the_page_shows_the_units_asked_for():
@@ -394,6 +398,23 @@ def test_pint_is_imported_where_it_is_needed_only():
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.parametrize("unit_text", ["rpm", "deg/s", "m/s", "kN/mm", "N m/rad", "g", "kg/m^3"])
+@pytest.mark.parametrize("factor", ["*t", "/t", " * t", "*pi", "*e", "*t**2"])
+def test_a_factor_after_a_unit_is_no_unit(unit_text: str, factor: str) -> None:
+    """``45 rpm*t`` is a speed times the time, not revolutions per minute times tonnes."""
+    text = f"3 {unit_text}{factor}"
+    found, wanted = (
+        parse_formula(one, {"t": da.t}.get) for one in (text, f"(3 {unit_text}){factor}")
+    )
+
+    def value(formula) -> float:
+        if isinstance(formula, Amount):
+            return formula.value
+        return float(ca.Function("f", [da.t.sx], [formula.sx])(0.7))
+
+    assert value(found) == pytest.approx(value(wanted), rel=1e-14)
+
+
 LAW_FILE = """
 format = 1
 [bodies.b]
@@ -413,6 +434,7 @@ law = "LAW"
     "law",
     [
         *("0.4 rad + 45 rpm*t", "2*3", "where(t < 0.5, 10 deg, 10 deg)", "sin(t)", "t"),
+        *("45 rpm*t", "t*45 rpm"),
         *("0.1 m + 45 m/s*t", "3 deg + 1 kg*t", "l1 + t", "sin(t", "2 deg*b.angle"),
     ],
 )

@@ -74,8 +74,8 @@ class MechanismTeller(Teller[Model]):
 
     def show(self, made: dict[str, Any]) -> None:
         """Print a summary."""
-        pairs = made.get("final", {}) | made.get("largest", {})
-        for name, value in pairs.items():
+        pairs = {f"{name} [J]": value for name, value in made.get("final", {}).items()}
+        for name, value in (pairs | made.get("largest", {})).items():
             tell(f"  {name.replace('_', ' '):<24} {shown(value)}")
         for event in made.get("events", [])[:20]:
             tell(f"  event {event['name']} at t = {event['time']:.9g} s")

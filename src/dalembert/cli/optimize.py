@@ -86,10 +86,13 @@ def _search(reliable: bool) -> Callable[..., Any]:
 def _show(made: dict[str, Any]) -> None:
     change = f"{made['start_fun']:.8g} → {made['fun']:.8g} {made['unit']}".rstrip()
     tell(f"  objective {made['objective']}  {change}")
+    declared = {one["name"]: one for one in made["variables"]}
     for parameter, value in made["x"].items():
+        si = {"start": made["start"][parameter], "value": value, "unit": ""}
+        one = declared.get(parameter, si)  # in the unit of its declaration
+        unit = "" if one["unit"] in ("", "1") else f" {one['unit']}"
         note = "  (at its bound)" if parameter in made["at_bounds"] else ""
-        start = made["start"][parameter]
-        tell(f"  {parameter:<10} {start:.8g} → {value:.8g}{note}")
+        tell(f"  {parameter:<10} {one['start']:.8g} → {one['value']:.8g}{unit}{note}")
     if made["active"]:
         tell(f"  limits that hold with equality: {', '.join(made['active'])}")
     for price in made["prices"]:

@@ -85,8 +85,9 @@ def _show(made: dict[str, Any]) -> None:
     if made["reused"]:
         tell(f"  {made['reused']} were there already")
     for name, numbers in made["responses"].items():
-        told = ", ".join(f"{key} {value:.6g}" for key, value in numbers.items())
-        tell(f"  {name}: {told}")
+        told = ", ".join(f"{key} {value:.6g}" for key, value in numbers.items() if key != "unit")
+        unit = "" if numbers["unit"] in ("", "1") else f" [{numbers['unit']}]"
+        tell(f"  {name}{unit}: {told}")
     reasons, counts = np.unique(list(made["failed"].values()), return_counts=True)
     for k in np.argsort(-counts)[:3]:
         tell(f"  {counts[k]} failed: {reasons[k]}", "red")

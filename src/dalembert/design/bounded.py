@@ -22,6 +22,7 @@ class Bounded:
     lower, upper : what it may not leave
     active : the side that it stands at, ``"lower"`` or ``"upper"``, or none
     price : what the objective gains for each unit by which that side is let out, not negative
+    given_unit : the unit in which a parameter was declared, such as ``mm``
     """
 
     name: str
@@ -32,10 +33,15 @@ class Bounded:
     upper: float | None
     active: str = ""
     price: float = 0.0
+    given_unit: str = ""
 
     def shown_in(self, units: Sequence[str], objective: tuple[float, str]) -> Bounded:
-        """The same in the first of these units of its dimension; ``objective``: factor and unit."""
-        factor, unit = shown_in(self.unit, units)
+        """The same in the first of these units of its dimension, else in that of its declaration.
+
+        ``objective`` is the factor and the unit of the objective.
+        """
+        own = (self.given_unit,) if self.given_unit else ()
+        factor, unit = shown_in(self.unit, (*units, *own))
 
         def of(number: float | None) -> float | None:
             return None if number is None else number / factor

@@ -112,6 +112,7 @@ class Variables:
     ----------
     names : of the variables
     lower, upper, start : (n,)
+    units, given_units : SI units, and those in which the parameters were declared
     sizes : number of a variable → its discrete values
     followers : (parameter, number of its variable, interpolant)
     """
@@ -121,6 +122,7 @@ class Variables:
     upper: np.ndarray
     start: np.ndarray
     units: list[str]
+    given_units: list[str]
     sizes: dict[int, np.ndarray] = field(default_factory=dict)
     followers: list[tuple[str, int, Any]] = field(default_factory=list)
 
@@ -177,7 +179,9 @@ def make_variables(
     bounds = np.array([parameters[n].bounds for n in names], dtype=float)
     begin = [start.get(n, parameters[n].value) for n in names]
     units = [parameters[n].unit for n in names]
-    made = Variables(names, bounds[:, 0].copy(), bounds[:, 1].copy(), np.array(begin, float), units)
+    own = [parameters[n].given_unit for n in names]
+    sides = bounds[:, 0].copy(), bounds[:, 1].copy()
+    made = Variables(names, *sides, np.array(begin, float), units, own)
     for k, one in enumerate(listed):
         if not isinstance(one, str):
             _add_sizes(made, k, one.sizes(parameters))

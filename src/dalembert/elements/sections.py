@@ -13,11 +13,12 @@ from math import pi
 from typing import Any
 
 from dalembert.elements.base import Element
-from dalembert.errors import ModelError
+from dalembert.errors import ExpressionError, ModelError
 from dalembert.symbolic.formulas.functions import where
 from dalembert.text.spelling import Spelled, spelled
+from dalembert.units.measured import check_measured, measured
 
-Number = Any  # number or Expression
+Number = Any  # number, text of a number with its unit, or Expression
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,10 @@ class Section(Spelled):
     torsion_constant: Number
     shear_area_y: Number
     shear_area_z: Number
+
+    def __post_init__(self) -> None:
+        area, bend = "m^2", "m^4"
+        _read_fields(self, (area, bend, bend, bend, area, area))
 
     def of(self, cls: type[Element]) -> dict[str, Number]:
         """The quantities of a class of elements; in the plane it bends about its z axis."""
@@ -105,6 +110,9 @@ class Material(Spelled):
     density: Number = 0.0
     expansion: Number = 0.0
 
+    def __post_init__(self) -> None:
+        _read_fields(self, ("Pa", "1", "kg/m^3", "1/K"))
+
     @property
     def shear_modulus(self) -> Number:
         """``G = E/(2 (1 + ν))`` [Pa]."""
@@ -138,6 +146,7 @@ def rectangle(width: Number, height: Number) -> Section:
     >>> round(profile.area * 1e4, 9), round(profile.second_moment_z * 1e8, 6)  # cm², b h³/12 in cm⁴
     (10.0, 20.833333)
     """
+    width, height = _lengths("rectangle", width=width, height=height)
     area = width * height
     long = where(width > height, width, height) if _formula(width, height) else max(width, height)
     short = where(width > height, height, width) if _formula(width, height) else min(width, height)
@@ -163,6 +172,7 @@ def circle(diameter: Number) -> Section:
     >>> round(float(bar.second_moment_y) * 64 / math.pi, 12)  # d⁴
     0.0001
     """
+    (diameter,) = _lengths("circle", diameter=diameter)
     area, bend = pi * diameter**2 / 4, pi * diameter**4 / 64
     return Section(area, bend, bend, 2 * bend, 0.9 * area, 0.9 * area)
 
@@ -183,6 +193,7 @@ def tube(diameter: Number, wall: Number) -> Section:
     >>> round(float(pipe.area) / math.pi * 1e4, 9)  # 5² - 4² [cm²]
     9.0
     """
+    diameter, wall = _lengths("tube", diameter=diameter, wall=wall)
     inner = diameter - 2 * wall
     area, bend = pi * (diameter**2 - inner**2) / 4, pi * (diameter**4 - inner**4) / 64
     return Section(area, bend, bend, 2 * bend, area / 2, area / 2)
@@ -204,12 +215,35 @@ def i_section(width: Number, height: Number, flange: Number, web: Number) -> Sec
     >>> round(float(ipe.area) * 1e4, 9)  # two flanges of 10 and a web of 18 by 0.6 cm
     30.8
     """
+    given = {"width": width, "height": height, "flange": flange, "web": web}
+    width, height, flange, web = _lengths("i_section", **given)
     clear = height - 2 * flange
     area = 2 * width * flange + web * clear
     bend_z = (width * height**3 - (width - web) * clear**3) / 12
     bend_y = (2 * flange * width**3 + clear * web**3) / 12
     twist = (2 * width * flange**3 + (height - flange) * web**3) / 3
     return Section(area, bend_y, bend_z, twist, web * height, 5 / 3 * width * flange)
+
+
+def _read(value: Number, unit: str, entity: str) -> Number:
+    """The number of a text such as ``"210 GPa"`` in SI units; others as they are."""
+    try:
+        number = measured(value)
+    except ExpressionError as error:
+        cause = f"{error.message}; expected a number, a text such as '2 {unit}', or a formula"
+        raise ExpressionError(cause, entity) from None
+    check_measured([number], unit, entity)
+    return number
+
+
+def _read_fields(one: Section | Material, units: tuple[str, ...]) -> None:
+    for name, unit in zip(vars(one), units, strict=True):
+        number = _read(getattr(one, name), unit, f"{type(one).__name__}.{name}")
+        object.__setattr__(one, name, number)
+
+
+def _lengths(function: str, **given: Number) -> list[Number]:
+    return [_read(value, "m", f"{function}: {name}") for name, value in given.items()]
 
 
 def _formula(*numbers: Number) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache, partial
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, PlainValidator, WithJsonSchema, create_model
+from pydantic import AfterValidator, Field, PlainValidator, WithJsonSchema, create_model
 
 from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
@@ -74,6 +74,13 @@ class GroundTable(Record):
 
 _PARAMETER = table_or(ParameterTable, OwnNumber)
 _DERIVED = table_or(DerivedTable, Entry)
+
+
+def _combined(value: Any) -> CombinedTable:
+    return value if isinstance(value, CombinedTable) else CombinedTable(formula=value)
+
+
+_COMBINED = Annotated[table_or(CombinedTable, Text), AfterValidator(_combined)]  # type: ignore[valid-type]
 CASE: dict[str, Any] = {
     "case": (
         Text,
@@ -119,7 +126,7 @@ class ModelDocument(Record):
         default_factory=dict, description="functions through measured values"
     )
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
-    combined: dict[str, CombinedTable] = Field(default_factory=dict)
+    combined: dict[str, _COMBINED] = Field(default_factory=dict)  # type: ignore[valid-type]
     robust: dict[str, RobustTable] = Field(default_factory=dict)
     optimize: OptimizeTable = None  # type: ignore[assignment]
     pareto: ParetoTable = None  # type: ignore[assignment]

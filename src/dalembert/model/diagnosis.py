@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import casadi as ca
@@ -64,6 +64,7 @@ class Diagnosis:
     searched : remark where the given poses are far from closed; empty otherwise
     idle : idle degrees of freedom, such as a rod that turns freely about its own axis
     corrections : given coordinate → change that assembly made; ``moved`` lists those to be told
+    units : coordinate → unit of its corrections, ``m`` or ``rad``
     """
 
     coordinates: int
@@ -86,6 +87,7 @@ class Diagnosis:
     doubts: tuple[str, ...] = ()
     searched: str = ""
     idle: tuple[str, ...] = ()
+    units: dict[str, str] = field(default_factory=dict)
 
     def refuse_massless(
         self,
@@ -101,6 +103,10 @@ class Diagnosis:
         if self.massless:
             names = ", ".join(self.massless)
             raise SingularityError(f"{names}: can move without any mass moving; {cure}")
+
+    def _change(self, name: str, change: float, per: str = "") -> str:
+        unit = self.units.get(name, "")
+        return f"{name} by {change:+.3g} {unit and unit + per}".rstrip()
 
     def __repr__(self) -> str:
         """The sentence, and what a user should know."""
@@ -144,10 +150,11 @@ class Diagnosis:
         if self.searched:
             found.append(("warning", self.searched))
         if self.moved:
-            listed = ", ".join(f"{n} by {self.corrections[n]:+.3g}" for n in self.moved)
+            listed = ", ".join(self._change(n, self.corrections[n]) for n in self.moved)
             found.append(("info", f"assembly moved given poses: {listed}"))
         if self.velocity_corrections:
-            listed = ", ".join(f"{n} by {c:+.3g}" for n, c in self.velocity_corrections.items())
+            changes = self.velocity_corrections.items()
+            listed = ", ".join(self._change(n, c, "/s") for n, c in changes)
             found.append(("warning", f"initial speeds were inconsistent and projected: {listed}"))
         return found
 
@@ -216,6 +223,7 @@ def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> 
         doubts=doubts_of(d, closure.nominal),
         searched=_searched(closure),
         idle=idle_freedoms(d, closure),
+        units=_units(closure),
     )
 
 
@@ -233,6 +241,13 @@ def _searched(closure: Closure) -> str:
         f"{count} assembled {'position' if count == 1 else 'positions'} and took the nearest"
         f"{moved}; give poses nearer to the assembly that is wanted"
     )
+
+
+def _units(closure: Closure) -> dict[str, str]:
+    """Units of the coordinates that assembly corrected."""
+    start, guesses = closure.start, closure.guesses
+    units = zip(guesses.speed_names, guesses.speed_units, strict=True)
+    return {n: u for n, u in units if n in start.corrections or n in start.velocity_corrections}
 
 
 def _moved(closure: Closure) -> tuple[str, ...]:

@@ -69,7 +69,7 @@ class Maximum(Response):
             raise AnalysisError(
                 f"{self.label}: smooth is {self.smooth:g}, but a number is a share of the spread "
                 "of the measure, at most 1, such as 0.02; give an absolute width with the unit of "
-                f"the measure, such as '{1 / self.smooth:.3g} m'"
+                f"the measure, such as smooth='{self.smooth:g} N' of a force in newtons"
             )
 
     @property

@@ -17,6 +17,8 @@ _AMOUNT = re.compile(rf"({NUMBER})\s*(?!(?:e|pi|t)\b)({UNIT})(?![\w(.\[])")
 _FURTHER = re.compile(rf"([ ]?[*·/][ ]?|\s+)({UNIT})(?![\w(.\[])")
 NO_UNITS = re.compile(r"(?:e|pi|t)\b")
 """Names of formulas that are no units: a number, a number, time."""
+_WITH_VARIABLE = re.compile(r"^(?:e|pi)\b|[*·/]\s*(?:e|pi|t)\b")
+"""In a text of one amount: a number or the time as a factor; the unit of ``1.4 t`` is tonnes."""
 _PLAIN = re.compile(SYMBOL)
 _ALONE = re.compile(rf"\s*({NUMBER})\s*((?:{UNIT}|1(?=\s*/))(?:(?:\s*[*·/]\s*|\s+){UNIT})*)\s*")
 
@@ -132,7 +134,7 @@ def with_names(text: str, is_name: Callable[[str], bool]) -> tuple[str, dict[str
         An unknown unit, or what may be a unit as well as a name.
     """
     alone = _ALONE.fullmatch(text)
-    if alone and not re.match(r"(?:e|pi)\b", alone[2]) and _is_unit(alone[2]):  # tonnes, not time
+    if alone and not _WITH_VARIABLE.search(alone[2]) and _is_unit(alone[2]):
         return "_0", {"_0": _amount(alone[1], alone[2])}
     found: dict[str, Amount] = {}
     made, place = "", 0

@@ -52,6 +52,9 @@ class ErrorEstimate:
     name: str
     time: float
 
+    def __str__(self) -> str:
+        return self.text
+
     @property
     def text(self) -> str:
         of_motion = f"{self.share:.2g} times" if self.share >= 10 else f"{self.share:.2g} of"
@@ -111,7 +114,7 @@ class StepAccuracy:
                 f"{text}: the motion amplifies small differences, or it is as small as the "
                 "absolute tolerance; use a smaller rtol and atol"
             ]
-        return [f"{text}, for errors accumulate; use a smaller rtol and atol"]
+        return [f"{text}, because errors of the steps accumulate; use a smaller rtol and atol"]
 
     # all steps ---------------------------------------------------------------------
     @property

@@ -37,7 +37,7 @@ def read_table(source: Any) -> dict[str, np.ndarray]:
     if hasattr(source, "to_pandas"):
         source = source.to_pandas()
     if isinstance(source, Mapping):
-        columns = {str(name): values for name, values in source.items()}
+        columns = dict(_in_si(str(name), values) for name, values in source.items())
     elif hasattr(source, "columns"):
         if source.index.name is not None and source.index.name not in source.columns:
             source = source.reset_index()
@@ -67,7 +67,7 @@ def _in_si(heading: str, values: Any) -> tuple[str, Any]:
         factor = unit(named[2]).factor
     except ModelError as error:
         raise AnalysisError(f"column {heading!r}: {error.message}") from None
-    return named[1], values if factor == 1.0 else values * factor
+    return named[1], values if factor == 1.0 else np.asarray(values) * factor
 
 
 def _file(path: Path) -> Any:

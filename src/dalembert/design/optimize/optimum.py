@@ -106,6 +106,7 @@ class Optimum(Decision):
     def findings(self) -> dict[str, Any]:
         return {
             "x": self.x,
+            "variables": [asdict(one.shown_in((), (1.0, self.unit))) for one in self.variables],
             "fun": self.fun,
             "objective": self.label,
             "unit": self.unit,

@@ -15,7 +15,7 @@ def optimum_table(best: Any) -> str:
     rows = [_row("th", "", "unit", "lower", "start", "best", "upper", "price")]
     rows.append(_row("td", best.label, best.unit, "", start, best.fun, "", ""))
     for one in (*best.limits, *best.variables):
-        rows.append(_bounded(one))
+        rows.append(_bounded(one.shown_in((), (1.0, best.unit))))
     mark = "✓" if best.success else "✗"
     return (
         f"<div><b>{mark} {html.escape(best.message)}</b><table>{''.join(rows)}</table>"

@@ -148,6 +148,7 @@ def _variables(program: Program, x: np.ndarray, factors: Multipliers) -> list[Bo
                 float(upper) if np.isfinite(upper) else None,
                 side,
                 0.0 if held or not side else float(price / program.width[i]),
+                program.variables.given_units[i],
             )
         )
     return made

@@ -118,6 +118,7 @@ class Study(Decision):
             "failed": self.failures,
             "responses": {
                 name: {
+                    "unit": self.units.get(name, ""),
                     "minimum": column.min(),
                     "mean": column.mean(),
                     "maximum": column.max(),

@@ -224,7 +224,9 @@ class EllipsesChart extends Chart {
   }
 
   draw(w) {
-    const { names, units, centre, covariance } = this.view, n = names.length, left = 74, foot = 46;
+    const { names, units, centre, covariance } = this.view, n = names.length, foot = 46;
+    const told = (k) => withUnit(tidy(centre[k], 4), units[k]);
+    const left = clamp(14 + 6.6 * Math.max(...names.slice(1).map((_, k) => told(k + 1).length)), 74, w / 2);
     const side = Math.min((w - left - 8) / Math.max(1, n - 1), 190);
     this.height = Math.round(side * (n - 1) + foot + 6);
     this.svg.setAttribute("height", this.height);
@@ -243,7 +245,6 @@ class EllipsesChart extends Chart {
       const [cx, cy] = at(0, 0);
       box.append(shape("circle", { cx, cy, r: 2.6, class: "dot s0" }));
       this.svg.append(box);
-      const told = (k) => withUnit(tidy(centre[k], 4), units[k]);
       if (i === n - 1) this.svg.append(written(x0 + side / 2, y0 + side + 15, names[j], { "text-anchor": "middle", class: "label" }), written(x0 + side / 2, y0 + side + 30, told(j), { "text-anchor": "middle", class: "value" }));
       if (j === 0) this.svg.append(written(left - 6, y0 + side / 2 - 2, clipped(names[i], 11), { "text-anchor": "end", class: "label" }), written(left - 6, y0 + side / 2 + 14, told(i), { "text-anchor": "end", class: "value" }));
     }

@@ -4,7 +4,7 @@ function optimumPanel(optimum) {
   if (!optimum) return null;
   const unit = optimum.unit ? ` ${optimum.unit}` : "";
   const all = [...list(optimum.variables), ...list(optimum.limits)], priced = all.some((one) => one.active && one.price);
-  const rows = all.map((one) => optimumRow(one, optimum.unit, priced));
+  const rows = all.map((one) => optimumRow(one, optimum.unit, priced, !optimum.success));
   return panel("Optimum", "optimum",
     el("p", { class: "objective" }, el("span", {}, `${optimum.label}: `), el("span", { class: "was" }, `${tidy(optimum.start)}${unit}`), " → ", el("b", {}, `${tidy(optimum.value)}${unit}`)),
     el("ul", { class: "messages" }, el("li", { class: optimum.success ? "info" : "warning" }, el("b", {}, optimum.success ? "Optimal" : "Not optimal"), el("span", {}, String(optimum.message)))),
@@ -14,10 +14,14 @@ function optimumPanel(optimum) {
     list(optimum.prices).length > 0 && el("ul", { class: "prices" }, list(optimum.prices).map((text) => el("li", {}, String(text)))));
 }
 
-function optimumRow(one, unit, priced) {
+// A limit is broken by more than a millionth of its size.
+const isBroken = ({ value, lower, upper }) => (isNum(lower) && value < lower - 1e-6 * (Math.abs(lower) || 1)) || (isNum(upper) && value > upper + 1e-6 * (Math.abs(upper) || 1));
+
+function optimumRow(one, unit, priced, failed) {
   const price = one.active && one.price ? `${tidy(one.price, 4)} ${unit || ""}${one.unit ? ` / ${one.unit}` : ""}` : "";
   return el("tr", { class: one.active ? "active" : "" },
-    el("th", { scope: "row" }, String(one.name), one.active ? el("i", { class: "at", title: `at its ${one.active} bound` }, one.active === "lower" ? " ▼" : " ▲") : null),
+    el("th", { scope: "row" }, String(one.name), one.active ? el("i", { class: "at", title: `at its ${one.active} bound` }, one.active === "lower" ? " ▼" : " ▲") : null,
+      failed && isBroken(one) ? el("i", { class: "at broken", title: "beyond its limit" }, " ✗") : null),
     el("td", { class: "right was" }, tidy(one.start)), el("td", { class: "right" }, tidy(one.value)),
     el("td", { class: "unit" }, one.unit ? raised(one.unit) : "–"), el("td", {}, designBar(one)), priced ? el("td", { class: "unit" }, price) : null);
 }

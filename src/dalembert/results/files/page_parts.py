@@ -40,10 +40,14 @@ def statistics(rows: Iterable[tuple[Any, Any]]) -> list[dict[str, str]]:
 def parameter_rows(
     parameters: Mapping[str, Parameter], values: np.ndarray, units: Sequence[str] = ()
 ) -> list[dict[str, Any]]:
-    """Parameters with their values and bounds, each in the first of ``units`` that fits."""
+    """Parameters with their values and bounds.
+
+    Each is in the first of ``units`` that fits, else in the unit of its declaration.
+    """
     rows = []
     for parameter, value in zip(parameters.values(), values, strict=False):
-        factor, unit = shown_in(parameter.unit, checked_units(units))
+        own = [parameter.given_unit] if parameter.given_unit else []
+        factor, unit = shown_in(parameter.unit, [*checked_units(units), *own])
         lower, upper = (None if b is None else b / factor for b in parameter.bounds)
         row = {"name": parameter.name, "value": float(value) / factor, "unit": unit}
         rows.append(row | {"lower": lower, "upper": upper, "description": parameter.description})

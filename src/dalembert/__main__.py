@@ -1,0 +1,7 @@
+"""``python -m dalembert``."""
+
+import sys
+
+from dalembert.cli import main
+
+sys.exit(main())
