@@ -102,10 +102,9 @@ class DynamicsKernel(StepOutputs):
             )
 
     def _attempt(self, mode: int) -> Attempt:
-        found = self.variants[mode].attempt
-        if found is None:
+        if (attempt := self.variants[mode].attempt) is None:
             raise UnsupportedError(f"{self.integrator.name} has no error control")
-        return found
+        return attempt
 
     # variants -----------------------------------------------------------------------
     def choose(
@@ -174,10 +173,7 @@ class DynamicsKernel(StepOutputs):
     def between(
         self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray, parts: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Times and states at parts of steps, by cubics through their ends.
-
-        They are filled up to a power of two of steps, for few sizes need few functions.
-        """
+        """Times and states at parts of steps, by cubics; their number is a power of two."""
         count = times.size - 1
         whole = np.minimum(np.arange((1 << (count - 1).bit_length()) + 1), count)
         t, x = times[whole], states[:, whole]
