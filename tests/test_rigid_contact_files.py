@@ -53,8 +53,8 @@ integrator = "DormandPrince"
 @pytest.mark.parametrize(
     ("height", "more", "told"),
     [
-        (-0.1, "duration = 1.0", "analysis: floor: its gap is -0.1 at the start"),
-        (0.1, "t_span = [-2.0, 1.0]", "analysis: floor: its gap is -0.1 at the start"),
+        (-0.1, "duration = 1.0", "analysis: floor: its gap is -0.1 m at the start"),
+        (0.1, "t_span = [-2.0, 1.0]", "analysis: floor: its gap is -0.1 m at the start"),
         (
             0.1,
             'duration = 1.0\nformulation = "AugmentedLagrangian"',

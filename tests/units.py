@@ -117,7 +117,8 @@ class _Translation:
         wanted |= {name: getattr(body, name) for name in sizes}
         if isinstance(body, spatial.Body) and body.rotates:
             wanted["center_of_mass"] = body.center_of_mass
-        turned = {"rotation": wanted.pop("rotation", None)} if body.dimension == 3 else {}
+        rotation = wanted.pop("rotation", None)
+        turned = {"rotation": rotation} if body.dimension == 3 and body.rotates else {}
         metas = {f.name: f.metadata for f in body.quantity_fields()}
         given = {
             name: self.formula(value, metas[name]["unit"])

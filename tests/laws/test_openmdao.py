@@ -97,7 +97,7 @@ def test_states_with_their_residuals(name):
     label = (next(iter(measures)) if isinstance(measures, dict) else one).replace(".", "_")
     names = list(model.parameters)
     result = analysis.run(model) if analysis else da.solve_kinematics(model, 1e-3, outputs=2)
-    expected = da.sensitivity(result, da.final(one), names).values.ravel()
+    expected = da.sensitivity(result, da.at(float(result.time[-1]), one), names).values.ravel()
     for mode in ("fwd", "rev"):
         problem.setup(mode=mode)
         problem.run_model()

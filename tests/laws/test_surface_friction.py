@@ -44,7 +44,7 @@ def tumbling(poisson: bool = False) -> da.Model:
     ("poisson", "options"),
     [
         (False, {"integrator": da.DormandPrince(1e-10, 1e-12)}),
-        (False, {"step": 0.01}),
+        (False, {"step": 0.005}),
         (True, {"integrator": da.Radau(1e-9, 1e-11)}),
     ],
 )

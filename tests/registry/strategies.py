@@ -24,6 +24,7 @@ STABILIZATIONS = {
     "EnergyProjection": da.EnergyProjection(),
 }
 INTEGRATORS = {
+    "AutomaticIntegrator": da.AutomaticIntegrator(),
     "Euler": da.Euler(),
     "Heun": da.Heun(),
     "RK4": da.RK4(),

@@ -197,7 +197,8 @@ class Dynamics(OverTime[Motion]):
         kernel, steps, order = record.kernel, record.steps, self.integrator.order
         uneven = kernel.adaptive is not None or kernel.contacts is not None
         if steps.count and (uneven or order > OF_OUTPUTS):
-            points = StepQuadrature.fine(steps, order)
+            few = kernel.adaptive is not None  # steps as long as the motion permits
+            points = StepQuadrature.fine(steps, order) if few else StepQuadrature(steps, order)
             made = self._sampled(motion, points.times, points.branches)
             return replace(made, record=replace(made.record, quadrature=points))
         if steps.count and kernel.fixed.at_once(int(steps.mode[0])):

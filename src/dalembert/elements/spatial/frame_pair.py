@@ -44,6 +44,8 @@ def need_frame(value: Any, owner: str, field: str) -> Frame:
 
 OPPOSITE = 1e-3
 """Share of the twist between opposite axes in the initial twist."""
+ALONG = 1e-6
+"""Square of the part of an x axis across the other z axis, below which it shows no turn."""
 
 
 @dataclass(eq=False)
@@ -157,7 +159,7 @@ class BetweenFrames(OnFrame):
         """How far the second x axis has turned about the first z axis.
 
         It is counted from where the x axes coincide or, unless both were given, from the initial
-        poses, there after the shortest rotation that makes the z axes parallel.
+        poses.
         """
         return self._turn if self.complete else self._turn.after(self._turn_at_start)
 
@@ -175,13 +177,17 @@ class BetweenFrames(OnFrame):
     def _turn_at_start(self) -> Turn:
         """The turn at the initial poses, whose z axes need not be parallel.
 
-        With ``R = A_iᵀ A_j`` the twist about z after the shortest rotation has a cosine and a sine
+        Where the second x axis lies along the first z axis, the twist after the shortest rotation
+        that makes the z axes parallel stands for it. With ``R = A_iᵀ A_j`` its cosine and sine are
         proportional to ``R₁₁ + R₂₂`` and ``R₂₁ − R₁₂``, for opposite z axes to ``R₁₁ − R₂₂`` and
         ``R₂₁ + R₁₂``. A small share of the latter serves both.
         """
         r = ca.mtimes(self.frame_i.axes.T, self.frame_j.axes)
         near, far = 1 + OPPOSITE, 1 - OPPOSITE
-        return self.at_start(Turn(near * r[0, 0] + far * r[1, 1], near * r[1, 0] - far * r[0, 1]))
+        shown = r[0, 0] ** 2 + r[1, 0] ** 2 > ALONG
+        cosine = ca.if_else(shown, r[0, 0], near * r[0, 0] + far * r[1, 1])
+        sine = ca.if_else(shown, r[1, 0], near * r[1, 0] - far * r[0, 1])
+        return self.at_start(Turn(cosine, sine))
 
     @property
     def complete(self) -> bool:
