@@ -73,7 +73,7 @@ def test_a_held_guess_that_cannot_be_kept_is_named():
 @pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1), (1, 2, -2)])
 @pytest.mark.parametrize("base", [(1, 0, 0), (0, 0, 1)])
 def test_a_driven_hinge_starts_from_any_guess(base, axis):
-    """The angle of the law is that of the x axes from their places after the shortest rotation."""
+    """The axes become parallel, and the angle is that of the law."""
     system = da.System("rotor")
     rotor = system.add(spatial.Body("rotor", rotation=da.rotation.identity(), **SOLID))
     frames = system.ground.frame((0, 0, 0), axis=base), rotor.frame((0, 0, 0), axis=axis)
@@ -85,19 +85,8 @@ def test_a_driven_hinge_starts_from_any_guess(base, axis):
     unit = np.array(axis) / np.linalg.norm(axis)
     turned = unit + 2 * np.cross(e, np.cross(e, unit) + e0 * unit)
     assert abs(turned @ base) == pytest.approx(1.0, abs=1e-12)
-    rest = np.cross(unit, base)
-    if unit @ base > -0.99:  # by Rodrigues' formula, then 0.3 rad about the axis of the ground
-        first = np.eye(3) + skew(rest) + skew(rest) @ skew(rest) / (1 + unit @ base)
-        c, s = np.cos(0.3), np.sin(0.3)
-        k = skew(np.array(base, dtype=float))
-        expected = (np.eye(3) + s * k + (1 - c) * k @ k) @ first
-        found = np.eye(3) + 2 * e0 * skew(e) + 2 * skew(e) @ skew(e)
-        if turned @ base > 0:
-            np.testing.assert_allclose(found, expected, atol=5e-3)
-
-
-def skew(v: np.ndarray) -> np.ndarray:
-    return np.array([(0, -v[2], v[1]), (v[2], 0, -v[0]), (-v[1], v[0], 0)])
+    motion = da.solve_kinematics(model, 1e-3, outputs=2)
+    assert motion["hinge.angle"].values == pytest.approx([0.3, 0.3], abs=1e-9)
 
 
 def rssr(spring: bool = False, ball: bool = True) -> da.Model:
