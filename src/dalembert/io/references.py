@@ -77,10 +77,10 @@ class References:
             raise ModelError(f"expected a body, got the point {given!r}; write {owner!r}")
         frame = kind is Frame
         places, what = (body.frames, "frame") if frame else (body.places, "point")
-        if name == "center" and name not in places:
+        if name == "center" and name not in places and not frame:
             return body
         if name not in places:
-            known = [f"{owner}.{p}" for p in ("center", *places)]
+            known = [f"{owner}.{p}" for p in (*(() if frame else ("center",)), *places)]
             told = f"{listed(known)}{'' if places else f'; name others in its {what}s'}"
             raise ModelError(
                 f"unknown {what} {given!r}{nearest(given, known)}; {what}s of {owner}: {told}"
