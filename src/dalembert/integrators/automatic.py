@@ -71,6 +71,10 @@ class AutomaticIntegrator(Integrator):
         return True
 
     @property
+    def run_tolerance(self) -> float:
+        return self.rtol
+
+    @property
     def order(self) -> int:
         return min(method.order for method in self.methods)
 

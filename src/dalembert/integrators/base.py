@@ -114,6 +114,11 @@ class Integrator:
         return self.adaptive
 
     @property
+    def run_tolerance(self) -> float | None:
+        """Relative tolerance stated for whole runs; None where it is for steps, or for none."""
+        return None
+
+    @property
     def gradient_error(self) -> float:
         """Relative error of its gradients; none where they are derivatives of the steps taken."""
         return 0.0

@@ -151,6 +151,11 @@ class Step:
         return ""
 
     @property
+    def work(self) -> float:
+        """Operations of a step, about."""
+        return float(self.function.n_instructions())
+
+    @property
     def even(self) -> bool:
         """Takes chunks of equal steps at once, by the functions below."""
         return False

@@ -151,6 +151,14 @@ class DynamicsKernel(StepOutputs):
         """The mode of a run without steps: the newest that is no transition."""
         return max(k for k, variant in enumerate(self.variants) if type(variant) is Variant)
 
+    def implicit(self, mode: int) -> bool:
+        """Whether steps of a mode solve equations."""
+        return self.variants[mode].integrator.implicit
+
+    def cost(self, mode: int) -> float:
+        """Operations of an attempted step of a mode, about."""
+        return self._attempt(mode).cost
+
     def by_other_method(self, mode: int) -> int:
         """The mode of the same equations with the other of two methods, if it suits them."""
         now = self.variants[mode]
@@ -169,21 +177,6 @@ class DynamicsKernel(StepOutputs):
             return rows
         share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_share(whole, rows)])
         return rows if float(share(t, y, p)) <= TRUSTED else best_rows(whole, rows, t, y, p)
-
-    def between(
-        self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray, parts: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Times and states at parts of steps, by cubics; their number is a power of two."""
-        count = times.size - 1
-        whole = np.minimum(np.arange((1 << (count - 1).bit_length()) + 1), count)
-        t, x = times[whole], states[:, whole]
-        rate = self.over(self.variants[mode].rate.function, t.size)
-        (slope,) = rate(t, x, np.tile(p[:, None], t.size))
-        h, c = np.diff(t)[:, None], parts
-        ends = [a[:, :, None] for a in (x[:, :-1], x[:, 1:], slope[:, :-1], slope[:, 1:])]
-        inside = (1 + 2 * c) * (1 - c) ** 2 * ends[0] + c**2 * (3 - 2 * c) * ends[1]
-        inside += h * (c * (1 - c) ** 2 * ends[2] - c**2 * (1 - c) * ends[3])
-        return (t[:-1, None] + h * c).ravel(), inside.reshape(x.shape[0], -1)
 
     @cached_property
     def distances(self) -> ca.Function:

@@ -36,7 +36,6 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.budget import STEP
 from dalembert.errors import AssemblyError, SingularityError
-from dalembert.integrators.automatic import AutomaticIntegrator
 from dalembert.integrators.marching.changing_march import ChangingMarch
 from dalembert.integrators.marching.march import SHORT_CHUNK
 from dalembert.integrators.marching.method_choice import MethodChoice
@@ -155,8 +154,8 @@ class DynamicsRun:
             return []
         if not integrator.controls_error:
             return accuracy.of_fixed_steps  # type: ignore[no-any-return]
-        whole = isinstance(integrator, AutomaticIntegrator)
-        return accuracy.of_tolerance(integrator.rtol) if whole else []
+        rtol = integrator.run_tolerance
+        return [] if rtol is None else accuracy.of_tolerance(rtol)
 
     def execute(self, progress) -> Motion:
         timing = Timing()
@@ -263,16 +262,8 @@ class DynamicsRun:
         memory = np.inf if every else self.analysis.memory
         choice, kernel = None, self.kernel
         if len(kernel.methods) > 1:
-
-            def implicit(mode: int) -> bool:
-                return kernel.variants[mode].integrator.implicit
-
-            def cost(mode: int) -> float:
-                attempt = kernel.variants[mode].attempt
-                assert attempt is not None
-                return attempt.cost
-
-            choice = MethodChoice(self.end, implicit, cost, kernel.by_other_method)
+            of_modes = kernel.implicit, kernel.cost, kernel.by_other_method
+            choice = MethodChoice(self.end, *of_modes)
         hooks = report, self.ends, self.switch, self.cross
         return Watch(*hooks, choice, memory, self.requested)
 

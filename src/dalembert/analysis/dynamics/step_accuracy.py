@@ -43,7 +43,8 @@ class ErrorEstimate:
 
     Attributes
     ----------
-    share : relative to the range of the coordinate, or to the largest magnitude of the speed
+    share : relative to the range of the coordinate, or to the largest magnitude of the speed;
+        infinite where steps half as long fail
     name : of the coordinate or speed
     time : at which it is largest [s]
     """
@@ -57,6 +58,8 @@ class ErrorEstimate:
 
     @property
     def text(self) -> str:
+        if not self.name:
+            return f"not known, because steps half as long fail at t = {self.time:.6g} s"
         of_motion = f"{self.share:.2g} times" if self.share >= 10 else f"{self.share:.2g} of"
         return f"{of_motion} its range or largest value, in {self.name} at t = {self.time:.6g} s"
 
@@ -78,13 +81,13 @@ class StepAccuracy:
 
     @cached_property
     def estimate(self) -> ErrorEstimate | None:
-        """The estimate; None where the shorter steps fail or nothing moves."""
+        """The estimate, without bound where shorter steps fail; None where nothing moves."""
         if not self.steps.lasting.size:
             return None
         try:
             return self._of_all if self._affordable else self._of_some
         except SolverFailure:
-            return None
+            return ErrorEstimate(np.inf, "", float(self.steps.t[0]))
 
     def exceeds(self, limit: float) -> bool:
         """The estimate is above a limit."""
@@ -119,13 +122,10 @@ class StepAccuracy:
     # all steps ---------------------------------------------------------------------
     @property
     def _affordable(self) -> bool:
-        count = self.steps.lasting.size
-        operations = 0
-        for mode in np.unique(self.steps.mode[self.steps.lasting]):
-            step = self.kernel.variants[int(mode)].step
-            operations = max(operations, step.function.n_instructions())
-        entries = count * self.kernel.variants[int(self.steps.mode[0])].step.size
-        return 2 * count * operations <= OPERATIONS and 3 * entries <= ENTRIES
+        modes, counts = np.unique(self.steps.mode[self.steps.lasting], return_counts=True)
+        steps = [self.kernel.variants[int(mode)].step for mode in modes]
+        operations = sum(2 * n * step.work for n, step in zip(counts, steps, strict=True))
+        return operations <= OPERATIONS and 3 * counts.sum() * steps[0].size <= ENTRIES
 
     @property
     def _of_all(self) -> ErrorEstimate | None:
@@ -133,11 +133,10 @@ class StepAccuracy:
         repeated = self.kernel.fixed.repeat(halved, self.steps.x[:, 0], self.p)
         if repeated.interrupted:
             raise KeyboardInterrupt
+        if repeated.message:
+            return ErrorEstimate(np.inf, "", repeated.end)
         ends = np.cumsum(np.where(self.steps.h > 0, 2, 1))
-        ends = ends[ends <= repeated.count]
-        if not ends.size:
-            return None
-        x = self.steps.x[:, 1 : ends.size + 1][: self.size]
+        x = self.steps.x[:, 1:][: self.size]
         order = self._order(int(self.steps.lasting[0]))
         error = (x - repeated.x[:, ends][: self.size]) * (2**order / (2**order - 1))
         start = self.steps.x[:, :1][: self.size]

@@ -53,6 +53,21 @@ class StepOutputs:
             )
         return states
 
+    def between(
+        self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray, parts: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Times and states at parts of steps, by cubics; their number is a power of two."""
+        count = times.size - 1
+        whole = np.minimum(np.arange((1 << (count - 1).bit_length()) + 1), count)
+        t, x = times[whole], states[:, whole]
+        rate = self.over(self.variants[mode].rate.function, t.size)
+        (slope,) = rate(t, x, np.tile(p[:, None], t.size))
+        h, c = np.diff(t)[:, None], parts
+        ends = [a[:, :, None] for a in (x[:, :-1], x[:, 1:], slope[:, :-1], slope[:, 1:])]
+        inside = (1 + 2 * c) * (1 - c) ** 2 * ends[0] + c**2 * (3 - 2 * c) * ends[1]
+        inside += h * (c * (1 - c) ** 2 * ends[2] - c**2 * (1 - c) * ends[3])
+        return (t[:-1, None] + h * c).ravel(), inside.reshape(x.shape[0], -1)
+
     def modes(self, steps: Steps, branches: Branches) -> np.ndarray:
         """Variant of each output."""
         if not steps.count:

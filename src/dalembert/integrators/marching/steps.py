@@ -64,14 +64,17 @@ class Steps:
             self.interrupted,
         )
 
-    def divided(self, parts: int) -> Steps:
-        """The same march, to be repeated in shorter steps; transitions stay as they are."""
+    def divided(self, parts: int | np.ndarray) -> Steps:
+        """The same march, to be repeated with each step in so many equal parts.
+
+        Transitions, which have no length, stay as they are.
+        """
         each = np.where(self.h > 0, parts, 1)
         h = np.repeat(self.h / each, each)
         first = np.repeat(np.cumsum(each) - each, each)
         t = np.repeat(self.t[: self.count], each) + h * (np.arange(h.size) - first)
         corrected, mode = (np.repeat(column, each) for column in (self.corrected, self.mode))
-        return Steps(t, h, self.x[:, :1], corrected, mode)
+        return Steps(t, h, self.x[:, :1], corrected, mode, rejected=self.rejected)
 
 
 def standstill(time: float, x0: np.ndarray, message: str) -> Steps:

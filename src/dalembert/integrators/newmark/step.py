@@ -48,7 +48,7 @@ class NewmarkStep(GraphStep):
         scale = e.residual_scale(settings.tolerance)(self.t + self.h, self.h, new, self.u, self.p)
         outputs = [ca.vertcat(new, memory)]
         sizes = e.unknown_sizes
-        self._newton = NewtonNode(
+        self.newton = NewtonNode(
             "newmark", self.u, self.given, rows, scale, settings.newton, sizes, outputs
         )
         self._guess = constant("guess", [self.given], self._extrapolated())
@@ -63,6 +63,10 @@ class NewmarkStep(GraphStep):
             ca.Function("newton_residual", symbols, [residual]),
             problem.upkeep,
         )
+
+    @property
+    def work(self) -> float:
+        return self.newton.work
 
     def _remembered(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Scaled algebraic variables, ``s`` and powers of the last step."""
@@ -142,7 +146,7 @@ class NewmarkStep(GraphStep):
     def _solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX]:
         """New state with memory, relative residual."""
         given = ca.vertcat(t, h, x, p)
-        (new,), residual = self._newton.results(self._guess(given), given)
+        (new,), residual = self.newton.results(self._guess(given), given)
         return new, residual
 
 

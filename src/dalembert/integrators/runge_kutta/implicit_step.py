@@ -132,6 +132,10 @@ class CollocationStep(GraphStep):
             upkeep=problem.upkeep,
         )
 
+    @property
+    def work(self) -> float:
+        return self.newton.work
+
     def solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
         """New state without correction, rates at the stages (n, s), relative residual."""
         guess, begin = self.begin_rates(t, h, x, p)

@@ -35,8 +35,6 @@ FILTER = (6 - 9 ** (1 / 3) + 81 ** (1 / 3)) / 30
 ESTIMATE = FILTER / 3 * np.array([-13 - 7 * _R, -13 + 7 * _R, -1]) @ np.array(RADAU_IIA.a)
 """Weights of the rates at the stages in the estimate of the error; ``γ₀`` is that of the first."""
 ERROR_ORDER = 3
-ITERATIONS = 3.5
-"""Of Newton's method in a step, about."""
 
 
 @options
@@ -120,7 +118,7 @@ class Radau(ImplicitRungeKutta):
         ratio = ca.if_else(ca.sumsqr(corrected) < np.inf, ratio, np.inf)
         following, record = decide(state, end, h, corrected, ratio, ERROR_ORDER)
         function = ca.Function("attempt", [state, fixed], [following, record])
-        return Attempt(function, (1.0,), work=ITERATIONS * step.newton.work)
+        return Attempt(function, (1.0,), work=step.work)
 
 
 def _estimate(step: CollocationStep, t, h, x, p, rates: ca.MX) -> ca.MX:

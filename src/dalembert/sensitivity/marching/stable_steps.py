@@ -80,7 +80,7 @@ def in_parts(motion: Recording, parts: np.ndarray) -> Recording:
     """
     record, p = motion.record, motion.parameters
     kernel = record.kernel
-    steps = kernel.fixed.repeat(divided(record.steps, parts), record.steps.x[:, 0], p)
+    steps = kernel.fixed.repeat(record.steps.divided(parts), record.steps.x[:, 0], p)
     if steps.interrupted:
         raise KeyboardInterrupt
     if steps.message:
@@ -101,16 +101,6 @@ def described(growth: StepGrowth) -> str:
         f"steps of {name} reach its limit of stability, from t = {growth.begin:.6g} s on; the "
         f"product of their tangents {grows}, which the motion does not explain"
     )
-
-
-def divided(steps: Steps, parts: np.ndarray) -> Steps:
-    """The same march, to be repeated with each step in so many equal parts."""
-    h = np.repeat(steps.h / parts, parts)
-    first = np.concatenate([[0], np.cumsum(parts)])
-    number = np.arange(h.size) - np.repeat(first[:-1], parts)
-    t = np.repeat(steps.t[: steps.count], parts) + h * number
-    corrected, mode = (np.repeat(column, parts) for column in (steps.corrected, steps.mode))
-    return Steps(t, h, steps.x[:, :1], corrected, mode, rejected=steps.rejected)
 
 
 def moved_branches(branches: Branches, steps: Steps, parts: np.ndarray) -> Branches:

@@ -13,6 +13,8 @@ from dalembert.symbolic.evaluation.condensed import condensed
 
 FACTORS = 0.2
 """Time of a floating-point operation of a factorisation, relative to one of the graph."""
+ITERATIONS = 3.5
+"""Mean number of iterations of a solution, about."""
 
 
 class NewtonNode:
@@ -71,12 +73,13 @@ class NewtonNode:
 
     @cached_property
     def work(self) -> float:
-        """Operations of one iteration: the Jacobian and its factors."""
+        """Operations of a solution, about: the Jacobian and its factors in every iteration."""
         jacobian = self._find.get_function("jac_g_x")
         reflectors, triangle, *_ = jacobian.sparsity_out(0).qr_sparse()
         columns = np.diff(reflectors.colind())
         rows = np.bincount(triangle.row(), minlength=triangle.size1())[: columns.size]
-        return float(jacobian.n_instructions() + FACTORS * np.sum(4 * columns * rows))
+        each = jacobian.n_instructions() + FACTORS * np.sum(4 * columns * rows)
+        return float(ITERATIONS * each)
 
     def solve(self, guess: ca.MX, given: ca.MX) -> tuple[ca.MX, ca.MX]:
         """Solution, and its residual relative to the terms of the equations."""
