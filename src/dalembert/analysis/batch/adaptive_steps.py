@@ -13,15 +13,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.batch.fixed_steps import FixedSteps
-from dalembert.analysis.batch.one_by_one import STOPPED
-from dalembert.analysis.batch.starts import starting_mode
+from dalembert.analysis.batch.side_by_side import SideBySide
 from dalembert.analysis.batch.states import MarchedStates
-from dalembert.errors import SingularityError
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.marching.method_choice import MOST, STIFF
 from dalembert.model.model import Model
-from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
+from dalembert.symbolic.evaluation.lane_march import LaneMarch
 from dalembert.symbolic.once import once
 
 ATTEMPTS = 64
@@ -34,7 +31,7 @@ USUAL = 500
 """Attempts of a design that are expected when machine code is weighed."""
 
 
-class AdaptiveSteps(FixedSteps):
+class AdaptiveSteps(SideBySide):
     """One execution of a batch with error control."""
 
     same_instants = False
@@ -42,25 +39,22 @@ class AdaptiveSteps(FixedSteps):
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
         """Whether attempts of explicit steps are all that runs take."""
-        if analysis.events or model.closure.lost:
-            return False
-        if analysis.strict and model.closure.recipe.projected:
-            return False
-        kernel = analysis.kernel(model)
-        if kernel.contacts is not None or kernel.equations.switches.count:
-            return False
-        if kernel.methods[0].implicit:
-            return False
-        try:
-            variant = kernel.variants[starting_mode(kernel, model)]
-        except SingularityError:  # the nominal start is no measure of the others
+        variant = cls.starting_variant(analysis, model)
+        if variant is None or variant.equations.switches.count or variant.integrator.implicit:
             return False
         attempt = variant.attempt
-        side_by_side = attempt is not None and attempt.function.is_a("SXFunction")
-        return side_by_side and variant.conditioning is None and variant.step.begin is None
+        return (
+            attempt is not None
+            and attempt.function.is_a("SXFunction")
+            and variant.step.begin is None
+        )
+
+    @property
+    def steps_of_a_design(self) -> int:
+        return round(float(np.mean(self._taken[self._taken > 0]))) if self._taken.any() else 0
 
     def _march(
-        self, known: np.ndarray, report: Callable[[float], None]
+        self, started: np.ndarray, report: Callable[[float], None]
     ) -> tuple[MarchedStates, np.ndarray]:
         kernel, run = self.kernel, self.run
         variant = kernel.variants[self.mode]
@@ -71,8 +65,7 @@ class AdaptiveSteps(FixedSteps):
         size = variant.step.size
         self._afford(size)
         function = _recorded(attempt)
-        columns = kernel.backend.columns(function, True, (1,))
-        work = USUAL * known.size
+        columns, work = kernel.backend.columns(function, True, (1,)), USUAL * started.size
         self.marching = march = LaneMarch(function, columns, kernel.backend, work)
         longest = kernel.integrator.longest_in(run.end - self.start)
         head = np.array([self.start, min(run.first_step, longest), *attempt.memory])
@@ -80,45 +73,19 @@ class AdaptiveSteps(FixedSteps):
         self._taken = np.zeros(self.count, dtype=int)
 
         def go(group: np.ndarray) -> None:
-            x0 = self.starts.x0[group]
+            x0, designs = self.starts.x0[group], started[group]
             ends = np.tile([run.end, longest], (group.size, 1))
-            fixed = np.hstack([ends, self.starts.p[known[group]]])
+            fixed = np.hstack([ends, self.starts.p[designs]])
             state = np.hstack([np.tile(head, (group.size, 1)), x0, np.zeros((group.size, 5))])
-            begins[known[group]] = self._states(march, state, fixed, times, head.size, known[group])
+            begins[designs] = self._states(march, state, fixed, times, head.size, designs)
 
-        threads = self.workers if march.threaded else 1
-        done = in_groups(go, np.arange(known.size), march.width, threads, report)
-        for k in known[~done]:
-            self.statuses[int(k)] = STOPPED
-        known = known[done]
+        ended = self._in_groups(march, go, started, report)
+        t, h, x_begin = begins[ended, :, 0], begins[ended, :, 1], begins[ended, :, 2:]
         x = np.full((self.count, times.size, size), np.nan)
-        (found,) = self.starts.evaluate(
-            variant.step.function,
-            begins[known, :, 0].reshape(-1, 1),
-            begins[known, :, 1].reshape(-1, 1),
-            begins[known, :, 2:].reshape(-1, size),
-            np.repeat(self.starts.p[known], times.size, axis=0),
-        )
-        x[known] = found.reshape(known.size, times.size, size)
-        arrived = begins[known, :, 1] == 0
-        x[known] = np.where(arrived[..., None], begins[known][..., 2:], x[known])
-        finite = np.all(np.isfinite(x[known]), axis=(1, 2))
-        self.alone += [int(k) for k in known[~finite]]
-        known = known[finite]
-        x[np.setdiff1d(np.arange(self.count), known)] = np.nan
-        self.outputs = np.searchsorted(times, self.times)
-        states = MarchedStates(
-            self.model,
-            variant.bodies,
-            kernel.backend,
-            times,
-            self.starts.p,
-            x,
-            self.workers,
-            kernel=kernel,
-            mode=self.mode,
-        )
-        return states, known
+        moved = self._partial(ended, t, h, x_begin)
+        x[ended] = np.where(h[..., None] == 0, x_begin, moved)
+        ended = self._finite(x, ended)
+        return self._marched(times, x), ended
 
     def _states(
         self,
@@ -134,8 +101,8 @@ class AdaptiveSteps(FixedSteps):
         NaN where a design has not come to a time.
         """
         size = state.shape[1] - head - 5
-        found = np.full((len(state), times.size, size + 2), np.nan)
-        found[:, 0] = np.hstack([state[:, :1], np.zeros((len(state), 1)), state[:, head:-5]])
+        begins = np.full((len(state), times.size, size + 2), np.nan)
+        begins[:, 0] = np.hstack([state[:, :1], np.zeros((len(state), 1)), state[:, head:-5]])
         stiff, attempts = np.zeros(len(state)), 0
         while attempts < LONGEST and np.any(state[:, 0] < times[-1]):
             path = march.run(state, [], fixed, np.arange(ATTEMPTS), count=ATTEMPTS)
@@ -146,31 +113,26 @@ class AdaptiveSteps(FixedSteps):
                 taken = np.flatnonzero((accepted > 0.5) & (h > 0))
                 self._taken[designs[k]] += taken.size
                 stiff[k] += np.sum(stiffness[taken] > STIFF)
-                _place(found[k], times, old[taken, head:-5], t[taken], h[taken], new[taken, 0])
+                _place(begins[k], times, old[taken, head:-5], t[taken], h[taken], new[taken, 0])
             steps = self._taken[designs]
             late = (steps > SUSPECTED) & (stiff >= MOST * steps)
             if not np.all(np.isfinite(state)) or np.any(late):
                 lost = late | ~np.all(np.isfinite(state), axis=1)
-                found[lost], state[lost] = np.nan, state[np.argmin(lost)]
+                begins[lost], state[lost] = np.nan, state[np.argmin(lost)]  # lost from the start
                 if lost.all():
                     break
-        return found
-
-    @property
-    def steps_of_a_design(self) -> int:
-        """The mean of what they took."""
-        return round(float(np.mean(self._taken[self._taken > 0]))) if self._taken.any() else 0
+        return begins
 
 
-def _place(found: np.ndarray, times: np.ndarray, x: np.ndarray, t, h, ends) -> None:
+def _place(begins: np.ndarray, times: np.ndarray, x: np.ndarray, t, h, ends) -> None:
     """Parts of steps to the times that lie in them."""
     if not t.size:
         return
     first, last = np.searchsorted(times, [t[0], ends[-1]], side="right")
     wanted = np.arange(first, last)
     step = np.searchsorted(ends, times[wanted])
-    found[wanted, 0], found[wanted, 2:] = t[step], x[step]
-    found[wanted, 1] = np.where(times[wanted] == ends[step], h[step], times[wanted] - t[step])
+    begins[wanted, 0], begins[wanted, 2:] = t[step], x[step]
+    begins[wanted, 1] = np.where(times[wanted] == ends[step], h[step], times[wanted] - t[step])
 
 
 @once
