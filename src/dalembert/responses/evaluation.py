@@ -1,13 +1,15 @@
-"""The front door: values of responses, of one result or of a batch."""
+"""Values of responses for a result or a batch, and lists of responses."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, overload
 
+import numpy as np
+
+from dalembert.errors import AnalysisError
 from dalembert.responses import base
 from dalembert.responses.base import Response
-from dalembert.responses.several import as_responses
 from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result
 from dalembert.text.spelling import spelled
@@ -32,19 +34,19 @@ def evaluate(
 
     Parameters
     ----------
-    result : what it is taken of
-    response : of a batch also several
+    result : result or batch on which the response is evaluated
+    response : a response; for a batch also a sequence of responses
 
     Returns
     -------
     float, xarray.DataArray or xarray.Dataset
-        Of a batch an array along ``design``, NaN where a design failed; of several responses a
-        dataset with their labels.
+        For a batch, an array along ``design`` with NaN for failed designs; for several responses, a
+        dataset with an array for each label.
 
     Raises
     ------
     AnalysisError
-        No such measure, or it is no single number.
+        The model has no such measure, or the measure is not a scalar.
 
     Examples
     --------
@@ -65,3 +67,37 @@ def evaluate(
         return batch_responses(result, as_responses(response))
     assert isinstance(response, Response)
     return base.evaluate(result, response)
+
+
+def as_responses(responses: Response | Sequence[Response]) -> list[Response]:
+    """One response or several as a list with distinct labels.
+
+    Raises
+    ------
+    AnalysisError
+        An entry is not a response, the list is empty, or a label occurs twice.
+    """
+    is_sequence = isinstance(responses, Sequence) and not isinstance(responses, str)
+    as_list: list[Response] = list(responses) if is_sequence else [responses]  # type: ignore
+    if not as_list:
+        raise AnalysisError("no response is given; give at least one, such as da.final(measure)")
+    for response in as_list:
+        if not isinstance(response, Response):
+            raise AnalysisError(
+                f"{response!r} is not a response; give one such as da.final(measure)"
+            )
+    labels = [r.label for r in as_list]
+    duplicate = next((label for label in labels if labels.count(label) > 1), None)
+    if duplicate:
+        raise AnalysisError(f"two responses are called {duplicate!r}; name them")
+    return as_list
+
+
+def expanded(responses: Sequence[Response]) -> tuple[list[Response], np.ndarray]:
+    """Distinct terms of all responses, and their (responses, terms) weights."""
+    terms = list(dict.fromkeys(term for response in responses for _, term in response.terms))
+    weights = np.zeros((len(responses), len(terms)))
+    for row, response in zip(weights, responses, strict=True):
+        for weight, term in response.terms:
+            row[terms.index(term)] += weight
+    return terms, weights

@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate
-from dalembert.responses.several import as_responses, expanded
+from dalembert.responses.evaluation import as_responses, expanded
 from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result
 from dalembert.sensitivity.batch import batch_gradients, labelled_gradients
