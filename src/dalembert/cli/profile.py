@@ -1,4 +1,4 @@
-"""``--profile``: where the time of a command went, and how often things were done."""
+"""``--profile``: computing times of the parts of a command, and counts of operations."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ INSIDE = {
         "checks",
     ),
 }
-"""Part of the command → parts of it that the statistics of a result know."""
+"""Part of the command → its subparts in the statistics of a result."""
 
 
 def profile(timing: Timing, result: Any) -> dict[str, Any]:
-    """Seconds of the parts of a command and of what is inside them, and counts.
+    """Seconds of the parts of a command and of their subparts, and counts.
 
     Parameters
     ----------
-    timing : of the parts of the command
-    result : Result that tells more
+    timing : seconds of the parts of the command
+    result : Result with its statistics
     """
     statistics = result.statistics
     parts: dict[str, dict[str, Any]] = {
@@ -56,27 +56,27 @@ def _inside(part: str, statistics: Mapping[str, Any]) -> dict[str, float]:
     return {name: statistics[name + ENDING] for name in names if name + ENDING in statistics}
 
 
-def show_profile(found: Mapping[str, Any]) -> None:
-    """Print it as a table."""
+def show_profile(data: Mapping[str, Any]) -> None:
+    """Print the profile as a table."""
     from rich.table import Table
 
     table = Table("part", "seconds", "share", title="profile", title_justify="left")
-    whole = max(found["seconds"], 1e-300)
-    for name, part in found["parts"].items():
-        table.add_row(visible(name), *_row(part["seconds"], whole), style="bold")
+    total = max(data["seconds"], 1e-300)
+    for name, part in data["parts"].items():
+        table.add_row(visible(name), *_row(part["seconds"], total), style="bold")
         for inner, seconds in part["inside"].items():
-            table.add_row(f"  {visible(inner)}", *_row(seconds, whole))
-    table.add_row("all", *_row(found["seconds"], whole), style="bold")
+            table.add_row(f"  {visible(inner)}", *_row(seconds, total))
+    table.add_row("all", *_row(data["seconds"], total), style="bold")
     for column in table.columns[1:]:
         column.justify = "right"
     console().print(table)
     counts = Table("count", "number", show_edge=True)
     counts.columns[1].justify = "right"
-    for name, number in found["counts"].items():
+    for name, number in data["counts"].items():
         counts.add_row(visible(name), str(number))
-    if found["counts"]:
+    if data["counts"]:
         console().print(counts)
 
 
-def _row(seconds: float, whole: float) -> tuple[str, str]:
-    return f"{seconds:.4f}", f"{100 * seconds / whole:.1f} %"
+def _row(seconds: float, total: float) -> tuple[str, str]:
+    return f"{seconds:.4f}", f"{100 * seconds / total:.1f} %"

@@ -1,4 +1,4 @@
-"""``dalembert run``: compute what a model file asks for and write results and report."""
+"""``dalembert run``: run the analysis of a model file, write results and report."""
 
 from __future__ import annotations
 
@@ -13,25 +13,26 @@ from dalembert.cli.console import (
     FAILED,
     INTERRUPTED,
     AsJson,
+    Open,
     Quiet,
     Settings,
-    emit,
-    head,
-    shown,
-    tell,
-    written,
+    format_value,
+    open_pages,
+    print_files,
+    print_heading,
+    print_json,
+    print_line,
     wrong_input,
 )
 from dalembert.cli.deck import run_deck
 from dalembert.cli.loading import (
-    failure_drawn,
+    draw_assembly_failure,
     is_deck,
-    loaded,
+    load_model,
+    model_printer,
     output_folder,
     refuse_replacing,
-    teller_of,
 )
-from dalembert.cli.opening import Open, opened
 from dalembert.cli.profile import profile as profile_of, show_profile
 from dalembert.errors import UnsupportedError
 from dalembert.interrupts import ctrl_c, defer_ctrl_c
@@ -60,15 +61,15 @@ def run(
     model
         Model file, TOML or JSON; or the text deck of a spring structure, .dat.
     output
-        Folder for the results; this one by default.
+        Folder for the results; the current folder by default.
     analysis
-        Another type of analysis than the file's, e.g. Kinematics.
+        Type of analysis instead of the file's, e.g. Kinematics.
     report
         Write the interactive report.
     csv
-        Write all results as a table too.
+        Also write all results as a table.
     profile
-        Tell where the time went: building, steps, outputs, report.
+        Print the computing time of building, steps, outputs and report.
     """
     from dalembert.io.analyses import make_analysis
     from dalembert.io.decisions.tasks import report_choices
@@ -83,9 +84,9 @@ def run(
         return run_deck(model, output, settings, report, csv, quiet, as_json, open_page)
     pages = (output or Path()) if report else None
     timing = Timing()
-    file, built = loaded(model, settings, pages)
+    file, built = load_model(model, settings, pages)
     timing.lap("model")
-    teller = teller_of(built)
+    printer = model_printer(built)
     with wrong_input():
         task = make_analysis(file, built, analysis)
         choices = report_choices(file, built)
@@ -94,7 +95,7 @@ def run(
         refuse_replacing(model, [base.with_name(base.name + kind) for kind in (".nc", ".csv")])
     show = not quiet and not as_json and sys.stderr.isatty()
     with ctrl_c() as signals:
-        with failure_drawn(model, pages), file.located("analysis"), timing.part("analysis"):
+        with draw_assembly_failure(model, pages), file.located("analysis"), timing.part("analysis"):
             result = task.run(built, progress=show)
         defer_ctrl_c()
         with timing.part("results"):
@@ -103,27 +104,27 @@ def run(
         if report and page is not None:
             with timing.part("report"):
                 files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
-        late = signals.pressed and result.status.outcome is not Outcome.INTERRUPTED
-    code = INTERRUPTED if late else _exit_code(result.status)
-    made: dict[str, Any] = {"ok": code == DONE, "name": file.name, "model": teller.sentence}
-    made |= result.summary()
-    made["files"] = [str(f) for f in files]
-    if late:
-        made["interrupted"] = True
+        interrupted_late = signals.pressed and result.status.outcome is not Outcome.INTERRUPTED
+    code = INTERRUPTED if interrupted_late else _exit_code(result.status)
+    summary: dict[str, Any] = {"ok": code == DONE, "name": file.name, "model": printer.sentence}
+    summary |= result.summary()
+    summary["files"] = [str(f) for f in files]
+    if interrupted_late:
+        summary["interrupted"] = True
         print("Error: interrupted after the analysis; its results are complete", file=sys.stderr)
     if profile:
-        made["profile"] = profile_of(timing, result)
+        summary["profile"] = profile_of(timing, result)
     if as_json:
-        emit(made)
+        print_json(summary)
     elif not quiet:
-        _print(made, teller.messages)
-        teller.show(made)
-        written(files)
+        _print(summary, printer.messages)
+        printer.show(summary)
+        print_files(files)
         if profile:
-            show_profile(made["profile"])
-    opened(files, open_page)
-    if code != DONE and quiet and not late:
-        print(f"Error: {made['status']}", file=sys.stderr)
+            show_profile(summary["profile"])
+    open_pages(files, open_page)
+    if code != DONE and quiet and not interrupted_late:
+        print(f"Error: {summary['status']}", file=sys.stderr)
     return code
 
 
@@ -133,12 +134,12 @@ def _exit_code(status: Status) -> int:
     return INTERRUPTED if status.outcome is Outcome.INTERRUPTED else FAILED
 
 
-def _print(made: dict[str, Any], messages: list[tuple[str, str]]) -> None:
-    head(made["name"], made["model"])
+def _print(summary: dict[str, Any], messages: list[tuple[str, str]]) -> None:
+    print_heading(summary["name"], summary["model"])
     for level, text in messages:
-        tell(f"  {level}: {text}", "yellow" if level == "warning" else None)
-    for text in made.get("warnings", []):
-        tell(f"  warning: {text}", "yellow")
-    tell(f"  {made['status']}", "green" if made["ok"] else "red")
-    for name, value in made.get("statistics", {}).items():
-        tell(f"  {name.replace('_', ' '):<24} {shown(value)}")
+        print_line(f"  {level}: {text}", "yellow" if level == "warning" else None)
+    for text in summary.get("warnings", []):
+        print_line(f"  warning: {text}", "yellow")
+    print_line(f"  {summary['status']}", "green" if summary["ok"] else "red")
+    for name, value in summary.get("statistics", {}).items():
+        print_line(f"  {name.replace('_', ' '):<24} {format_value(value)}")
