@@ -104,9 +104,8 @@ def compare(
     if duration is not None:
         replacements |= {"duration": duration, "t_span": None, "outputs": 201}
     with wrong_input():
-        Comparing(
-            **({"duration": LARGEST} | replacements)
-        )  # reports errors of options separately from errors of the file
+        # errors of options are reported separately from those of the file
+        Comparing(**({"duration": LARGEST} | replacements))
         task = Comparing(**(make_comparison(file, built, replacements) | replacements))
         observe(built, task.measure)
     folder = output_folder(output)
