@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.design.trajectory.optimize_trajectory import duration_of
 from dalembert.design.trajectory.physics import Physics
-from dalembert.design.trajectory.quantities import known_response
+from dalembert.design.trajectory.quantities import check_response
 from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
 from dalembert.io.analyses import make_method
 from dalembert.io.decisions.cases import Quantities
@@ -69,10 +69,10 @@ def _judged(file: ModelFile, model: Any, asked: Any) -> dict[str, Any]:
         objective = made.checked(asked.minimize, "trajectory", "minimize")
     limits = make_limits(file, made, asked.subject_to, "trajectory", "subject_to")
     with file.located("trajectory", "minimize"):
-        known_response(objective)
+        check_response(objective)
     for k, limit in enumerate(limits):
         with file.located("trajectory", "subject_to", k):
-            known_response(limit)
+            check_response(limit)
     return {"minimize": objective, "subject_to": limits}
 
 
