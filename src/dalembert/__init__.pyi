@@ -58,7 +58,7 @@ from dalembert.design.identification.identified import Identification as Identif
 from dalembert.design.identification.identify import identify as identify
 from dalembert.design.inverse.history import History as History, history as history
 from dalembert.design.inverse.invert import invert as invert
-from dalembert.design.inverse.inverted import Inversion as Inversion
+from dalembert.design.inverse.inversion import Inversion as Inversion
 from dalembert.design.limit import Limit as Limit
 from dalembert.design.methods.cma_es import CmaEs as CmaEs
 from dalembert.design.methods.differential_evolution import (

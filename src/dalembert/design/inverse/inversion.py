@@ -1,4 +1,4 @@
-"""What an inverse problem ends with: histories, how smooth, and how well the data are met."""
+"""Result of an inverse problem: histories, smoothing and misfit."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-WITHIN = 1.959964
-"""Standard deviations of a normal variable on either side that hold it with 95 %."""
+NORMAL_95 = 1.959964
+"""Half-width of the 95 % interval of a normal variable, in standard deviations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +37,8 @@ class Band:
 
     @property
     def interval(self) -> np.ndarray:
-        """(K, 2) ends of the interval that holds the truth with 95 %."""
-        return self.value[:, None] + WITHIN * self.deviation[:, None] * np.array([-1, 1])
+        """(K, 2) bounds of the 95 % interval."""
+        return self.value[:, None] + NORMAL_95 * self.deviation[:, None] * np.array([-1, 1])
 
 
 @dataclass(eq=False)
@@ -47,16 +47,16 @@ class Inversion(Decision):
 
     Attributes
     ----------
-    values : history → its values at the knots
-    deviation : history → their standard deviations, by noise, given or estimated, and by what the
-        smoothing takes away; see ``intervals``
-    x : parameter → value, to run the model with
+    values : history → values at the knots
+    deviation : history → standard deviations, by the noise, given or estimated, and by the bias of
+        the smoothing; see ``intervals``
+    x : parameter → value, for runs of the model
     smoothing : ``μ`` used
-    weights : history → factor of the derivative that is to be small, relative to the first history
+    weights : history → factor of the penalised derivative, relative to the first history
     covariance : (n, n) of ``x``
     curve : misfit and roughness over the smoothing
     misfit_norm, roughness_norm : of the solution
-    interrupted : by Ctrl-C; the histories are the best reached
+    interrupted : by Ctrl-C; the histories are the best so far
 
     Examples
     --------
@@ -95,41 +95,43 @@ class Inversion(Decision):
 
     @property
     def name(self) -> str:  # type: ignore[override]
-        """Of the model."""
+        """Name of the model."""
         return str(self.misfit.model.name)
 
     def at(self, name: str, times: Any) -> np.ndarray:
-        """A history at times: the spline through its values."""
+        """Values of a history at times, by its spline."""
         history = next(h for h in self.histories if h.name == name)
         return history.at(self.values[name], times)
 
     @property
     def intervals(self) -> dict[str, np.ndarray]:
-        """History → (n, 2) ends of the interval at each knot that holds the truth with 95 %.
+        """History → (n, 2) bounds of the 95 % interval at each knot.
 
-        The share holds on average over the knots, for histories as smooth as ``order`` assumes.
+        The coverage holds on average over the knots, for histories as smooth as ``order`` assumes.
         """
         return {
-            name: value[:, None] + WITHIN * self.deviation[name][:, None] * np.array([-1, 1])
+            name: value[:, None] + NORMAL_95 * self.deviation[name][:, None] * np.array([-1, 1])
             for name, value in self.values.items()
         }
 
     def band(self, measure: Any, analysis: Analysis | None = None) -> Band:
-        """A measure under the histories, with its standard deviation to first order.
+        """A measure for the identified histories, with its first-order standard deviation.
 
         Parameters
         ----------
-        measure : such as the effort of a drive whose history was found
-        analysis : such as ``da.InverseDynamics(...)``; by default that of the data
+        measure : for example the effort of a drive with an identified history
+        analysis : for example ``da.InverseDynamics(...)``; by default that of the data
         """
         model, names = self.misfit.model, list(self.x)
-        known = [k for k, name in enumerate(names) if name in model.parameters]
-        given = {names[k]: self.x[names[k]] for k in known}
-        run = self.motions[0] if analysis is None else analysis.run(model, given)
-        (slope,) = history_gradients(run, [measure], [names[k] for k in known])
-        covariance = self.covariance[np.ix_(known, known)]
-        spread = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", slope, covariance, slope), 0.0))
-        return Band(np.asarray(run.time), np.asarray(run.values(measure)), spread)
+        columns = [k for k, name in enumerate(names) if name in model.parameters]
+        parameters = {names[k]: self.x[names[k]] for k in columns}
+        run = self.motions[0] if analysis is None else analysis.run(model, parameters)
+        (gradient,) = history_gradients(run, [measure], [names[k] for k in columns])
+        covariance = self.covariance[np.ix_(columns, columns)]
+        deviation = np.sqrt(
+            np.maximum(np.einsum("ki,ij,kj->k", gradient, covariance, gradient), 0.0)
+        )
+        return Band(np.asarray(run.time), np.asarray(run.values(measure)), deviation)
 
     @property
     def sentence(self) -> str:
@@ -173,7 +175,7 @@ class Inversion(Decision):
         return xr.Dataset(columns, attrs={"message": self.message, "smoothing": self.smoothing})
 
     def to_dataframe(self) -> Any:
-        """One row a knot of each history."""
+        """A row per knot of each history."""
         import pandas as pd
 
         parts = [
