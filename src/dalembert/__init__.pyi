@@ -88,7 +88,7 @@ from dalembert.design.reliability.distributions import (
 )
 from dalembert.design.reliability.optimize_reliable import optimize_reliable as optimize_reliable
 from dalembert.design.reliability.reliability import reliability as reliability
-from dalembert.design.reliability.reliable import Reliability as Reliability
+from dalembert.design.reliability.reliability_result import Reliability as Reliability
 from dalembert.design.reliability.reliable_optimum import ReliableOptimum as ReliableOptimum
 from dalembert.design.robust import Robust as Robust, robust as robust
 from dalembert.design.studies.design import Design as Design

@@ -69,8 +69,8 @@ class Inversion(Decision):
     >>> force = system.add(planar.Force("push", mass.center, (push.value, 0)))
     >>> t = np.linspace(0, 1, 21)
     >>> seen = {"time": t, "mass.x": t**3}  # under a force of 12 t
-    >>> found = da.invert(system.build(), seen, histories=[push], smoothing=1e-9)
-    >>> isinstance(found, da.Inversion), found.at("push", [0.25, 0.5]).round(2)
+    >>> result = da.invert(system.build(), seen, histories=[push], smoothing=1e-9)
+    >>> isinstance(result, da.Inversion), result.at("push", [0.25, 0.5]).round(2)
     (True, array([3., 6.]))
     """
 

@@ -85,8 +85,8 @@ def invert(
     >>> force = system.add(planar.Force("push", mass.center, (push.value, 0)))
     >>> t = np.linspace(0, 1, 21)
     >>> seen = {"time": t, "mass.x": 0.75 * t**2}  # under a force of 3 N
-    >>> found = da.invert(system.build(), seen, histories=[push], smoothing=1e-6)
-    >>> found.values["push"].round(3)
+    >>> result = da.invert(system.build(), seen, histories=[push], smoothing=1e-6)
+    >>> result.values["push"].round(3)
     array([3., 3., 3., 3., 3.])
     """
     if not histories:

@@ -141,7 +141,7 @@ class ReliabilityTable(Record):
     tolerance: Number = 1e-8
     max_iterations: Integer = 100
     samples: Integer = Field(default=0, description="of an estimate beside; none by default")
-    sampling: one_name("dalembert.design.reliability.reliable:SAMPLINGS") = Field(  # type: ignore[valid-type]
+    sampling: one_name("dalembert.design.reliability.reliability_result:SAMPLINGS") = Field(  # type: ignore[valid-type]
         default="importance-sampling",
         description="how they are drawn; or `monte-carlo`, `subset-simulation`, `openturns-subset`",
     )

@@ -1,4 +1,4 @@
-"""Scatter about a design: random parameters that are varied too, and runs at their values."""
+"""Scatter about a design: random parameters that are also design variables."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from dalembert.text.wording import unknown
 
 
 @dataclass(frozen=True)
-class Moved(Distribution):
-    """``x + by``: the same scatter elsewhere."""
+class Shifted(Distribution):
+    """Shifted distribution ``x + by``."""
 
     of: Distribution
     by: float
@@ -33,26 +33,28 @@ class Moved(Distribution):
         return self.of.slope(u)
 
 
-def about(random: Mapping[str, Distribution], design: Mapping[str, float]) -> dict[str, Any]:
-    """The distributions with their means at a design, of those parameters that it has."""
+def centred_at(random: Mapping[str, Distribution], design: Mapping[str, float]) -> dict[str, Any]:
+    """The distributions, with the means of design variables at the design."""
     return {
-        name: Moved(one, design[name] - one.moments[0]) if name in design else one
-        for name, one in random.items()
+        name: Shifted(distribution, design[name] - distribution.moments[0])
+        if name in design
+        else distribution
+        for name, distribution in random.items()
     }
 
 
 def case_at(
     base: Case, random: Mapping[str, Distribution], x: np.ndarray, varied: Sequence[str]
 ) -> Case:
-    """The run at values of the random parameters, which move along with those that vary."""
-    given: dict[str, Quantity] = {}
-    for (name, one), value in zip(random.items(), x, strict=True):
+    """The case at values of the random parameters, relative to the design for design variables."""
+    values: dict[str, Quantity] = {}
+    for (name, distribution), value in zip(random.items(), x, strict=True):
         if name not in base.model.parameters:
             raise ModelError(unknown("random parameter", name, base.model.parameters))
         if name in varied:
-            away = float(value - one.moments[0])
+            offset = float(value - distribution.moments[0])
             design = base[Final(name, name=f"design of {name}")]
-            given[name] = Combined(f"design + ({away!r})", {"design": design}, name)
+            values[name] = Combined(f"design + ({offset!r})", {"design": design}, name)
         else:
-            given[name] = Constant(float(value))
-    return Case(base.model, base.analysis, given)
+            values[name] = Constant(float(value))
+    return Case(base.model, base.analysis, values)

@@ -1,4 +1,4 @@
-"""What a reliability analysis ends with: design points, probabilities, and what they depend on."""
+"""Result of a reliability analysis: design points, probabilities, importance, sensitivities."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import numpy as np
 
 from dalembert.design.decision import Decision
 from dalembert.design.reliability.first_order import DesignPoint, Search
-from dalembert.design.reliability.half_spaces import (
-    intersection_of_half_spaces,
-    union_of_half_spaces,
-)
 from dalembert.design.reliability.nataf import Nataf
 from dalembert.design.reliability.sampling import (
     Estimate,
+    failure_event,
     importance_sampling,
+    intersection_of_half_spaces,
     monte_carlo,
+    openturns_subset_sampling,
     subset_simulation,
+    union_of_half_spaces,
 )
 from dalembert.design.reliability.second_order import SecondOrder, second_order
 from dalembert.options import random_generator
@@ -34,7 +34,7 @@ SAMPLINGS = {
     "subset-simulation": "subset_simulation",
     "openturns-subset": "openturns_subset",
 }
-"""Name of a sampling → what of ``Reliability`` does it."""
+"""Name of a sampling → method of ``Reliability``."""
 
 
 @dataclass(eq=False)
@@ -44,20 +44,20 @@ class Reliability(Decision):
     Attributes
     ----------
     points : design points of all limit states, the nearest of each first
-    system : ``"series"``, one limit that breaks is failure; ``"parallel"``, all must break
-    sampled : an estimate by samples, where one was asked for
-    interrupted : by Ctrl-C; the points found until then are kept
-    warnings : searches without a result, and probabilities for which first order does not suffice,
-        each with the number that shows it
+    system : ``"series"``, failure of any limit state; ``"parallel"``, failure of all
+    sampled : an estimate by samples, if requested
+    interrupted : by Ctrl-C; the points computed so far are available
+    warnings : searches without a result, and probabilities for which the first order is not
+        sufficient, with numbers
 
     Examples
     --------
     >>> import dalembert as da
     >>> random = {"r": da.Normal(10.0, 2.0), "s": da.Normal(4.0, 1.5)}
-    >>> found = da.reliability(None, "r - s", random)
-    >>> isinstance(found, da.Reliability), round(found.probability, 6)  # Φ(-2.4)
+    >>> result = da.reliability(None, "r - s", random)
+    >>> isinstance(result, da.Reliability), round(result.probability, 6)  # Φ(-2.4)
     (True, 0.008198)
-    >>> {name: round(share, 3) for name, share in found.importance.items()}  # 4 and 2.25 of 6.25
+    >>> {name: round(share, 3) for name, share in result.importance.items()}  # 4 and 2.25 of 6.25
     {'r': 0.64, 's': 0.36}
     """
 
@@ -73,57 +73,57 @@ class Reliability(Decision):
 
     @property
     def name(self) -> str:  # type: ignore[override]
-        """Of the model, or of the formulas."""
+        """Name of the model, or the formulas."""
         model = self.searches[0].limits.model
         return "; ".join(self.searches[0].limits.labels) if model is None else str(model.name)
 
     @property
     def message(self) -> str:  # type: ignore[override]
-        """How the searches ended."""
+        """Outcome of the searches."""
         if self.interrupted:
             return f"interrupted after {len(self.points)} design point(s)"
         state = "converged" if self.success else "not converged"
-        doubts = f", {len(self.warnings)} warning(s)" if self.warnings else ""
-        return f"{state}, residual {self.residual:.1e}{doubts}"
+        note = f", {len(self.warnings)} warning(s)" if self.warnings else ""
+        return f"{state}, residual {self.residual:.1e}{note}"
 
     @property
     def point(self) -> DesignPoint:
         """The governing point: the nearest of a series, the farthest of a parallel system."""
         nearest = self._nearest()
         pick = min if self.system == "series" else max
-        return pick(nearest, key=lambda one: one.beta)
+        return pick(nearest, key=lambda point: point.beta)
 
     def _nearest(self) -> list[DesignPoint]:
         """The nearest design point of each limit state."""
-        first: dict[int, DesignPoint] = {}
-        for one in self.points:
-            if one.row not in first or abs(one.beta) < abs(first[one.row].beta):
-                first[one.row] = one
-        return list(first.values())
+        nearest: dict[int, DesignPoint] = {}
+        for point in self.points:
+            if point.row not in nearest or abs(point.beta) < abs(nearest[point.row].beta):
+                nearest[point.row] = point
+        return list(nearest.values())
 
     @property
     def success(self) -> bool:  # type: ignore[override]
         """Whether every search converged."""
-        return all(one.converged for one in self.points) and not self.interrupted
+        return all(point.converged for point in self.points) and not self.interrupted
 
     @property
     def residual(self) -> float:
         """Largest residual of the limit states at their design points."""
-        return max(one.residual for one in self.points)
+        return max(point.residual for point in self.points)
 
     @property
     def beta(self) -> float:
-        """First-order reliability index; of a system ``−Φ⁻¹`` of its probability."""
+        """First-order reliability index; for a system ``−Φ⁻¹`` of its probability."""
         from scipy.special import ndtri
 
         return self.points[0].beta if len(self.points) == 1 else float(-ndtri(self.probability))
 
     @cached_property
     def probability(self) -> float:
-        """First-order probability of failure; of a system by planes through all design points.
+        """First-order probability of failure; for a system by planes through all design points.
 
-        Where the median fails, the planes through the points of one limit state bound the region of
-        failure; in a system the nearest plane stands for it.
+        If the median fails, the planes through the points of one limit state bound the failure
+        region; in a system the nearest plane represents it.
         """
         nearest = self._nearest()
         if len(self.points) == 1:
@@ -131,7 +131,7 @@ class Reliability(Decision):
         if len(nearest) == 1 and nearest[0].beta < 0:
             return intersection_of_half_spaces(self.points)
         if self.system == "series":
-            planes = [p for p in self.points if p.beta >= 0 or any(p is one for one in nearest)]
+            planes = [p for p in self.points if p.beta >= 0 or any(p is point for point in nearest)]
             return union_of_half_spaces(planes)
         return intersection_of_half_spaces(nearest)
 
@@ -140,32 +140,34 @@ class Reliability(Decision):
         """Second-order probabilities of the governing limit state."""
         return second_order(self.searches[self.point.row], self.point)
 
-    # what it depends on ---------------------------------------------------------------------
+    # sensitivities --------------------------------------------------------------------------
     @property
     def importance(self) -> dict[str, float]:
-        """Random parameter → its share of the variance at the design point; the shares sum to one.
+        """Random parameter → fraction of the variance at the design point; the sum is one.
 
-        With correlation they are those of the independent variables in the order given.
+        With correlation, fractions of the independent variables in the order of ``random``.
         """
         return dict(zip(self.nataf.random, map(float, self.point.alpha**2), strict=True))
 
     @property
     def sensitivity(self) -> dict[str, dict[str, float]]:
-        """Random parameter → number of its distribution → ``∂β`` by it, correlation held."""
+        """Random parameter → number of its distribution → ``∂β`` by it, at fixed correlation."""
         point = self.point
         z = self.nataf.factor @ point.u
-        made = {}
+        sensitivities = {}
         for k, (name, distribution) in enumerate(self.nataf.random.items()):
             changes = distribution.changes(float(z[k]))
-            rate = point.gradient[k] / point.slope
-            made[name] = {number: float(rate * change) for number, change in changes.items()}
-        return made
+            factor = point.gradient[k] / point.slope
+            sensitivities[name] = {
+                number: float(factor * change) for number, change in changes.items()
+            }
+        return sensitivities
 
     @property
     def parameter_sensitivity(self) -> dict[str, float]:
         """Parameter that is not random → ``∂β`` by it."""
-        others = self.searches[0].limits.others
-        return dict(zip(others, map(float, self.point.others / self.point.slope), strict=True))
+        names, gradient = self.searches[0].limits.others, self.point.other_gradient
+        return dict(zip(names, map(float, gradient / self.point.slope), strict=True))
 
     # by sampling ----------------------------------------------------------------------------
     def monte_carlo(self, samples: int = 10_000, rng: Any = 0) -> Estimate:
@@ -175,20 +177,18 @@ class Reliability(Decision):
 
     def importance_sampling(self, samples: int = 1000, rng: Any = 0) -> Estimate:
         """Probability of failure by samples about the design points."""
-        chosen = self.points if self.system == "series" else self._nearest()
-        centres = np.array([one.u for one in chosen])
+        points = self.points if self.system == "series" else self._nearest()
+        centres = np.array([point.u for point in points])
         return importance_sampling(self._system, centres, samples, random_generator(rng))
 
     def subset_simulation(self, samples: int = 1000, rng: Any = 0) -> Estimate:
-        """Probability of failure by subsets, with so many samples on each level."""
+        """Probability of failure by subset simulation, with ``samples`` on each level."""
         generator = random_generator(rng)
         return subset_simulation(self._system, self.nataf.size, samples, generator)
 
     def openturns_subset(self, samples: int = 1000, rng: Any = 0) -> Estimate:
-        """The same by OpenTURNS: ``pip install dalembert[reliability]``."""
-        from dalembert.design.reliability.openturns_event import subsets
-
-        return subsets(self._system, self.nataf.size, samples, rng)
+        """Subset simulation of OpenTURNS: ``pip install dalembert[reliability]``."""
+        return openturns_subset_sampling(self._system, self.nataf.size, samples, rng)
 
     @property
     def openturns_event(self) -> Any:
@@ -197,24 +197,22 @@ class Reliability(Decision):
         Raises
         ------
         UnsupportedError
-            OpenTURNS is not there.
+            OpenTURNS is not installed.
         """
-        from dalembert.design.reliability.openturns_event import event_of
-
-        return event_of(self._system, self.nataf.size)
+        return failure_event(self._system, self.nataf.size)
 
     def _system(self, u: np.ndarray) -> np.ndarray:
         """(N,) ``G`` of the system."""
-        found = self.searches[0].limits.many(self.nataf.values(u))
-        return found.min(axis=1) if self.system == "series" else found.max(axis=1)
+        values = self.searches[0].limits.many(self.nataf.values(u))
+        return values.min(axis=1) if self.system == "series" else values.max(axis=1)
 
     def sample(self, method: str, samples: int, rng: Any = 0) -> Estimate:
-        """Probability of failure by one of ``SAMPLINGS``."""
+        """Probability of failure by a method of ``SAMPLINGS``."""
         return getattr(self, SAMPLINGS[method])(samples, rng)  # type: ignore[no-any-return]
 
-    # for people -----------------------------------------------------------------------------
+    # presentation ---------------------------------------------------------------------------
     def result(self) -> Any:
-        """The run at the design point; None where there is no model."""
+        """The run at the design point; None without a model."""
         x = np.array(list(self.point.x.values()))
         return self.searches[0].limits.result(x)
 
@@ -254,12 +252,12 @@ class Reliability(Decision):
         import xarray as xr
 
         names, points = list(self.nataf.random), self.points
-        both = ("point", "variable")
+        dimensions = ("point", "variable")
         return xr.Dataset(
             {
-                "x": (both, [list(p.x.values()) for p in points]),
-                "u": (both, [p.u for p in points]),
-                "alpha": (both, [p.alpha for p in points]),
+                "x": (dimensions, [list(p.x.values()) for p in points]),
+                "u": (dimensions, [p.u for p in points]),
+                "alpha": (dimensions, [p.alpha for p in points]),
                 "beta": ("point", [p.beta for p in points]),
                 "limit": ("point", [p.limit for p in points]),
                 "importance": ("variable", list(self.importance.values())),
@@ -286,20 +284,20 @@ class Reliability(Decision):
         head = "<th>limit</th><th>β</th><th>Φ(−β)</th><th>residual</th><th>at</th>"
         rows = "".join(
             f"<tr><td>{escape(p.limit)}</td><td>{p.beta:.6g}</td><td>{p.probability:.4g}</td>"
-            f"<td>{p.residual:.1e}</td><td>{escape(_told(p))}</td></tr>"
+            f"<td>{p.residual:.1e}</td><td>{escape(_point_text(p))}</td></tr>"
             for p in self.points
         )
-        told = f"<p>{escape(repr(self))}</p>{self.warnings_html()}"
-        return f"{told}<table><tr>{head}</tr>{rows}</table>"
+        heading = f"<p>{escape(repr(self))}</p>{self.warnings_html()}"
+        return f"{heading}<table><tr>{head}</tr>{rows}</table>"
 
     def __repr__(self) -> str:
         state = "converged" if self.success else "not converged"
-        doubts = f", {len(self.warnings)} warning(s)" if self.warnings else ""
+        note = f", {len(self.warnings)} warning(s)" if self.warnings else ""
         return (
             f"<Reliability β = {self.beta:.6g}, p = {self.probability:.4g}: {state}, residual "
-            f"{self.residual:.1e}, {_told(self.point)}{doubts}>"
+            f"{self.residual:.1e}, {_point_text(self.point)}{note}>"
         )
 
 
-def _told(point: DesignPoint) -> str:
+def _point_text(point: DesignPoint) -> str:
     return ", ".join(f"{n} = {v:.6g}" for n, v in point.x.items())
