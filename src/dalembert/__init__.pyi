@@ -57,8 +57,8 @@ from dalembert.design.identification.experiment import Experiment as Experiment
 from dalembert.design.identification.identified import Identification as Identification
 from dalembert.design.identification.identify import identify as identify
 from dalembert.design.inverse.history import History as History, history as history
-from dalembert.design.inverse.invert import invert as invert
 from dalembert.design.inverse.inversion import Inversion as Inversion
+from dalembert.design.inverse.invert import invert as invert
 from dalembert.design.limit import Limit as Limit
 from dalembert.design.methods.cma_es import CmaEs as CmaEs
 from dalembert.design.methods.differential_evolution import (
