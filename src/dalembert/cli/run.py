@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from dalembert.analysis.dynamics.projection_time import projection_time
 from dalembert.cli.console import (
     DONE,
     FAILED,
@@ -16,6 +18,7 @@ from dalembert.cli.console import (
     Open,
     Quiet,
     Settings,
+    console,
     format_value,
     open_pages,
     print_files,
@@ -33,11 +36,27 @@ from dalembert.cli.loading import (
     output_folder,
     refuse_replacing,
 )
-from dalembert.cli.profile import profile as profile_of, show_profile
 from dalembert.errors import UnsupportedError
 from dalembert.interrupts import ctrl_c, defer_ctrl_c
 from dalembert.results.status import Outcome, Status
-from dalembert.timing import Timing
+from dalembert.text.wording import visible
+from dalembert.timing import ENDING, Timing
+
+SUBPARTS = {
+    "model": ("build",),
+    "analysis": (
+        "assembly",
+        "compile",
+        "integration",
+        "loading",
+        "factorisation",
+        "solution",
+        "computation",
+        "outputs",
+        "checks",
+    ),
+}
+"""Part of the command → its subparts in the statistics of a result."""
 
 
 def run(
@@ -113,7 +132,7 @@ def run(
         summary["interrupted"] = True
         print("Error: interrupted after the analysis; its results are complete", file=sys.stderr)
     if profile:
-        summary["profile"] = profile_of(timing, result)
+        summary["profile"] = _profile_data(timing, result)
     if as_json:
         print_json(summary)
     elif not quiet:
@@ -121,7 +140,7 @@ def run(
         printer.show(summary)
         print_files(files)
         if profile:
-            show_profile(summary["profile"])
+            _print_profile(summary["profile"])
     open_pages(files, open_page)
     if code != DONE and quiet and not interrupted_late:
         print(f"Error: {summary['status']}", file=sys.stderr)
@@ -143,3 +162,58 @@ def _print(summary: dict[str, Any], messages: list[tuple[str, str]]) -> None:
     print_line(f"  {summary['status']}", "green" if summary["ok"] else "red")
     for name, value in summary.get("statistics", {}).items():
         print_line(f"  {name.replace('_', ' '):<24} {format_value(value)}")
+
+
+def _profile_data(timing: Timing, result: Any) -> dict[str, Any]:
+    """Seconds of the parts of a command and of their subparts, and counts.
+
+    Parameters
+    ----------
+    timing : seconds of the parts of the command
+    result : Result with its statistics
+    """
+    statistics = result.statistics
+    parts: dict[str, dict[str, Any]] = {
+        name: {"seconds": seconds, "inside": _subparts(name, statistics)}
+        for name, seconds in timing.parts.items()
+    }
+    seconds = projection_time(result)
+    if seconds is not None:
+        parts["analysis"]["inside"]["projection, of the integration"] = seconds
+    counts = {
+        name: value
+        for name, value in statistics.items()
+        if isinstance(value, int) and not isinstance(value, bool)
+    }
+    return {"seconds": timing.total, "parts": parts, "counts": counts}
+
+
+def _subparts(part: str, statistics: Mapping[str, Any]) -> dict[str, float]:
+    names = SUBPARTS.get(part, ())
+    return {name: statistics[name + ENDING] for name in names if name + ENDING in statistics}
+
+
+def _print_profile(data: Mapping[str, Any]) -> None:
+    """Print the profile as a table."""
+    from rich.table import Table
+
+    table = Table("part", "seconds", "share", title="profile", title_justify="left")
+    total = max(data["seconds"], 1e-300)
+    for name, part in data["parts"].items():
+        table.add_profile_row(visible(name), *_profile_row(part["seconds"], total), style="bold")
+        for inner, seconds in part["inside"].items():
+            table.add_profile_row(f"  {visible(inner)}", *_profile_row(seconds, total))
+    table.add_profile_row("all", *_profile_row(data["seconds"], total), style="bold")
+    for column in table.columns[1:]:
+        column.justify = "right"
+    console().print(table)
+    counts = Table("count", "number", show_edge=True)
+    counts.columns[1].justify = "right"
+    for name, number in data["counts"].items():
+        counts.add_profile_row(visible(name), str(number))
+    if data["counts"]:
+        console().print(counts)
+
+
+def _profile_row(seconds: float, total: float) -> tuple[str, str]:
+    return f"{seconds:.4f}", f"{100 * seconds / total:.1f} %"

@@ -155,7 +155,7 @@ class Response:
         return np.zeros_like(samples)
 
     def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        """``∂R/∂t_k`` with the samples held."""
+        """``∂R/∂t_k`` at fixed samples."""
         return np.zeros(times.size)
 
     def jump_weight(

@@ -37,7 +37,7 @@ class Rule(Protocol):
     @property
     def continuous(self) -> bool: ...
     def time_weights(self, samples: np.ndarray) -> np.ndarray:
-        """(K,) ``∂(wᵀ m)/∂t_k`` with the samples held."""
+        """(K,) ``∂(wᵀ m)/∂t_k`` at fixed samples."""
         ...
 
 
@@ -125,7 +125,7 @@ class Quadrature:
         return weights
 
     def time_weights(self, samples: np.ndarray) -> np.ndarray:
-        """(K,) ``∂(wᵀ m)/∂t_k`` with the samples held.
+        """(K,) ``∂(wᵀ m)/∂t_k`` at fixed samples.
 
         A shift ``dt`` of a node changes its parabola ``P`` by ``−P'(t_k) ℓ_k dt``, with the
         Lagrange polynomial ``ℓ_k`` of the node, so each integral by ``−P'(t_k) w_k dt``. The

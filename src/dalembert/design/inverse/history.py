@@ -84,7 +84,7 @@ def history(
     knots : times, increasing; the spline is C² between them [s]
     value : initial value at all knots, in ``unit``, or a text such as ``"5 kN"``
     unit : of the value; SI units by default
-    ends : end conditions of the spline, as of ``Table``
+    ends : end conditions of the spline, as in ``Table``
 
     Raises
     ------

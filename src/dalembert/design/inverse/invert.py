@@ -63,7 +63,7 @@ def invert(
     histories : created by ``da.history``
     vary : further unknown parameters, such as initial values
     smoothing : ``"likelihood"``, ``"cross-validation"``, ``"l-curve"``, ``"discrepancy"`` (needs
-        noise), or ``μ``; by likelihood, each history has a smoothing of its own
+        noise), or ``μ``; by likelihood, each history has its own smoothing
     order : of the derivative that is penalised; 1 for discontinuous forces, 3 for drives whose
         accelerations matter
     max_iterations, tolerance : stopping criteria of the search

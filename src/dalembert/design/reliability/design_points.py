@@ -175,7 +175,8 @@ class _PointCheck:
         radii = 0.98 * abs(point.beta) * rng.uniform(0.2, 1, SCAN)
         u = radii[:, None] * directions
         values = (
-            self.side * self.search.limits.many(self.search.nataf.values(u))[:, self.search.row]
+            self.side
+            * self.search.limits.values_at(self.search.nataf.values(u))[:, self.search.row]
         )
         failed = np.flatnonzero(values < -10 * self.search.tolerance * self.scale)
         return u[failed[np.argmin(radii[failed])]] if failed.size and point.converged else None

@@ -48,7 +48,7 @@ class LimitStates(ABC):
     def gradients(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(m, n) by the random and (m, others) by the other parameters."""
 
-    def many(self, points: np.ndarray) -> np.ndarray:
+    def values_at(self, points: np.ndarray) -> np.ndarray:
         """(N, m) ``g`` at (N, n) points."""
         return np.array([self.values(x) for x in points]).reshape(len(points), len(self.labels))
 
@@ -91,11 +91,11 @@ class RunLimits(LimitStates):
             model, analysis, unique_responses, [*self.names, *self.others]
         )
         parameters = list(model.parameters)
-        self.rest = np.array([model.nominal[parameters.index(n)] for n in self.others])
+        self.other_values = np.array([model.nominal[parameters.index(n)] for n in self.others])
 
     def values(self, x: np.ndarray) -> np.ndarray:
         self.calls += 1
-        evaluation = self.problem.evaluate(np.append(x, self.rest), gradient=False)
+        evaluation = self.problem.evaluate(np.append(x, self.other_values), gradient=False)
         if evaluation is None:
             return np.full(len(self.sides), np.nan)
         return np.array(
@@ -103,14 +103,14 @@ class RunLimits(LimitStates):
         )
 
     def gradients(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        evaluation = self.problem.evaluate(np.append(x, self.rest))
+        evaluation = self.problem.evaluate(np.append(x, self.other_values))
         if evaluation is None:
             raise AnalysisError(f"a run fails: {self.failure}")
         rows = np.array([sign * self.problem.slope(evaluation, row) for row, sign, _ in self.sides])
         return rows[:, : len(self.names)], rows[:, len(self.names) :]
 
     def result(self, x: np.ndarray) -> Any:
-        return next(iter(self.problem.results(np.append(x, self.rest)).values()), None)
+        return next(iter(self.problem.results(np.append(x, self.other_values)).values()), None)
 
     @property
     def failure(self) -> str:
@@ -139,7 +139,7 @@ class FormulaLimits(LimitStates):
         gradients = self._slope(x).full()
         return gradients, np.zeros((gradients.shape[0], 0))
 
-    def many(self, points: np.ndarray) -> np.ndarray:
+    def values_at(self, points: np.ndarray) -> np.ndarray:
         self.calls += len(points)
         return self._g(points.T).full().T
 

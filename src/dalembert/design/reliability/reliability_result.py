@@ -203,7 +203,7 @@ class Reliability(Decision):
 
     def _system(self, u: np.ndarray) -> np.ndarray:
         """(N,) ``G`` of the system."""
-        values = self.searches[0].limits.many(self.nataf.values(u))
+        values = self.searches[0].limits.values_at(self.nataf.values(u))
         return values.min(axis=1) if self.system == "series" else values.max(axis=1)
 
     def sample(self, method: str, samples: int, rng: Any = 0) -> Estimate:

@@ -99,7 +99,7 @@ class ReliableTask:
     def searches(self, best: Optimum) -> list[Search]:
         """Search of every limit, with the random parameters centred at a design."""
         nataf = Nataf(centred_at(self.random, best.x), self.correlation)
-        self.states.rest = np.array(
+        self.states.other_values = np.array(
             [best.x.get(n, self.model.parameters[n].value) for n in self.states.others]
         )
         return [Search(self.states, nataf, row) for row in range(len(self.limits))]

@@ -99,7 +99,7 @@ def _line(physics: Physics, goals: dict[str, tuple[float, float]], intervals: in
     measures = stack(physics.model.expression(name).sx for name in goals)
     rows = ca.vertcat(physics.position_conditions, measures)
     lead = ca.mtimes(ca.jacobian(rows, e.y), e.lift)
-    evaluate = ca.Function("places", [e.t, e.y, e.p], [rows, lead])
+    evaluate = ca.Function("positions", [e.t, e.y, e.p], [rows, lead])
     p, count = physics.p, physics.position_conditions.numel()
     initial = np.asarray(evaluate(0.0, y, p)[0]).ravel()[count:]
     low, high = np.array(list(goals.values())).reshape(-1, 2).T

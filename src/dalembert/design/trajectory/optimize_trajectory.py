@@ -32,16 +32,16 @@ from dalembert.design.trajectory.quantities import (
     response_value,
     unit_of,
 )
-from dalembert.design.trajectory.refinement import (
+from dalembert.design.trajectory.transcription import Rows, Transcription
+from dalembert.design.trajectory.verification import (
     REFINEMENTS,
     ROUGHNESS_WEIGHT,
     agrees,
     exploits_nodes,
     roughness,
+    verify_plan,
     with_final_status,
 )
-from dalembert.design.trajectory.transcription import Rows, Transcription
-from dalembert.design.trajectory.verification import verify_plan
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible
 from dalembert.model.model import Model
@@ -227,14 +227,14 @@ def _at_start(transcription: Transcription) -> list[Rows]:
     """Initial positions and speeds of the model, in the directions free of constraints."""
     physics, knots = transcription.physics, transcription.knots
     model, recipe = physics.model, physics.model.closure.recipe
-    free = speed_basis(physics.equations, 0.0, model.start.y, physics.p)
-    away = ca.vertcat(recipe.pinned, recipe.position_conditions)
-    place = physics.of_state("pinned", away)
-    moving = ca.mtimes(ca.DM(free).T, physics.equations.v - ca.DM(model.start.v))
-    speed = physics.of_state("moving", moving * model.scales.time)
+    basis = speed_basis(physics.equations, 0.0, model.start.y, physics.p)
+    position = ca.vertcat(recipe.pinned, recipe.position_conditions)
+    position_function = physics.of_state("pinned", position)
+    speed = ca.mtimes(ca.DM(basis).T, physics.equations.v - ca.DM(model.start.v))
+    speed_function = physics.of_state("moving", speed * model.scales.time)
     return [
-        Rows("place at the start", knots.at(0, place)),
-        Rows("speeds at the start", knots.at(0, speed)),
+        Rows("positions at the start", knots.at(0, position_function)),
+        Rows("speeds at the start", knots.at(0, speed_function)),
     ]
 
 
