@@ -28,7 +28,7 @@ def synthesize(
     Parameters
     ----------
     file
-        File with [synthesis]; it needs no bodies where a linkage is named.
+        File with [synthesis]; bodies are optional if a linkage is named.
     starts
         Number of starts of the local search, instead of the file's.
     output

@@ -266,12 +266,12 @@ class Truncated(Distribution):
     upper: float | None = None
 
     def __post_init__(self) -> None:
-        low, high = self._ends
+        low, high = self._normal_bounds
         self._require(low < high, "lower must be below upper")
         self._require(self._share > 1e-12, "the probability between lower and upper is zero")
 
     @property
-    def _ends(self) -> tuple[float, float]:
+    def _normal_bounds(self) -> tuple[float, float]:
         """The bounds as values of the standard normal variable."""
         with np.errstate(invalid="ignore", divide="ignore"):
             low = -np.inf if self.lower is None else float(self.of.to_normal(self.lower))
@@ -283,13 +283,13 @@ class Truncated(Distribution):
         """Probability between the bounds."""
         from scipy.special import ndtr
 
-        low, high = self._ends
+        low, high = self._normal_bounds
         return float(ndtr(-low) - ndtr(-high) if low > 0 else ndtr(high) - ndtr(low))
 
     def _inner(self, u: Any) -> Any:
         from scipy.special import ndtr, ndtri
 
-        (low, high), share = self._ends, self._share
+        (low, high), share = self._normal_bounds, self._share
         below, above = ndtr(low) + ndtr(u) * share, ndtr(-high) + ndtr(-np.asarray(u)) * share
         return np.where(below < above, ndtri(below), -ndtri(above))
 
@@ -299,7 +299,7 @@ class Truncated(Distribution):
     def to_normal(self, x: Any) -> Any:
         from scipy.special import ndtr, ndtri
 
-        (low, high), share, z = self._ends, self._share, self.of.to_normal(x)
+        (low, high), share, z = self._normal_bounds, self._share, self.of.to_normal(x)
         below, above = (ndtr(z) - ndtr(low)) / share, (ndtr(-z) - ndtr(-high)) / share
         return np.where(below < above, ndtri(below), -ndtri(above))
 

@@ -122,7 +122,7 @@ class ReliableOptimum(Decision):
     def message(self) -> str:  # type: ignore[override]
         if self.stopped:
             count = len(self.rounds)
-            return f"interrupted after {count} whole round{'' if count == 1 else 's'}"
+            return f"interrupted after {count} complete round{'' if count == 1 else 's'}"
         if self.settled:
             return self.optimum.message
         return f"worst points still move after {len(self.rounds)} rounds; give more rounds"

@@ -78,7 +78,9 @@ class TrajectoryMethod(Analysis[Model, Motion]):
 
         s = motion.trajectory
         if np.any(times < s.t[0] - 1e-9) or np.any(times > s.t[-1] + 1e-9):
-            raise AnalysisError(f"the plan goes from {s.t[0]:g} to {s.t[-1]:g} s; ask within")
+            raise AnalysisError(
+                f"the plan goes from {s.t[0]:g} to {s.t[-1]:g} s; give times within it"
+            )
         instants = np.clip(times, s.t[0], s.t[-1])
         e = motion.model.equations
         if e.manifold.flat:

@@ -59,8 +59,8 @@ class Physics:
 
     def _with_values(self, expression: ca.SX) -> ca.SX:
         """Insert the values of the fixed parameters."""
-        whole = self.model.equations.without_dropped(ca.densify(expression))
-        return ca.substitute(whole, *self._fixed)
+        dense = self.model.equations.without_dropped(ca.densify(expression))
+        return ca.substitute(dense, *self._fixed)
 
     @property
     def position_conditions(self) -> ca.SX:

@@ -177,7 +177,7 @@ class Transcription(ABC):
             self.peaks.append(Rows(f"largest value of {name}", below, -np.inf, 0.0))
         return block.value
 
-    # the whole ---------------------------------------------------------------------------
+    # all unknowns ------------------------------------------------------------------------
     @property
     def unknowns(self) -> ca.MX:
         return ca.vertcat(*(ca.vec(block.symbol) for block in self.blocks.values()))
