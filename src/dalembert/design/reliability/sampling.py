@@ -20,9 +20,9 @@ from dalembert.options import random_generator
 
 Evaluate = Callable[[np.ndarray], np.ndarray]
 """(N, n) points ``u`` → (N,) ``G`` of the system, failed below zero; NaN if a run fails."""
-LEVEL = 0.1
+LEVEL_PROBABILITY = 0.1
 """Fraction of the samples that seed the next subset."""
-NEAR = 0.8
+CHAIN_CORRELATION = 0.8
 """Correlation of consecutive samples of a chain."""
 MAX_LEVELS = 30
 """Upper limit of subsets."""
@@ -107,9 +107,9 @@ def subset_simulation(
     g = evaluate(u)
     failed_runs, total = int(np.count_nonzero(~np.isfinite(g))), samples
     g = np.where(np.isfinite(g), g, np.inf)
-    seed_count = max(int(LEVEL * samples), 2)
+    seed_count = max(int(LEVEL_PROBABILITY * samples), 2)
     length = -(-samples // seed_count)
-    probability, variance = 1.0, 0.0
+    probability, variance, rho = 1.0, 0.0, CHAIN_CORRELATION
     chains = 1
     for _ in range(MAX_LEVELS):
         order = np.argsort(g, kind="stable")
@@ -124,7 +124,7 @@ def subset_simulation(
         seeds, values = u[order[:seed_count]], g[order[:seed_count]]
         states, levels = [seeds], [values]
         for _ in range(length - 1):
-            candidates = NEAR * states[-1] + np.sqrt(1 - NEAR**2) * rng.normal(size=seeds.shape)
+            candidates = rho * states[-1] + np.sqrt(1 - rho**2) * rng.normal(size=seeds.shape)
             candidate_values = evaluate(candidates)
             failed_runs += int(np.count_nonzero(~np.isfinite(candidate_values)))
             total += seed_count

@@ -23,6 +23,7 @@ from dalembert.design.synthesis.target import Target
 from dalembert.interrupts import check_ctrl_c
 
 QUIET: dict[str, Any] = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes"}
+"""Options of CasADi that suppress the output of Ipopt."""
 MIN_ROTATION = 1e-3
 """Lower limit of the crank rotation between entries [rad]."""
 PRESELECTION_ITERATIONS = 40

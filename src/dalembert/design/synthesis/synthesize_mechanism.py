@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.progress import Reported, progress_reporter
+from dalembert.design.synthesis.linkage_fit import QUIET
 from dalembert.design.synthesis.mechanism_task import SAMPLES, MechanismTask, mechanism_task
 from dalembert.design.synthesis.synthesis import MechanismSolution, MechanismSynthesis
 from dalembert.design.synthesis.target import Target
@@ -169,12 +169,9 @@ class MechanismSearch:
             limits = [ca.diff(times) - 1e-3, self.task.period - 1e-3 - (times[-1] - times[0])]
         inequalities = ca.vertcat(*limits) if limits else ca.SX(0, 1)
         x = ca.vertcat(q, start, ca.vec(y), ca.vec(path), origins)
-        settings: dict[str, Any] = {
-            "ipopt.print_level": 0,
-            "ipopt.sb": "yes",
+        settings = QUIET | {
             "ipopt.max_iter": MAX_ITERATIONS,
             "ipopt.tol": 1e-10,
-            "print_time": False,
             "error_on_fail": False,
             "show_eval_warnings": False,
         }
