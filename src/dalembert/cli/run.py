@@ -200,17 +200,17 @@ def _print_profile(data: Mapping[str, Any]) -> None:
     table = Table("part", "seconds", "share", title="profile", title_justify="left")
     total = max(data["seconds"], 1e-300)
     for name, part in data["parts"].items():
-        table.add_profile_row(visible(name), *_profile_row(part["seconds"], total), style="bold")
+        table.add_row(visible(name), *_profile_row(part["seconds"], total), style="bold")
         for inner, seconds in part["inside"].items():
-            table.add_profile_row(f"  {visible(inner)}", *_profile_row(seconds, total))
-    table.add_profile_row("all", *_profile_row(data["seconds"], total), style="bold")
+            table.add_row(f"  {visible(inner)}", *_profile_row(seconds, total))
+    table.add_row("all", *_profile_row(data["seconds"], total), style="bold")
     for column in table.columns[1:]:
         column.justify = "right"
     console().print(table)
     counts = Table("count", "number", show_edge=True)
     counts.columns[1].justify = "right"
     for name, number in data["counts"].items():
-        counts.add_profile_row(visible(name), str(number))
+        counts.add_row(visible(name), str(number))
     if data["counts"]:
         console().print(counts)
 
