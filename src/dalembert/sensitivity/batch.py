@@ -11,7 +11,7 @@ from dalembert.analysis.batch.states import MarchedStates
 from dalembert.analysis.batch.workers import can_copy, checked_workers, in_copies
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.responses.batch import batch_response, representative
+from dalembert.responses.evaluation import batch_response, representative
 from dalembert.results.batch.batch import Batch
 from dalembert.sensitivity.marching.batch_adjoint import BatchAdjoint
 from dalembert.sensitivity.marching.batch_direct import BatchDirect
