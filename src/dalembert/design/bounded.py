@@ -1,4 +1,4 @@
-"""A number between bounds, and what they cost."""
+"""Values with bounds at an optimum, and the prices of active bounds."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from dalembert.units.unit import shown_in
 
 STEPS = {"m": ("mm", 1e-3), "m^2": ("mm^2", 1e-6), "Pa": ("MPa", 1e6)}
-"""Unit → what a bound in it is let out by, and its size."""
+"""Unit → increment of a bound for which its price is quoted, and its size in that unit."""
 
 
 @dataclass(frozen=True)
@@ -19,10 +19,10 @@ class Bounded:
     ----------
     name, unit
     start, value : at the start and at the optimum
-    lower, upper : what it may not leave
-    active : the side that it stands at, ``"lower"`` or ``"upper"``, or none
-    price : what the objective gains for each unit by which that side is let out, not negative
-    given_unit : the unit in which a parameter was declared, such as ``mm``
+    lower, upper : bounds
+    active : active side, ``"lower"``, ``"upper"`` or empty
+    price : improvement of the objective per unit by which the active side is relaxed, ≥ 0
+    given_unit : unit in which a parameter was declared, such as ``mm``
     """
 
     name: str
@@ -36,14 +36,14 @@ class Bounded:
     given_unit: str = ""
 
     def shown_in(self, units: Sequence[str], objective: tuple[float, str]) -> Bounded:
-        """The same in the first of these units of its dimension, else in that of its declaration.
+        """Copy in the first of ``units`` with its dimension, else in the unit of its declaration.
 
         ``objective`` is the factor and the unit of the objective.
         """
-        own = (self.given_unit,) if self.given_unit else ()
-        factor, unit = shown_in(self.unit, (*units, *own))
+        declared = (self.given_unit,) if self.given_unit else ()
+        factor, unit = shown_in(self.unit, (*units, *declared))
 
-        def of(number: float | None) -> float | None:
+        def converted(number: float | None) -> float | None:
             return None if number is None else number / factor
 
         return replace(
@@ -51,8 +51,8 @@ class Bounded:
             unit=unit,
             start=self.start / factor,
             value=self.value / factor,
-            lower=of(self.lower),
-            upper=of(self.upper),
+            lower=converted(self.lower),
+            upper=converted(self.upper),
             price=self.price * factor / objective[0],
         )
 

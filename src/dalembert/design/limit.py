@@ -1,4 +1,4 @@
-"""What a design may not leave."""
+"""Limits on the responses of a design."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from dalembert.units.measured import check_measured
 
 @options
 class Limit:
-    """``lower ≤ response ≤ upper``; equal limits make an equation.
+    """``lower ≤ response ≤ upper``; equal limits state an equation.
 
     Parameters
     ----------
     response : Response, a response of a case, or a combination of such
-    lower, upper : numbers, or texts with units such as ``"200 MPa"``; None leaves a side open
+    lower, upper : numbers, or texts with units such as ``"200 MPa"``; None for no bound
 
     Examples
     --------
@@ -50,25 +50,25 @@ class Limit:
         check_measured((self.lower, self.upper), unit, f"limit on {label}")
 
     @classmethod
-    def all_of(cls, given: Any) -> list[Limit]:
-        """Several limits, as ``subject_to`` takes them.
+    def all_of(cls, limits: Any) -> list[Limit]:
+        """List of limits from the argument ``subject_to``.
 
         Raises
         ------
         AnalysisError
-            Something else, such as a response without bounds.
+            An entry is no limit, such as a response without bounds.
         """
-        listed = list(given) if isinstance(given, (list, tuple)) else [given]
-        for one in listed:
-            if not isinstance(one, cls):
-                label = getattr(one, "label", repr(one))
+        listed = list(limits) if isinstance(limits, (list, tuple)) else [limits]
+        for limit in listed:
+            if not isinstance(limit, cls):
+                label = getattr(limit, "label", repr(limit))
                 raise AnalysisError(
-                    f"subject_to takes limits, got {label}; say what it may be, "
+                    f"subject_to takes limits, got {label}; give its bounds, "
                     "da.Limit(response, lower=…, upper=…)"
                 )
         return listed
 
     @property
     def is_equation(self) -> bool:
-        """Both sides are the same number."""
+        """Whether both bounds are the same number."""
         return self.lower is not None and self.lower == self.upper

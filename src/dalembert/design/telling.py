@@ -1,15 +1,15 @@
-"""How searches tell how far they are."""
+"""Progress of iterative searches."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-Told = Callable[[int, float], None]
-"""Is told the number of an iteration and the objective there."""
+OnIteration = Callable[[int, float], None]
+"""Called with the number of an iteration and its objective."""
 
 
-def teller(progress: bool | Told) -> Told | None:
-    """What ``progress=`` asks for: a function as it is, True prints a line, False nothing."""
+def iteration_callback(progress: bool | OnIteration) -> OnIteration | None:
+    """Callback of the argument ``progress``: a function as is, True to print a line, or None."""
     if callable(progress):
         return progress
     if not progress:

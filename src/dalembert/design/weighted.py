@@ -1,4 +1,4 @@
-"""A weighted sum of quantities."""
+"""Weighted sum of quantities."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class Weighted(Quantity):
     Parameters
     ----------
     parts : quantities
-    weights : one for each
-    label : its name
+    weights : one for each part
+    label : name
     """
 
     def __init__(

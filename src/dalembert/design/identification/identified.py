@@ -59,7 +59,7 @@ class Identification(Decision):
     """
 
     word = "identification"
-    drawn = "identification:identification"
+    page_functions = "identification:identification"
     x: dict[str, float]
     success: bool
     message: str

@@ -75,7 +75,7 @@ class Inversion(Decision):
     """
 
     word = "inversion"
-    drawn = "identification:inversion"
+    page_functions = "identification:inversion"
     values: dict[str, np.ndarray]
     deviation: dict[str, np.ndarray]
     x: dict[str, float]

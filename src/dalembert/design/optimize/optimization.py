@@ -19,8 +19,8 @@ from dalembert.design.optimize.outcome import judged
 from dalembert.design.optimize.problem import DesignProblem, common_parameters
 from dalembert.design.optimize.program import Program
 from dalembert.design.optimize.settling import settled
-from dalembert.design.quantity import Quantity, bound
-from dalembert.design.telling import Told, teller
+from dalembert.design.quantity import Quantity, with_case
+from dalembert.design.telling import OnIteration, iteration_callback
 from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
@@ -46,7 +46,7 @@ def optimize(
     max_iterations: int = 100,
     tolerance: float = 1e-8,
     history: str | Path | None = None,
-    progress: bool | Told = False,
+    progress: bool | OnIteration = False,
 ) -> Optimum:
     """Best parameters for responses of one analysis or several.
 
@@ -103,7 +103,7 @@ class Searched:
     method: str | Optimizer
     gradient: Method
     stop: Stop
-    progress: bool | Told
+    progress: bool | OnIteration
 
     def program(
         self,
@@ -116,7 +116,7 @@ class Searched:
         problem.gradient = self.gradient
         self.optimizer(problem)
         start = problem.variables.start
-        return Program(problem, limits, sign, start, teller(self.progress), sizes)
+        return Program(problem, limits, sign, start, iteration_callback(self.progress), sizes)
 
     def optimizer(self, problem: DesignProblem) -> Optimizer:
         """Its method."""
@@ -157,7 +157,7 @@ def design_problem(
     if (model is None) != (analysis is None):
         raise AnalysisError("give model and analysis= together, or responses of cases alone")
     case = Case(model, analysis) if model is not None and analysis is not None else None
-    quantities = [bound(one, case) for one in wanted]
+    quantities = [with_case(one, case) for one in wanted]
     _refuse_labels(quantities)
     owners = [t.case for q in quantities for t in q.terms]
     parameters = common_parameters([*([case] if case is not None else []), *owners])

@@ -61,7 +61,7 @@ class Optimum(Decision):
     """
 
     word = "optimum"
-    drawn = "optimum:optimum"
+    page_functions = "optimum:optimum"
     x: dict[str, float]
     fun: float
     success: bool

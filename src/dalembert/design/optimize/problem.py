@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.case import Case, in_order
+from dalembert.design.case import Case, evaluation_order
 from dalembert.design.optimize.evaluation_log import LogPart
 from dalembert.design.quantity import Quantity
 from dalembert.design.variables import Variables
@@ -69,7 +69,7 @@ class DesignProblem:
     _cache: dict[bytes, Evaluation | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.cases = in_order([t.case for q in self.quantities for t in q.terms])
+        self.cases = evaluation_order([t.case for q in self.quantities for t in q.terms])
         if self.source is not None:
             self.terms: list[tuple[Case, Response]] = self.source.terms
             self.cases = self.source.cases
@@ -233,7 +233,7 @@ def common_parameters(cases: Sequence[Case]) -> dict[str, Parameter]:
         The same name with different bounds.
     """
     made: dict[str, Parameter] = {}
-    for case in in_order(list(cases)):
+    for case in evaluation_order(list(cases)):
         for name, parameter in case.model.parameters.items():
             if name in case.given:
                 continue

@@ -55,7 +55,7 @@ class Front(Decision):
     """
 
     word = "pareto"
-    drawn = "front:front"
+    page_functions = "front:front"
     labels: list[str]
     units: list[str]
     names: list[str]

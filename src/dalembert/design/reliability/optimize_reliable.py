@@ -25,7 +25,7 @@ from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Correlation
 from dalembert.design.reliability.reliable_optimum import ReliableLimit, ReliableOptimum, Round
 from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
-from dalembert.design.telling import Told
+from dalembert.design.telling import OnIteration
 from dalembert.design.variables import varied_names
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
@@ -58,7 +58,7 @@ def optimize_reliable(
     tolerance: float = 1e-8,
     rounds: int = 20,
     history: str | Path | None = None,
-    progress: bool | Told = False,
+    progress: bool | OnIteration = False,
 ) -> ReliableOptimum:
     """Best parameters for which every limit holds with a probability ``Φ(β)``, to first order.
 

@@ -62,7 +62,7 @@ class Reliability(Decision):
     """
 
     word = "reliability"
-    drawn = "reliability:reliability"
+    page_functions = "reliability:reliability"
     points: list[DesignPoint]
     system: str
     searches: list[Search] = field(repr=False)

@@ -52,7 +52,7 @@ class Study(Decision):
     """
 
     word = "study"
-    drawn = "study:study"
+    page_functions = "study:study"
     name: str
     design: Design
     responses: tuple[str, ...]

@@ -82,7 +82,7 @@ class Candidates(Decision):
     """
 
     word = "synthesis"
-    drawn = "synthesis:synthesis"
+    page_functions = "synthesis:synthesis"
     noun: ClassVar[str] = "mechanisms"
     target: Target
     solutions: Sequence[Any]

@@ -45,7 +45,7 @@ class Toleranced(Decision):
     """
 
     word = "tolerance"
-    drawn = "tolerance:tolerance"
+    page_functions = "tolerance:tolerance"
     label: str
     nominal: float
     tolerances: dict[str, float]

@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.design.telling import Told
+from dalembert.design.telling import OnIteration
 from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.interrupts import searching
@@ -48,7 +48,7 @@ class Programme:
     penalty: ca.MX | float = 0.0
 
     def solved(
-        self, x0: np.ndarray, method: TrajectoryMethod, told: Told | None = None
+        self, x0: np.ndarray, method: TrajectoryMethod, told: OnIteration | None = None
     ) -> Solution:
         """The unknowns that Ipopt leads to."""
         unknowns = self.transcription.unknowns
@@ -114,7 +114,7 @@ class Programme:
 class _Watch(ca.Callback):
     """Keeps the unknowns of the last iteration, and tells how far the search is."""
 
-    def __init__(self, n: int, rows: int, size: float, told: Told | None, x0: np.ndarray):
+    def __init__(self, n: int, rows: int, size: float, told: OnIteration | None, x0: np.ndarray):
         ca.Callback.__init__(self)
         self.sizes = {"x": n, "f": 1, "g": rows, "lam_x": n, "lam_g": rows, "lam_p": 0}
         self.size, self.told, self.x, self.count = size, told, np.array(x0, dtype=float), -1

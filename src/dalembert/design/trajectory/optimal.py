@@ -62,7 +62,7 @@ class OptimalTrajectory(Decision):
     """
 
     word = "trajectory"
-    drawn = "trajectory:trajectory"
+    page_functions = "trajectory:trajectory"
     status: Status
     fun: float
     duration: float

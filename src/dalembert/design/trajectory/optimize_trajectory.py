@@ -15,7 +15,7 @@ import numpy as np
 
 from dalembert.analysis.served import need_mechanism
 from dalembert.design.limit import Limit
-from dalembert.design.telling import Told, teller
+from dalembert.design.telling import OnIteration, iteration_callback
 from dalembert.design.trajectory.chattering import WEIGHT, roughness
 from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.control import Control
@@ -64,7 +64,7 @@ def optimize_trajectory(
     method: TrajectoryMethod | None = None,
     verify: bool = True,
     accuracy: float = 1e-3,
-    progress: bool | Told = False,
+    progress: bool | OnIteration = False,
 ) -> OptimalTrajectory:
     """Best motion of a mechanism, and the controls that make it.
 
@@ -124,7 +124,9 @@ def optimize_trajectory(
     if not (is_number(accuracy) and accuracy > 0):
         raise AnalysisError(f"accuracy is {accuracy!r}; give a number above zero, such as 1e-3")
     physics = Physics(model, controls, vary, model.values(parameters))
-    task = _Task(physics, minimize, span, begin, end or {}, cyclic, subject_to, teller(progress))
+    task = _Task(
+        physics, minimize, span, begin, end or {}, cyclic, subject_to, iteration_callback(progress)
+    )
     first = guessed(physics, guess, end or {}, span, method.intervals)
     plan = task.plan(method, first, 0.0)
     if not verify:
@@ -145,7 +147,7 @@ class _Task:
     end: Conditions
     cyclic: Sequence[str]
     subject_to: Sequence[Limit]
-    told: Told | None
+    told: OnIteration | None
 
     def plan(self, method: TrajectoryMethod, guess: Guess, penalty: float) -> OptimalTrajectory:
         """The plan to which the search leads from a guess, with a penalty on rough controls."""

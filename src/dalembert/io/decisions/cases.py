@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.design.case import Case
-from dalembert.design.quantity import Combined, bound
+from dalembert.design.quantity import Combined, with_case
 from dalembert.design.robust import Robust
 from dalembert.errors import ModelError
 from dalembert.io.analyses import make_analysis, make_table
@@ -123,7 +123,7 @@ class Quantities:
             if response not in self.names:
                 text = unknown("response", response, self.names)
                 raise self.file.located.error(text, *here, "given", parameter)
-            given[parameter] = bound(self[response], self._case(OWN))
+            given[parameter] = with_case(self[response], self._case(OWN))
         if table.analysis is not None:
             model = self.model
             analysis = make_table(self.file, model, table.analysis, *here, "analysis")
@@ -149,7 +149,7 @@ class Quantities:
 
     def finished(self, quantity: Any) -> Any:
         """The same, bound to the file's own run where other cases lean on that."""
-        return bound(quantity, self._cases[OWN]) if OWN in self._cases else quantity
+        return with_case(quantity, self._cases[OWN]) if OWN in self._cases else quantity
 
     def checked(self, name: str, *where: str | int) -> Any:
         """The one of this name.
