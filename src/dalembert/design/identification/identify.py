@@ -13,7 +13,7 @@ from dalembert.design.identification.information import Information, inflation
 from dalembert.design.identification.least_squares import Fit, LeastSquares
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.identification.unknowns import Delays, Unknowns, unknowns_of
-from dalembert.design.methods.spread import counted, refuse_open, spread
+from dalembert.design.methods.spread import check_starts, refuse_infinite_bounds, sobol_designs
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
@@ -109,10 +109,10 @@ def other_starts(unknowns: Unknowns, starts: int, rng: int) -> list[np.ndarray]:
     AnalysisError
         An unknown without two finite bounds, or starts that are no number.
     """
-    if counted(starts) == 1:
+    if check_starts(starts) == 1:
         return []
-    refuse_open("starts", unknowns.labels, unknowns.lower, unknowns.upper)
-    return list(spread(starts - 1, unknowns.lower, unknowns.upper, rng))
+    refuse_infinite_bounds("starts", unknowns.labels, unknowns.lower, unknowns.upper)
+    return list(sobol_designs(starts - 1, unknowns.lower, unknowns.upper, rng))
 
 
 def prepared(

@@ -1,4 +1,4 @@
-"""Branch and bound over whole numbers and sizes out of catalogues."""
+"""Branch and bound over integers and catalogue sizes."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.methods.enumeration import Enumeration
 from dalembert.design.methods.slsqp import Slsqp
 from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.options import options, random_generator
 
 PAIRS = 16
-"""Pairs of designs between which convexity is tested."""
+"""Random pairs of designs for the convexity test."""
 DIFFERENT = 1e-5
-"""Relative difference of objectives beyond which two relaxed optima are distinct."""
+"""Threshold of the relative difference of distinct relaxed optima [-]."""
 
 
 @dataclass(order=True)
 class _Node:
-    """A range of sizes, and the objective that its relaxed problem can reach at best."""
+    """Node of the tree: a range of sizes and the lower bound of its objective."""
 
     bound: float
     number: int
@@ -33,18 +33,18 @@ class _Node:
 
 @options
 class BranchAndBound(Optimizer):
-    """Whole numbers and catalogues: relaxed problems in ranges of sizes that are halved.
+    """Branch and bound over integers and catalogues with continuous relaxations.
 
-    Where all variables are discrete and few enough, every design is compared instead
+    If all variables are discrete and the designs few enough, all are compared instead
     (``Enumeration``). Otherwise the bound of a range is the best optimum of its relaxed problem
-    from several starts. That bound is exact where the relaxed problems are convex (Land & Doig
-    1960). Convexity is tested; the message says where the result is not proved to be global.
+    from several starts. That bound is exact if the relaxed problems are convex (Land & Doig 1960).
+    Convexity is tested; the message reports if the result is not proved to be global.
 
     Parameters
     ----------
     local : gradient method of the relaxed problems
-    max_nodes : relaxed problems at most; also designs at most that are compared by their runs
-    starts : starts of each relaxed problem, once the problem is known not to be convex
+    max_nodes : upper limit of the relaxed problems, and of designs enumerated by runs
+    starts : of each relaxed problem if the problem is not convex
     rng : seed of the starts
 
     Examples
@@ -70,13 +70,13 @@ class BranchAndBound(Optimizer):
     rng: int = 0
 
     def finishing(self) -> Optimizer:
-        """The local method: sizes are held at the end, and searching them again would find one."""
+        """Local method, as the sizes are fixed at the end."""
         return self.local
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
-        every = Enumeration(max_runs=self.max_nodes)
-        if every.covers(program):
-            return every.solve(program, z, stop)
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
+        enumeration = Enumeration(max_runs=self.max_nodes)
+        if enumeration.covers(program):
+            return enumeration.solve(program, z, stop)
         can_enumerate = Enumeration().covers(program)
         search = _Search(self, program, stop)
         lower, upper = program.lower.copy(), program.upper.copy()
@@ -87,26 +87,26 @@ class BranchAndBound(Optimizer):
                 search.branch(node)
         program.lower, program.upper = lower, upper
         if search.design is None:
-            return Ended(z, False, f"no sizes keep the limits ({search.nodes} relaxed problems)")
-        program.fix_sizes(program.unscale(search.design))
-        left = [n.bound for n in search.open if n.bound < search.best]
-        message = f"branch and bound: {search.nodes} relaxed problems"
-        if left:
-            message += (
-                f", stopped early: {len(left)} ranges of sizes are left unexplored; raise max_nodes"
+            return OptimizerResult(
+                z, False, f"no sizes satisfy the limits ({search.nodes} relaxed problems)"
             )
+        program.fix_sizes(program.unscale(search.design))
+        open_bounds = [n.bound for n in search.open if n.bound < search.best]
+        message = f"branch and bound: {search.nodes} relaxed problems"
+        if open_bounds:
+            message += f", stopped early: {len(open_bounds)} ranges of sizes are unexplored; raise max_nodes"
             if can_enumerate:
-                message += ", or take method='enumeration'"
+                message += ", or use method='enumeration'"
         if not search.is_convex:
             message += (
                 "; the relaxed problems are not convex, so the best design is not proved to be "
                 "the global optimum"
             )
-        return Ended(search.design, not left, message, is_whole=not left)
+        return OptimizerResult(search.design, not open_bounds, message, is_complete=not open_bounds)
 
 
 class _Search:
-    """The tree of ranges."""
+    """Tree of ranges of sizes."""
 
     def __init__(self, method: BranchAndBound, program: Program, stop: Stop):
         self.method, self.program, self.stop = method, program, stop
@@ -117,62 +117,69 @@ class _Search:
         self.generator = random_generator(method.rng)
         self.is_convex = self._is_convex()
 
-    def _drawn(self) -> np.ndarray:
-        """A design between the bounds, or near the start where they are open."""
+    def _random_design(self) -> np.ndarray:
+        """Random design between the bounds, or near the start if they are infinite."""
         low, high = (np.clip(z, -1.0, 1.0) for z in (self.program.z_lower, self.program.z_upper))
         return np.asarray(self.generator.uniform(low, np.maximum(low, high)))
 
     def _is_convex(self) -> bool:
-        """Whether objective and limits at the middle of random pairs are those of convex ones."""
+        """Whether objective and limits are convex at the midpoints of random pairs."""
         program = self.program
         for _ in range(PAIRS):
-            one, other = self._drawn(), self._drawn()
-            found = [program.value(z) for z in (one, other, (one + other) / 2)]
-            if any(values is None for values in found):
+            first, second = self._random_design(), self._random_design()
+            values = [program.value(z) for z in (first, second, (first + second) / 2)]
+            if any(value is None for value in values):
                 continue
-            (f, c), (g, d), (middle, between) = (values for values in found if values is not None)
+            (f, c), (g, d), (middle, middle_limits) = (
+                value for value in values if value is not None
+            )
             if middle > (f + g) / 2 + DIFFERENT * (abs(f) + abs(g)):
                 return False
-            bend, size = between - (c + d) / 2, DIFFERENT * (abs(c) + abs(d))
+            curvature, size = middle_limits - (c + d) / 2, DIFFERENT * (abs(c) + abs(d))
             upper, lower = np.isfinite(program.c_upper), np.isfinite(program.c_lower)
-            if np.any(bend[upper] > size[upper]) or np.any(bend[lower] < -size[lower]):
+            if np.any(curvature[upper] > size[upper]) or np.any(curvature[lower] < -size[lower]):
                 return False
         return True
 
-    def relaxed(self, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Ended | None:
-        """Best optimum of a range; None where limits cannot be kept in it."""
+    def relaxed(
+        self, z: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    ) -> OptimizerResult | None:
+        """Best optimum of the relaxed problem of a range; None if it is infeasible."""
         program = self.program
         program.lower, program.upper = lower.copy(), upper.copy()
         self.nodes += 1
         first = self._local(z)
         sizes = list(program.variables.sizes)
-        is_held = not np.any(program.is_free()[sizes])
-        more = 0 if self.is_convex or is_held else self.method.starts - 1
-        found = [first, *(self._local(self._drawn()) for _ in range(more))]
-        ends = [(self.objective(one.z), k) for k, one in enumerate(found) if one is not None]
-        return found[min(ends)[1]] if ends else None
+        is_fixed = not np.any(program.is_free()[sizes])
+        extra_starts = 0 if self.is_convex or is_fixed else self.method.starts - 1
+        results = [first, *(self._local(self._random_design()) for _ in range(extra_starts))]
+        objectives = [
+            (self.objective(result.z), k) for k, result in enumerate(results) if result is not None
+        ]
+        return results[min(objectives)[1]] if objectives else None
 
-    def _local(self, z: np.ndarray) -> Ended | None:
-        """An optimum within the range; None where it breaks limits."""
+    def _local(self, z: np.ndarray) -> OptimizerResult | None:
+        """Local optimum within the range; None if it violates limits."""
         program = self.program
         z = np.clip(z, program.z_lower, program.z_upper)
-        ended = self.method.local.solve(program, z, self.stop)
-        found = program.problem.evaluate(program.unscale(ended.z), gradient=False)
-        if found is None or program.violation(found.values) > FEASIBLE:
+        result = self.method.local.solve(program, z, self.stop)
+        evaluation = program.problem.evaluate(program.unscale(result.z), gradient=False)
+        if evaluation is None or program.violation(evaluation.values) > FEASIBLE:
             return None
-        return ended
+        return result
 
     def objective(self, z: np.ndarray) -> float:
-        found = self.program.value(z)
-        return np.inf if found is None else found[0]
+        values = self.program.value(z)
+        return np.inf if values is None else values[0]
 
     def branch(self, node: _Node) -> None:
-        """Solve a range; keep its optimum if it has sizes, else halve it at the worst one."""
-        ended = self.relaxed(node.z, node.lower, node.upper)
-        if ended is None:
+        """Solve a range; keep its optimum if it is discrete, else split at the largest gap."""
+        relaxed = self.relaxed(node.z, node.lower, node.upper)
+        if relaxed is None:
             return
-        x, bound = self.program.unscale(ended.z), self.objective(ended.z)
-        if bound < node.bound - DIFFERENT * abs(node.bound):  # a part is better than the whole
+        x, bound = self.program.unscale(relaxed.z), self.objective(relaxed.z)
+        # a subrange whose bound is lower than that of its range disproves convexity
+        if bound < node.bound - DIFFERENT * abs(node.bound):
             self.is_convex = False
         if bound >= self.best - 1e-9 * abs(self.best):
             return
@@ -182,7 +189,7 @@ class _Search:
         if gaps[worst] <= 1e-7:
             self.keep(self.program.scaled(snapped))
             return
-        self.round(snapped, ended.z)
+        self.round(snapped, relaxed.z)
         sizes = self.program.variables.sizes[worst]
         for low, high in ((-np.inf, x[worst]), (x[worst], np.inf)):
             within = sizes[(sizes >= low) & (sizes <= high)]
@@ -190,21 +197,21 @@ class _Search:
             if within.size:
                 lower, upper = node.lower.copy(), node.upper.copy()
                 lower[worst], upper[worst] = within[0], within[-1]
-                heapq.heappush(self.open, _Node(bound, next(self.numbers), ended.z, lower, upper))
+                heapq.heappush(self.open, _Node(bound, next(self.numbers), relaxed.z, lower, upper))
 
     def round(self, snapped: np.ndarray, z: np.ndarray) -> None:
-        """The nearest sizes with the other variables fitted: perhaps a design to beat."""
+        """Round to the nearest sizes and optimise the other variables, for an upper bound."""
         lower, upper = self.program.lower.copy(), self.program.upper.copy()
-        held_lower, held_upper = lower.copy(), upper.copy()
+        fixed_lower, fixed_upper = lower.copy(), upper.copy()
         for k in self.program.variables.sizes:
-            held_lower[k] = held_upper[k] = np.clip(snapped[k], lower[k], upper[k])
-        ended = self.relaxed(z, held_lower, held_upper)
-        if ended is not None:
-            self.keep(ended.z)
+            fixed_lower[k] = fixed_upper[k] = np.clip(snapped[k], lower[k], upper[k])
+        result = self.relaxed(z, fixed_lower, fixed_upper)
+        if result is not None:
+            self.keep(result.z)
         self.program.lower, self.program.upper = lower, upper
 
     def keep(self, z: np.ndarray) -> None:
-        """The best design with sizes so far."""
+        """Update the best discrete design."""
         value = self.objective(z)
         if value < self.best:
             self.best, self.design = value, z

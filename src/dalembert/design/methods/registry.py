@@ -1,4 +1,4 @@
-"""Names of the methods of optimisation."""
+"""Registry of optimisation methods by name."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ OPTIMIZERS: dict[str, type[Optimizer]] = {
 
 
 def make_optimizer(method: Any, discrete: bool) -> Optimizer:
-    """An optimiser by its name; with sizes to choose, within branch and bound where it needs that.
+    """Optimiser of a name or object, wrapped in branch and bound if variables are discrete.
 
     Raises
     ------
     AnalysisError
-        There is none of this name.
+        The name is unknown.
     """
     if isinstance(method, str):
         if method not in OPTIMIZERS:

@@ -1,4 +1,4 @@
-"""Designs spread evenly within bounds, from which searches begin."""
+"""Initial designs of searches with several starts."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from dalembert.errors import AnalysisError
 
 
-def spread(count: int, lower: np.ndarray, upper: np.ndarray, rng: int = 0) -> np.ndarray:
-    """(count, n) designs of Sobol's sequence between bounds."""
+def sobol_designs(count: int, lower: np.ndarray, upper: np.ndarray, rng: int = 0) -> np.ndarray:
+    """(count, n) designs of a Sobol sequence between bounds."""
     from scipy.stats import qmc
 
     if count < 1:
@@ -20,26 +20,28 @@ def spread(count: int, lower: np.ndarray, upper: np.ndarray, rng: int = 0) -> np
     return lower + unit * (upper - lower)
 
 
-def refuse_open(what: str, names: Sequence[str], lower: np.ndarray, upper: np.ndarray) -> None:
-    """Refuse variables without two bounds, where designs are drawn between them.
+def refuse_infinite_bounds(
+    method: str, names: Sequence[str], lower: np.ndarray, upper: np.ndarray
+) -> None:
+    """Refuse variables without two finite bounds, for methods that sample between them.
 
     Raises
     ------
     AnalysisError
-        Names the first of them.
+        Names the first such variable.
     """
     for name, low, high in zip(names, lower, upper, strict=True):
         if not (np.isfinite(low) and np.isfinite(high)):
-            raise AnalysisError(f"{what} needs two finite bounds of {name!r}; give them")
+            raise AnalysisError(f"{method} needs two finite bounds of {name!r}; give them")
 
 
-def counted(starts: int) -> int:
-    """A number of starts.
+def check_starts(starts: int) -> int:
+    """Checked number of starts.
 
     Raises
     ------
     AnalysisError
-        It is no whole number from one on.
+        It is not a positive integer.
     """
     if not isinstance(starts, int) or isinstance(starts, bool) or starts < 1:
         raise AnalysisError(f"starts is {starts!r:.30}; give a whole number, one or more")

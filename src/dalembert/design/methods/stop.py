@@ -1,4 +1,4 @@
-"""When a search ends: iterations and tolerance."""
+"""Stopping criteria of a search: iterations and tolerance."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dalembert.options import is_number, is_whole
 
 @dataclass
 class Stop:
-    """When to stop.
+    """Stopping criteria.
 
     Parameters
     ----------
@@ -22,9 +22,9 @@ class Stop:
     Raises
     ------
     UnsupportedError
-        No whole number, or no number, of zero or more.
+        One is not a number of zero or more, or ``max_iterations`` not an integer.
     BudgetError
-        More iterations than a task may take.
+        More iterations than the budget allows.
     """
 
     max_iterations: int = 100
@@ -36,14 +36,14 @@ class Stop:
 
 
 def check_stop(max_iterations: int, tolerance: float) -> None:
-    """Refuse a number of iterations or a tolerance at which no search can end."""
+    """Refuse an invalid number of iterations or tolerance."""
     if not is_whole(max_iterations) or max_iterations < 0:
-        shown = numeral(max_iterations) if isinstance(max_iterations, int) else max_iterations
+        text = numeral(max_iterations) if isinstance(max_iterations, int) else max_iterations
         raise UnsupportedError(
-            f"max_iterations = {shown!s:.60}: give a whole number of 0 or more, 100 is usual"
+            f"max_iterations = {text!s:.60}: give a whole number of 0 or more, 100 is usual"
         )
     if not is_number(tolerance) or tolerance < 0:
-        shown = f"{tolerance!r:.60}"
-        raise UnsupportedError(f"tolerance = {shown}: give a number above 0, such as 1e-8")
-    what = f"max_iterations = {numeral(max_iterations)}"
-    afford(what, rounds=max_iterations, cure="give fewer max_iterations")
+        text = f"{tolerance!r:.60}"
+        raise UnsupportedError(f"tolerance = {text}: give a number above 0, such as 1e-8")
+    subject = f"max_iterations = {numeral(max_iterations)}"
+    afford(subject, rounds=max_iterations, cure="give fewer max_iterations")

@@ -1,4 +1,4 @@
-"""An optimum as a table for notebooks."""
+"""Table of an optimum for notebooks."""
 
 from __future__ import annotations
 
@@ -8,31 +8,32 @@ from typing import Any
 from dalembert.design.bounded import Bounded
 
 
-def optimum_table(best: Any) -> str:
-    """HTML of an ``Optimum``: objective, parameters, limits and prices; all names are escaped."""
-    unit = html.escape(best.unit)
-    start = best.history[0].objective
+def optimum_table(optimum: Any) -> str:
+    """HTML of an ``Optimum``: objective, parameters, limits and prices; names are escaped."""
+    unit = html.escape(optimum.unit)
+    start = optimum.history[0].objective
     rows = [_row("th", "", "unit", "lower", "start", "best", "upper", "price")]
-    rows.append(_row("td", best.label, best.unit, "", start, best.fun, "", ""))
-    for one in (*best.limits, *best.variables):
-        rows.append(_bounded(one.shown_in((), (1.0, best.unit))))
-    mark = "✓" if best.success else "✗"
+    rows.append(_row("td", optimum.label, optimum.unit, "", start, optimum.fun, "", ""))
+    for bounded in (*optimum.limits, *optimum.variables):
+        rows.append(_bounded_row(bounded.shown_in((), (1.0, optimum.unit))))
+    mark = "✓" if optimum.success else "✗"
     return (
-        f"<div><b>{mark} {html.escape(best.message)}</b><table>{''.join(rows)}</table>"
+        f"<div><b>{mark} {html.escape(optimum.message)}</b><table>{''.join(rows)}</table>"
         f"<small>price: what the objective{f' [{unit}]' if unit else ''} gains per unit by which "
-        f"an active side is let out; {best.runs} runs, {best.gradients} gradients</small></div>"
+        f"an active limit is relaxed; {optimum.runs} runs, {optimum.gradients} "
+        f"gradients</small></div>"
     )
 
 
-def _bounded(one: Bounded) -> str:
+def _bounded_row(bounded: Bounded) -> str:
     def side(name: str) -> str:
-        value = getattr(one, name)
+        value = getattr(bounded, name)
         text = "" if value is None else f"{value:.6g}"
-        return f"<b>{text}</b>" if one.active == name else text
+        return f"<b>{text}</b>" if bounded.active == name else text
 
-    cells = [html.escape(one.name), html.escape(one.unit), side("lower")]
-    cells += [f"{one.start:.6g}", f"{one.value:.6g}", side("upper")]
-    cells.append(f"{one.price:.4g}" if one.active and one.price else "")
+    cells = [html.escape(bounded.name), html.escape(bounded.unit), side("lower")]
+    cells += [f"{bounded.start:.6g}", f"{bounded.value:.6g}", side("upper")]
+    cells.append(f"{bounded.price:.4g}" if bounded.active and bounded.price else "")
     return "<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>"
 
 

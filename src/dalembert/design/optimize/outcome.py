@@ -1,144 +1,157 @@
-"""An optimum put together and judged by its own gradients."""
+"""Verification of an optimum by feasibility and first-order optimality."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from dalembert.design.bounded import Bounded
-from dalembert.design.methods.base import Ended
+from dalembert.design.methods.base import OptimizerResult
 from dalembert.design.optimize.optimality import OPTIMAL, Multipliers, multipliers, why_stuck
 from dalembert.design.optimize.optimum import Iterate, Optimum
 from dalembert.design.optimize.problem import Evaluation
 from dalembert.design.optimize.program import FEASIBLE, Point, Program
 
 
-def judged(program: Program, ended: Ended, interrupted: bool = False) -> Optimum:
-    """The result: limits and first-order optimality are checked, whatever the optimiser says."""
+def verified_optimum(
+    program: Program, outcome: OptimizerResult, interrupted: bool = False
+) -> Optimum:
+    """Optimum, with feasibility and first-order optimality checked at its final design."""
     program.measure_by_start()
-    x, found, note = _design(program, ended)
+    x, evaluation, note = _design(program, outcome)
     z = program.scaled(x)
     point = program.point(z, record=False)
-    if point is None:  # its gradient fails: that of the last design that had one
-        x, found = program.reached
+    if point is None:  # its gradient fails: fall back to the last design with one
+        x, evaluation = program.reached
         z, note = program.scaled(x), "; its gradient fails"
         point = program.point(z, record=False)
     assert point is not None
-    found = program.problem.evaluate(x) or found
-    program.record(x, found)
-    factors = multipliers(program, z, point)
+    evaluation = program.problem.evaluate(x) or evaluation
+    program.record(x, evaluation)
+    kkt = multipliers(program, z, point)
     failed = bool(note)
-    doubts = [] if interrupted else _doubts(program, z, point, factors, found)
-    if not (ended.success or doubts or failed or interrupted) and ended.is_whole:
+    objections = [] if interrupted else _objections(program, z, point, kkt, evaluation)
+    if not (outcome.success or objections or failed or interrupted) and outcome.is_complete:
         note += "; first-order optimality holds"
     results = program.problem.results(x)
-    first = program.problem.results(program.origin)
+    initial_results = program.problem.results(program.origin)
     case = program.problem.quantities[0].terms[0].case
     unit = program.problem.unit(0, results)
-    variables = _variables(program, x, factors)
-    limits = _limits(program, found, factors, results)
+    variables = _variables(program, x, kkt)
+    limits = _limits(program, evaluation, kkt, results)
     return Optimum(
         x=program.variables.parameters(x),
-        fun=float(found.values[0]),
-        success=ended.is_whole and not doubts and not failed and not interrupted,
-        message=ended.message + note + "".join(f"; {text}" for text in doubts),
+        fun=float(evaluation.values[0]),
+        success=outcome.is_complete and not objections and not failed and not interrupted,
+        message=outcome.message + note + "".join(f"; {text}" for text in objections),
         gradient=dict(
-            zip(program.variables.names, map(float, program.problem.slope(found, 0)), strict=True)
+            zip(
+                program.variables.names,
+                map(float, program.problem.slope(evaluation, 0)),
+                strict=True,
+            )
         ),
         history=program.history,
-        initial=first[case],
+        initial=initial_results[case],
         motion=results[case],
-        at_bounds=[one.name for one in variables if one.active],
-        active=[one.name for one in limits if one.active],
+        at_bounds=[bounded.name for bounded in variables if bounded.active],
+        active=[bounded.name for bounded in limits if bounded.active],
         runs=program.problem.runs,
         failed_runs=len(program.problem.failures),
-        violation=program.violation(found.values),
+        violation=program.violation(evaluation.values),
         interrupted=interrupted,
         label=program.problem.quantities[0].label,
         unit=unit,
         sense="minimize" if program.sign > 0 else "maximize",
-        stationarity=factors.stationarity,
+        stationarity=kkt.stationarity,
         gradients=program.problem.gradients,
         variables=variables,
         limits=limits,
-        optima=_optima(program, ended),
+        optima=_optima(program, outcome),
         results=list(results.values()),
     )
 
 
-def _design(program: Program, ended: Ended) -> tuple[np.ndarray, Evaluation, str]:
-    """Where the optimiser ended, or the best on its way where that is better or the end fails."""
-    x = program.unscale(ended.z)
-    found = program.problem.evaluate(x, gradient=False)
-    if found is None:
+def _design(program: Program, outcome: OptimizerResult) -> tuple[np.ndarray, Evaluation, str]:
+    """Final design of the optimiser, or its best iterate if that is better or the final one fails.
+
+    Returns design, evaluation and a note for the message.
+    """
+    x = program.unscale(outcome.z)
+    evaluation = program.problem.evaluate(x, gradient=False)
+    if evaluation is None:
         why = program.problem.failures[-1]
-        return *program.best, f"; it ended at a design that fails: {why}"
-    best, known = program.best
-    inside = np.all((best >= program.lower) & (best <= program.upper))
-    if not ended.success and inside and program.is_better(known.values, found.values):
-        return best, known, ""
-    return x, found, ""
+        return *program.best, f"; the run fails at the final design: {why}"
+    best_design, best_evaluation = program.best
+    inside = np.all((best_design >= program.lower) & (best_design <= program.upper))
+    is_better = program.is_better(best_evaluation.values, evaluation.values)
+    if not outcome.success and inside and is_better:
+        return best_design, best_evaluation, ""
+    return x, evaluation, ""
 
 
-def _doubts(
-    program: Program, z: np.ndarray, point: Point, factors: Multipliers, found: Evaluation
+def _objections(
+    program: Program, z: np.ndarray, point: Point, kkt: Multipliers, evaluation: Evaluation
 ) -> list[str]:
-    """What speaks against an optimum."""
-    if program.violation(found.values) > FEASIBLE:
+    """Violated optimality conditions."""
+    if program.violation(evaluation.values) > FEASIBLE:
+        violated = violated_limits(program, evaluation.values)
         return [
-            f"limits cannot all be kept from here: {told_broken(program, found.values)}; "
-            "widen limits or bounds, or start elsewhere"
+            f"limits cannot all be satisfied from this start: {violated}; widen limits or bounds, "
+            "or start elsewhere"
         ]
-    if factors.stationarity <= OPTIMAL:
+    if kkt.stationarity <= OPTIMAL:
         return _flat(program, z, point)
-    text = f"no optimum: the gradient is left with {factors.stationarity:.2g} of its size"
-    return [text + why_stuck(program, z, point, factors.residual)]
+    text = f"not optimal: the relative residual of the gradient is {kkt.stationarity:.2g}"
+    return [text + why_stuck(program, z, point, kkt.residual)]
 
 
-def told_broken(program: Program, values: np.ndarray) -> str:
-    """The limits that are broken, what they are and what they should be."""
-    c, told = values[1:] / program.sizes, []
+def violated_limits(program: Program, values: np.ndarray) -> str:
+    """Violated limits with their values and bounds."""
+    c, texts = values[1:] / program.sizes, []
     for k, limit in enumerate(program.limits):
-        for bound, by, word in (
+        for limit_value, excess, word in (
             (limit.lower, program.c_lower[k] - c[k], "below"),
             (limit.upper, c[k] - program.c_upper[k], "above"),
         ):
-            if bound is not None and by > FEASIBLE:
+            if limit_value is not None and excess > FEASIBLE:
                 label = program.problem.quantities[k + 1].label
-                told.append(f"{label} is {values[k + 1]:.6g}, {word} {bound:.6g}")
-    return ", ".join(told)
+                texts.append(f"{label} is {values[k + 1]:.6g}, {word} {limit_value:.6g}")
+    return ", ".join(texts)
 
 
 def _flat(program: Program, z: np.ndarray, point: Point) -> list[str]:
-    """What holds a search at its start where there is no gradient at all: nothing, or jumps."""
+    """Objections to a start with zero gradient: the objective is constant or piecewise constant."""
     if np.any(point.g) or np.any(z) or program.variables.sizes:
         return []
     tiny, near, far = (_change_within(program, z, point.f, share) for share in (1e-6, 1e-4, 0.3))
     if not far:
-        return ["the objective does not change with what varies; vary what it depends on"]
-    if near and tiny < 0.1 * near:  # it is flat here, but bends
+        return [
+            "the objective does not depend on the variables; vary parameters that it depends on"
+        ]
+    if near and tiny < 0.1 * near:  # stationary here, but curved
         return []
     return [
-        "the objective changes in jumps, of which its gradient knows nothing; smooth it, or take "
+        "the objective changes in jumps that its gradient does not show; smooth it, or use "
         "method='differential-evolution'"
     ]
 
 
 def _change_within(program: Program, z: np.ndarray, f: float, share: float) -> float:
-    """Of the objective, by steps of all variables at once, this share of their ranges."""
-    ends = [np.clip(z + step, program.z_lower, program.z_upper) for step in (share, -share)]
-    found = [program.value(end) for end in ends]
-    return max((abs(one[0] - f) for one in found if one is not None), default=0.0)
+    """Largest change of the objective for steps of all variables by this share of their ranges."""
+    designs = [np.clip(z + step, program.z_lower, program.z_upper) for step in (share, -share)]
+    values = [program.value(end) for end in designs]
+    return max((abs(value[0] - f) for value in values if value is not None), default=0.0)
 
 
-def _variables(program: Program, x: np.ndarray, factors: Multipliers) -> list[Bounded]:
-    made = []
+def _variables(program: Program, x: np.ndarray, kkt: Multipliers) -> list[Bounded]:
+    variables = []
     near = 1e-6 * program.width
     for i, name in enumerate(program.variables.names):
         lower, upper = program.variables.lower[i], program.variables.upper[i]
-        price = max(factors.bound_lower[i], factors.bound_upper[i]) * program.scale
+        price = max(kkt.bound_lower[i], kkt.bound_upper[i]) * program.scale
         side = "lower" if x[i] - lower <= near[i] else "upper" if upper - x[i] <= near[i] else ""
-        held = i in program.variables.sizes
-        made.append(
+        is_discrete = i in program.variables.sizes
+        variables.append(
             Bounded(
                 name,
                 program.variables.units[i],
@@ -147,19 +160,19 @@ def _variables(program: Program, x: np.ndarray, factors: Multipliers) -> list[Bo
                 float(lower) if np.isfinite(lower) else None,
                 float(upper) if np.isfinite(upper) else None,
                 side,
-                0.0 if held or not side else float(price / program.width[i]),
+                0.0 if is_discrete or not side else float(price / program.width[i]),
                 program.variables.given_units[i],
             )
         )
-    return made
+    return variables
 
 
 def _limits(
-    program: Program, found: Evaluation, factors: Multipliers, results: dict
+    program: Program, evaluation: Evaluation, kkt: Multipliers, results: dict
 ) -> list[Bounded]:
-    made = []
+    limits = []
     for k, limit in enumerate(program.limits):
-        value, start = found.values[k + 1], program.first.values[k + 1]
+        value, start = evaluation.values[k + 1], program.initial.values[k + 1]
         gaps = {
             side: abs(value - bound)
             for side, bound in (("lower", limit.lower), ("upper", limit.upper))
@@ -167,9 +180,9 @@ def _limits(
         }
         side = min(gaps, key=lambda name: gaps[name]) if gaps else ""
         if len(gaps) == 2 and limit.is_equation:
-            side = "lower" if factors.lower[k] >= factors.upper[k] else "upper"
-        price = {"lower": factors.lower[k], "upper": factors.upper[k], "": 0.0}[side]
-        made.append(
+            side = "lower" if kkt.lower[k] >= kkt.upper[k] else "upper"
+        price = {"lower": kkt.lower[k], "upper": kkt.upper[k], "": 0.0}[side]
+        limits.append(
             Bounded(
                 program.problem.quantities[k + 1].label,
                 program.problem.unit(k + 1, results),
@@ -181,14 +194,14 @@ def _limits(
                 float(price * program.scale / program.sizes[k]),
             )
         )
-    return made
+    return limits
 
 
-def _optima(program: Program, ended: Ended) -> list[Iterate]:
-    made = []
-    for z in ended.optima:
+def _optima(program: Program, outcome: OptimizerResult) -> list[Iterate]:
+    optima = []
+    for z in outcome.optima:
         x = program.unscale(z)
-        found = program.problem.evaluate(x, gradient=False)
-        if found is not None:
-            made.append(program.iterate(x, found))
-    return made
+        evaluation = program.problem.evaluate(x, gradient=False)
+        if evaluation is not None:
+            optima.append(program.iterate(x, evaluation))
+    return optima

@@ -11,9 +11,9 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer, Stop
 from dalembert.design.optimize.optimality import OPTIMAL, multipliers
-from dalembert.design.optimize.outcome import told_broken
+from dalembert.design.optimize.outcome import violated_limits
 from dalembert.design.optimize.program import FEASIBLE, Program
-from dalembert.design.optimize.settling import settled
+from dalembert.design.optimize.settling import solve_to_stationarity
 from dalembert.design.pareto.front import Front, best_of
 from dalembert.design.quantity import Quantity
 from dalembert.design.weighted import Weighted
@@ -68,7 +68,7 @@ class FrontSearch:
 
     def _program(self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray) -> Program:
         quantities = [goal, *self.others, *(limit.response for limit in limits)]
-        problem = self.functions.problem.judged_by(quantities)
+        problem = self.functions.problem.with_quantities(quantities)
         return Program(problem, [*self.functions.limits, *limits], 1.0, x)
 
     def _rough(
@@ -90,7 +90,7 @@ class FrontSearch:
     ) -> tuple[float, np.ndarray] | str:
         """The best goal and design that are found from a start; why there is none."""
         program = self._program(goal, limits, x)
-        ended = settled(program, self.local, self.stop, program.scaled(x))
+        ended = solve_to_stationarity(program, self.local, self.stop, program.scaled(x))
         x = program.unscale(ended.z)
         z = program.scaled(x)
         program.measure_by_start()
@@ -102,7 +102,7 @@ class FrontSearch:
         if violation > FEASIBLE or left > OPTIMAL:
             why = f"the gradient is left with {left:.2g} of its size ({ended.message})"
             if violation > FEASIBLE:
-                why = f"limits are not kept, {told_broken(program, found.values)}"
+                why = f"limits are not kept, {violated_limits(program, found.values)}"
             return why
         return float(found.values[0]), x
 

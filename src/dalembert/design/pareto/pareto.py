@@ -12,7 +12,7 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer
 from dalembert.design.methods.registry import make_optimizer
-from dalembert.design.methods.spread import counted, refuse_open, spread
+from dalembert.design.methods.spread import check_starts, refuse_infinite_bounds, sobol_designs
 from dalembert.design.pareto.front import Front
 from dalembert.design.pareto.front_search import FrontSearch, make_front
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -108,7 +108,7 @@ def pareto(
             return _evolved(functions, senses, method, points, generations, rng, report)
     if functions.problem.variables.sizes:
         raise UnsupportedError(f"{method} knows no sizes of catalogues; use method='nsga2'")
-    others = _other_starts(functions, counted(starts), rng)
+    others = _other_starts(functions, check_starts(starts), rng)
     optimizer = make_optimizer(local, False)
     search = FrontSearch(functions, senses, optimizer, max_iterations, tolerance, others)
     with progress_reporter(progress, "front") as report:
@@ -120,8 +120,8 @@ def _other_starts(functions: DesignFunctions, starts: int, rng: int) -> list[np.
     if starts == 1:
         return []
     variables = functions.problem.variables
-    refuse_open("starts", variables.names, variables.lower, variables.upper)
-    return list(spread(starts - 1, variables.lower, variables.upper, rng))
+    refuse_infinite_bounds("starts", variables.names, variables.lower, variables.upper)
+    return list(sobol_designs(starts - 1, variables.lower, variables.upper, rng))
 
 
 def _evolved(

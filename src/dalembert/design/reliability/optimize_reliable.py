@@ -19,7 +19,12 @@ from dalembert.design.bounded import Bounded
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer, Stop
 from dalembert.design.optimize.evaluation_log import EvaluationLog
-from dalembert.design.optimize.optimization import Searched, aimed, design_problem, fingerprint
+from dalembert.design.optimize.optimization import (
+    OptimizerSettings,
+    design_problem,
+    fingerprint,
+    signed_objective,
+)
 from dalembert.design.optimize.optimum import Optimum
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Correlation
@@ -101,9 +106,9 @@ def optimize_reliable(
         raise AnalysisError(f"beta is {beta!r}; give an index above zero, such as 3")
     if not random:
         raise AnalysisError("nothing is random; give random={parameter: distribution}")
-    sign, objective = aimed(minimize, maximize)
+    sign, objective = signed_objective(minimize, maximize)
     task = ReliableTask(model, analysis, one_sided(subject_to), random, correlation, beta)
-    how = Searched(method, gradient, Stop(max_iterations, tolerance), progress)
+    how = OptimizerSettings(method, gradient, Stop(max_iterations, tolerance), progress)
     walk = _Rounds(task, how, sign, objective, vary, dict(start or {}), history)
     try:
         with searching():
@@ -120,7 +125,7 @@ class _Rounds:
     """Optimisation and reliability in turn, and what they came to."""
 
     task: ReliableTask
-    how: Searched
+    how: OptimizerSettings
     sign: float
     objective: Any
     vary: Sequence[Any] | None

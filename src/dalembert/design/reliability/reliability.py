@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from dalembert.analysis.progress import Reported, progress_reporter
-from dalembert.design.methods.spread import counted
+from dalembert.design.methods.spread import check_starts
 from dalembert.design.methods.stop import check_stop
 from dalembert.design.reliability.design_points import design_points
 from dalembert.design.reliability.distribution import Distribution
@@ -122,7 +122,7 @@ def reliability(
         try:
             with searching():
                 for k, search in enumerate(searches):
-                    searched = design_points(search, counted(starts), generator)
+                    searched = design_points(search, check_starts(starts), generator)
                     found.points += searched.points
                     found.warnings += [searched.warning] if searched.warning else []
                     report((k + 1) / (len(searches) + bool(samples)))
