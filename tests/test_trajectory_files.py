@@ -57,7 +57,7 @@ def test_least_force(tmp_path, capsys):
     saved = str(out / "model.trajectory.nc"), "--output", str(tmp_path / "p.html")
     assert main(["report", *saved]) == 0
     for page in (out / "model.trajectory.report.html", tmp_path / "p.html"):
-        assert "Beginning" in page.read_text(encoding="utf-8")
+        assert "Initial position" in page.read_text(encoding="utf-8")
 
 
 def test_shooting_with_strategies_of_a_run(tmp_path, capsys):

@@ -1,7 +1,7 @@
-"""Responses as functions that JAX and PyTorch differentiate, each an optional package.
+"""Responses as differentiable functions of JAX and PyTorch, both optional packages.
 
-Their automatic differentiation meets ``x → R(x)`` as one operation whose transposed derivative is
-the gradient of this package, so that a mechanism may stand among their layers and losses.
+Their automatic differentiation treats ``x → R(x)`` as one operation whose vector-Jacobian product is
+computed here, so that a mechanism can be combined with their layers and losses.
 """
 
 from __future__ import annotations
@@ -27,31 +27,31 @@ def jax_function(values: Numbers, jacobian: Numbers, count: int) -> Callable[[An
     Raises
     ------
     UnsupportedError
-        JAX is not there.
+        JAX is not installed.
     """
     try:
         import jax
     except ImportError:
         raise UnsupportedError("jax needs JAX: pip install jax") from None
 
-    def called(host: Callable[..., np.ndarray], size: int, *given: Any) -> Any:
-        kind = given[0].dtype
+    def call_on_host(host: Callable[..., np.ndarray], size: int, *arguments: Any) -> Any:
+        dtype = arguments[0].dtype
 
-        def on_host(*arrays: Any) -> np.ndarray:
-            return host(*(np.asarray(a, dtype=float) for a in arrays)).astype(kind)
+        def evaluate(*arrays: Any) -> np.ndarray:
+            return host(*(np.asarray(a, dtype=float) for a in arrays)).astype(dtype)
 
-        shape = jax.ShapeDtypeStruct((size,), kind)
-        return jax.pure_callback(on_host, shape, *given, vmap_method="sequential")
+        shape = jax.ShapeDtypeStruct((size,), dtype)
+        return jax.pure_callback(evaluate, shape, *arguments, vmap_method="sequential")
 
     @jax.custom_vjp
     def responses(x: Any) -> Any:
-        return called(values, count, x)
+        return call_on_host(values, count, x)
 
     def forward(x: Any) -> tuple[Any, Any]:
         return responses(x), x
 
     def backward(x: Any, weights: Any) -> tuple[Any]:
-        return (called(lambda x, w: w @ jacobian(x), x.size, x, weights),)
+        return (call_on_host(lambda x, w: w @ jacobian(x), x.size, x, weights),)
 
     responses.defvjp(forward, backward)
     return responses  # type: ignore[no-any-return]
@@ -67,26 +67,26 @@ def torch_function(values: Numbers, jacobian: Numbers) -> Callable[[Any], Any]:
     Raises
     ------
     UnsupportedError
-        PyTorch is not there.
+        PyTorch is not installed.
     """
     try:
         import torch
     except ImportError:
         raise UnsupportedError("torch needs PyTorch: pip install torch") from None
 
-    def plain(x: Any) -> np.ndarray:
-        found: np.ndarray = x.detach().cpu().double().numpy()
-        return found
+    def to_numpy(x: Any) -> np.ndarray:
+        array: np.ndarray = x.detach().cpu().double().numpy()
+        return array
 
     class Values(torch.autograd.Function):  # type: ignore[misc, name-defined]
         @staticmethod
         def forward(ctx: Any, x: Any) -> Any:
             ctx.save_for_backward(x)
-            return x.new_tensor(values(plain(x)))
+            return x.new_tensor(values(to_numpy(x)))
 
         @staticmethod
         def backward(ctx: Any, *weights: Any) -> Any:
             (x,) = ctx.saved_tensors
-            return weights[0] @ x.new_tensor(jacobian(plain(x)))
+            return weights[0] @ x.new_tensor(jacobian(to_numpy(x)))
 
     return Values.apply  # type: ignore[no-any-return]

@@ -1,4 +1,4 @@
-"""A design as plain functions of a vector, for SciPy and whatever else optimises."""
+"""Design problem as plain functions of a vector, for SciPy and other optimisers."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 class DesignFunctions(Spelled):
     """``fun(x), jac(x)`` of the first response, ``values(x), jacobian(x)`` of all.
 
-    One run serves all that is asked of a design. ``fun`` is infinite, and ``values`` are, where a
-    run fails; slopes there raise.
+    Values and gradients of a design share one run. If the run fails, ``fun`` and ``values`` are
+    infinite and gradients raise.
 
     Parameters
     ----------
-    model, analysis : what is run
+    model, analysis : model and analysis
     responses : one or several, the objective first
-    subject_to : limits, as ``constraints`` for SciPy
+    subject_to : limits, available as ``constraints`` for SciPy
     vary : names; default all with bounds
     start : initial values
     gradient : method of ``sensitivity``
@@ -55,8 +55,8 @@ class DesignFunctions(Spelled):
     >>> rod.load(end, fx=100.0)
     >>> cost = da.final("k + 100*end.ux")
     >>> design = da.DesignFunctions(rod.build(), cost, analysis=da.Statics())
-    >>> found = minimize(design.fun, design.x0, jac=design.jac, bounds=design.bounds)
-    >>> found.x.round(3)  # of k + 1e4/k
+    >>> result = minimize(design.fun, design.x0, jac=design.jac, bounds=design.bounds)
+    >>> result.x.round(3)  # of k + 1e4/k
     array([100.])
     """
 
@@ -73,8 +73,8 @@ class DesignFunctions(Spelled):
     ):
         several = isinstance(responses, Sequence) and not isinstance(responses, (str, Response))
         listed = list(responses) if several else [responses]
-        wanted = [*listed, *(limit.response for limit in subject_to)]
-        self.problem = design_problem(model, analysis, wanted, vary, start)
+        quantities = [*listed, *(limit.response for limit in subject_to)]
+        self.problem = design_problem(model, analysis, quantities, vary, start)
         self.problem.gradient = gradient
         self.limits, self.count = list(subject_to), len(listed)
         self.names = self.problem.variables.names
@@ -83,41 +83,41 @@ class DesignFunctions(Spelled):
         self.bounds = np.stack([self.problem.variables.lower, self.problem.variables.upper], axis=1)
 
     def fun(self, x: np.ndarray) -> float:
-        """The first response."""
+        """First response."""
         return float(self.values(x)[0])
 
     def jac(self, x: np.ndarray) -> np.ndarray:
-        """(n,) its gradient."""
+        """(n,) gradient of the first response."""
         return self.jacobian(x)[0]
 
     def values(self, x: np.ndarray) -> np.ndarray:
         """(m,) all responses."""
-        return self._all(x)[: self.count]
+        return self._values(x)[: self.count]
 
     def jacobian(self, x: np.ndarray) -> np.ndarray:
-        """(m, n) their gradients."""
+        """(m, n) gradients of all responses."""
         return self._slopes(x, range(self.count))
 
     @property
     def jax(self) -> Callable[[Any], Any]:
         """``x → (m,)`` all responses as a function that JAX differentiates; ``pip install jax``.
 
-        Numbers are as precise as JAX is told to be: ``jax.config.update("jax_enable_x64", True)``.
+        For double precision, set ``jax.config.update("jax_enable_x64", True)``.
         """
         return jax_function(self.values, self.jacobian, self.count)
 
     @property
     def torch(self) -> Callable[[Any], Any]:
-        """``x → (m,)`` all responses of a tensor, which PyTorch differentiates."""
+        """``x → (m,)`` all responses as a function of a tensor that PyTorch differentiates."""
         return torch_function(self.values, self.jacobian)
 
     def limited(self, x: np.ndarray) -> np.ndarray:
-        """The responses of the limits."""
-        return self._all(x)[self.count :]
+        """Responses of the limits."""
+        return self._values(x)[self.count :]
 
     @property
     def constraints(self) -> list[NonlinearConstraint]:
-        """The limits as SciPy takes them."""
+        """Limits as constraints of SciPy."""
         from scipy.optimize import NonlinearConstraint
 
         if not self.limits:
@@ -127,23 +127,27 @@ class DesignFunctions(Spelled):
         rows = range(self.count, self.count + len(self.limits))
         return [NonlinearConstraint(self.limited, lower, upper, lambda x: self._slopes(x, rows))]
 
-    def _all(self, x: np.ndarray) -> np.ndarray:
-        found = self.problem.evaluate(x, gradient=False)
-        return np.full(len(self.problem.quantities), np.inf) if found is None else found.values
+    def _values(self, x: np.ndarray) -> np.ndarray:
+        evaluation = self.problem.evaluate(x, gradient=False)
+        return (
+            np.full(len(self.problem.quantities), np.inf)
+            if evaluation is None
+            else evaluation.values
+        )
 
     def _slopes(self, x: np.ndarray, rows: Sequence[int]) -> np.ndarray:
-        found = self.found(x)
-        return np.array([self.problem.slope(found, k) for k in rows])
+        evaluation = self.evaluate(x)
+        return np.array([self.problem.slope(evaluation, k) for k in rows])
 
-    def found(self, x: np.ndarray) -> Evaluation:
-        """The evaluation with gradient.
+    def evaluate(self, x: np.ndarray) -> Evaluation:
+        """Evaluation with gradient.
 
         Raises
         ------
         AnalysisError
-            The run fails there.
+            The run fails.
         """
-        made = self.problem.evaluate(np.asarray(x, dtype=float))
-        if made is None:
-            raise AnalysisError(f"no gradient of a design that fails: {self.problem.failures[-1]}")
-        return made
+        evaluation = self.problem.evaluate(np.asarray(x, dtype=float))
+        if evaluation is None:
+            raise AnalysisError(f"no gradient, as the run fails: {self.problem.failures[-1]}")
+        return evaluation

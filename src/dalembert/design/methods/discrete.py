@@ -94,7 +94,7 @@ class BranchAndBound(Optimizer):
         open_bounds = [n.bound for n in search.open if n.bound < search.best]
         message = f"branch and bound: {search.nodes} relaxed problems"
         if open_bounds:
-            message += f", stopped early: {len(open_bounds)} ranges of sizes are unexplored; raise max_nodes"
+            message += f", stopped early: {len(open_bounds)} ranges are unexplored; raise max_nodes"
             if can_enumerate:
                 message += ", or use method='enumeration'"
         if not search.is_convex:

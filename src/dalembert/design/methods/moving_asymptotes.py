@@ -182,7 +182,7 @@ class _InequalityConstraints:
 
 
 class _Asymptotes:
-    """Asymptotes: closer if a variable oscillates, farther if it is monotone (Svanberg 2002, 3.7)."""
+    """Asymptotes: closer if a variable oscillates, else farther (Svanberg 2002, 3.7)."""
 
     def __init__(self, program: Program):
         self.lower = np.maximum(program.z_lower, -10.0)

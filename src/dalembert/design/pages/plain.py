@@ -1,4 +1,4 @@
-"""A page of views alone, and how a notebook shows it."""
+"""Pages of views alone, and their frame in notebooks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 def plain_page(decision: Any) -> dict[str, Any]:
-    """The page of a decision without a mechanism or structure beside it."""
+    """Page of a decision without a mechanism or structure."""
     return {
         **{"format": 1, "kind": "decision", "title": decision.name, "subtitle": decision.sentence},
         "verdict": verdict(decision),
@@ -17,20 +17,20 @@ def plain_page(decision: Any) -> dict[str, Any]:
 
 
 def verdict(decision: Any) -> dict[str, Any]:
-    """How it ended, for the head of a page."""
+    """Success and summary for the head of a page."""
     return {"success": decision.ok and not decision.warnings, "text": decision.sentence}
 
 
 def all_views(decision: Any) -> list[dict[str, Any]]:
-    """The views of a decision, its warnings before them."""
+    """Warnings and views of a decision."""
     if not decision.warnings:
         return list(decision.views())
-    told = {"kind": "notes", "title": "Warnings", "texts": list(decision.warnings)}
-    return [{**told, "place": "board"}, *decision.views()]
+    notes = {"kind": "notes", "title": "Warnings", "texts": list(decision.warnings)}
+    return [{**notes, "place": "board"}, *decision.views()]
 
 
 def with_views(page: dict[str, Any], decision: Any, title: str) -> dict[str, Any]:
-    """The page of a run, with the views of the decision that it belongs to."""
+    """Page of a result, extended by the views of its decision."""
     page["title"] = f"{page['title']}: {title}"
     page["verdict"] = verdict(decision)
     page["designs"] = decision.table_of_designs()
@@ -38,8 +38,8 @@ def with_views(page: dict[str, Any], decision: Any, title: str) -> dict[str, Any
     return page
 
 
-def framed(decision: Any, height: int = 620) -> str:
-    """The page of views alone in a frame, as notebooks show it."""
+def page_frame(decision: Any, height: int = 620) -> str:
+    """HTML frame with the page of a decision, for notebooks."""
     from dalembert.report.page import render_page
 
     page = html.escape(render_page(plain_page(decision)), quote=True)

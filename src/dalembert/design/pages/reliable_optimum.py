@@ -1,4 +1,4 @@
-"""Views of an optimum with a given reliability: the limits at their worst points, the rounds."""
+"""Page of a reliability-based optimum: limits at their design points, and convergence."""
 
 from __future__ import annotations
 
@@ -11,33 +11,39 @@ from dalembert.design.pages.plain import verdict
 from dalembert.report import views
 
 
-def reliable_page(best: Any, **first_view: Any) -> dict[str, Any]:
-    """What the report of a ``ReliableOptimum`` shows: the page of the optimum, and these views."""
-    page = optimum_page(best.optimum, **first_view)
-    return page | {"views": best.views(), "verdict": verdict(best)}
+def reliable_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
+    """Page of a ``ReliableOptimum``: the page of the optimum with further views."""
+    page = optimum_page(optimum.optimum, **first_view)
+    return page | {"views": optimum.views(), "verdict": verdict(optimum)}
 
 
-def reliable_views(best: Any) -> list[dict[str, Any]]:
-    """Index of each limit, its worst point, and how the rounds came to rest."""
-    names = list(best.limits[0].point)
+def reliable_views(optimum: Any) -> list[dict[str, Any]]:
+    """Reliability index and design point of each limit, and the convergence of the rounds."""
+    names = list(optimum.limits[0].point)
     rows = [
         {
-            "name": one.label,
-            "cells": [np.nan if one.beta is None else one.beta, one.value, *one.point.values()],
+            "name": entry.label,
+            "cells": [
+                np.nan if entry.beta is None else entry.beta,
+                entry.value,
+                *entry.point.values(),
+            ],
             "unit": "",
         }
-        for one in best.limits
+        for entry in optimum.limits
     ]
     heads = ["β", "Distance at the worst point", *names]
-    made: list[dict[str, Any]] = [
+    payload: list[dict[str, Any]] = [
         {"kind": "rows", "title": "Limits and their worst points", "heads": heads, "rows": rows}
     ]
-    if len(best.rounds) > 1:
-        count = np.arange(1, len(best.rounds) + 1)
-        line = views.line("objective", count, [one.objective for one in best.rounds])
-        margin = views.line("least margin", count, [one.margin for one in best.rounds])
-        made.append(views.curves("Objective", "round", best.optimum.label, [line]))
-        made.append(views.curves("Least margin", "round", "of its limit", [margin], levels=[0.0]))
-    facts = [("β wanted", f"{best.beta:g}"), ("rounds", len(best.rounds))]
-    made.append(views.facts("Reliability", [*facts, ("runs", best.runs)]))
-    return [*made, *best.optimum.views()]
+    if len(optimum.rounds) > 1:
+        count = np.arange(1, len(optimum.rounds) + 1)
+        line = views.line("objective", count, [entry.objective for entry in optimum.rounds])
+        margin = views.line("minimum margin", count, [entry.margin for entry in optimum.rounds])
+        payload.append(views.curves("Objective", "round", optimum.optimum.label, [line]))
+        payload.append(
+            views.curves("Minimum margin", "round", "of its limit", [margin], levels=[0.0])
+        )
+    facts = [("required β", f"{optimum.beta:g}"), ("rounds", len(optimum.rounds))]
+    payload.append(views.facts("Reliability", [*facts, ("runs", optimum.runs)]))
+    return [*payload, *optimum.optimum.views()]
