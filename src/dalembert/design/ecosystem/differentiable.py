@@ -1,7 +1,7 @@
 """Responses as differentiable functions of JAX and PyTorch, both optional packages.
 
-Their automatic differentiation treats ``x → R(x)`` as one operation whose vector-Jacobian product is
-computed here, so that a mechanism can be combined with their layers and losses.
+Their automatic differentiation treats ``x → R(x)`` as one operation whose vector-Jacobian product
+is computed here, so that a mechanism can be combined with their layers and losses.
 """
 
 from __future__ import annotations

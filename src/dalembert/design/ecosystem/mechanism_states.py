@@ -30,14 +30,15 @@ Solver = Callable[[np.ndarray, np.ndarray | None], np.ndarray]
 
 @dataclass(frozen=True)
 class PositionEquations:
-    """Equations of a position and of what is unknown beside it.
+    """Equations of a position and of additional unknowns.
 
     Attributes
     ----------
     residual : SX
-    rows : natural sizes of the residual
-    beside : SX symbols of other unknowns, with their natural sizes
-    solve : ``(p, state near) → state``
+    rows : scales of the residual
+    additional : SX symbols of additional unknowns
+    additional_sizes : scales of the additional unknowns
+    solve : ``(p, initial state) → state``
     """
 
     residual: ca.SX
@@ -188,8 +189,8 @@ class MechanismTangent(StateTangent):
             return general_factors(scipy.sparse.csc_array(rows @ self.by_state @ columns))
         except np.linalg.LinAlgError:
             raise AnalysisError(
-                f"{self.states.model.name}: the position is singular or not fixed; its equations have "
-                "no unique solution nearby"
+                f"{self.states.model.name}: the position is singular or not fixed; its "
+                "equations have no unique solution nearby"
             ) from None
 
     def push(self, dx: np.ndarray, dp: np.ndarray) -> Change:

@@ -1,4 +1,4 @@
-"""Which experiment would tell most about the unknowns: D-optimality."""
+"""D-optimal choice of further experiments."""
 
 from __future__ import annotations
 
@@ -21,36 +21,40 @@ def advise(
     factor: float,
     candidates: Mapping[str, Mapping[str, float]],
 ) -> list[dict[str, Any]]:
-    """See ``Identification.advise``."""
-    made = []
+    """Rank candidate experiments; see ``Identification.advise``."""
+    rows = []
     for name, parameters in candidates.items():
-        rows = _jacobian(misfit, x, name, parameters)
-        after = Information(before.labels, np.vstack([before.jacobian, rows]), before.sizes)
+        jacobian = _candidate_jacobian(misfit, x, name, parameters)
+        after = Information(before.labels, np.vstack([before.jacobian, jacobian]), before.sizes)
         deviation = np.sqrt(np.diag(after.covariance(factor)))
-        made.append(
+        rows.append(
             {
                 "name": name,
                 "gain": after.determinant() - before.determinant(),
                 "deviation": dict(zip(before.labels, map(float, deviation), strict=True)),
             }
         )
-    return sorted(made, key=lambda row: -row["gain"])
+    return sorted(rows, key=lambda row: -row["gain"])
 
 
-def _jacobian(
+def _candidate_jacobian(
     misfit: Misfit, x: np.ndarray, name: str, parameters: Mapping[str, float]
 ) -> np.ndarray:
-    """(N, n) of one more run of the first experiment with other parameters."""
+    """(N, n) Jacobian of the first experiment repeated with other parameters."""
     first = misfit.observations[0]
-    for given in parameters:
-        if given in misfit.unknowns.where[0]:
+    for parameter in parameters:
+        if parameter in misfit.unknowns.where[0]:
             raise AnalysisError(
-                f"candidate {name!r} sets {given!r}, which is unknown; leave it out"
+                f"candidate {name!r} sets {parameter!r}, which is unknown; leave it out"
             )
-    every = {**first.experiment.parameters, **parameters}
-    again = replace(first, name=name, experiment=replace(first.experiment, parameters=every))
-    u = misfit.unknowns
-    alone = Unknowns(u.labels, u.start, u.lower, u.upper, u.where[:1], u.delays)
-    run = Misfit(misfit.model, [again], alone)
-    run.noise = [misfit.noise[0]]
-    return run.jacobian(x)
+    all_parameters = {**first.experiment.parameters, **parameters}
+    observation = replace(
+        first, name=name, experiment=replace(first.experiment, parameters=all_parameters)
+    )
+    shared = misfit.unknowns
+    unknowns = Unknowns(
+        shared.labels, shared.start, shared.lower, shared.upper, shared.where[:1], shared.delays
+    )
+    single = Misfit(misfit.model, [observation], unknowns)
+    single.noise = [misfit.noise[0]]
+    return single.jacobian(x)

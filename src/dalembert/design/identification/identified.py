@@ -1,4 +1,4 @@
-"""What an identification ends with: parameters, how sure they are, and what is left over."""
+"""Result of an identification: parameters, their confidence, and residuals."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-FEW = 20
-"""Samples below which nothing is said of how residuals follow each other."""
-EXACT = 1e-6
-"""Of the range of the data, residuals that are rounding and errors of steps."""
+MIN_SAMPLES = 20
+"""Lower limit of the samples for testing the autocorrelation of residuals."""
+ROUNDING = 1e-6
+"""Threshold for residuals due to rounding and time steps, relative to the data range [-]."""
 
 
 @dataclass(eq=False)
@@ -31,16 +31,16 @@ class Identification(Decision):
     Attributes
     ----------
     x : unknown → value
-    success, message : how least squares ended
-    deviation : unknown → standard deviation, infinite where the data cannot tell
-    noise : column → standard deviation of its noise, given or estimated
-    noise_given : whether all noise was given
-    motions : the runs with the parameters found, one per experiment
-    predicted : (K, columns) of each experiment, NaN where no sample is used
-    at_bounds : unknowns that ended at a bound; their intervals mean little
-    interrupted : by Ctrl-C; the unknowns are the best reached
-    minima : of several starts, cost and unknowns of each minimum that was found, the best first;
-        columns whose noise is not given are weighed by their scatter
+    success, message : status of the least-squares solver
+    deviation : unknown → standard deviation, infinite if the data do not determine it
+    noise : column → standard deviation of its noise, specified or estimated
+    noise_given : whether all noise was specified
+    motions : results at the identified parameters, one per experiment
+    predicted : (K, columns) of each experiment, NaN for samples that are not used
+    at_bounds : unknowns at one of their bounds; their intervals are not meaningful
+    interrupted : ended by Ctrl-C; the unknowns are the best reached
+    minima : of several starts, cost and unknowns of the distinct minima, the best first; columns
+        without specified noise are weighted by their scatter
 
     Examples
     --------
@@ -52,9 +52,9 @@ class Identification(Decision):
     >>> stone = system.add(planar.Particle("stone", mass=2.0, velocity=(v, 0)))
     >>> t = np.linspace(0, 2, 21)
     >>> noise = np.random.default_rng(1).normal(0, 0.01, t.size)
-    >>> found = da.identify(system.build(), {"time": t, "stone.x": 3 * t + noise}, vary=["v"])
+    >>> result = da.identify(system.build(), {"time": t, "stone.x": 3 * t + noise}, vary=["v"])
     >>> expected = 0.01 / np.sqrt((t**2).sum())  # of a line through the origin
-    >>> type(found) is da.Identification, bool(abs(found.x["v"] - 3) < 4 * expected)
+    >>> type(result) is da.Identification, bool(abs(result.x["v"] - 3) < 4 * expected)
     (True, True)
     """
 
@@ -79,7 +79,7 @@ class Identification(Decision):
 
     @property
     def name(self) -> str:  # type: ignore[override]
-        """Of the model."""
+        """Name of the model."""
         return str(self.misfit.model.name)
 
     @property
@@ -89,7 +89,7 @@ class Identification(Decision):
 
     @property
     def freedom(self) -> int:
-        """Samples beyond the unknowns."""
+        """Degrees of freedom: samples minus unknowns."""
         return self.samples - len(self.x)
 
     @property
@@ -99,11 +99,11 @@ class Identification(Decision):
 
     @property
     def correlation(self) -> xr.DataArray:
-        """Correlation of the unknowns; NaN where the data cannot tell."""
-        found = self.information.covariance(self.factor)
-        size = np.sqrt(np.diag(found))
+        """Correlation of the unknowns; NaN if the data do not determine it."""
+        covariance = self.information.covariance(self.factor)
+        size = np.sqrt(np.diag(covariance))
         with np.errstate(invalid="ignore"):
-            return self._square(found / np.outer(size, size), "correlation")
+            return self._square(covariance / np.outer(size, size), "correlation")
 
     def _square(self, values: np.ndarray, name: str) -> xr.DataArray:
         import xarray as xr
@@ -117,38 +117,38 @@ class Identification(Decision):
         return dict(zip(self.x, map(float, np.sqrt(variance)), strict=True))
 
     def interval(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
-        """Unknown → confidence interval; Student's where the noise was estimated."""
+        """Unknown → confidence interval; Student's t if the noise was estimated."""
         from scipy.special import ndtri, stdtrit
 
-        chance = (1 + level) / 2
-        known = self.noise_given or self.freedom < 1
-        reach = float(ndtri(chance) if known else stdtrit(self.freedom, chance))
-        return {n: (v - reach * s, v + reach * s) for (n, v), s in self._pairs()}
+        probability = (1 + level) / 2
+        is_normal = self.noise_given or self.freedom < 1
+        quantile = float(ndtri(probability) if is_normal else stdtrit(self.freedom, probability))
+        return {n: (v - quantile * s, v + quantile * s) for (n, v), s in self._pairs()}
 
     def _pairs(self) -> Any:
         return zip(self.x.items(), self.deviation.values(), strict=True)
 
     @property
     def combinations(self) -> list[Combination]:
-        """Combinations of the unknowns, the worst known first."""
+        """Combinations of the unknowns, the least certain first."""
         return self.information.combinations(self.factor)
 
     @property
     def poorly_known(self) -> list[Combination]:
-        """Combinations that the data cannot tell, or only roughly."""
+        """Combinations that the data determine poorly or not at all."""
         return [c for c in self.combinations if c.deviation > WEAK]
 
     @property
     def residuals(self) -> list[np.ndarray]:
-        """(K, columns) of model less data of each experiment, NaN where no sample is used."""
+        """(K, columns) model minus data of each experiment, NaN for samples that are not used."""
         pairs = zip(self.predicted, self.misfit.observations, strict=True)
-        return [found - o.values for found, o in pairs]
+        return [predicted - o.values for predicted, o in pairs]
 
     def advise(self, candidates: Mapping[str, Mapping[str, float]]) -> list[dict[str, Any]]:
-        """Which further experiment would tell most, by D-optimality.
+        """Rank further experiments by D-optimality.
 
-        Each candidate is a first experiment again with other parameters, of an excitation say. Its
-        Jacobian at the parameters found is joined to that of the data.
+        Each candidate repeats the first experiment with other parameters, such as those of its
+        excitation. Its Jacobian at the identified parameters is appended to that of the data.
 
         Parameters
         ----------
@@ -156,7 +156,7 @@ class Identification(Decision):
 
         Returns
         -------
-        name, ``gain`` of ``log det F`` and the ``deviation`` then expected, the best first
+        name, ``gain`` of ``log det F`` and expected ``deviation``, the best first
         """
         from dalembert.design.identification.excitation import advise
 
@@ -166,38 +166,38 @@ class Identification(Decision):
     # for people ----------------------------------------------------------------------------
     @property
     def notes(self) -> list[str]:
-        """What is doubtful about it."""
-        told = [f"{name} ended at a bound; its interval means little" for name in self.at_bounds]
-        told += [f"the data hardly tell {c}" for c in self.poorly_known]
-        told += [
-            f"{column}: neighbouring residuals agree (correlation {alike:.2f}), which noise does "
-            "not: the model lacks something, or another start fits better; intervals mean little"
-            for column, alike in self._not_noise()
+        """Reasons to doubt the result."""
+        notes = [f"{name} is at a bound; its interval is not meaningful" for name in self.at_bounds]
+        notes += [f"poorly determined by the data: {c}" for c in self.poorly_known]
+        notes += [
+            f"{column}: neighbouring residuals agree (correlation {correlation:.2f}), unlike "
+            "noise: the model is incomplete, or another start fits better; intervals are too small"
+            for column, correlation in self._correlated_residuals()
         ]
         if len(self.minima) > 1:
-            cost, other = self.minima[1]
-            at = ", ".join(f"{name} = {value:.4g}" for name, value in other.items())
-            more = f"{len(self.minima)} minima from several starts; the next is at {at}"
-            told.append(f"{more}, cost {cost:.4g} against {self.minima[0][0]:.4g}")
+            cost, x = self.minima[1]
+            location = ", ".join(f"{name} = {value:.4g}" for name, value in x.items())
+            text = f"{len(self.minima)} minima from several starts; the next best is at {location}"
+            notes.append(f"{text}, cost {cost:.4g} instead of {self.minima[0][0]:.4g}")
         if not self.success:
-            told.insert(0, self.message)
-        return told
+            notes.insert(0, self.message)
+        return notes
 
-    def _not_noise(self) -> Iterator[tuple[str, float]]:
-        """Columns whose residuals follow each other, with the correlation of neighbours."""
+    def _correlated_residuals(self) -> Iterator[tuple[str, float]]:
+        """Columns with autocorrelated residuals, and the correlation of neighbours."""
         pairs = zip(self.misfit.observations, self.residuals, strict=True)
         for number, (o, residuals) in enumerate(pairs, start=1):
             for k, column in enumerate(o.columns):
-                seen, values = residuals[:, k], o.values[:, k]
-                seen = seen[np.isfinite(seen)]
-                if seen.size < FEW or not np.std(seen) > EXACT * np.ptp(
+                samples, values = residuals[:, k], o.values[:, k]
+                samples = samples[np.isfinite(samples)]
+                if samples.size < MIN_SAMPLES or not np.std(samples) > ROUNDING * np.ptp(
                     values[np.isfinite(values)]
                 ):
                     continue
-                alike = float(seen[1:] @ seen[:-1] / (seen @ seen))
-                if alike > 0.5 and alike * np.sqrt(seen.size) > 5:
-                    several = f" of experiment {number}" if len(self.residuals) > 1 else ""
-                    yield f"{column}{several}", alike
+                correlation = float(samples[1:] @ samples[:-1] / (samples @ samples))
+                if correlation > 0.5 and correlation * np.sqrt(samples.size) > 5:
+                    suffix = f" of experiment {number}" if len(self.residuals) > 1 else ""
+                    yield f"{column}{suffix}", correlation
 
     def plot(self) -> Any:
         """Data, model and residuals of every column; returns the figure."""
@@ -231,7 +231,7 @@ class Identification(Decision):
         """Unknowns and their covariance; data and model of every experiment."""
         import xarray as xr
 
-        made = xr.Dataset(
+        dataset = xr.Dataset(
             {
                 "value": ("unknown", list(self.x.values())),
                 "deviation": ("unknown", list(self.deviation.values())),
@@ -244,37 +244,37 @@ class Identification(Decision):
             dims, coords = (f"sample_{k}", f"column_{k}"), {f"column_{k}": list(o.columns)}
             parts = {f"data_{k}": (dims, o.values), f"model_{k}": (dims, predicted)}
             times = {f"time_{k}": (dims[:1], o.times, {"units": "s"})}
-            made = made.assign(parts | times).assign_coords(coords)
-        return made
+            dataset = dataset.assign(parts | times).assign_coords(coords)
+        return dataset
 
     def to_dataframe(self) -> pd.DataFrame:
-        """One row an unknown."""
+        """One row per unknown."""
         return self.data[["value", "deviation"]].to_dataframe()
 
     def write(self, base: Path, **first_view: Any) -> list[Path]:
-        """Data, numbers and page; a picture (.identified.png), covariance (.covariance.csv)."""
+        """Write data, summary, page, picture (.identified.png) and covariance (.covariance.csv)."""
         import matplotlib as mpl
 
         from dalembert.files.atomic import atomic_path
 
         mpl.use("Agg")
-        more = [base.with_name(f"{base.name}.{e}") for e in ("identified.png", "covariance.csv")]
-        with atomic_path(more[0]) as temporary:
+        paths = [base.with_name(f"{base.name}.{e}") for e in ("identified.png", "covariance.csv")]
+        with atomic_path(paths[0]) as temporary:
             self.plot().savefig(temporary, format="png", dpi=110)
-        with atomic_path(more[1]) as temporary:
+        with atomic_path(paths[1]) as temporary:
             self.covariance.to_pandas().to_csv(temporary)
-        return [*more, *super().write(base, **first_view)]
+        return [*paths, *super().write(base, **first_view)]
 
     def table_html(self) -> str:
         from dalembert.design.identification.pictures import html
 
         kind = "given" if self.noise_given else "estimated"
         noise = ", ".join(f"{column}: {level:.3g}" for column, level in self.noise.items())
-        told = f"{self.samples} samples: {self.message}", f"noise ({kind}): {noise}"
-        return html(self._rows(), told, self.notes)
+        lines = f"{self.samples} samples: {self.message}", f"noise ({kind}): {noise}"
+        return html(self._rows(), lines, self.notes)
 
     def _rows(self) -> list[tuple[str, ...]]:
-        """Unknown, value, deviation, interval and unit of each, as text."""
+        """Name, value, deviation, interval and unit of the unknowns, as text."""
         parameters, interval = self.misfit.model.parameters, self.interval()
         rows: list[tuple[str, ...]] = []
         for (name, value), deviation in self._pairs():

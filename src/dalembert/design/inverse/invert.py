@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.identification.experiment import Measures
-from dalembert.design.identification.identify import prepared, refuse_bad_start
+from dalembert.design.identification.identify import check_start, make_misfit
 from dalembert.design.identification.least_squares import Fit, LeastSquares
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.inverse.history import History
@@ -90,18 +90,18 @@ def invert(
     if order not in (1, 2, 3):
         raise AnalysisError(f"order is {order!r}; it must be 1, 2 or 3")
     names = [name for h in histories for name in h.names]
-    misfit = prepared(
+    misfit = make_misfit(
         *(model, data, measures, [*names, *vary], analysis, time, noise, None, start),
         regularised=True,
     )
     solver = LeastSquares(misfit, "linear", tolerance, max_iterations, progress=progress)
-    given = solver.use_given_noise()
+    given = solver.use_specified_noise()
     if smoothing == "discrepancy" and not given:
         raise AnalysisError(
             "smoothing by discrepancy needs noise={column: deviation} of all columns"
         )
     x = misfit.unknowns.start
-    refuse_bad_start(misfit, x)
+    check_start(misfit, x)
     problem = _Smoothed(solver, _blocks(histories, misfit, order), smoothing, given)
     fit, mu, seen = problem.solved(x)
     defer_ctrl_c()
