@@ -148,9 +148,11 @@ def evolve(
 
     algorithm: Any = NSGA2(pop_size=points)
     if method == "nsga3":
-        is_planar = functions.count == 2
-        options = {"n_partitions": points - 1} if is_planar else {"n_points": points, "seed": rng}
-        kind = "das-dennis" if is_planar else "energy"
+        has_two_aims = functions.count == 2
+        options = (
+            {"n_partitions": points - 1} if has_two_aims else {"n_points": points, "seed": rng}
+        )
+        kind = "das-dennis" if has_two_aims else "energy"
         directions = get_reference_directions(kind, functions.count, **options)
         algorithm = NSGA3(directions)
     algorithm.setup(problem, termination=("n_gen", generations), seed=rng, verbose=False)

@@ -160,8 +160,8 @@ def _measures(
             ) from None
         if len(expressions[column]) != 1:
             raise AnalysisError(
-                f"{name}: the measure of column {column!r} has {len(expressions[column])} components; "
-                "use .x or .y"
+                f"{name}: the measure of column {column!r} has {len(expressions[column])} "
+                "components; use .x or .y"
             )
     if not expressions:
         raise AnalysisError(f"{name}: the data has no column besides its times")

@@ -266,12 +266,12 @@ class Identification(Decision):
         return [*paths, *super().write(base, **first_view)]
 
     def table_html(self) -> str:
-        from dalembert.design.identification.pictures import html
+        from dalembert.design.identification.pictures import identification_table
 
         kind = "given" if self.noise_given else "estimated"
         noise = ", ".join(f"{column}: {level:.3g}" for column, level in self.noise.items())
         lines = f"{self.samples} samples: {self.message}", f"noise ({kind}): {noise}"
-        return html(self._rows(), lines, self.notes)
+        return identification_table(self._rows(), lines, self.notes)
 
     def _rows(self) -> list[tuple[str, ...]]:
         """Name, value, deviation, interval and unit of the unknowns, as text."""

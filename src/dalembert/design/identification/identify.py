@@ -12,7 +12,7 @@ from dalembert.design.identification.identified import Identification
 from dalembert.design.identification.information import Information, inflation
 from dalembert.design.identification.least_squares import Fit, LeastSquares
 from dalembert.design.identification.misfit import Misfit
-from dalembert.design.identification.unknowns import Delays, Unknowns, unknowns_of
+from dalembert.design.identification.unknowns import Delays, Unknowns, make_unknowns
 from dalembert.design.methods.spread import check_starts, refuse_infinite_bounds, sobol_designs
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
@@ -59,7 +59,7 @@ def identify(
     time : name of the time column; by default ``time`` or ``t``
     noise : column → standard deviation, or the column that holds it; estimated by default
     delays : column → bounds of an unknown delay of its signal [s]
-    loss : ``"linear"``, or robust against outliers: ``"soft_l1"``, ``"huber"``, ``"cauchy"``, ``"arctan"``
+    loss : ``"linear"``, or robust ``"soft_l1"``, ``"huber"``, ``"cauchy"``, ``"arctan"``
     start : initial values; default nominal
     starts : number of searches for misfits with several minima, the first from ``start``, others
         from values between the bounds; the best is returned, ``minima`` lists all
@@ -154,7 +154,7 @@ def make_misfit(
     for column in deviations:
         if not any(column in o.columns for o in observations):
             raise AnalysisError(f"noise: the data has no column {column!r} in use")
-    unknowns = unknowns_of(model, observations, varied, start or {}, delays or {})
+    unknowns = make_unknowns(model, observations, varied, start or {}, delays or {})
     misfit = Misfit(model, observations, unknowns)
     if misfit.size < len(unknowns.labels) and not regularised:
         raise AnalysisError(

@@ -1,4 +1,4 @@
-"""The misfit ``r = (m(t − τ; p) − y)/σ`` of a model to its data, and its exact Jacobian."""
+"""Misfit ``r = (m(t − τ; p) − y)/σ`` of a model to data, with its exact Jacobian."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Misfit:
 
     Parameters
     ----------
-    used : for each experiment (K, columns), the samples that count
+    used : for each experiment (K, columns), mask of the samples in use
     noise : for each experiment (K, columns) standard deviations
     """
 
@@ -36,11 +36,11 @@ class Misfit:
     _last: tuple[bytes, list[Result] | None] = (b"", None)
 
     def __post_init__(self) -> None:
-        self.used = [self._used(o) for o in self.observations]
+        self.used = [self._usable(o) for o in self.observations]
         self.noise = [np.ones_like(o.values) for o in self.observations]
 
-    def _used(self, o: Observation) -> np.ndarray:
-        """Samples that are there, and inside the run whatever the delay."""
+    def _usable(self, o: Observation) -> np.ndarray:
+        """Mask of the samples that are available and within the run for all delays."""
         used = o.present.copy()
         span = getattr(o.analysis, "t_span", None) or (0.0, getattr(o.analysis, "duration", None))
         for j, column in enumerate(o.columns):
@@ -57,19 +57,19 @@ class Misfit:
         return int(sum(np.count_nonzero(u) for u in self.used))
 
     def motions(self, x: np.ndarray) -> list[Result] | None:
-        """Runs of all experiments; None where one fails, with the reason kept."""
+        """Results of all experiments; None and an entry in ``failures`` if one fails."""
         key = np.asarray(x, dtype=float).tobytes()
         if self._last[0] != key:
             self._last = key, self._run(x)
         return self._last[1]
 
     def _run(self, x: np.ndarray) -> list[Result] | None:
-        found: list[Result] = []
-        for e, o in enumerate(self.observations):
-            given = {**o.experiment.parameters, **self.unknowns.parameters(e, x)}
+        motions: list[Result] = []
+        for number, o in enumerate(self.observations):
+            parameters = {**o.experiment.parameters, **self.unknowns.parameters(number, x)}
             self.runs += 1
             try:
-                motion = o.analysis.run(self.model, given)
+                motion = o.analysis.run(self.model, parameters)
             except (AnalysisError, ModelError) as error:  # such as a mass below zero
                 self.failures.append(f"{o.name}: {error}")
                 return None
@@ -78,11 +78,11 @@ class Misfit:
             if not motion.status.success:
                 self.failures.append(f"{o.name}: {motion.status}")
                 return None
-            found.append(motion)
-        return found
+            motions.append(motion)
+        return motions
 
     def predicted(self, x: np.ndarray) -> list[np.ndarray]:
-        """(K, columns) measures of each experiment, NaN where no sample is used.
+        """(K, columns) measures of each experiment, NaN for samples that are not used.
 
         Raises
         ------
@@ -92,28 +92,28 @@ class Misfit:
         motions = self.motions(x)
         if motions is None:
             raise AnalysisError(self.failures[-1])
-        made = []
+        tables = []
         for o, motion, used in zip(self.observations, motions, self.used, strict=True):
             table = np.full(o.values.shape, np.nan)
-            for delay, group in self._groups(o, x):
+            for delay, group in self._delay_groups(o, x):
                 rows = np.flatnonzero(np.any(used[:, group], axis=1))
-                at = motion.at(o.times[rows] - delay)
+                samples = motion.at(o.times[rows] - delay)
                 for j in group:
-                    table[rows, j] = at.values(o.measures[j])
-            made.append(np.where(used, table, np.nan))
-        return made
+                    table[rows, j] = samples.values(o.measures[j])
+            tables.append(np.where(used, table, np.nan))
+        return tables
 
     def residual(self, x: np.ndarray) -> np.ndarray:
-        """(N,) residuals in standard deviations; infinite where a run fails."""
+        """(N,) residuals in standard deviations; infinite if a run fails."""
         try:
-            found = self.predicted(x)
+            predicted = self.predicted(x)
         except AnalysisError:
             return np.full(self.size, np.inf)
-        parts = zip(found, self.observations, self.noise, self.used, strict=True)
+        parts = zip(predicted, self.observations, self.noise, self.used, strict=True)
         return np.concatenate([((m - o.values) / s)[u] for m, o, s, u in parts])
 
     def jacobian(self, x: np.ndarray) -> np.ndarray:
-        """(N, n) derivatives of the residuals, from the exact gradients of all samples.
+        """(N, n) exact derivatives of the residuals.
 
         Raises
         ------
@@ -125,32 +125,34 @@ class Misfit:
             raise AnalysisError(self.failures[-1])
         rows = []
         for e, (o, motion) in enumerate(zip(self.observations, motions, strict=True)):
-            table = self._table(e, o, motion, x)
+            table = self._gradient_table(e, o, motion, x)
             scaled = table / self.noise[e][:, :, None]
             rows.append(scaled[self.used[e]])
         return np.vstack(rows)
 
-    def _table(self, e: int, o: Observation, motion: Result, x: np.ndarray) -> np.ndarray:
+    def _gradient_table(self, e: int, o: Observation, motion: Result, x: np.ndarray) -> np.ndarray:
         """(K, columns, n) derivatives of the measures of one experiment."""
         where, used = self.unknowns.where[e], self.used[e]
         table = np.zeros((*o.values.shape, x.size))
-        for delay, group in self._groups(o, x):
+        for delay, group in self._delay_groups(o, x):
             rows = np.flatnonzero(np.any(used[:, group], axis=1))
             if not rows.size:
                 continue
-            at = motion.at(o.times[rows] - delay)
+            samples = motion.at(o.times[rows] - delay)
             if where:
-                found = history_gradients(at, [o.measures[j] for j in group], list(where))
-                for j, columns in zip(group, found, strict=True):
+                gradients = history_gradients(samples, [o.measures[j] for j in group], list(where))
+                for j, columns in zip(group, gradients, strict=True):
                     table[rows[:, None], j, np.array(list(where.values()))] = columns
             for j in group:
                 if o.columns[j] in self.unknowns.delays:
                     table[rows, j, self.unknowns.delays[o.columns[j]]] = -history_rates(
-                        at, o.measures[j]
+                        samples, o.measures[j]
                     )
         return table
 
-    def _groups(self, o: Observation, x: np.ndarray) -> list[tuple[float, list[int]]]:
-        """Delays, and the columns that have them."""
+    def _delay_groups(self, o: Observation, x: np.ndarray) -> list[tuple[float, list[int]]]:
+        """Distinct delays, each with its columns."""
         delays = [self.unknowns.delay(c, x) for c in o.columns]
-        return [(d, [j for j, own in enumerate(delays) if own == d]) for d in dict.fromkeys(delays)]
+        return [
+            (d, [j for j, delay in enumerate(delays) if delay == d]) for d in dict.fromkeys(delays)
+        ]

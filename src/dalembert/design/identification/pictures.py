@@ -1,4 +1,4 @@
-"""Pictures and the page of an identification."""
+"""Figure and table of an identification."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dalembert.design.identification.misfit import Misfit
 
 
 def plot_fit(misfit: Misfit, predicted: Sequence[np.ndarray]) -> Any:
-    """Data with the model above, residuals in standard deviations below; one column each."""
+    """Figure of data and model, with residuals in standard deviations below, per column."""
     import matplotlib.pyplot as plt
 
     observations = misfit.observations
@@ -25,15 +25,17 @@ def plot_fit(misfit: Misfit, predicted: Sequence[np.ndarray]) -> Any:
         squeeze=False,
         layout="constrained",
     )
-    for e, (o, model, noise) in enumerate(zip(observations, predicted, misfit.noise, strict=True)):
+    for number, (o, prediction, noise) in enumerate(
+        zip(observations, predicted, misfit.noise, strict=True)
+    ):
         for j, column in enumerate(o.columns):
             above, below = axes[:, columns.index(column)]
-            used, colour = np.isfinite(model[:, j]), f"C{e}"
+            used, colour = np.isfinite(prediction[:, j]), f"C{number}"
             time = o.times[used]
             above.plot(o.times, o.values[:, j], ".", ms=4, color=colour, alpha=0.45)
-            above.plot(time, model[used, j], color=colour, lw=1.4, label=o.name)
-            rest = (model - o.values)[used, j] / noise[used, j]
-            below.plot(time, rest, ".", ms=3, color=colour)
+            above.plot(time, prediction[used, j], color=colour, lw=1.4, label=o.name)
+            residuals = (prediction - o.values)[used, j] / noise[used, j]
+            below.plot(time, residuals, ".", ms=3, color=colour)
     for column, (above, below) in zip(columns, axes.T, strict=True):
         above.set_title(column, loc="left")
         below.set(xlabel="time [s]", ylabel="residual / σ")
@@ -47,14 +49,16 @@ def plot_fit(misfit: Misfit, predicted: Sequence[np.ndarray]) -> Any:
     return figure
 
 
-def html(rows: Sequence[Sequence[str]], told: tuple[str, str], notes: Sequence[str]) -> str:
-    """Table of the unknowns with their intervals, and what is doubtful."""
+def identification_table(
+    rows: Sequence[Sequence[str]], lines: tuple[str, str], notes: Sequence[str]
+) -> str:
+    """HTML table of the unknowns with their intervals and notes."""
     head = "".join(f"<th>{h}</th>" for h in ("unknown", "value", "±", "95 % interval", "unit"))
     cells = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
     body = "".join(f"<tr>{row}</tr>" for row in cells)
     listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
     return (
-        f"<p><b>Identification</b>, {escape(told[0])}</p>"
+        f"<p><b>Identification</b>, {escape(lines[0])}</p>"
         f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-        f"<p>{escape(told[1])}</p><ul>{listed}</ul>"
+        f"<p>{escape(lines[1])}</p><ul>{listed}</ul>"
     )

@@ -14,13 +14,13 @@ from dalembert.errors import AnalysisError, ModelError
 from dalembert.units.unit import unit
 
 READERS = {".csv": "read_csv", ".txt": "read_csv", ".parquet": "read_parquet"}
-"""Ending of a file → what of pandas reads it."""
+"""File suffix → reader of pandas."""
 MARKERS = ".c3d"
-"""That of markers of motion capture."""
+"""File suffix of motion-capture markers."""
 
 
 def read_table(source: Any) -> dict[str, np.ndarray]:
-    """Column → numbers, NaN where a sample is missing.
+    """Column → numbers, NaN for missing samples.
 
     Parameters
     ----------
@@ -30,10 +30,10 @@ def read_table(source: Any) -> dict[str, np.ndarray]:
     Raises
     ------
     AnalysisError
-        No such file, a file that is none of these, or a table without rows.
+        The file is missing or of an unsupported type, or the table is empty.
     """
     if isinstance(source, (str, Path)):
-        source = _file(Path(source))
+        source = _read_file(Path(source))
     if hasattr(source, "to_pandas"):
         source = source.to_pandas()
     if isinstance(source, Mapping):
@@ -43,42 +43,43 @@ def read_table(source: Any) -> dict[str, np.ndarray]:
             source = source.reset_index()
         columns = dict(_in_si(str(name), source[name]) for name in source.columns)
     else:
-        kind = type(source).__name__
+        type_name = type(source).__name__
         raise AnalysisError(
-            f"data is a {kind}; give a DataFrame, a mapping of columns, or a .csv or .parquet file"
+            f"data is a {type_name}; give a DataFrame, a mapping of columns, or a .csv or .parquet "
+            "file"
         )
-    read = {name: _numbers(values) for name, values in columns.items()}
-    found = {name: values for name, values in read.items() if values is not None}
-    sizes = {values.size for values in found.values()}
+    numbers = {name: _numbers(values) for name, values in columns.items()}
+    numeric = {name: values for name, values in numbers.items() if values is not None}
+    sizes = {values.size for values in numeric.values()}
     if len(sizes) > 1:
-        told = ", ".join(f"{name}: {values.size}" for name, values in found.items())
-        raise AnalysisError(f"the columns of the data differ in length ({told})")
+        lengths = ", ".join(f"{name}: {values.size}" for name, values in numeric.items())
+        raise AnalysisError(f"the columns of the data differ in length ({lengths})")
     if not sizes or sizes == {0}:
         raise AnalysisError("the data has no rows of numbers; give at least one sample")
-    return found
+    return numeric
 
 
 def _in_si(heading: str, values: Any) -> tuple[str, Any]:
-    """The name and values of a column in SI units; a heading may read ``crank.angle [deg]``."""
-    named = re.fullmatch(r"(.*\S)\s+\[(.+)\]", heading)
-    if named is None:
+    """Name and values of a column in SI units; headings may have units, ``crank.angle [deg]``."""
+    match = re.fullmatch(r"(.*\S)\s+\[(.+)\]", heading)
+    if match is None:
         return heading, values
     try:
-        factor = unit(named[2]).factor
+        factor = unit(match[2]).factor
     except ModelError as error:
         raise AnalysisError(f"column {heading!r}: {error.message}") from None
-    return named[1], values if factor == 1.0 else np.asarray(values) * factor
+    return match[1], values if factor == 1.0 else np.asarray(values) * factor
 
 
-def _file(path: Path) -> Any:
+def _read_file(path: Path) -> Any:
     import pandas as pd
 
     reader = READERS.get(path.suffix.lower())
     if reader is None and path.suffix.lower() != MARKERS:
-        known = ", ".join((*READERS, MARKERS))
-        raise AnalysisError(f"{path}: is none of {known}; convert it to CSV")
+        formats = ", ".join((*READERS, MARKERS))
+        raise AnalysisError(f"{path}: unsupported type, use one of {formats}; convert it to CSV")
     if not path.is_file():
-        raise AnalysisError(f"{path}: there is no such file of data")
+        raise AnalysisError(f"{path}: the data file does not exist")
     if reader is None:
         return read_markers(path)
     try:
@@ -87,12 +88,12 @@ def _file(path: Path) -> Any:
         raise AnalysisError(
             f"{path}: reading Parquet needs pyarrow; 'pip install pyarrow', or give CSV"
         ) from None
-    except (ValueError, OSError) as error:  # pandas' own errors of reading are ValueErrors
+    except (ValueError, OSError) as error:  # parser errors of pandas are ValueErrors
         raise AnalysisError(f"{path}: cannot be read as a table ({error})") from None
 
 
 def _numbers(values: Any) -> np.ndarray | None:
-    """(K,) numbers of a column, None where it holds something else."""
+    """(K,) numbers of a column, None if it holds other data."""
     try:
         return np.asarray(values, dtype=float).ravel()
     except (TypeError, ValueError):

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dalembert.decode.methods.base import Optimizer, OptimizerResult, Stop
-from dalembert.decode.methods.slsqp import Slsqp
-from dalembert.decode.optimize.program import Program
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
+from dalembert.design.methods.slsqp import Slsqp
+from dalembert.design.optimize.program import Program
 from dalembert.options import options
 
 

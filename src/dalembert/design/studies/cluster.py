@@ -1,4 +1,4 @@
-"""Designs on a Dask cluster."""
+"""Evaluation of designs on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from dalembert.design.studies.workers import DIED, Chunk, answer_chunk
 from dalembert.errors import AnalysisError, UnsupportedError
 
 _tasks: dict[str, StudyTask] = {}
-"""Of this worker: one of each study, as making it costs more than a design."""
+"""Task of the current study on this worker, cached as it is expensive to build."""
 WAIT = 5.0
-"""For the scheduler to answer [s]."""
-_one_at_a_time = threading.Lock()
-"""Compiled functions are not shared between the threads of a worker."""
+"""Upper limit of the time to connect to the scheduler [s]."""
+_task_lock = threading.Lock()
+"""Serialises the threads of a worker, as compiled functions are not thread-safe."""
 
 
-def answer_there(identity: str, make: Callable[[], StudyTask], chunk: Chunk) -> list[Answer]:
-    """On a worker: the task, made once, and its answers."""
-    with _one_at_a_time:
+def answer_on_worker(identity: str, make: Callable[[], StudyTask], chunk: Chunk) -> list[Answer]:
+    """Answers of a chunk, computed on a worker; builds the task once."""
+    with _task_lock:
         if identity not in _tasks:
             _tasks.clear()
             _tasks[identity] = make()
@@ -30,14 +30,14 @@ def answer_there(identity: str, make: Callable[[], StudyTask], chunk: Chunk) -> 
 
 @dataclass(frozen=True, eq=False)
 class Cluster:
-    """The workers of a Dask scheduler; one that dies, Dask replaces by another.
+    """Workers of a Dask scheduler, which replaces workers that die.
 
     Parameters
     ----------
-    scheduler : its address, such as ``tcp://host:8786``
-    make : makes the task on each worker
-    task : made here
-    identity : of the study
+    scheduler : address, such as ``tcp://host:8786``
+    make : function that builds the task on each worker
+    task : task built in this process
+    identity : hash of the study
     """
 
     scheduler: str
@@ -60,27 +60,27 @@ class Cluster:
     def _answers(
         self, distributed: Any, client: Any, chunks: list[Chunk]
     ) -> Iterator[list[Answer]]:
-        def give(chunk: Chunk) -> Any:
-            future = client.submit(answer_there, self.identity, self.make, chunk, pure=False)
-            given[future.key] = chunk
+        def submit(chunk: Chunk) -> Any:
+            future = client.submit(answer_on_worker, self.identity, self.make, chunk, pure=False)
+            submitted[future.key] = chunk
             return future
 
-        given: dict[str, Chunk] = {}
-        running = distributed.as_completed([give(chunk) for chunk in chunks], loop=client.loop)
+        submitted: dict[str, Chunk] = {}
+        running = distributed.as_completed([submit(chunk) for chunk in chunks], loop=client.loop)
         for future in running:
-            chunk = given.pop(future.key)
+            chunk = submitted.pop(future.key)
             if future.status == "finished":
                 yield future.result()
             elif future.status != "error" and client.status == "running":
-                running.add(give(chunk))  # forgotten with the worker that had it
+                running.add(submit(chunk))  # lost with its worker
             elif future.status != "error":
                 raise AnalysisError(f"the scheduler at {self.scheduler} is gone; start it again")
             elif not isinstance(error := future.exception(), distributed.KilledWorker):
-                raise AnalysisError(f"a worker of {self.scheduler} cannot work: {error!r}")
+                raise AnalysisError(f"a worker of {self.scheduler} failed: {error!r}")
             elif chunk.numbers.size == 1:
                 yield [self.task.failed(int(chunk.numbers[0]), DIED)]
             else:
-                running.update([give(one) for one in chunk.parted()])
+                running.update([submit(single) for single in chunk.split()])
 
 
 def _distributed() -> Any:

@@ -1,4 +1,4 @@
-"""File formats of the tables of a study: Parquet where pyarrow is installed, otherwise CSV."""
+"""Table formats of a study: Parquet if pyarrow is installed, otherwise CSV."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ CSV_NOTE = "the table is CSV, because pyarrow is not installed: pip install 'dal
 
 
 class TableFormat(Protocol):
-    """Named columns in a file that is there whole or not at all."""
+    """Format of a table file that is written atomically."""
 
     suffix: str
     note: str
-    """What users should know about the choice."""
+    """Remark on the choice of the format."""
 
     def write(self, columns: Mapping[str, Any], target: Path) -> None:
-        """Write whole numbers, numbers (NaN is none) and texts."""
+        """Write columns of integers, numbers (NaN if missing) and texts."""
         ...
 
     def read(self, path: Path, numbers: list[str]) -> dict[str, list[Any]]:
-        """The columns; texts but for ``design`` and those of ``numbers``."""
+        """Read columns: ``design`` as integers, ``numbers`` as numbers, others as texts."""
         ...
 
 
@@ -41,16 +41,16 @@ class Parquet:
         import pyarrow as arrow
         import pyarrow.parquet as parquet
 
-        made = {}
+        arrays = {}
         for name, values in columns.items():
             column = np.asarray(values)
-            if column.dtype.kind == "f":  # null for no number, so that equal tables compare equal
-                made[name] = arrow.array(column.astype(float), from_pandas=True)
+            if column.dtype.kind == "f":  # NaN as null, so that equal tables compare equal
+                arrays[name] = arrow.array(column.astype(float), from_pandas=True)
             else:
-                kind = arrow.int64() if column.dtype.kind == "i" else arrow.string()
-                made[name] = arrow.array(column.tolist(), kind)
+                arrow_type = arrow.int64() if column.dtype.kind == "i" else arrow.string()
+                arrays[name] = arrow.array(column.tolist(), arrow_type)
         with atomic_path(target) as path:
-            parquet.write_table(arrow.table(made), path, write_page_checksum=True)
+            parquet.write_table(arrow.table(arrays), path, write_page_checksum=True)
 
     def read(self, path: Path, numbers: list[str]) -> dict[str, list[Any]]:
         import pyarrow.parquet as parquet
@@ -63,28 +63,28 @@ class Parquet:
 
 
 class Csv:
-    """Comma-separated values; numbers have all their digits, no number is an empty cell."""
+    """Comma-separated values; numbers have all digits, NaN is an empty cell."""
 
     suffix = ".csv"
     note = CSV_NOTE
 
     def write(self, columns: Mapping[str, Any], target: Path) -> None:
-        listed = [[_cell(value) for value in np.asarray(c).tolist()] for c in columns.values()]
+        cells = [[_cell(value) for value in np.asarray(c).tolist()] for c in columns.values()]
         with atomic_path(target) as path, path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(columns)
-            writer.writerows(zip(*listed, strict=True))
+            writer.writerows(zip(*cells, strict=True))
 
     def read(self, path: Path, numbers: list[str]) -> dict[str, list[Any]]:
         with path.open(newline="", encoding="utf-8") as file:
             head, *rows = csv.reader(file, strict=True)
-        found: dict[str, list[Any]] = {
+        columns: dict[str, list[Any]] = {
             name: list(column) for name, column in zip(head, zip(*rows, strict=True), strict=True)
         }
         for name in numbers:
-            found[name] = [float(cell) if cell else float("nan") for cell in found[name]]
-        found["design"] = [int(cell) for cell in found["design"]]
-        return found
+            columns[name] = [float(cell) if cell else float("nan") for cell in columns[name]]
+        columns["design"] = [int(cell) for cell in columns["design"]]
+        return columns
 
 
 def _cell(value: Any) -> str:
@@ -94,12 +94,12 @@ def _cell(value: Any) -> str:
 
 
 def table_format(parts: Path) -> TableFormat:
-    """The format of the parts that are there; of a new study Parquet, without pyarrow CSV.
+    """Format of the existing parts; of a new study Parquet, or CSV without pyarrow.
 
     Raises
     ------
     UnsupportedError
-        The parts are Parquet, and there is no pyarrow.
+        The parts are Parquet, and pyarrow is not installed.
     """
     if any(parts.glob("part-*.csv")):
         return Csv()
