@@ -207,8 +207,8 @@ class SumOfSquares(Spelled, Quantity):
     >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
     >>> for name, load in (("a", 10.0), ("b", 30.0)):
     ...     spring.load(end, case=name, fx=load)
-    >>> seen = [da.at(0, "end.ux"), da.at(1, "end.ux")]
-    >>> aim = da.SumOfSquares(seen, targets=[0.11, 0.29])
+    >>> measured = [da.at(0, "end.ux"), da.at(1, "end.ux")]
+    >>> aim = da.SumOfSquares(measured, targets=[0.11, 0.29])
     >>> best = da.optimize(spring.build(), aim, analysis=da.Statics())
     >>> round(best.x["k"], 3)  # Σ F²/Σ F u
     102.041

@@ -268,7 +268,7 @@ class Identification(Decision):
     def table_html(self) -> str:
         from dalembert.design.identification.pictures import identification_table
 
-        kind = "given" if self.noise_given else "estimated"
+        kind = "specified" if self.noise_given else "estimated"
         noise = ", ".join(f"{column}: {level:.3g}" for column, level in self.noise.items())
         lines = f"{self.samples} samples: {self.message}", f"noise ({kind}): {noise}"
         return identification_table(self._rows(), lines, self.notes)

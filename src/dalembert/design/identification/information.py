@@ -32,13 +32,13 @@ class Combination:
 
     def __str__(self) -> str:
         parts = sorted(self.direction.items(), key=lambda item: -abs(item[1]))
-        shown = [f"{v:+.2f} Δ{n}/{n}" for n, v in parts if abs(v) >= 0.05]
+        terms = [f"{v:+.2f} Δ{n}/{n}" for n, v in parts if abs(v) >= 0.05]
         certainty = (
             "not determined"
             if np.isinf(self.deviation)
             else f"relative deviation {self.deviation:.2g}"
         )
-        return f"{' '.join(shown)}: {certainty}"
+        return f"{' '.join(terms)}: {certainty}"
 
 
 @dataclass(frozen=True)

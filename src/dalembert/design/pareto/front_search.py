@@ -137,7 +137,7 @@ class FrontSearch:
         except KeyboardInterrupt:
             if not self.solutions:
                 raise
-            front = self.result(method, f"interrupted after {len(self.found)} searches")
+            front = self.result(method, f"interrupted after {len(self.solutions)} searches")
             front.interrupted = True
             return front
 
