@@ -145,6 +145,6 @@ class Decision(ABC):
         return messages(("warning", text) for text in self.warnings)
 
     def _repr_html_(self) -> str:
-        from dalembert.design.pages.plain import page_frame
+        from dalembert.design.pages.decision import page_frame
 
         return self.table_html() + page_frame(self)

@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.design.decision import Decision
-from dalembert.design.identification.information import WEAK, Combination, Information
+from dalembert.design.identification.information import (
+    WEAK,
+    Combination,
+    Information,
+    rank_experiments,
+)
 from dalembert.design.identification.misfit import Misfit
 from dalembert.results.result import Result
 
@@ -158,10 +163,8 @@ class Identification(Decision):
         -------
         name, ``gain`` of ``log det F`` and expected ``deviation``, the best first
         """
-        from dalembert.design.identification.excitation import advise
-
         x = np.array(list(self.x.values()))
-        return advise(self.misfit, self.information, x, self.factor, candidates)
+        return rank_experiments(self.misfit, self.information, x, self.factor, candidates)
 
     # for people ----------------------------------------------------------------------------
     @property
@@ -201,7 +204,7 @@ class Identification(Decision):
 
     def plot(self) -> Any:
         """Data, model and residuals of every column; returns the figure."""
-        from dalembert.design.identification.pictures import plot_fit
+        from dalembert.design.pages.identification import plot_fit
 
         return plot_fit(self.misfit, self.predicted)
 
@@ -266,7 +269,7 @@ class Identification(Decision):
         return [*paths, *super().write(base, **first_view)]
 
     def table_html(self) -> str:
-        from dalembert.design.identification.pictures import identification_table
+        from dalembert.design.pages.identification import identification_table
 
         kind = "specified" if self.noise_given else "estimated"
         noise = ", ".join(f"{column}: {level:.3g}" for column, level in self.noise.items())

@@ -11,9 +11,12 @@ from dalembert.design.identification.experiment import Experiment, Measures, obs
 from dalembert.design.identification.identified import Identification
 from dalembert.design.identification.information import Information, inflation
 from dalembert.design.identification.least_squares import Fit, LeastSquares
-from dalembert.design.identification.misfit import Misfit
-from dalembert.design.identification.unknowns import Delays, Unknowns, make_unknowns
-from dalembert.design.methods.spread import check_starts, refuse_infinite_bounds, sobol_designs
+from dalembert.design.identification.misfit import Delays, Misfit, Unknowns, make_unknowns
+from dalembert.design.methods.search_options import (
+    check_starts,
+    refuse_infinite_bounds,
+    sobol_designs,
+)
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.identification.misfit import Misfit
-from dalembert.design.methods.stop import check_stop
+from dalembert.design.methods.search_options import check_stop
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import raising_ctrl_c
 

@@ -14,7 +14,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from dalembert.design.methods.stop import Stop
+from dalembert.design.methods.search_options import Stop
 from dalembert.design.optimize.program import Program
 
 

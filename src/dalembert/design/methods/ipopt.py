@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.design.methods.base import Optimizer, OptimizerResult
-from dalembert.design.methods.stop import Stop
+from dalembert.design.methods.search_options import Stop
 from dalembert.design.optimize.program import Program
 from dalembert.interrupts import check_ctrl_c
 from dalembert.options import options

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
+from dalembert.design.methods.search_options import sobol_designs
 from dalembert.design.methods.slsqp import Slsqp
-from dalembert.design.methods.spread import sobol_designs
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
 

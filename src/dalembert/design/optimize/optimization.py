@@ -13,14 +13,14 @@ from dalembert.design.case import Case
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.methods.registry import make_optimizer
+from dalembert.design.methods.search_options import OnIteration, iteration_callback
 from dalembert.design.optimize.evaluation_log import EvaluationLog
+from dalembert.design.optimize.optimality import solve_to_stationarity
 from dalembert.design.optimize.optimum import Optimum
 from dalembert.design.optimize.outcome import verified_optimum
 from dalembert.design.optimize.problem import DesignProblem, common_parameters
 from dalembert.design.optimize.program import Program
-from dalembert.design.optimize.settling import solve_to_stationarity
 from dalembert.design.quantity import Quantity, with_case
-from dalembert.design.telling import OnIteration, iteration_callback
 from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from dalembert.design.bounded import Bounded
 from dalembert.design.decision import Decision
+from dalembert.design.limit import Bounded
 from dalembert.results.result import Result
 
 if TYPE_CHECKING:
@@ -157,7 +157,7 @@ class Optimum(Decision):
         return self.table_html() + InlinePage(self.page())._repr_html_()
 
     def table_html(self) -> str:
-        from dalembert.design.optimize.optimum_table import optimum_table
+        from dalembert.design.pages.optimum import optimum_table
 
         return optimum_table(self)
 

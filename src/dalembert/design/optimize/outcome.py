@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.design.bounded import Bounded
+from dalembert.design.limit import Bounded
 from dalembert.design.methods.base import OptimizerResult
 from dalembert.design.optimize.optimality import OPTIMAL, Multipliers, multipliers, why_stuck
 from dalembert.design.optimize.optimum import Iterate, Optimum

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.alternatives import alternative, thinned
-from dalembert.design.pages.plain import plain_page, with_views
+from dalembert.design.pages.decision import alternative, plain_page, thinned, with_views
 from dalembert.report import views
 
 MAX_MATRIX = 6

@@ -1,4 +1,4 @@
-"""Page of a reliability analysis: result at the design point, index β and sensitivities."""
+"""Pages of a reliability analysis and of a reliability-based optimum."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.plain import plain_page, with_views
+from dalembert.design.pages.decision import plain_page, verdict, with_views
+from dalembert.design.pages.optimum import optimum_page
 from dalembert.report import views
 
 
@@ -116,3 +117,41 @@ def _table(reliability: Any) -> dict[str, Any]:
     ]
     heads = ["Median", "Design point", "Deviations"]
     return {"kind": "rows", "title": "Random parameters", "heads": heads, "rows": rows}
+
+
+def reliable_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
+    """Page of a ``ReliableOptimum``: the page of the optimum with further views."""
+    page = optimum_page(optimum.optimum, **first_view)
+    return page | {"views": optimum.views(), "verdict": verdict(optimum)}
+
+
+def reliable_views(optimum: Any) -> list[dict[str, Any]]:
+    """Reliability index and design point of each limit, and the convergence of the rounds."""
+    names = list(optimum.limits[0].point)
+    rows = [
+        {
+            "name": entry.label,
+            "cells": [
+                np.nan if entry.beta is None else entry.beta,
+                entry.value,
+                *entry.point.values(),
+            ],
+            "unit": "",
+        }
+        for entry in optimum.limits
+    ]
+    heads = ["β", "Distance at the worst point", *names]
+    payload: list[dict[str, Any]] = [
+        {"kind": "rows", "title": "Limits and their worst points", "heads": heads, "rows": rows}
+    ]
+    if len(optimum.rounds) > 1:
+        count = np.arange(1, len(optimum.rounds) + 1)
+        line = views.line("objective", count, [entry.objective for entry in optimum.rounds])
+        margin = views.line("minimum margin", count, [entry.margin for entry in optimum.rounds])
+        payload.append(views.curves("Objective", "round", optimum.optimum.label, [line]))
+        payload.append(
+            views.curves("Minimum margin", "round", "of its limit", [margin], levels=[0.0])
+        )
+    facts = [("required β", f"{optimum.beta:g}"), ("rounds", len(optimum.rounds))]
+    payload.append(views.facts("Reliability", [*facts, ("runs", optimum.runs)]))
+    return [*payload, *optimum.optimum.views()]

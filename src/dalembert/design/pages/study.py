@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.plain import plain_page
+from dalembert.design.pages.decision import plain_page
 from dalembert.report import views
 
 MAX_DESIGNS = 1500

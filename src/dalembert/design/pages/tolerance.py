@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.plain import plain_page, with_views
+from dalembert.design.pages.decision import plain_page, with_views
 from dalembert.report import views
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.plain import with_views
+from dalembert.design.pages.decision import with_views
 from dalembert.report import views
 from dalembert.results.pictures.scene import standing
 

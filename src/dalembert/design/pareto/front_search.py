@@ -10,10 +10,9 @@ import numpy as np
 from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer, Stop
-from dalembert.design.optimize.optimality import OPTIMAL, multipliers
+from dalembert.design.optimize.optimality import OPTIMAL, multipliers, solve_to_stationarity
 from dalembert.design.optimize.outcome import violated_limits
 from dalembert.design.optimize.program import FEASIBLE, Program
-from dalembert.design.optimize.settling import solve_to_stationarity
 from dalembert.design.pareto.front import Front, nondominated
 from dalembert.design.quantity import Quantity
 from dalembert.design.weighted import Weighted

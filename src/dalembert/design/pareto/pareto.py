@@ -12,7 +12,11 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer
 from dalembert.design.methods.registry import make_optimizer
-from dalembert.design.methods.spread import check_starts, refuse_infinite_bounds, sobol_designs
+from dalembert.design.methods.search_options import (
+    check_starts,
+    refuse_infinite_bounds,
+    sobol_designs,
+)
 from dalembert.design.pareto.front import Front
 from dalembert.design.pareto.front_search import FrontSearch, make_front
 from dalembert.errors import AnalysisError, UnsupportedError

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.design.methods.stop import check_stop
+from dalembert.design.methods.search_options import check_stop
 from dalembert.design.reliability.limit_state import LimitStates
 from dalembert.design.reliability.nataf import Nataf
 from dalembert.design.reliability.quasi_newton import LagrangianHessian

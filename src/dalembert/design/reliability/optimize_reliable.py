@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.bounded import Bounded
-from dalembert.design.limit import Limit
+from dalembert.design.limit import Bounded, Limit
 from dalembert.design.methods.base import Optimizer, Stop
+from dalembert.design.methods.search_options import OnIteration
 from dalembert.design.optimize.evaluation_log import EvaluationLog
 from dalembert.design.optimize.optimization import (
     OptimizerSettings,
@@ -30,7 +30,6 @@ from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Correlation
 from dalembert.design.reliability.reliable_optimum import ReliableLimit, ReliableOptimum, Round
 from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
-from dalembert.design.telling import OnIteration
 from dalembert.design.variables import varied_names
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from dalembert.analysis.progress import Reported, progress_reporter
-from dalembert.design.methods.spread import check_starts
-from dalembert.design.methods.stop import check_stop
+from dalembert.design.methods.search_options import check_starts, check_stop
 from dalembert.design.reliability.design_points import design_points
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.first_order import Search

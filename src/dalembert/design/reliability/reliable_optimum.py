@@ -86,7 +86,7 @@ class ReliableOptimum(Decision):
     """
 
     word = "optimum"
-    page_functions = "reliable_optimum:reliable"
+    page_functions = "reliability:reliable"
     optimum: Optimum
     beta: float
     limits: list[ReliableLimit]

@@ -11,12 +11,13 @@ import numpy as np
 
 from dalembert.design.decision import Decision
 from dalembert.design.studies.design import Design
-from dalembert.design.studies.tables import CSV_NOTE
 from dalembert.errors import AnalysisError
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+CSV_NOTE = "the table is CSV, because pyarrow is not installed: pip install 'dalembert[study]'"
 
 
 @dataclass(frozen=True, eq=False)

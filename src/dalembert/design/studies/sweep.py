@@ -10,12 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from dalembert.analysis.progress import Reported, progress_reporter
-from dalembert.design.studies.cluster import Cluster
 from dalembert.design.studies.design import Design
 from dalembert.design.studies.folder import StudyFolder
 from dalembert.design.studies.study import Study
 from dalembert.design.studies.task import Answer, StudyTask
-from dalembert.design.studies.workers import Chunk, InProcess, Processes, Workers
+from dalembert.design.studies.workers import Chunk, Cluster, InProcess, Processes, Workers
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.responses.several import as_responses

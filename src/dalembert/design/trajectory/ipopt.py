@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.design.telling import OnIteration
+from dalembert.design.methods.search_options import OnIteration
 from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.interrupts import searching

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
-from dalembert.design.methods.stop import check_stop
+from dalembert.design.methods.search_options import check_stop
 from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.transcription import Transcription
 from dalembert.errors import AnalysisError, UnsupportedError

@@ -15,7 +15,7 @@ import numpy as np
 
 from dalembert.analysis.served import need_mechanism
 from dalembert.design.limit import Limit
-from dalembert.design.telling import OnIteration, iteration_callback
+from dalembert.design.methods.search_options import OnIteration, iteration_callback
 from dalembert.design.trajectory.chattering import WEIGHT, roughness
 from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.control import Control
