@@ -54,17 +54,17 @@ from dalembert.design.ecosystem.openmdao_implicit import (
 )
 from dalembert.design.ecosystem.pymoo_problem import pymoo_problem as pymoo_problem
 from dalembert.design.identification.experiment import Experiment as Experiment
-from dalembert.design.identification.identified import Identification as Identification
+from dalembert.design.identification.identification import Identification as Identification
 from dalembert.design.identification.identify import identify as identify
 from dalembert.design.inverse.history import History as History, history as history
 from dalembert.design.inverse.invert import invert as invert
 from dalembert.design.inverse.inverted import Inversion as Inversion
 from dalembert.design.limit import Limit as Limit
+from dalembert.design.methods.branch_and_bound import BranchAndBound as BranchAndBound
 from dalembert.design.methods.cma_es import CmaEs as CmaEs
 from dalembert.design.methods.differential_evolution import (
     DifferentialEvolution as DifferentialEvolution,
 )
-from dalembert.design.methods.discrete import BranchAndBound as BranchAndBound
 from dalembert.design.methods.enumeration import Enumeration as Enumeration
 from dalembert.design.methods.ipopt import Ipopt as Ipopt
 from dalembert.design.methods.least_squares import LeastSquares as LeastSquares

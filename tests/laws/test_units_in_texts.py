@@ -10,7 +10,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.design.identification.table import read_table
+from dalembert.design.identification.data_table import read_table
 from dalembert.elements.base import Element
 from dalembert.elements.registry import SPACES
 from dalembert.io.analyses import make_analysis

@@ -130,8 +130,7 @@ class Combined(Quantity):
         return ca.Function("formula", [inputs], [formula.sx, ca.gradient(formula.sx, inputs)])
 
     def _split(self, values: np.ndarray) -> list[np.ndarray]:
-        sizes = [len(part.terms) for part in self.parts.values()]
-        return np.split(values, np.cumsum(sizes)[:-1])
+        return split_terms(list(self.parts.values()), values)
 
     def _inner(self, values: np.ndarray) -> np.ndarray:
         parts = zip(self.parts.values(), self._split(values), strict=True)
@@ -254,6 +253,11 @@ class SumOfSquares(Spelled, Quantity):
         if any(not isinstance(part, CaseResponse) for part in parts):
             raise AnalysisError(f"{self.name}: give responses, not formulas of responses")
         return SumOfSquares(parts, self.targets, self.scales, self.name)
+
+
+def split_terms(parts: Sequence[Quantity], values: np.ndarray) -> list[np.ndarray]:
+    """Values of the terms of each part, from the values of all terms."""
+    return np.split(values, np.cumsum([len(part.terms) for part in parts])[:-1])
 
 
 def with_case(response: Any, case: Any) -> Quantity:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
-from dalembert.design.identification.table import read_table
+from dalembert.design.identification.data_table import read_table
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import options
 from dalembert.results.result import Analysis

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.identification.experiment import Experiment, Measures, observe
-from dalembert.design.identification.identified import Identification
+from dalembert.design.identification.identification import Identification
 from dalembert.design.identification.information import Information, inflation
-from dalembert.design.identification.least_squares import Fit, LeastSquares
+from dalembert.design.identification.least_squares import Fit, LeastSquaresSolver
 from dalembert.design.identification.misfit import Delays, Misfit, Unknowns, make_unknowns
 from dalembert.design.methods.search_options import (
     check_starts,
@@ -91,7 +91,7 @@ def identify(
     (True, 0.8)
     """
     misfit = make_misfit(model, data, measures, vary, analysis, time, noise, delays, start)
-    solver = LeastSquares(misfit, loss, tolerance, max_iterations, progress=progress)
+    solver = LeastSquaresSolver(misfit, loss, tolerance, max_iterations, progress=progress)
     first = misfit.unknowns.start
     check_start(misfit, first)
     further_starts = other_starts(misfit.unknowns, starts, rng)
@@ -185,7 +185,7 @@ def check_start(misfit: Misfit, x: np.ndarray) -> None:
 
 
 def _make_identification(
-    misfit: Misfit, solver: LeastSquares, fit: Fit, noise: dict[str, float], estimated: bool
+    misfit: Misfit, solver: LeastSquaresSolver, fit: Fit, noise: dict[str, float], estimated: bool
 ) -> Identification:
     unknowns, x = misfit.unknowns, fit.x
     jacobian = misfit.jacobian(x)

@@ -35,7 +35,7 @@ class Fit:
 
 
 @dataclass
-class LeastSquares:
+class LeastSquaresSolver:
     """``min Σ ρ(r²)`` over the unknowns, within their bounds.
 
     Parameters

@@ -14,7 +14,7 @@ import numpy as np
 
 from dalembert.design.identification.experiment import Measures
 from dalembert.design.identification.identify import check_start, make_misfit
-from dalembert.design.identification.least_squares import Fit, LeastSquares
+from dalembert.design.identification.least_squares import Fit, LeastSquaresSolver
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.inverse.history import History
 from dalembert.design.inverse.inverted import Inversion
@@ -94,7 +94,7 @@ def invert(
         *(model, data, measures, [*names, *vary], analysis, time, noise, None, start),
         regularised=True,
     )
-    solver = LeastSquares(misfit, "linear", tolerance, max_iterations, progress=progress)
+    solver = LeastSquaresSolver(misfit, "linear", tolerance, max_iterations, progress=progress)
     given = solver.use_specified_noise()
     if smoothing == "discrepancy" and not given:
         raise AnalysisError(
@@ -121,7 +121,7 @@ class _Smoothed:
     known : the noise is given
     """
 
-    solver: LeastSquares
+    solver: LeastSquaresSolver
     blocks: list[np.ndarray]
     smoothing: str | float
     known: bool

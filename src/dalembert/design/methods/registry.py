@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from dalembert.design.methods.base import Optimizer
+from dalembert.design.methods.branch_and_bound import BranchAndBound
 from dalembert.design.methods.cma_es import CmaEs
 from dalembert.design.methods.differential_evolution import DifferentialEvolution
-from dalembert.design.methods.discrete import BranchAndBound
 from dalembert.design.methods.enumeration import Enumeration
 from dalembert.design.methods.ipopt import Ipopt
 from dalembert.design.methods.least_squares import LeastSquares

@@ -11,6 +11,9 @@ from dalembert.budget import afford, numeral
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import is_number, is_whole
 
+OnIteration = Callable[[int, float], None]
+"""Called with the number of an iteration and its objective."""
+
 
 def sobol_designs(count: int, lower: np.ndarray, upper: np.ndarray, rng: int = 0) -> np.ndarray:
     """(count, n) designs of a Sobol sequence between bounds."""
@@ -89,10 +92,6 @@ def check_stop(max_iterations: int, tolerance: float) -> None:
         raise UnsupportedError(f"tolerance = {text}: give a number above 0, such as 1e-8")
     subject = f"max_iterations = {numeral(max_iterations)}"
     afford(subject, rounds=max_iterations, cure="give fewer max_iterations")
-
-
-OnIteration = Callable[[int, float], None]
-"""Called with the number of an iteration and its objective."""
 
 
 def iteration_callback(progress: bool | OnIteration) -> OnIteration | None:

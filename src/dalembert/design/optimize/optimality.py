@@ -18,6 +18,10 @@ ACTIVE = 1e-5
 """Scaled distance below which a limit or bound is active [-]."""
 OPTIMAL = 1e-3
 """Upper limit of the relative stationarity residual of an optimum [-]."""
+ROUNDS = 4
+"""Upper limit of the restarts of a search."""
+RESCALE = 1e-2
+"""Threshold of the scaled objective below which the search is rescaled and restarted [-]."""
 
 
 @dataclass
@@ -84,12 +88,6 @@ def why_stuck(program: Program, z: np.ndarray, point: Point, residual: np.ndarra
     return (
         ", but the objective does not decrease along it: it has a kink or a jump here; use smooth="
     )
-
-
-ROUNDS = 4
-"""Upper limit of the restarts of a search."""
-FALL = 1e-2
-"""Threshold of the scaled objective below which the search is rescaled and restarted [-]."""
 
 
 def solve_to_stationarity(
@@ -168,6 +166,6 @@ def _is_feasible(program: Program, z: np.ndarray) -> bool:
 
 def _is_stationary(program: Program, z: np.ndarray) -> bool:
     point = program.point(z, record=False)
-    if point is None or abs(point.f) < FALL or not _is_feasible(program, z):
+    if point is None or abs(point.f) < RESCALE or not _is_feasible(program, z):
         return False
     return multipliers(program, z, point).stationarity <= OPTIMAL

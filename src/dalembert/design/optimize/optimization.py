@@ -17,9 +17,9 @@ from dalembert.design.methods.search_options import OnIteration, iteration_callb
 from dalembert.design.optimize.evaluation_log import EvaluationLog
 from dalembert.design.optimize.optimality import solve_to_stationarity
 from dalembert.design.optimize.optimum import Optimum
-from dalembert.design.optimize.outcome import verified_optimum
 from dalembert.design.optimize.problem import DesignProblem, common_parameters
 from dalembert.design.optimize.program import Program
+from dalembert.design.optimize.verified_optimum import verified_optimum
 from dalembert.design.quantity import Quantity, with_case
 from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError

@@ -7,6 +7,17 @@ from typing import Any
 
 import numpy as np
 
+MAX_FRAMES = 2400
+"""Upper limit of the instants of all designs of a page together."""
+MIN_FRAMES = 61
+"""Lower limit of the instants of one design."""
+CHANGING = {
+    "mechanism": ("time", "scene", "series", "events"),
+    "spatial": ("time", "scene", "series", "events"),
+    "structure": ("drawing", "moved", "scales", "displacements", "fields", "loads", "reactions"),
+}
+"""Kind of page → keys that depend on the design."""
+
 
 def plain_page(decision: Any) -> dict[str, Any]:
     """Page of a decision without a mechanism or structure."""
@@ -47,18 +58,6 @@ def page_frame(decision: Any, height: int = 620) -> str:
     page = html.escape(render_page(plain_page(decision)), quote=True)
     look = f"width:100%;height:{height}px;border:1px solid #8884;border-radius:10px"
     return f'<iframe srcdoc="{page}" style="{look}" title="Page of the decision"></iframe>'
-
-
-MAX_FRAMES = 2400
-"""Upper limit of the instants of all designs of a page together."""
-MIN_FRAMES = 61
-"""Lower limit of the instants of one design."""
-CHANGING = {
-    "mechanism": ("time", "scene", "series", "events"),
-    "spatial": ("time", "scene", "series", "events"),
-    "structure": ("drawing", "moved", "scales", "displacements", "fields", "loads", "reactions"),
-}
-"""Kind of page → keys that depend on the design."""
 
 
 def thinned(page: dict[str, Any], count: int) -> dict[str, Any]:

@@ -13,6 +13,8 @@ from dalembert.design.decision import Decision
 if TYPE_CHECKING:
     import xarray as xr
 
+    from dalembert.design.ecosystem.functions import DesignFunctions
+
 
 def nondominated(values: np.ndarray) -> np.ndarray:
     """Indices of the rows that no other row dominates; repeated rows count once."""
@@ -171,3 +173,36 @@ class Front(Decision):
 
     def __repr__(self) -> str:
         return f"<Front of {len(self)} designs: {', '.join(self.labels)}; {self.message}>"
+
+
+def make_front(
+    functions: DesignFunctions,
+    senses: Sequence[float] | np.ndarray,
+    values: np.ndarray,
+    designs: np.ndarray,
+    message: str,
+    failed: list[str],
+) -> Front:
+    """Front of the nondominated designs, sorted by the first aim."""
+    indices = nondominated(values)
+    indices = indices[np.argsort(values[indices, 0])]
+    problem, points = functions.problem, designs[indices]
+    results = problem.results(points[0])
+    parameters = [problem.variables.parameters(x) for x in points]
+    case = problem.quantities[0].terms[0].case
+    units = dict(zip(problem.variables.names, problem.variables.units, strict=True))
+    return Front(
+        functions.labels,
+        [problem.unit(k, results) for k in range(functions.count)],
+        list(parameters[0]),
+        values[indices] * np.asarray(senses),
+        np.array([list(row.values()) for row in parameters]),
+        list(map(float, senses)),
+        message,
+        problem.runs,
+        problem.gradients,
+        failed,
+        name=case.model.name,
+        parameter_units=[units.get(n, case.model.parameters[n].unit) for n in parameters[0]],
+        rerun=lambda k: problem.results(points[k]).get(case),
+    )

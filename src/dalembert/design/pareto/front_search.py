@@ -11,11 +11,10 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer, Stop
 from dalembert.design.optimize.optimality import OPTIMAL, multipliers, solve_to_stationarity
-from dalembert.design.optimize.outcome import violated_limits
 from dalembert.design.optimize.program import FEASIBLE, Program
-from dalembert.design.pareto.front import Front, nondominated
-from dalembert.design.quantity import Quantity
-from dalembert.design.weighted import Weighted
+from dalembert.design.optimize.verified_optimum import violated_limits
+from dalembert.design.pareto.front import Front, make_front, nondominated
+from dalembert.design.quantity import CaseResponse, Quantity, split_terms
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import searching
 
@@ -25,6 +24,40 @@ ROUGH = Stop(30, 1e-6)
 """Stopping criteria of additional starts; the search continues from the best of them."""
 FLAT = 1e-6
 """Threshold below which a slope counts as zero, relative to the largest slope [-]."""
+
+
+class Weighted(Quantity):
+    """``Σ w_k q_k``.
+
+    Parameters
+    ----------
+    parts : quantities
+    weights : one for each part
+    label : name
+    """
+
+    def __init__(
+        self, parts: Sequence[Quantity], weights: Sequence[float] | np.ndarray, label: str
+    ):
+        self.parts, self.weights, self.label = list(parts), np.asarray(weights), label
+
+    @property
+    def terms(self) -> list[CaseResponse]:
+        return [term for part in self.parts for term in part.terms]
+
+    def varying(self, names: Sequence[str]) -> Weighted:
+        return Weighted([part.varying(names) for part in self.parts], self.weights, self.label)
+
+    def _split(self, values: np.ndarray) -> list[np.ndarray]:
+        return split_terms(self.parts, values)
+
+    def value(self, values: np.ndarray) -> float:
+        split = zip(self.weights, self.parts, self._split(values), strict=True)
+        return float(sum(w * part.value(v) for w, part, v in split))
+
+    def slope(self, values: np.ndarray) -> np.ndarray:
+        split = zip(self.weights, self.parts, self._split(values), strict=True)
+        return np.concatenate([w * part.slope(v) for w, part, v in split])
 
 
 class FrontSearch:
@@ -53,13 +86,8 @@ class FrontSearch:
     ) -> np.ndarray | None:
         """Optimal design within further limits on aims, from several starts; None if all fail."""
         best = self._solve_from(goal, limits, x)
-        candidates = [
-            candidate
-            for candidate in (
-                self._solve_roughly(goal, limits, start_design) for start_design in starts
-            )
-            if candidate is not None
-        ]
+        attempts = [self._solve_roughly(goal, limits, start) for start in starts]
+        candidates = [attempt for attempt in attempts if attempt is not None]
         if candidates:
             value, start = min(candidates, key=lambda candidate: candidate[0])
             if isinstance(best, str) or value < best[0]:
@@ -104,13 +132,12 @@ class FrontSearch:
             return "the run fails at the final design"
         violation = program.violation(evaluation.values)
         stationarity = multipliers(program, z, point).stationarity
-        if violation > FEASIBLE or stationarity > OPTIMAL:
-            reason = (
+        if violation > FEASIBLE:
+            return f"limits are violated: {violated_limits(program, evaluation.values)}"
+        if stationarity > OPTIMAL:
+            return (
                 f"the relative residual of the gradient is {stationarity:.2g} ({outcome.message})"
             )
-            if violation > FEASIBLE:
-                reason = f"limits are violated: {violated_limits(program, evaluation.values)}"
-            return reason
         return float(evaluation.values[0]), x
 
     def aim(self, row: int) -> Quantity:
@@ -255,36 +282,3 @@ def _shares(aims: int, points: int) -> list[np.ndarray]:
         for counts in itertools.product(range(total + 1), repeat=aims)
         if sum(counts) == total and max(counts) < total
     ]
-
-
-def make_front(
-    functions: DesignFunctions,
-    senses: Sequence[float] | np.ndarray,
-    values: np.ndarray,
-    designs: np.ndarray,
-    message: str,
-    failed: list[str],
-) -> Front:
-    """Front of the nondominated designs, sorted by the first aim."""
-    indices = nondominated(values)
-    indices = indices[np.argsort(values[indices, 0])]
-    problem, points = functions.problem, designs[indices]
-    results = problem.results(points[0])
-    parameters = [problem.variables.parameters(x) for x in points]
-    case = problem.quantities[0].terms[0].case
-    units = dict(zip(problem.variables.names, problem.variables.units, strict=True))
-    return Front(
-        functions.labels,
-        [problem.unit(k, results) for k in range(functions.count)],
-        list(parameters[0]),
-        values[indices] * np.asarray(senses),
-        np.array([list(row.values()) for row in parameters]),
-        list(map(float, senses)),
-        message,
-        problem.runs,
-        problem.gradients,
-        failed,
-        name=case.model.name,
-        parameter_units=[units.get(n, case.model.parameters[n].unit) for n in parameters[0]],
-        rerun=lambda k: problem.results(points[k]).get(case),
-    )

@@ -17,8 +17,8 @@ from dalembert.design.methods.search_options import (
     refuse_infinite_bounds,
     sobol_designs,
 )
-from dalembert.design.pareto.front import Front
-from dalembert.design.pareto.front_search import FrontSearch, make_front
+from dalembert.design.pareto.front import Front, make_front
+from dalembert.design.pareto.front_search import FrontSearch
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible
 from dalembert.results.result import Analysis

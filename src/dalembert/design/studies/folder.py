@@ -16,6 +16,14 @@ from dalembert.errors import FileError, UnsupportedError
 from dalembert.files.atomic import atomic_path
 from dalembert.files.readable import readable
 
+ABOUT, LOCK, TABLE = "study.json", ".lock", "table"
+DAMAGED = ".damaged"
+"""Suffix of a part that could not be read."""
+CHECK = "check"
+"""Column of a part with the checksums of its rows, as CSV has none."""
+UNPACKED = 20.0
+"""Bytes of memory per byte of a part."""
+
 
 class TableFormat(Protocol):
     """Format of a table file that is written atomically."""
@@ -111,15 +119,6 @@ def table_format(parts: Path) -> TableFormat:
             ) from None
         return Csv()
     return Parquet()
-
-
-ABOUT, LOCK, TABLE = "study.json", ".lock", "table"
-DAMAGED = ".damaged"
-"""Suffix of a part that could not be read."""
-CHECK = "check"
-"""Column of a part with the checksums of its rows, as CSV has none."""
-UNPACKED = 20.0
-"""Bytes of memory per byte of a part."""
 
 
 class StudyFolder:

@@ -27,6 +27,10 @@ MAX_TRIES = 2
 """Runs of a single design whose worker dies until the design counts as failed."""
 CHUNKS_AHEAD = 2
 """Submitted chunks per worker, so that no worker idles."""
+WAIT = 5.0
+"""Upper limit of the time to connect to the scheduler [s]."""
+_task_lock = threading.Lock()
+"""Serialises the threads of a worker, as compiled functions are not thread-safe."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,21 +160,17 @@ class Processes:
         return ProcessPoolExecutor(count, context, _initialise_worker, (make, os.getpid()))
 
 
-_tasks: dict[str, StudyTask] = {}
+_cluster_tasks: dict[str, StudyTask] = {}
 """Task of the current study on this worker, cached as it is expensive to build."""
-WAIT = 5.0
-"""Upper limit of the time to connect to the scheduler [s]."""
-_task_lock = threading.Lock()
-"""Serialises the threads of a worker, as compiled functions are not thread-safe."""
 
 
 def answer_on_worker(identity: str, make: Callable[[], StudyTask], chunk: Chunk) -> list[Answer]:
     """Answers of a chunk, computed on a worker; builds the task once."""
     with _task_lock:
-        if identity not in _tasks:
-            _tasks.clear()
-            _tasks[identity] = make()
-        return answer_chunk(_tasks[identity], chunk)
+        if identity not in _cluster_tasks:
+            _cluster_tasks.clear()
+            _cluster_tasks[identity] = make()
+        return answer_chunk(_cluster_tasks[identity], chunk)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.identification.table import read_table
+from dalembert.design.identification.data_table import read_table
 from dalembert.design.synthesis.chains import INVERSIONS, geared_five_bar, six_bar
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage import Linkage

@@ -16,6 +16,8 @@ READERS = {".csv": "read_csv", ".txt": "read_csv", ".parquet": "read_parquet"}
 """File suffix → reader of pandas."""
 MARKERS = ".c3d"
 """File suffix of motion-capture markers."""
+METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
+"""Unit of the points of a file → factor to metres."""
 
 
 def read_table(source: Any) -> dict[str, np.ndarray]:
@@ -97,10 +99,6 @@ def _numbers(values: Any) -> np.ndarray | None:
         return np.asarray(values, dtype=float).ravel()
     except (TypeError, ValueError):
         return None
-
-
-METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
-"""Unit of the points of a file → factor to metres."""
 
 
 def read_markers(path: Path) -> dict[str, np.ndarray]:
