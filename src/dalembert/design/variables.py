@@ -43,10 +43,10 @@ class Integer(Spelled):
         lower, upper = parameters[self.name].bounds
         if not (math.isfinite(lower) and math.isfinite(upper)):
             raise AnalysisError(f"{self.name} takes whole numbers: give it two finite bounds")
-        whole = np.arange(math.ceil(lower), math.floor(upper) + 1, dtype=float)
-        if not whole.size:
+        integers = np.arange(math.ceil(lower), math.floor(upper) + 1, dtype=float)
+        if not integers.size:
             raise AnalysisError(f"{self.name}: no whole number lies in [{lower}, {upper}]")
-        return {self.name: whole}
+        return {self.name: integers}
 
 
 @dataclass(frozen=True)

@@ -149,11 +149,11 @@ class DesignFunctions(Spelled):
         gradient: Method = "auto",
     ):
         several = isinstance(responses, Sequence) and not isinstance(responses, (str, Response))
-        listed = list(responses) if several else [responses]
-        quantities = [*listed, *(limit.response for limit in subject_to)]
+        response_list = list(responses) if several else [responses]
+        quantities = [*response_list, *(limit.response for limit in subject_to)]
         self.problem = design_problem(model, analysis, quantities, vary, start)
         self.problem.gradient = gradient
-        self.limits, self.count = list(subject_to), len(listed)
+        self.limits, self.count = list(subject_to), len(response_list)
         self.names = self.problem.variables.names
         self.labels = [q.label for q in self.problem.quantities[: self.count]]
         self.x0 = self.problem.variables.start.copy()

@@ -54,7 +54,7 @@ def assembly_equations(model: Model, time: float) -> PositionEquations:
     recipe = model.closure.recipe
     residual, rows = recipe.position_equations
 
-    def solve(p: np.ndarray, near: np.ndarray | None) -> np.ndarray:
+    def solve(p: np.ndarray, initial: np.ndarray | None) -> np.ndarray:
         return model.assemble(p, time).y
 
     return PositionEquations(residual, rows, ca.SX(0, 1), np.zeros(0), solve)
@@ -66,8 +66,8 @@ def equilibrium_equations(model: Model, analysis: Equilibrium) -> PositionEquati
     residual = ca.vertcat(kernel.balance, e.constraints)
     sizes = e.scales
 
-    def solve(p: np.ndarray, near: np.ndarray | None) -> np.ndarray:
-        start = None if near is None else near[: e.coordinate_count]
+    def solve(p: np.ndarray, initial: np.ndarray | None) -> np.ndarray:
+        start = None if initial is None else initial[: e.coordinate_count]
         equilibrium = analysis.run(model, p, start=start)
         if not equilibrium.status.success:
             raise AnalysisError(f"{model.name}: no equilibrium, {equilibrium.status}")
@@ -141,8 +141,8 @@ class MechanismStates(StateEquations):
             )
         return sx
 
-    def solve(self, p: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
-        return self.system.solve(p, near)
+    def solve(self, p: np.ndarray, initial: np.ndarray | None = None) -> np.ndarray:
+        return self.system.solve(p, initial)
 
     def residual(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
         return self._values(self.time, x, p)[0].full().ravel()

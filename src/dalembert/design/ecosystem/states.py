@@ -84,7 +84,7 @@ class StateEquations(ABC):
     scales: np.ndarray
 
     @abstractmethod
-    def solve(self, p: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
+    def solve(self, p: np.ndarray, initial: np.ndarray | None = None) -> np.ndarray:
         """(n,) solution for parameter values, from an initial state.
 
         Raises

@@ -62,7 +62,7 @@ class StructureStates(StateEquations):
         displacement = float(np.abs(start.reshape(shape) * arms[:, None]).max(initial=0.0)) or 1.0
         self.scales = np.repeat(displacement / arms, shape[1])
 
-    def solve(self, p: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
+    def solve(self, p: np.ndarray, initial: np.ndarray | None = None) -> np.ndarray:
         result = self.analysis.run(self.model, p)
         if not result.status.success:
             raise AnalysisError(f"{self.model.name}: {result.status}")
@@ -91,8 +91,8 @@ class StructureStates(StateEquations):
     def result(self, x: np.ndarray, p: np.ndarray) -> StructuralResult:
         """Result with forces and reactions at displacements; the last run if it is the same."""
         u, last = self._shaped(x), self._last
-        same = np.array_equal
-        if last is not None and same(last.parameters, p) and same(last.displacements, u):
+        is_equal = np.array_equal
+        if last is not None and is_equal(last.parameters, p) and is_equal(last.displacements, u):
             return last
         pairs = list(enumerate(self._equations(p)))
         forces = np.stack([equations.forces(u[:, k], 1.0) for k, equations in pairs], axis=1)

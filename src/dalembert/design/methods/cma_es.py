@@ -73,7 +73,7 @@ class CmaEs(Optimizer):
         while not search.stop():
             designs = search.ask()
             search.tell(designs, [self._cost(program, d) for d in designs])
-            program.keep(np.asarray(search.result.xbest))
+            program.record_values(np.asarray(search.result.xbest))
         z, message = np.asarray(search.result.xbest), f"CMA-ES: {search.countiter} generations"
         if self.polish is None:
             return OptimizerResult(z, True, message)

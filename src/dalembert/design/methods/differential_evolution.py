@@ -66,7 +66,7 @@ class DifferentialEvolution(Optimizer):
             callback=encoded.callback,
         )
         z = encoded.decode(result.x)
-        program.keep(z)
+        program.record_values(z)
         message = f"differential evolution: {result.nit} generations"
         if self.polish is None:
             return OptimizerResult(z, True, message)
@@ -77,7 +77,7 @@ def refine(
     program: Program, z: np.ndarray, local: Optimizer, stop: Stop, message: str
 ) -> OptimizerResult:
     """Refine a design by a gradient method with its discrete variables fixed."""
-    if not program.begin(z):
+    if not program.restart(z):
         return OptimizerResult(z, False, f"{message}; the run fails at the best design")
     program.fix_sizes(program.unscale(z))
     refined = local.solve(program, z, stop)
@@ -126,7 +126,7 @@ class _EncodedProgram:
         """Function that records the best design of each generation."""
 
         def record_best(intermediate_result: object) -> bool:
-            self.program.keep(self.decode(intermediate_result.x))  # type: ignore[attr-defined]
+            self.program.record_values(self.decode(intermediate_result.x))  # type: ignore[attr-defined]
             return False
 
         return record_best

@@ -88,7 +88,7 @@ class Enumeration(Optimizer):
             z = program.scaled(x)
             evaluation = program.problem.evaluate(x, gradient=False)
             if evaluation is not None and program.violation(evaluation.values) <= FEASIBLE:
-                program.keep(z)
+                program.record_values(z)
                 program.fix_sizes(x)
                 return OptimizerResult(z, True, f"enumeration: the best of {table.count:,} designs")
         return OptimizerResult(
@@ -131,8 +131,8 @@ class _Table:
         inner = np.array([x.ravel() for x in np.meshgrid(*self.sizes[split:], indexing="ij")])
         inner = inner.reshape(len(self.sizes) - split, -1)
         for outer in itertools.product(*self.sizes[:split]):
-            held = np.broadcast_to(np.array(outer).reshape(-1, 1), (split, inner.shape[1]))
-            yield np.concatenate([held, inner])
+            constant = np.broadcast_to(np.array(outer).reshape(-1, 1), (split, inner.shape[1]))
+            yield np.concatenate([constant, inner])
 
 
 def _formulas(program: Program) -> ca.Function | None:
@@ -167,12 +167,12 @@ def _rank_by_formulas(program: Program, table: _Table, formulas: ca.Function) ->
         values = _values(program, terms)
         feasible = (_violations(program, values) <= FEASIBLE) & np.isfinite(values[0])
         objective = np.where(feasible, program.sign * values[0], np.inf)
-        few = (
+        selected = (
             np.argpartition(objective, CANDIDATES - 1)[:CANDIDATES]
             if count > CANDIDATES
             else np.arange(count)
         )
-        best += [(float(objective[k]), designs[:, k]) for k in few if feasible[k]]
+        best += [(float(objective[k]), designs[:, k]) for k in selected if feasible[k]]
         best = sorted(best, key=lambda entry: entry[0])[:CANDIDATES]
     return [x for _, x in best]
 

@@ -167,15 +167,15 @@ class _InequalityConstraints:
         self.low = np.flatnonzero(np.isfinite(program.c_lower))
         self.high = np.flatnonzero(np.isfinite(program.c_upper))
         self.c_lower, self.c_upper = program.c_lower[self.low], program.c_upper[self.high]
-        self.largest = np.zeros(self.low.size + self.high.size)
+        self.penalties = np.zeros(self.low.size + self.high.size)
 
     def values(self, f: float, c: np.ndarray) -> np.ndarray:
         return np.concatenate([[f], self.c_lower - c[self.low], c[self.high] - self.c_upper])
 
     def weights(self, multipliers: np.ndarray) -> np.ndarray:
         """(m,) weights of violations in the merit function; they never decrease."""
-        self.largest = np.maximum(self.largest, 2 * multipliers + 1e-3)
-        return self.largest
+        self.penalties = np.maximum(self.penalties, 2 * multipliers + 1e-3)
+        return self.penalties
 
     def slopes(self, point: Point) -> np.ndarray:
         return np.vstack([point.g, -point.J[self.low], point.J[self.high]])

@@ -46,7 +46,7 @@ class Multistart(Optimizer):
         optima: list[tuple[np.ndarray, np.ndarray]] = []
         failure_count = 0
         for start in (z, *self._spread(program)):
-            if not program.begin(start):
+            if not program.restart(start):
                 failure_count += 1
                 continue
             z_end = self.local.solve(program, start, stop).z
@@ -59,7 +59,7 @@ class Multistart(Optimizer):
         if failure_count:
             message += f", {failure_count} of which failed"
         designs = [optimum for optimum, _ in optima]
-        program.begin(designs[0])
+        program.restart(designs[0])
         return OptimizerResult(designs[0], True, message, optima=designs)
 
     def _spread(self, program: Program) -> np.ndarray:

@@ -24,7 +24,7 @@ class EvaluationLog:
     Parameters
     ----------
     path : of the file; created if missing
-    about : fingerprint of the problem
+    fingerprint : identification of the problem
 
     Raises
     ------
@@ -32,10 +32,10 @@ class EvaluationLog:
         The file belongs to another problem, or is no log.
     """
 
-    def __init__(self, path: str | Path, about: Mapping[str, Any]):
+    def __init__(self, path: str | Path, fingerprint: Mapping[str, Any]):
         self.path = Path(path)
         self.entries: dict[bytes, dict[str, Any]] = {}
-        expected = json.loads(json.dumps(about))
+        expected = json.loads(json.dumps(fingerprint))
         if self.path.exists() and self.path.stat().st_size:
             self._read(expected)
         else:
@@ -77,7 +77,7 @@ class EvaluationLog:
         """Entry of a design: ``terms`` and optionally ``gradient``, or a ``failure``."""
         return self.entries.get(self._key(x, part))
 
-    def keep(self, x: np.ndarray, part: str = "", **entry: Any) -> None:
+    def append(self, x: np.ndarray, part: str = "", **entry: Any) -> None:
         """Append the outcome of a run."""
         plain = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in entry.items()}
         self.entries.setdefault(self._key(x, part), {}).update(plain)
@@ -101,6 +101,6 @@ class LogPart:
         """See ``EvaluationLog``."""
         return self.log.find(x, self.name)
 
-    def keep(self, x: np.ndarray, **entry: Any) -> None:
+    def append(self, x: np.ndarray, **entry: Any) -> None:
         """See ``EvaluationLog``."""
-        self.log.keep(x, self.name, **entry)
+        self.log.append(x, self.name, **entry)

@@ -103,7 +103,7 @@ def solve_to_stationarity(
         return best
     for round_number in range(1, ROUNDS + 1):
         iterations_left = stop.max_iterations - (len(program.history) - initial_count)
-        if iterations_left <= 0 or _is_stationary(program, best.z) or not program.begin(best.z):
+        if iterations_left <= 0 or _is_stationary(program, best.z) or not program.restart(best.z):
             break
         before = program.last
         iterations_used = stop.used + stop.max_iterations - iterations_left
@@ -135,7 +135,7 @@ def _rescue(
     program: Program, method: Optimizer, stop: Stop, best: OptimizerResult
 ) -> OptimizerResult:
     """Outcome of another method from the end of the first, if that is better."""
-    if not program.begin(best.z):
+    if not program.restart(best.z):
         return best
     outcome = method.solve(program, best.z, stop)
     values = [

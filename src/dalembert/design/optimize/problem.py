@@ -147,7 +147,7 @@ class DesignProblem:
                 if evaluation is None
                 else {"terms": evaluation.terms}
             )
-            self.log.keep(x, **entry)
+            self.log.append(x, **entry)
         return evaluation
 
     def _values(self, terms: np.ndarray) -> np.ndarray:
@@ -213,7 +213,7 @@ class DesignProblem:
                 gradient[rows] += np.outer(slope[:, k], inner)
         evaluation.gradient = gradient
         if self.log is not None:
-            self.log.keep(x, terms=evaluation.terms, gradient=gradient)
+            self.log.append(x, terms=evaluation.terms, gradient=gradient)
 
     def slope(self, evaluation: Evaluation, row: int) -> np.ndarray:
         """(n,) gradient of a quantity at an evaluation with gradient."""

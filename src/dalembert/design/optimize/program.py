@@ -95,7 +95,7 @@ class Program:
         bounds = [getattr(limit, side) for limit in self.limits]
         return np.array([none if b is None else b for b in bounds], dtype=float) / self.sizes
 
-    def begin(self, z: np.ndarray) -> bool:
+    def restart(self, z: np.ndarray) -> bool:
         """Restart from a design and rescale the objective there; False if the design fails."""
         x = self.unscale(z)
         evaluation = self.problem.evaluate(x)
@@ -105,7 +105,7 @@ class Program:
         self.last = self.sign * evaluation.values[0] / self.scale
         return True
 
-    def measure_by_start(self) -> None:
+    def restore_scale(self) -> None:
         """Restore the scale of the objective at the initial design."""
         self.scale = self._scale(self.initial)
 
@@ -228,7 +228,7 @@ class Program:
         if self.on_iterate is not None:
             self.on_iterate(len(self.history) - 1, iterate.objective)
 
-    def keep(self, z: np.ndarray) -> None:
+    def record_values(self, z: np.ndarray) -> None:
         """Record a design without its gradient."""
         x = self.unscale(z)
         evaluation = self.problem.evaluate(x, gradient=False)

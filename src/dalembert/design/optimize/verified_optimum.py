@@ -16,7 +16,7 @@ def verified_optimum(
     program: Program, outcome: OptimizerResult, interrupted: bool = False
 ) -> Optimum:
     """Optimum, with feasibility and first-order optimality checked at its final design."""
-    program.measure_by_start()
+    program.restore_scale()
     x, evaluation, note = _design(program, outcome)
     z = program.scaled(x)
     point = program.point(z, record=False)

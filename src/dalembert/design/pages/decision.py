@@ -94,9 +94,9 @@ def alternative(result: Any, page: dict[str, Any], **first_view: Any) -> dict[st
         if len(other["time"]) > limit:
             indices = np.linspace(0, len(other["time"]) - 1, limit).round().astype(int)
             other = _select(other, len(other["time"]), np.unique(indices))
-    shown = {name for group in page.get("default_plots", ()) for name in group}
+    plotted = {name for group in page.get("default_plots", ()) for name in group}
     payload = {key: other[key] for key in CHANGING[page["kind"]] if key in other}
     if "series" in payload:
-        payload["series"] = [s for s in payload["series"] if s["name"] in shown]
+        payload["series"] = [s for s in payload["series"] if s["name"] in plotted]
     payload["parameters"] = other.get("parameters", [])
     return payload

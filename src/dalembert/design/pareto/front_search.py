@@ -126,7 +126,7 @@ class FrontSearch:
         outcome = solve_to_stationarity(program, self.local, self.stop, program.scaled(x))
         x = program.unscale(outcome.z)
         z = program.scaled(x)
-        program.measure_by_start()
+        program.restore_scale()
         point, evaluation = program.point(z, record=False), program.problem.evaluate(x)
         if point is None or evaluation is None:
             return "the run fails at the final design"

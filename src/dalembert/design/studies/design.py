@@ -93,8 +93,8 @@ class Design(Spelled):
         from scipy.stats import qmc
 
         sampler = qmc.Sobol(len(ranges), rng=random_generator(rng))
-        whole = 2 ** int(np.ceil(np.log2(_checked_count(count))))
-        return cls._from_unit_cube(ranges, sampler.random(whole)[:count])
+        power_of_two = 2 ** int(np.ceil(np.log2(_checked_count(count))))
+        return cls._from_unit_cube(ranges, sampler.random(power_of_two)[:count])
 
     @classmethod
     def monte_carlo(cls, distributions: Mapping[str, Any], count: int, rng: Any = None) -> Design:

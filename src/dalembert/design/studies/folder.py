@@ -135,10 +135,10 @@ class StudyFolder:
         Its answers are Parquet, and pyarrow is not installed.
     """
 
-    def __init__(self, path: str | Path, identity: str, about: dict[str, Any]):
+    def __init__(self, path: str | Path, identity: str, description: dict[str, Any]):
         self.path = Path(path)
         self.parts = self.path / "parts"
-        self.responses: Sequence[str] = about["responses"]
+        self.responses: Sequence[str] = description["responses"]
         try:
             self.parts.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -147,20 +147,22 @@ class StudyFolder:
         self.format = table_format(self.parts)
         self._lock = _lock_file(self.path / LOCK)
         try:
-            self._claim(identity, about)
+            self._claim(identity, description)
         except FileError:
             self.close()
             raise
         for temporary in self.parts.glob(".part-*"):
             temporary.unlink(missing_ok=True)
 
-    def _claim(self, identity: str, about: dict[str, Any]) -> None:
+    def _claim(self, identity: str, description: dict[str, Any]) -> None:
         claim = self.path / ABOUT
         if not claim.exists():
             if any(self.parts.iterdir()):
                 raise FileError(f"{self.path}: has parts but no {ABOUT}; choose another folder")
             with atomic_path(claim) as path:
-                path.write_text(json.dumps({"identity": identity, **about}, indent=2), "utf-8")
+                path.write_text(
+                    json.dumps({"identity": identity, **description}, indent=2), "utf-8"
+                )
             return
         try:
             stored = json.loads(claim.read_text("utf-8"))["identity"]

@@ -104,8 +104,8 @@ def run_study(
         backend = InProcess(task) if count == 1 else Processes(make, task, count)
     size = chunk or _chunk_size(task, len(design), count)
     labels = [response.label for response in task.responses]
-    about = {"model": task.model.name, "designs": len(design), "responses": labels}
-    storage = None if folder is None else StudyFolder(folder, identity, about)
+    description = {"model": task.model.name, "designs": len(design), "responses": labels}
+    storage = None if folder is None else StudyFolder(folder, identity, description)
     try:
         answered = storage.answers() if storage else {}
         reused = len(answered)

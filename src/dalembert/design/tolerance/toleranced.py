@@ -103,8 +103,8 @@ class Toleranced(Decision):
     def contributions(self) -> dict[str, float]:
         """Parameter → share of the variance to first order."""
         squares = np.square(list(self.effects.values()))
-        whole = float(squares.sum()) or 1.0
-        return dict(zip(self.effects, map(float, squares / whole), strict=True))
+        total = float(squares.sum()) or 1.0
+        return dict(zip(self.effects, map(float, squares / total), strict=True))
 
     def allot(
         self,
