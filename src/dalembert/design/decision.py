@@ -15,6 +15,22 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+def axis_label(name: str, unit: str) -> str:
+    """Name with its unit in brackets, if it has one."""
+    return f"{name} [{unit}]" if unit else name
+
+
+def plot_axes(ax: Any, figsize: tuple[float, float]) -> Any:
+    """Matplotlib axes with a light grid: ``ax``, or new ones if it is None."""
+    import matplotlib.pyplot as plt
+
+    if ax is None:
+        _, ax = plt.subplots(figsize=figsize, layout="constrained")
+    ax.grid(alpha=0.25)
+    ax.spines[["top", "right"]].set_visible(False)
+    return ax
+
+
 class Decision(ABC):
     """Result of a design task.
 

@@ -12,11 +12,7 @@ from dalembert.design.identification.identification import Identification
 from dalembert.design.identification.information import Information, inflation
 from dalembert.design.identification.least_squares import Fit, LeastSquaresSolver
 from dalembert.design.identification.misfit import Delays, Misfit, Unknowns, make_unknowns
-from dalembert.design.methods.search_options import (
-    check_starts,
-    refuse_infinite_bounds,
-    sobol_designs,
-)
+from dalembert.design.methods.search_options import additional_starts
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
@@ -92,31 +88,18 @@ def identify(
     """
     misfit = make_misfit(model, data, measures, vary, analysis, time, noise, delays, start)
     solver = LeastSquaresSolver(misfit, loss, tolerance, max_iterations, progress=progress)
-    first = misfit.unknowns.start
+    unknowns = misfit.unknowns
+    first = unknowns.start
     check_start(misfit, first)
-    further_starts = other_starts(misfit.unknowns, starts, rng)
+    bounds = unknowns.lower, unknowns.upper
+    further_starts = additional_starts(starts, unknowns.labels, *bounds, rng)
     minima = solver.minima([first, *further_starts]) if further_starts else []
     fit, noise_levels, estimated = solver.fit_with_noise(minima[0][1] if minima else first)
     defer_ctrl_c()
     result = _make_identification(misfit, solver, fit, noise_levels, estimated)
-    labels = misfit.unknowns.labels
     for cost, x in minima:
-        result.minima.append((cost, dict(zip(labels, map(float, x), strict=True))))
+        result.minima.append((cost, dict(zip(unknowns.labels, map(float, x), strict=True))))
     return result
-
-
-def other_starts(unknowns: Unknowns, starts: int, rng: int) -> list[np.ndarray]:
-    """Additional starts between the bounds of the unknowns.
-
-    Raises
-    ------
-    AnalysisError
-        An unknown lacks two finite bounds, or ``starts`` is invalid.
-    """
-    if check_starts(starts) == 1:
-        return []
-    refuse_infinite_bounds("starts", unknowns.labels, unknowns.lower, unknowns.upper)
-    return list(sobol_designs(starts - 1, unknowns.lower, unknowns.upper, rng))
 
 
 def make_misfit(

@@ -54,6 +54,22 @@ def check_starts(starts: int) -> int:
     return starts
 
 
+def additional_starts(
+    starts: int, names: Sequence[str], lower: np.ndarray, upper: np.ndarray, rng: int
+) -> list[np.ndarray]:
+    """Initial designs between the bounds besides the first of ``starts``.
+
+    Raises
+    ------
+    AnalysisError
+        ``starts`` is invalid, or a variable lacks two finite bounds.
+    """
+    if check_starts(starts) == 1:
+        return []
+    refuse_infinite_bounds("starts", names, lower, upper)
+    return list(sobol_designs(starts - 1, lower, upper, rng))
+
+
 @dataclass
 class Stop:
     """Stopping criteria.

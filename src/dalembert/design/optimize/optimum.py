@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from dalembert.design.decision import Decision
+from dalembert.design.decision import Decision, axis_label, plot_axes
 from dalembert.design.limit import Bounded
 from dalembert.results.result import Result
 
@@ -140,15 +140,9 @@ class Optimum(Decision):
 
     def plot(self, ax: Any = None) -> Any:
         """Objective over the iterations; returns the axes."""
-        import matplotlib.pyplot as plt
-
-        if ax is None:
-            _, ax = plt.subplots(figsize=(6, 3.4), layout="constrained")
+        ax = plot_axes(ax, (6, 3.4))
         ax.plot([i.objective for i in self.history], marker="o", ms=4)
-        unit = f" [{self.unit}]" if self.unit else ""
-        ax.set(xlabel="iteration", ylabel=f"{self.label}{unit}")
-        ax.grid(alpha=0.25)
-        ax.spines[["top", "right"]].set_visible(False)
+        ax.set(xlabel="iteration", ylabel=axis_label(self.label, self.unit))
         return ax
 
     def _repr_html_(self) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.design.decision import axis_label
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.pages.decision import plain_page, with_views
 from dalembert.report import views
@@ -82,7 +83,7 @@ def inversion_views(inversion: Any) -> list[dict[str, Any]]:
             views.line("knots", history.knots, value, "dots"),
         ]
         unit = history.parameters[0].unit
-        label = f"{history.name} [{unit}]" if unit else history.name
+        label = axis_label(history.name, unit)
         payload.append({**views.curves(history.name, "time [s]", label, lines), "place": "board"})
     payload += fits(inversion.misfit, inversion.predicted)
     curve = inversion.curve

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.design.decision import axis_label
 from dalembert.design.pages.decision import plain_page
 from dalembert.report import views
 
@@ -59,7 +60,7 @@ def study_views(study: Any) -> list[dict[str, Any]]:
     for name in study.responses[:3]:
         column = study.column(name)[success]
         unit = study.units.get(name, "")
-        label = f"{name} [{unit}]" if unit else name
+        label = axis_label(name, unit)
         if column.size:
             marks = {"mean": float(column.mean())}
             payload.append(views.histogram(name, label, column, marks))

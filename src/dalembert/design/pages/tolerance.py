@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.design.decision import axis_label
 from dalembert.design.pages.decision import plain_page, with_views
 from dalembert.report import views
 
@@ -27,7 +28,7 @@ def tolerance_views(result: Any) -> list[dict[str, Any]]:
     values = np.zeros(0) if result.sampled is None else result.sampled
     order = "first" if result.hessian is None else "second"
     note = f"Curve: normal, mean and deviation to {order} order."
-    label = f"{result.label} [{unit}]" if unit else result.label
+    label = axis_label(result.label, unit)
     rows = [
         ("nominal", f"{result.nominal:.6g} {unit}"),
         (

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.design.decision import axis_label
 from dalembert.design.pages.decision import with_views
 from dalembert.report import views
 from dalembert.results.pictures.scene import standing
@@ -57,7 +58,7 @@ def _control(trajectory: Any, name: str) -> dict[str, Any]:
         views.line(name, times, control(times)),
         views.line("knots", control.times[::2], control.values[::2], "dots"),
     ]
-    label = f"{name} [{control.unit}]" if control.unit else name
+    label = axis_label(name, control.unit)
     bounds = trajectory.planned.model.parameters[name].bounds
     levels = [float(b) for b in bounds if np.isfinite(b)]
     return views.curves(f"Control {name}", "time [s]", label, lines, levels=levels)
@@ -74,7 +75,7 @@ def _states(trajectory: Any) -> list[dict[str, Any]]:
                 0, views.line("run", trajectory.motion.time, trajectory.motion.values(name))
             )
         unit = plan.expression(name).unit
-        label = f"{name} [{unit}]" if unit else name
+        label = axis_label(name, unit)
         payload.append(views.curves(name, "time [s]", label, lines))
     return payload
 

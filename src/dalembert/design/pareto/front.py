@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.design.decision import Decision
+from dalembert.design.decision import Decision, axis_label, plot_axes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -157,18 +157,10 @@ class Front(Decision):
 
     def plot(self, ax: Any = None) -> Any:
         """Plot the first two aims; returns the axes."""
-        import matplotlib.pyplot as plt
-
-        if ax is None:
-            _, ax = plt.subplots(figsize=(5, 3.8), layout="constrained")
+        ax = plot_axes(ax, (5, 3.8))
         ax.plot(self.values[:, 0], self.values[:, 1], marker="o", ms=4, lw=1)
-        labels = [
-            f"{label} [{unit}]" if unit else label
-            for label, unit in zip(self.labels, self.units, strict=True)
-        ]
+        labels = list(map(axis_label, self.labels, self.units))
         ax.set(xlabel=labels[0], ylabel=labels[1])
-        ax.grid(alpha=0.25)
-        ax.spines[["top", "right"]].set_visible(False)
         return ax
 
     def __repr__(self) -> str:

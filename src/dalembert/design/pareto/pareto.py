@@ -12,11 +12,7 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer
 from dalembert.design.methods.registry import make_optimizer
-from dalembert.design.methods.search_options import (
-    check_starts,
-    refuse_infinite_bounds,
-    sobol_designs,
-)
+from dalembert.design.methods.search_options import additional_starts
 from dalembert.design.pareto.front import Front, make_front
 from dalembert.design.pareto.front_search import FrontSearch
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -112,20 +108,13 @@ def pareto(
             return _evolve(functions, senses, method, points, generations, rng, report)
     if functions.problem.variables.sizes:
         raise UnsupportedError(f"{method} takes no discrete variables; use method='nsga2'")
-    start_designs = _additional_starts(functions, check_starts(starts), rng)
+    variables = functions.problem.variables
+    bounds = variables.lower, variables.upper
+    start_designs = additional_starts(starts, variables.names, *bounds, rng)
     optimizer = make_optimizer(local, False)
     search = FrontSearch(functions, senses, optimizer, max_iterations, tolerance, start_designs)
     with progress_reporter(progress, "front") as report:
         return search.front(method, points, report)
-
-
-def _additional_starts(functions: DesignFunctions, starts: int, rng: int) -> list[np.ndarray]:
-    """Additional initial designs between the bounds."""
-    if starts == 1:
-        return []
-    variables = functions.problem.variables
-    refuse_infinite_bounds("starts", variables.names, variables.lower, variables.upper)
-    return list(sobol_designs(starts - 1, variables.lower, variables.upper, rng))
 
 
 def _evolve(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.design.decision import Decision
+from dalembert.design.decision import Decision, plot_axes
 from dalembert.design.studies.design import Design
 from dalembert.errors import AnalysisError
 
@@ -155,18 +155,13 @@ class Study(Decision):
 
     def plot(self, x: str, response: str | None = None, ax: Any = None) -> Any:
         """Plot a response over a parameter; returns the axes."""
-        import matplotlib.pyplot as plt
-
-        if ax is None:
-            _, ax = plt.subplots(figsize=(5, 3.6), layout="constrained")
+        ax = plot_axes(ax, (5, 3.6))
         if x not in self.design.names:
             raise AnalysisError(
                 f"{x!r} does not vary; the study varies {', '.join(self.design.names)}"
             )
         ax.plot(self.design.values[:, self.design.names.index(x)], self.column(response), ".", ms=4)
         ax.set(xlabel=x, ylabel=response or self.responses[0])
-        ax.grid(alpha=0.25)
-        ax.spines[["top", "right"]].set_visible(False)
         return ax
 
     def __repr__(self) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.design.decision import Decision
+from dalembert.design.decision import Decision, plot_axes
 from dalembert.errors import AnalysisError
 
 if TYPE_CHECKING:
@@ -216,15 +216,10 @@ class Toleranced(Decision):
     # for people ----------------------------------------------------------------------------
     def plot(self, ax: Any = None) -> Any:
         """Plot the effect of each tolerance; returns the axes."""
-        import matplotlib.pyplot as plt
-
-        if ax is None:
-            _, ax = plt.subplots(figsize=(5.5, 3.2), layout="constrained")
+        ax = plot_axes(ax, (5.5, 3.2))
         rows = sorted(self.effects.items(), key=lambda item: abs(item[1]))
         ax.barh([n for n, _ in rows], [abs(v) for _, v in rows], height=0.6)
         ax.set(xlabel=f"change of {self.label} for the full tolerance")
-        ax.grid(alpha=0.25)
-        ax.spines[["top", "right"]].set_visible(False)
         return ax
 
     def table_html(self) -> str:
