@@ -135,8 +135,8 @@ def optimum_table(optimum: Any) -> str:
     mark = "✓" if optimum.success else "✗"
     return (
         f"<div><b>{mark} {html.escape(optimum.message)}</b><table>{''.join(rows)}</table>"
-        f"<small>price: what the objective{f' [{unit}]' if unit else ''} gains per unit by which "
-        f"an active limit is relaxed; {optimum.runs} runs, {optimum.gradients} "
+        f"<small>price: improvement of the objective{f' [{unit}]' if unit else ''} per unit by "
+        f"which an active limit is relaxed; {optimum.runs} runs, {optimum.gradients} "
         f"gradients</small></div>"
     )
 
