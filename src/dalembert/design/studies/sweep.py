@@ -19,6 +19,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.responses.several import as_responses
 from dalembert.results.result import Analysis
+from dalembert.results.warnings import Warnings
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
 
@@ -27,6 +28,8 @@ MAX_CHUNK = 256
 """Upper limit of the designs of a chunk."""
 MIN_BATCH = 128
 """Lower limit of the designs of a batch, if there are enough designs."""
+CHECKED = 4
+"""Upper limit of the designs that are run again for their warnings."""
 
 
 @spelled
@@ -136,7 +139,25 @@ def _make_study(
     values = np.array([answer.values for answer in ordered])
     reasons = tuple(answer.reason for answer in ordered)
     path = None if folder is None else Path(folder)
-    return Study(task.model.name, design, labels, values, reasons, path, reused, task.units)
+    warnings = Warnings(deferred=lambda: task.warnings(design, _extreme_designs(values)))
+    return Study(
+        task.model.name,
+        design,
+        labels,
+        values,
+        reasons,
+        path,
+        reused,
+        task.units,
+        warnings=warnings,
+    )
+
+
+def _extreme_designs(values: np.ndarray) -> list[int]:
+    """Designs with the smallest and largest values of the responses, at most ``CHECKED``."""
+    columns = [column for column in values.T if np.isfinite(column).any()]
+    extremes = [pick(column) for column in columns for pick in (np.nanargmin, np.nanargmax)]
+    return [int(k) for k in dict.fromkeys(extremes)][:CHECKED]
 
 
 def _chunks(design: Design, answered: dict[int, Answer], size: int) -> list[Chunk]:
